@@ -1,0 +1,5 @@
+"""``python -m armour``."""
+
+from armour.cli import main
+
+main()

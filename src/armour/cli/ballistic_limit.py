@@ -1,0 +1,43 @@
+"""``armour ballistic-limit``."""
+
+import sys
+
+from armour.cli.report import (
+    AsJson,
+    PlotFile,
+    ScenarioFile,
+    check_outputs,
+    print_json,
+    print_quantities,
+    print_table,
+    write_plot,
+)
+
+
+def ballistic_limit(scenario: ScenarioFile, plot: PlotFile = None, as_json: AsJson = False) -> None:
+    """Find the lowest impact velocity that perforates."""
+    from armour.limit import ballistic_limit as find_limit
+    from armour.limit import residual_curve, velocities_round
+    from armour.scenario import load_scenario
+    from armour.tables import CROSSING_COLUMNS, crossing_rows, limit_rows
+
+    check_outputs(plot=plot)
+    loaded = load_scenario(scenario)
+    result = find_limit(loaded)
+    if as_json:
+        print_json(result.to_dict())
+    else:
+        print_quantities(loaded.title, limit_rows(result))
+    if not result.monotonic:
+        print("the outcome is not monotonic: it changes more than once in the range", file=sys.stderr)
+        if not as_json:
+            print()
+            print_table(CROSSING_COLUMNS, crossing_rows(result), numbers=(0, 1))
+
+    def figure():  # type: ignore[no-untyped-def]
+        from armour.plots import limit_figure
+
+        curve = residual_curve(loaded, velocities_round(result, loaded))
+        return limit_figure(result, curve, loaded.title)
+
+    write_plot(plot, figure)

@@ -1,0 +1,46 @@
+"""``armour library``."""
+
+from typing import Annotated
+
+import typer
+
+from armour.cli.report import AsJson, print_json, print_table
+from armour.errors import InputError, Problem
+
+app = typer.Typer(invoke_without_command=True, no_args_is_help=False)
+
+
+@app.callback()
+def list_library(ctx: typer.Context, as_json: AsJson = False) -> None:
+    """List the projectiles and materials that come with armour."""
+    if ctx.invoked_subcommand is not None:
+        return
+    from armour.library import shipped_library
+    from armour.tables import LIBRARY_COLUMNS, library_rows
+
+    library = shipped_library()
+    if as_json:
+        print_json(library.to_dict())
+    else:
+        print_table(LIBRARY_COLUMNS, library_rows(library))
+
+
+@app.command()
+def show(
+    name: Annotated[str, typer.Argument(help="Name of the entry.", show_default=False)],
+    as_json: AsJson = False,
+) -> None:
+    """Show an entry with the source of every value."""
+    from armour.library import shipped_library
+    from armour.tables import ENTRY_COLUMNS, entry_rows
+
+    try:
+        entries = shipped_library().find(name)
+    except KeyError as error:
+        raise InputError([Problem("library", name, error.args[0])]) from None
+    for entry in entries:
+        if as_json:
+            print_json(entry.to_dict())
+        else:
+            print(f"{entry.name} ({entry.kind}): {entry.description}\n")
+            print_table(ENTRY_COLUMNS, entry_rows(entry), numbers=(1,))

@@ -1,0 +1,94 @@
+"""``armour optimise``."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from armour.cli.report import (
+    AsJson,
+    PlotFile,
+    ScenarioFile,
+    check_outputs,
+    console,
+    print_json,
+    print_table,
+    write,
+    write_plot,
+)
+
+if TYPE_CHECKING:
+    from armour.optimise import Column, OnColumn
+
+
+def optimise(
+    scenario: ScenarioFile,
+    full_grid: Annotated[
+        bool,
+        typer.Option("--full-grid", help="Compute every design of the grid.", show_default=False),
+    ] = False,
+    refine: Annotated[
+        bool,
+        typer.Option("--refine", help="Also find the optimum between the grid's values.", show_default=False),
+    ] = False,
+    csv: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write the frontier to a CSV file.", show_default=False),
+    ] = None,
+    plot: PlotFile = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find the lightest design of the grid that defeats the impact."""
+    from armour.optimise import frontier_of
+    from armour.optimise import optimise as find_optimum
+    from armour.scenario import load_scenario
+    from armour.tables import BEST_COLUMNS, DESIGN_COLUMNS, best_rows, design_rows, frontier_csv
+
+    check_outputs(csv, plot=plot)
+    loaded = load_scenario(scenario)
+    columns: list[Column] = []
+    try:
+        with _progress() as show:
+
+            def on_column(column: "Column", total: int) -> None:
+                columns.append(column)
+                show(column, total)
+
+            result = find_optimum(loaded, full_grid=full_grid, refine=refine, on_column=on_column)
+    except KeyboardInterrupt:
+        if columns:
+            write(csv, lambda: frontier_csv(frontier_of(columns)))
+        raise
+    if as_json:
+        print_json(result.to_dict())
+    else:
+        print_table(DESIGN_COLUMNS, design_rows(result), numbers=(0, 1, 2))
+        print()
+        print_table(BEST_COLUMNS, best_rows(result), numbers=(1, 2, 3, 4))
+    if result.not_monotonic_mm:
+        backings = ", ".join(f"{backing:g}" for backing in result.not_monotonic_mm)
+        print(f"a thicker ceramic was perforated on a backing of {backings} mm", file=sys.stderr)
+    write(csv, lambda: frontier_csv(result.frontier))
+
+    def figure():  # type: ignore[no-untyped-def]
+        from armour.plots import optimum_figure
+
+        return optimum_figure(result, loaded.title)
+
+    write_plot(plot, figure)
+
+
+@contextmanager
+def _progress() -> Iterator["OnColumn"]:
+    """A progress bar on a terminal, nothing elsewhere."""
+    if not sys.stderr.isatty():
+        yield lambda _column, _total: None
+        return
+    from rich.progress import Progress
+
+    with Progress(console=console(stderr=True), transient=True) as bar:
+        task = bar.add_task("backing thicknesses", total=None)
+        yield lambda _column, total: bar.update(task, total=total, advance=1)

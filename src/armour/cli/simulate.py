@@ -1,0 +1,58 @@
+"""``armour simulate``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from armour.cli.report import (
+    AsJson,
+    PlotFile,
+    ScenarioFile,
+    check_outputs,
+    print_json,
+    print_quantities,
+    print_table,
+    write,
+    write_plot,
+)
+
+
+def simulate(
+    scenario: ScenarioFile,
+    velocity: Annotated[
+        float | None,
+        typer.Option(help="Impact velocity in place of the scenario's, m/s.", show_default=False),
+    ] = None,
+    history: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write the run over time to a CSV file.", show_default=False),
+    ] = None,
+    plot: PlotFile = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run one impact: outcome, what is left of the projectile, and the stages passed through."""
+    from armour.scenario import load_scenario
+    from armour.simulate import simulate as run_simulation
+    from armour.tables import STAGE_COLUMNS, history_csv, impact_rows, stage_rows
+
+    check_outputs(history, plot=plot)
+    changes = {} if velocity is None else {"impact.velocity_m_s": velocity}
+    loaded = load_scenario(scenario, changes)
+    result = run_simulation(loaded, history=history is not None or plot is not None)
+    if as_json:
+        print_json(result.to_dict())
+    else:
+        print_quantities(loaded.title, impact_rows(result))
+        print()
+        print_table(STAGE_COLUMNS, stage_rows(result), numbers=(2, 3, 4, 5, 6))
+    kept = result.history
+    if kept is not None:
+        write(history, lambda: history_csv(kept))
+
+    def figure():  # type: ignore[no-untyped-def]
+        from armour.plots import impact_figure
+
+        return impact_figure(result, loaded.title)
+
+    write_plot(plot, figure)

@@ -1,0 +1,92 @@
+"""Files read and written: the data shipped with the package, TOML in, results out whole or not at all."""
+
+import os
+import tempfile
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from armour.errors import InputError, Problem
+
+_PACKAGE = Path(__file__).resolve().parent
+_CHECKOUT = _PACKAGE.parent.parent
+
+
+def shipped(folder: str) -> Path:
+    """Folder of shipped data: in the package once installed, at the top of a checkout before that."""
+    installed = _PACKAGE / folder
+    return installed if installed.is_dir() else _CHECKOUT / folder
+
+
+def reason(error: OSError) -> str:
+    """What the system says of a file."""
+    return (error.strerror or str(error)).lower()
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Read a TOML file.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, cannot be read, is not text or not valid TOML.
+    """
+    try:
+        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    except OSError as error:
+        message = f"cannot be read: {reason(error)}"
+    except UnicodeDecodeError as error:
+        message = f"must be UTF-8 text, found the byte {error.object[error.start]:#04x} at {error.start}"
+    except tomllib.TOMLDecodeError as error:
+        message = f"must be valid TOML, found an error: {error}"
+    except RecursionError:
+        message = "must be valid TOML, found values nested too deeply"
+    raise InputError([Problem(str(path), "", message)])
+
+
+def check_writable(path: Path) -> None:
+    """Make sure, before long work, that a result can be written there.
+
+    Raises
+    ------
+    InputError
+        If the path is a folder, or its folder is missing or cannot be written to.
+    """
+    problem = ""
+    if path.is_dir():
+        problem = "is a folder"
+    elif not path.parent.is_dir():
+        problem = f"there is no folder {path.parent}"
+    elif not os.access(path.parent, os.W_OK):
+        problem = f"permission denied in {path.parent}"
+    if problem:
+        raise InputError([Problem(str(path), "", f"cannot be written: {problem}")])
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written; what stood there before then still does.
+    """
+    try:
+        handle, draft = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
+            os.chmod(draft, _new_file_mode())
+            os.replace(draft, path)
+        except BaseException:
+            os.unlink(draft)
+            raise
+    except OSError as error:
+        raise InputError([Problem(str(path), "", f"cannot be written: {reason(error)}")]) from None
+
+
+def _new_file_mode() -> int:
+    """Permissions of a file newly made by this process."""
+    mask = os.umask(0)
+    os.umask(mask)
+    return 0o666 & ~mask

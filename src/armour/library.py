@@ -1,0 +1,313 @@
+"""Projectiles and materials: the shipped library, and what files and scenarios add to it.
+
+Every value carries its status (measured, fitted or assumed) and its source.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache
+from math import pi
+from pathlib import Path
+from typing import Annotated, Any, Generic, Literal, TypeVar
+
+from pydantic import BeforeValidator, Field, ValidationError
+
+from armour.checks import NUMBER, Section, key_name, problems_of
+from armour.errors import InputError, Problem, nearest
+from armour.files import read_toml, shipped
+from armour.units import GPA, MM, MPA, G
+
+Status = Literal["measured", "fitted", "assumed"]
+Number = TypeVar("Number", bound=float)
+
+
+class Value(Section, Generic[Number]):
+    """A number with where it comes from."""
+
+    value: Number
+    status: Status = "assumed"
+    source: str = ""
+
+
+def _table(value: object) -> object:
+    """A plain number as the table that it stands for."""
+    return value if isinstance(value, dict | Value) else {NUMBER: value}
+
+
+# The bounds are wide; they are there to catch a value given in the wrong unit.
+Length = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e4)]], BeforeValidator(_table)]
+Mass = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e9)]], BeforeValidator(_table)]
+Density = Annotated[Value[Annotated[float, Field(ge=100.0, le=30000.0)]], BeforeValidator(_table)]
+StressGPa = Annotated[Value[Annotated[float, Field(ge=0.001, le=1000.0)]], BeforeValidator(_table)]
+StressMPa = Annotated[Value[Annotated[float, Field(ge=1.0, le=1e6)]], BeforeValidator(_table)]
+Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0)]], BeforeValidator(_table)]
+
+
+class Entry(Section):
+    """An entry as a file has it: what it does not give comes from the entry it is based on."""
+
+    description: str = ""
+    based_on: str | None = None
+
+    def values(self) -> dict[str, Value[float]]:
+        """Values that the entry has, by key."""
+        found = {name: getattr(self, name) for name in type(self).model_fields}
+        return {name: value for name, value in found.items() if isinstance(value, Value)}
+
+
+class Projectile(Entry):
+    """A projectile's penetrator, taken as a cylinder."""
+
+    caliber_mm: Length | None = None
+    penetrator_diameter_mm: Length | None = None
+    penetrator_mass_g: Mass | None = None
+    density_kg_m3: Density | None = None
+    flow_stress_GPa: StressGPa | None = None
+
+
+class Ceramic(Entry):
+    """A ceramic."""
+
+    density_kg_m3: Density | None = None
+    youngs_modulus_GPa: StressGPa | None = None
+    flow_stress_GPa: StressGPa | None = None
+
+
+class Metal(Entry):
+    """A metal for back plates."""
+
+    density_kg_m3: Density | None = None
+    dynamic_yield_strength_MPa: StressMPa | None = None
+    flow_stress_GPa: StressGPa | None = None
+    shear_strength_MPa: StressMPa | None = None
+    strain_to_fracture: Strain | None = None
+
+
+Kind = Literal["projectile", "ceramic", "metal"]
+KINDS: dict[Kind, type[Entry]] = {"projectile": Projectile, "ceramic": Ceramic, "metal": Metal}
+OPTIONAL = ("caliber_mm", "strain_to_fracture")
+
+# What a metal that does not give it has: a multiple of its dynamic yield strength, in MPa, and why.
+DEFAULTS = {
+    "flow_stress_GPa": (
+        2.7 * MPA / GPA,
+        "2.7 times the dynamic yield strength, the constraint that the paper uses",
+    ),
+    "shear_strength_MPa": (
+        0.7,
+        "0.7 times the dynamic yield strength, which fits the paper's 6061-T6 and 5083-H3",
+    ),
+}
+# A penetrator outside this range of length over diameter is no rod; most likely its mass has the wrong unit.
+SLENDERNESS = (0.1, 100.0)
+
+
+class LibraryTables(Section):
+    """The tables of a library file, and of the library section of a scenario."""
+
+    projectile: dict[str, Projectile] = {}
+    ceramic: dict[str, Ceramic] = {}
+    metal: dict[str, Metal] = {}
+
+
+@dataclass(frozen=True)
+class LibraryEntry:
+    """An entry with every value that its kind needs.
+
+    Attributes
+    ----------
+    kind : str
+        "projectile", "ceramic" or "metal".
+    name : str
+    description : str
+    values : mapping of str to Value
+        Number, status and source by key; the unit ends the key.
+    derived : frozenset of str
+        Keys whose value follows from another's.
+    """
+
+    kind: Kind
+    name: str
+    description: str
+    values: Mapping[str, Value[float]]
+    derived: frozenset[str] = frozenset()
+
+    def __getitem__(self, key: str) -> float:
+        """The number of a key."""
+        return self.values[key].value
+
+    def to_dict(self) -> dict[str, Any]:
+        """The entry as plain data."""
+        values = {key: value.model_dump() for key, value in self.values.items()}
+        return {"kind": self.kind, "name": self.name, "description": self.description, **values}
+
+
+def penetrator_length_mm(projectile: LibraryEntry) -> float:
+    """Length of the cylinder that has the penetrator's mass, density and diameter, mm."""
+    area = pi * (projectile["penetrator_diameter_mm"] * MM) ** 2 / 4.0
+    return projectile["penetrator_mass_g"] * G / (projectile["density_kg_m3"] * area) / MM
+
+
+@dataclass(frozen=True)
+class Library:
+    """Entries by kind and name."""
+
+    entries: Mapping[Kind, Mapping[str, LibraryEntry]] = field(
+        default_factory=lambda: {kind: {} for kind in KINDS}
+    )
+
+    def names(self, kind: Kind) -> list[str]:
+        """Names of a kind, in the order of the files."""
+        return list(self.entries[kind])
+
+    def to_dict(self) -> dict[str, dict[str, dict[str, Any]]]:
+        """The entries as plain data, by kind and name."""
+        return {
+            kind: {name: entry.to_dict() for name, entry in self.entries[kind].items()}
+            for kind in KINDS
+        }
+
+    def find(self, name: str) -> list[LibraryEntry]:
+        """Entries of this name, of whatever kind.
+
+        Raises
+        ------
+        KeyError
+            If there is none; the message names the nearest.
+        """
+        found = [entries[name] for entries in self.entries.values() if name in entries]
+        if not found:
+            known = [known for kind in KINDS for known in self.names(kind)]
+            raise KeyError(f"no entry of the library is called {name!r}{nearest(name, known)}")
+        return found
+
+    def extended(self, tables: LibraryTables, file: str, prefix: str = "") -> "Library":
+        """This library with more entries, which may be based on those it has.
+
+        Parameters
+        ----------
+        tables : LibraryTables
+            The entries to add; one that has the name of an earlier one takes its place.
+        file : str
+            Where they come from, for messages and as the source of values that name none.
+        prefix : str
+            Key of the tables in that file.
+
+        Raises
+        ------
+        InputError
+            If an entry is based on one that is not there or on itself, or lacks a value.
+        """
+        entries: dict[Kind, dict[str, LibraryEntry]] = {
+            kind: dict(self.entries[kind]) for kind in KINDS
+        }
+        problems = []
+        for kind in KINDS:
+            added: Mapping[str, Entry] = getattr(tables, kind)
+            for name in added:
+                try:
+                    entries[kind][name] = _resolve(kind, name, added, self.entries[kind], file)
+                except ValueError as error:
+                    key, message = error.args
+                    where = key_name([part for part in (prefix, kind, name, key) if part])
+                    problems.append(Problem(file, where, message))
+        if problems:
+            raise InputError(problems)
+        return Library(entries)
+
+
+def _resolve(
+    kind: Kind,
+    name: str,
+    added: Mapping[str, Entry],
+    known: Mapping[str, LibraryEntry],
+    file: str,
+    waiting: tuple[str, ...] = (),
+) -> LibraryEntry:
+    """The entry with what it takes from the one that it is based on.
+
+    Raises
+    ------
+    ValueError
+        With the key at fault and a message.
+    """
+    entry = added[name]
+    base = entry.based_on
+    description, values = entry.description, {}
+    if base is not None:
+        if base in waiting:
+            raise ValueError("based_on", f"must not lead back to the entry itself, found {base!r}")
+        if base in added and base != name:
+            inherited = _resolve(kind, base, added, known, file, (*waiting, name))
+        elif base in known:
+            inherited = known[base]
+        else:
+            hint = nearest(base, [*known, *(other for other in added if other != name)])
+            raise ValueError("based_on", f"must name a {kind} of the library, found {base!r}{hint}")
+        description = description or inherited.description
+        values = {key: inherited.values[key] for key in inherited.values if key not in inherited.derived}
+    for key, value in entry.values().items():
+        values[key] = value if value.source else value.model_copy(update={"source": file})
+    return _completed(LibraryEntry(kind, name, description, values))
+
+
+def _completed(entry: LibraryEntry) -> LibraryEntry:
+    """The entry with the values that follow from others, and nothing missing."""
+    values = dict(entry.values)
+    derived = []
+    if entry.kind == "metal" and "dynamic_yield_strength_MPa" in values:
+        strength = values["dynamic_yield_strength_MPa"].value
+        derived = [key for key in DEFAULTS if key not in values]
+        for key in derived:
+            factor, source = DEFAULTS[key]
+            values[key] = Value[float](value=factor * strength, source=source)
+    order = [key for key in KINDS[entry.kind].model_fields if key in values]
+    complete = replace(
+        entry, values={key: values[key] for key in order}, derived=frozenset(derived)
+    )
+    for key in KINDS[entry.kind].model_fields:
+        if key not in values and key not in OPTIONAL and key not in Entry.model_fields:
+            raise ValueError(key, "is missing and must be given, or based_on an entry that has it")
+    if entry.kind == "projectile":
+        ratio = penetrator_length_mm(complete) / complete["penetrator_diameter_mm"]
+        if not SLENDERNESS[0] <= ratio <= SLENDERNESS[1]:
+            raise ValueError(
+                "penetrator_mass_g",
+                f"must make a rod {SLENDERNESS[0]:g} to {SLENDERNESS[1]:g} diameters long with the "
+                f"diameter and density given, found {ratio:.3g} diameters; is it in g?",
+            )
+    return complete
+
+
+def validated_tables(data: object, file: str) -> LibraryTables:
+    """Tables of a library file.
+
+    Raises
+    ------
+    InputError
+        With every mistake in them.
+    """
+    try:
+        return LibraryTables.model_validate(data)
+    except ValidationError as error:
+        raise InputError(problems_of(error, LibraryTables, file)) from None
+
+
+def read_library(path: Path, onto: Library) -> Library:
+    """A library with the entries of a file added.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or with every mistake in it.
+    """
+    return onto.extended(validated_tables(read_toml(path), str(path)), str(path))
+
+
+@cache
+def shipped_library() -> Library:
+    """The library that comes with the package."""
+    library = Library()
+    for path in sorted(shipped("configs").glob("*.toml")):
+        library = read_library(path, library)
+    return library

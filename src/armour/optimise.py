@@ -1,0 +1,302 @@
+"""The lightest design of a grid that defeats the threat."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from math import inf
+from typing import Any
+
+from armour.errors import InputError, NoDesignError, NoLimitError, Problem
+from armour.limit import ballistic_limit, bisect
+from armour.scenario import Optimise, Scenario
+from armour.simulate import perforates
+
+# Ceramic thicknesses of a column that are tried before it is bisected.
+PROBES = 9
+# Tolerances of the continuous optimum, mm: of the ceramic that a backing needs, and of the backing.
+CERAMIC_TOLERANCE_MM = 1e-6
+BACKING_TOLERANCE_MM = 1e-3
+
+@dataclass(frozen=True)
+class Design:
+    """A pair of thicknesses that defeats the threat."""
+
+    ceramic_thickness_mm: float
+    backing_thickness_mm: float
+    areal_density_kg_m2: float
+
+
+@dataclass(frozen=True)
+class BestDesign(Design):
+    """The lightest design, with its ballistic limit; None where that lies outside the range of its search."""
+
+    ballistic_limit_m_s: float | None
+
+
+@dataclass(frozen=True)
+class Column:
+    """What one backing thickness of the grid needs.
+
+    Attributes
+    ----------
+    design : Design or None
+        The thinnest ceramic of the grid that defeats the threat; None where none does.
+    monotonic : bool
+        Whether every thicker ceramic that was tried defeats it too.
+    runs : int
+        Impacts that were computed.
+    """
+
+    design: Design | None
+    monotonic: bool
+    runs: int
+
+
+# Told of every column as it is done, and how many there are in all.
+OnColumn = Callable[[Column, int], None]
+
+
+@dataclass(frozen=True)
+class OptimumResult:
+    """The lightest design, and what each backing needs.
+
+    Attributes
+    ----------
+    best : BestDesign
+        Lightest design of the grid.
+    frontier : tuple of Design
+        For each backing thickness the thinnest ceramic that defeats the threat.
+    refined : BestDesign or None
+        Lightest design between and beside the grid's values, where it was asked for.
+    runs : int
+        Impacts that were computed for the frontier.
+    not_monotonic_mm : tuple of float
+        Backing thicknesses at which a thicker ceramic was found to be perforated, mm.
+    """
+
+    best: BestDesign
+    frontier: tuple[Design, ...]
+    refined: BestDesign | None
+    runs: int
+    not_monotonic_mm: tuple[float, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as plain data; ``refined`` only where it was asked for."""
+        data = asdict(self)
+        if self.refined is None:
+            del data["refined"]
+        return data
+
+
+def optimise(
+    scenario: Scenario,
+    *,
+    full_grid: bool = False,
+    refine: bool = False,
+    on_column: OnColumn | None = None,
+) -> OptimumResult:
+    """Find the lightest design that defeats the scenario's impact.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its section ``optimise`` gives the grid, its impact the threat.
+    full_grid : bool
+        Compute every design, instead of bisecting where defeat is monotonic in ceramic thickness.
+    refine : bool
+        Also find the optimum of continuous thicknesses within the grid's range.
+    on_column : callable, optional
+        Called with each column as it is done, and the number of columns in all.
+
+    Raises
+    ------
+    InputError
+        If the scenario has no grid, or a ceramic thickness but no ceramic.
+    NoDesignError
+        If no design of the grid defeats the threat.
+    """
+    backings = grid(scenario).backing_thickness_mm.values()
+    columns = []
+    for column in frontier_columns(scenario, full_grid=full_grid):
+        columns.append(column)
+        if on_column is not None:
+            on_column(column, len(backings))
+    frontier = frontier_of(columns)
+    if not frontier:
+        raise NoDesignError(no_design(scenario))
+    return OptimumResult(
+        best=with_limit(scenario, lightest(frontier)),
+        frontier=frontier,
+        refined=with_limit(scenario, refined(scenario, frontier)) if refine else None,
+        runs=sum(column.runs for column in columns),
+        not_monotonic_mm=tuple(
+            thickness
+            for thickness, column in zip(backings, columns, strict=True)
+            if not column.monotonic
+        ),
+    )
+
+
+def grid(scenario: Scenario) -> Optimise:
+    """The scenario's grid.
+
+    Raises
+    ------
+    InputError
+        If it has none, or a ceramic thickness but no ceramic.
+    """
+    section = scenario.optimise
+    if section is None:
+        problem = Problem(scenario.file, "optimise", "is missing and must be given: the grid of designs")
+        raise InputError([problem])
+    if scenario.armour.ceramic is None and section.ceramic_thickness_mm.max > 0.0:
+        message = "must name a ceramic of the library where optimise.ceramic_thickness_mm is above 0, found none"
+        raise InputError([Problem(scenario.file, "armour.ceramic", message)])
+    return section
+
+
+def frontier_columns(scenario: Scenario, *, full_grid: bool = False) -> Iterator[Column]:
+    """What each backing thickness of the grid needs, in their order."""
+    section = grid(scenario)
+    ceramics = section.ceramic_thickness_mm.values()
+    search = sweep_thinnest if full_grid else bisect_thinnest
+    for backing in section.backing_thickness_mm.values():
+        tried: dict[float, bool] = {}
+
+        def defeats(ceramic: float, backing: float = backing, tried: dict[float, bool] = tried) -> bool:
+            if ceramic not in tried:
+                tried[ceramic] = defeats_threat(scenario, ceramic, backing)
+            return tried[ceramic]
+
+        thinnest = search(defeats, ceramics)
+        yield Column(
+            design=None if thinnest is None else design(scenario, thinnest, backing),
+            monotonic=is_monotonic([tried[ceramic] for ceramic in sorted(tried)]),
+            runs=len(tried),
+        )
+
+
+def frontier_of(columns: Sequence[Column]) -> tuple[Design, ...]:
+    """The designs of the columns that have one."""
+    return tuple(column.design for column in columns if column.design is not None)
+
+
+def defeats_threat(scenario: Scenario, ceramic_thickness_mm: float, backing_thickness_mm: float) -> bool:
+    """Whether the scenario's armour, with these thicknesses, defeats its impact."""
+    armour = scenario.core_armour(ceramic_thickness_mm, backing_thickness_mm)
+    return not perforates(scenario, armour, scenario.impact.velocity_m_s)
+
+
+def sweep_thinnest(defeats: Callable[[float], bool], ceramics: Sequence[float]) -> float | None:
+    """Thinnest ceramic that defeats the threat, by trying every one."""
+    outcomes = [defeats(ceramic) for ceramic in ceramics]
+    return ceramics[outcomes.index(True)] if any(outcomes) else None
+
+
+def bisect_thinnest(defeats: Callable[[float], bool], ceramics: Sequence[float]) -> float | None:
+    """Thinnest ceramic that defeats the threat, by bisection where a few probes show defeat to be monotonic."""
+    last = len(ceramics) - 1
+    probes = sorted({round(i * last / (PROBES - 1)) for i in range(PROBES)})
+    outcomes = [defeats(ceramics[i]) for i in probes]
+    if not is_monotonic(outcomes):
+        return sweep_thinnest(defeats, ceramics)
+    if not outcomes[-1]:
+        return None
+    high = probes[outcomes.index(True)]
+    low = probes[outcomes.index(True) - 1] if high > 0 else -1
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if defeats(ceramics[middle]) else (middle, high)
+    return ceramics[high]
+
+
+def is_monotonic(outcomes: Sequence[bool]) -> bool:
+    """Whether no defeat is followed by a perforation."""
+    return all(thicker or not thinner for thinner, thicker in pairwise(outcomes))
+
+
+def design(scenario: Scenario, ceramic_thickness_mm: float, backing_thickness_mm: float) -> Design:
+    """The design with its areal density."""
+    areal_density = scenario.areal_density_kg_m2(ceramic_thickness_mm, backing_thickness_mm)
+    return Design(ceramic_thickness_mm, backing_thickness_mm, areal_density)
+
+
+def lightest(designs: Sequence[Design]) -> Design:
+    """The design of the smallest areal density; the first of several."""
+    return min(designs, key=lambda design: design.areal_density_kg_m2)
+
+
+def with_limit(scenario: Scenario, design: Design) -> BestDesign:
+    """The design with its ballistic limit."""
+    chosen = scenario.replaced(
+        {
+            "armour.ceramic_thickness_mm": design.ceramic_thickness_mm,
+            "armour.backing_thickness_mm": design.backing_thickness_mm,
+        }
+    )
+    try:
+        limit = ballistic_limit(chosen).ballistic_limit_m_s
+    except NoLimitError:
+        limit = None
+    return BestDesign(**asdict(design), ballistic_limit_m_s=limit)
+
+
+def refined(scenario: Scenario, frontier: Sequence[Design]) -> Design:
+    """Lightest design of continuous thicknesses within the grid's range.
+
+    Brent's method on the backing thickness, within a step of the backing of the grid that does best with the ceramic
+    it needs and no more; that ceramic is bisected.
+    """
+    from scipy.optimize import minimize_scalar
+
+    section = grid(scenario).backing_thickness_mm
+    found = [lightest(frontier)]
+    for backing in _worth_refining(scenario, frontier):
+        found.append(needed(scenario, backing) or found[0])
+    centre = lightest(found).backing_thickness_mm
+    bounds = max(section.min, centre - section.step), min(section.max, centre + section.step)
+
+    def areal_density(backing: float) -> float:
+        there = needed(scenario, backing)
+        return inf if there is None else there.areal_density_kg_m2
+
+    if bounds[0] < bounds[1]:
+        options = {"xatol": BACKING_TOLERANCE_MM}
+        lowest = minimize_scalar(areal_density, bounds=bounds, method="bounded", options=options)
+        found.append(needed(scenario, float(lowest.x)) or found[0])
+    return lightest(found)
+
+
+def _worth_refining(scenario: Scenario, frontier: Sequence[Design]) -> list[float]:
+    """Backings that less than a step of ceramic separates from the lightest design, mm."""
+    step = grid(scenario).ceramic_thickness_mm.step
+    saving = scenario.areal_density_kg_m2(step, 0.0)
+    heaviest = lightest(frontier).areal_density_kg_m2 + saving
+    return [d.backing_thickness_mm for d in frontier if d.areal_density_kg_m2 <= heaviest]
+
+
+def needed(scenario: Scenario, backing_thickness_mm: float) -> Design | None:
+    """The design with the least ceramic of the grid's range that the backing needs; None where none is enough."""
+    section = grid(scenario).ceramic_thickness_mm
+    if defeats_threat(scenario, section.min, backing_thickness_mm):
+        return design(scenario, section.min, backing_thickness_mm)
+    if not defeats_threat(scenario, section.max, backing_thickness_mm):
+        return None
+    _, ceramic = bisect(
+        lambda ceramic: defeats_threat(scenario, ceramic, backing_thickness_mm),
+        section.min,
+        section.max,
+        CERAMIC_TOLERANCE_MM,
+    )
+    return design(scenario, ceramic, backing_thickness_mm)
+
+
+def no_design(scenario: Scenario) -> str:
+    """What to say where no design of the grid defeats the threat."""
+    section = grid(scenario)
+    ceramic, backing = section.ceramic_thickness_mm, section.backing_thickness_mm
+    return (
+        f"no design: up to {ceramic.max:g} mm of ceramic on {backing.max:g} mm of backing, all of the grid is "
+        f"perforated at {scenario.impact.velocity_m_s:g} m/s; raise the max of optimise.ceramic_thickness_mm "
+        "or of optimise.backing_thickness_mm"
+    )

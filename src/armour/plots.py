@@ -1,0 +1,184 @@
+"""Results as figures; matplotlib is imported with this module, and this module only where a plot is asked for."""
+
+from collections.abc import Sequence
+from io import BytesIO
+from textwrap import wrap
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from armour.limit import LimitResult
+from armour.optimise import OptimumResult
+from armour.simulate import History, ImpactResult, StageRecord
+
+FORMATS = (".png", ".svg", ".pdf")
+
+# Okabe and Ito's colours, which colour-blind readers can tell apart.
+BLACK, ORANGE, BLUE, GREEN, RED = "#000000", "#E69F00", "#0072B2", "#009E73", "#D55E00"
+STYLE = {
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "figure.constrained_layout.use": True,
+    "font.size": 9.0,
+    "grid.alpha": 0.25,
+    "legend.frameon": False,
+    "lines.linewidth": 1.6,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "armour",
+}
+# A stage narrower than this part of the axis is shaded but not named.
+NARROWEST_NAMED = 0.025
+# Below this part of the impact velocity what follows is a tail.
+SLOW = 0.05
+# Characters in a line of a title.
+WIDEST_TITLE = 70
+
+
+def impact_figure(result: ImpactResult, title: str) -> Figure:
+    """Velocities, length, depth and bulge over time, the stages shaded and named.
+
+    Parameters
+    ----------
+    result : ImpactResult
+        With its history.
+    title : str
+    """
+    history = result.history
+    if history is None:
+        raise ValueError("the result has no history; simulate(..., history=True) keeps it")
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(6.9, 7.0))
+        velocities, lengths, depths = figure.subplots(3, 1, sharex=True, height_ratios=(3, 2, 2))
+        time = history.time_us
+        velocities.plot(time, history.velocity_m_s, color=BLUE, label="projectile V")
+        velocities.plot(time, history.penetration_velocity_m_s, "--", color=ORANGE, label="penetration U")
+        velocities.plot(time, history.target_velocity_m_s, "-.", color=GREEN, label="target W")
+        velocities.set_ylabel("velocity, m/s")
+        lengths.plot(time, history.length_mm, color=BLUE)
+        lengths.set_ylabel("rod length L, mm")
+        lengths.set_ylim(bottom=0.0)
+        depths.plot(time, history.depth_mm, color=BLUE, label="depth Z")
+        depths.plot(time, history.bulge_height_mm, "-.", color=GREEN, label="bulge h")
+        depths.set_ylabel("depth, bulge, mm")
+        depths.set_xlabel("time since impact, us")
+        shown = _shown_us(history, result)
+        depths.set_xlim(0.0, max(shown, 1e-9))
+        for axes in (velocities, lengths, depths):
+            _shade(axes, result.stages)
+        _name(velocities, result.stages, shown)
+        for axes in (velocities, depths):
+            axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        figure.suptitle(f"{_wrapped(title)}\n{_verdict(result)}", fontsize=10)
+    return figure
+
+
+def _shown_us(history: History, result: ImpactResult) -> float:
+    """Time to show, us: all of it, but for a long tail in which the projectile hardly moves."""
+    slow = history.time_us[history.velocity_m_s <= SLOW * result.impact_velocity_m_s]
+    return min(result.duration_us, 1.5 * float(slow[0])) if slow.size else result.duration_us
+
+
+def _verdict(result: ImpactResult) -> str:
+    if result.outcome == "defeated":
+        return f"defeated at {result.impact_velocity_m_s:g} m/s"
+    return (
+        f"perforated at {result.impact_velocity_m_s:g} m/s, residual velocity {result.residual_velocity_m_s:.1f} m/s"
+    )
+
+
+def _shade(axes: Axes, stages: Sequence[StageRecord]) -> None:
+    for index, stage in enumerate(stages):
+        if index % 2 == 0:
+            axes.axvspan(stage.start_us, stage.end_us, color=BLACK, alpha=0.07, linewidth=0)
+
+
+def _name(axes: Axes, stages: Sequence[StageRecord], shown_us: float) -> None:
+    """Names of the stages above the axes."""
+    for stage in stages:
+        end_us = min(stage.end_us, shown_us)
+        if end_us - stage.start_us >= NARROWEST_NAMED * shown_us:
+            axes.text(
+                0.5 * (stage.start_us + end_us),
+                1.01,
+                stage.stage,
+                transform=axes.get_xaxis_transform(),
+                ha="center",
+                va="bottom",
+                fontsize=8,
+            )
+
+
+def limit_figure(limit: LimitResult, curve: Sequence[ImpactResult], title: str) -> Figure:
+    """Residual velocity over impact velocity, the ballistic limit marked.
+
+    Parameters
+    ----------
+    limit : LimitResult
+    curve : sequence of ImpactResult
+        Impacts in the order of their velocity.
+    title : str
+    """
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.2, 4.4))
+        axes = figure.subplots()
+        impact = [result.impact_velocity_m_s for result in curve]
+        axes.plot(impact, impact, ":", color=BLACK, linewidth=1.0, label="no armour")
+        residual = [result.residual_velocity_m_s for result in curve]
+        axes.plot(impact, residual, color=BLUE, label="projectile")
+        plug = [result.plug_velocity_m_s for result in curve]
+        axes.plot(impact, plug, "--", color=GREEN, label="plug")
+        found = limit.ballistic_limit_m_s
+        axes.axvline(found, color=RED, linewidth=1.0, label=f"ballistic limit {found:.1f} m/s")
+        axes.set_xlabel("impact velocity, m/s")
+        axes.set_ylabel("residual velocity, m/s")
+        axes.set_ylim(bottom=0.0)
+        axes.set_xlim(impact[0], impact[-1])
+        figure.legend(loc="outside lower center", ncols=2)
+        figure.suptitle(_wrapped(title), fontsize=10)
+    return figure
+
+
+def optimum_figure(result: OptimumResult, title: str) -> Figure:
+    """Required ceramic thickness and areal density over backing thickness, the optimum marked."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.2, 6.2))
+        thickness, density = figure.subplots(2, 1, sharex=True)
+        backing = [design.backing_thickness_mm for design in result.frontier]
+        ceramic = [design.ceramic_thickness_mm for design in result.frontier]
+        areal = [design.areal_density_kg_m2 for design in result.frontier]
+        marks = [("*", 11.0, RED, "lightest of the grid", result.best)]
+        if result.refined is not None:
+            marks.append(("D", 5.0, ORANGE, "refined", result.refined))
+        line = {"marker": "o", "markersize": 3.0, "color": BLUE}
+        thickness.plot(backing, ceramic, label="thinnest ceramic that defeats", **line)
+        density.plot(backing, areal, **line)
+        for marker, size, colour, name, design in marks:
+            label = (
+                f"{name}: {design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm, "
+                f"{design.areal_density_kg_m2:.2f} kg/m$^2$"
+            )
+            style = {"marker": marker, "markersize": size, "color": colour, "linestyle": "none"}
+            thickness.plot(design.backing_thickness_mm, design.ceramic_thickness_mm, label=label, **style)
+            density.plot(design.backing_thickness_mm, design.areal_density_kg_m2, **style)
+        thickness.set_ylabel("required ceramic thickness, mm")
+        density.set_ylabel("areal density, kg/m$^2$")
+        density.set_xlabel("backing thickness, mm")
+        figure.legend(loc="outside lower center")
+        figure.suptitle(_wrapped(title), fontsize=10)
+    return figure
+
+
+def _wrapped(title: str) -> str:
+    return "\n".join(wrap(title, WIDEST_TITLE))
+
+
+def rendered(figure: Figure, suffix: str) -> bytes:
+    """The figure as a file of the format that the suffix names, one of `FORMATS`."""
+    content = BytesIO()
+    metadata = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}[suffix]
+    with mpl.rc_context(STYLE):
+        figure.savefig(content, format=suffix[1:], dpi=160, metadata=metadata)
+    return content.getvalue()

@@ -1,0 +1,391 @@
+"""The scenario's format: read, checked whole, immutable; and what it means to the core."""
+
+from collections.abc import Mapping
+from copy import deepcopy
+from math import floor
+from os import PathLike
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import (
+    Field,
+    PrivateAttr,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+
+from armour.checks import Section, key_name, problems_of
+from armour.core.state import Armour
+from armour.errors import InputError, Problem, nearest
+from armour.files import read_toml, write_whole
+from armour.library import (
+    KINDS,
+    Kind,
+    Library,
+    LibraryEntry,
+    LibraryTables,
+    penetrator_length_mm,
+    read_library,
+    shipped_library,
+)
+from armour.units import GPA, MM, MPA
+
+# More values on an axis, or designs on a grid, than anyone means.
+MOST_VALUES = 100_000
+MOST_DESIGNS = 1_000_000
+
+Thickness = Annotated[float, Field(gt=0.0, le=1e5)]
+ThicknessOrNone = Annotated[float, Field(ge=0.0, le=1e5)]
+Velocity = Annotated[float, Field(gt=0.0, le=1e4)]
+Positive = Annotated[float, Field(gt=0.0)]
+
+
+def _named(kind: Kind, name: str, info: ValidationInfo) -> str:
+    """The name, which must be in the library."""
+    known: list[str] = info.context["names"][kind] if info.context else [name]
+    if name not in known:
+        raise ValueError(
+            f'must name a {kind} of the library, found "{name}"{nearest(name, known)}'
+        )
+    return name
+
+
+class Impact(Section):
+    """What strikes the armour, and how fast."""
+
+    projectile: str
+    velocity_m_s: Velocity
+
+    @field_validator("projectile")
+    @classmethod
+    def _projectile(cls, name: str, info: ValidationInfo) -> str:
+        return _named("projectile", name, info)
+
+
+class ArmourSection(Section):
+    """The armour: a ceramic tile, or none, on a metal back plate."""
+
+    ceramic: str | None = None
+    ceramic_thickness_mm: ThicknessOrNone
+    backing: str
+    backing_thickness_mm: Thickness
+
+    @field_validator("ceramic")
+    @classmethod
+    def _ceramic(cls, name: str | None, info: ValidationInfo) -> str | None:
+        return None if name is None else _named("ceramic", name, info)
+
+    @field_validator("backing")
+    @classmethod
+    def _backing(cls, name: str, info: ValidationInfo) -> str:
+        return _named("metal", name, info)
+
+    @field_validator("ceramic_thickness_mm")
+    @classmethod
+    def _thickness(cls, thickness: float, info: ValidationInfo) -> float:
+        if thickness > 0.0 and info.data.get("ceramic", "") is None:
+            raise ValueError(
+                f"must be 0 where no ceramic is named, found {thickness:g}; name one as armour.ceramic"
+            )
+        return thickness
+
+
+class Model(Section):
+    """Readings of the paper that can be chosen."""
+
+    shear_perimeter: Literal["conoid", "projectile"] = "conoid"
+
+
+class Solver(Section):
+    """Numerics."""
+
+    time_step_us: Positive | None = None
+    arrest_velocity_m_s: Velocity = 1.0
+
+
+class BallisticLimitSection(Section):
+    """Range and tolerance of the search for the ballistic limit."""
+
+    velocity_min_m_s: Velocity = 20.0
+    velocity_max_m_s: Velocity = 4000.0
+    tolerance_m_s: Annotated[float, Field(ge=1e-9)] = 0.01
+
+    @model_validator(mode="after")
+    def _ordered(self) -> "BallisticLimitSection":
+        if self.velocity_min_m_s >= self.velocity_max_m_s:
+            raise ValueError(
+                "velocity_min_m_s must be below velocity_max_m_s, "
+                f"found {self.velocity_min_m_s:g} and {self.velocity_max_m_s:g}"
+            )
+        return self
+
+
+class Range(Section):
+    """Evenly spaced values, the ends included where the step meets them."""
+
+    min: ThicknessOrNone
+    max: ThicknessOrNone
+    step: Positive
+
+    @model_validator(mode="after")
+    def _countable(self) -> "Range":
+        if self.min > self.max:
+            raise ValueError(f"min must not be above max, found {self.min:g} and {self.max:g}")
+        if self.count() > MOST_VALUES:
+            raise ValueError(
+                f"must hold at most {MOST_VALUES} values, found {self.count():.3g}; widen the step"
+            )
+        return self
+
+    def count(self) -> float:
+        """How many values the range holds."""
+        return floor(min((self.max - self.min) / self.step, 1e18) + 1e-9) + 1
+
+    def values(self) -> tuple[float, ...]:
+        """The values, rounded to what the file's own digits would give."""
+        return tuple(round(self.min + i * self.step, 9) for i in range(int(self.count())))
+
+
+class Optimise(Section):
+    """The grid of designs."""
+
+    ceramic_thickness_mm: Range
+    backing_thickness_mm: Range
+
+    @field_validator("backing_thickness_mm")
+    @classmethod
+    def _some_backing(cls, backing: Range) -> Range:
+        if backing.min <= 0.0:
+            raise ValueError(f"min must be greater than 0, found {backing.min:g}")
+        return backing
+
+    @model_validator(mode="after")
+    def _not_absurd(self) -> "Optimise":
+        designs = self.ceramic_thickness_mm.count() * self.backing_thickness_mm.count()
+        if designs > MOST_DESIGNS:
+            raise ValueError(
+                f"must hold at most {MOST_DESIGNS} designs, found {designs:.3g}; widen the steps"
+            )
+        return self
+
+
+class LibrarySection(LibraryTables):
+    """Entries that the scenario adds to the library."""
+
+    files: list[str] = []
+
+
+class _Source(NamedTuple):
+    """Where a scenario comes from."""
+
+    data: dict[str, Any]
+    file: str
+    folder: Path
+
+
+class Scenario(Section):
+    """A scenario, checked: an impact, an armour and how to compute.
+
+    Make one with `load_scenario` or `parse_scenario`.
+    """
+
+    title: str = ""
+    impact: Impact
+    armour: ArmourSection
+    model: Model = Model()
+    solver: Solver = Solver()
+    ballistic_limit: BallisticLimitSection = BallisticLimitSection()
+    optimise: Optimise | None = None
+    library: LibrarySection = LibrarySection()
+
+    _entries: Library = PrivateAttr(default_factory=Library)
+    _source: _Source = PrivateAttr(default=_Source({}, "", Path()))
+
+    @property
+    def file(self) -> str:
+        """File that the scenario was read from, for messages."""
+        return self._source.file
+
+    def entry(self, kind: Kind, name: str) -> LibraryEntry:
+        """Entry of the scenario's library."""
+        return self._entries.entries[kind][name]
+
+    def core_armour(
+        self,
+        ceramic_thickness_mm: float | None = None,
+        backing_thickness_mm: float | None = None,
+    ) -> Armour:
+        """Projectile and armour in the core's terms, with other thicknesses where they are given, mm."""
+        Hc0, Hb = self._thicknesses(ceramic_thickness_mm, backing_thickness_mm)
+        projectile = self.entry("projectile", self.impact.projectile)
+        metal = self.entry("metal", self.armour.backing)
+        rho_c = Ec = Yc0 = 0.0
+        if self.armour.ceramic is not None:
+            ceramic = self.entry("ceramic", self.armour.ceramic)
+            rho_c = ceramic["density_kg_m3"]
+            Ec = ceramic["youngs_modulus_GPa"] * GPA
+            Yc0 = ceramic["flow_stress_GPa"] * GPA
+        return Armour(
+            L0=penetrator_length_mm(projectile) * MM,
+            D0=projectile["penetrator_diameter_mm"] * MM,
+            rho_p=projectile["density_kg_m3"],
+            Yp=projectile["flow_stress_GPa"] * GPA,
+            Hc0=Hc0 * MM,
+            rho_c=rho_c,
+            Ec=Ec,
+            Yc0=Yc0,
+            Hb=Hb * MM,
+            rho_B=metal["density_kg_m3"],
+            YB=metal["flow_stress_GPa"] * GPA,
+            tau=metal["shear_strength_MPa"] * MPA,
+            conoid=self.model.shear_perimeter == "conoid",
+        )
+
+    def areal_density_kg_m2(
+        self,
+        ceramic_thickness_mm: float | None = None,
+        backing_thickness_mm: float | None = None,
+    ) -> float:
+        """Mass of the armour per area, with other thicknesses where they are given, mm."""
+        armour = self.core_armour(ceramic_thickness_mm, backing_thickness_mm)
+        return armour.rho_c * armour.Hc0 + armour.rho_B * armour.Hb
+
+    def _thicknesses(self, ceramic: float | None, backing: float | None) -> tuple[float, float]:
+        return (
+            self.armour.ceramic_thickness_mm if ceramic is None else ceramic,
+            self.armour.backing_thickness_mm if backing is None else backing,
+        )
+
+    def replaced(self, changes: Mapping[str, object]) -> "Scenario":
+        """The scenario with other values, checked again.
+
+        Parameters
+        ----------
+        changes : mapping of str to object
+            Values by dotted key, such as ``{"impact.velocity_m_s": 900.0}``.
+
+        Raises
+        ------
+        InputError
+            If a value is not allowed.
+        """
+        data, file, folder = self._source
+        return parse_scenario(_changed(data, changes), file=file, folder=folder)
+
+    def to_toml(self) -> str:
+        """The scenario as a file has it."""
+        import tomli_w
+
+        return tomli_w.dumps(self._source.data)
+
+
+def load_scenario(
+    path: str | PathLike[str], changes: Mapping[str, object] | None = None
+) -> Scenario:
+    """Read a scenario.
+
+    Parameters
+    ----------
+    path : path
+        A TOML file; files that it names are looked for from its folder.
+    changes : mapping of str to object, optional
+        Values that take the place of the file's, by dotted key such as "impact.velocity_m_s".
+
+    Raises
+    ------
+    InputError
+        With every mistake in the file and in the library files that it names.
+    """
+    path = Path(path)
+    data = _changed(read_toml(path), changes or {})
+    return parse_scenario(data, file=str(path), folder=path.parent)
+
+
+def _changed(data: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:
+    """The data with other values, by dotted key."""
+    changed = deepcopy(dict(data))
+    for key, value in changes.items():
+        *sections, last = key.split(".")
+        table = changed
+        for section in sections:
+            table = table.setdefault(section, {})
+            if not isinstance(table, dict):
+                break  # the check says that this must be a table
+        else:
+            table[last] = value
+    return changed
+
+
+def save_scenario(scenario: Scenario, path: str | PathLike[str]) -> None:
+    """Write a scenario to a TOML file, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    write_whole(Path(path), scenario.to_toml().encode())
+
+
+def parse_scenario(
+    data: Mapping[str, Any], *, file: str = "scenario", folder: str | PathLike[str] = "."
+) -> Scenario:
+    """Make a scenario of plain data.
+
+    Parameters
+    ----------
+    data : mapping
+        What a scenario file holds.
+    file : str
+        Name to use in messages.
+    folder : path
+        Where to look for the library files that it names.
+
+    Raises
+    ------
+    InputError
+        With every mistake.
+    """
+    source = _Source(deepcopy(dict(data)), file, Path(folder))
+    library, names, problems = _library_of(source)
+    try:
+        scenario = Scenario.model_validate(source.data, context={"names": names})
+    except ValidationError as error:
+        raise InputError([*problems_of(error, Scenario, file), *problems]) from None
+    if problems:
+        raise InputError(problems)
+    scenario._entries = library
+    scenario._source = source
+    return scenario
+
+
+def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[Problem]]:
+    """The scenario's library, the names it knows and what is wrong in it.
+
+    A name is known even where its entry is wrong: one mistake is one message.
+    """
+    library, problems = shipped_library(), []
+    names: dict[Kind, list[str]] = {kind: library.names(kind) for kind in KINDS}
+    tables = source.data.get("library", {})
+    try:
+        section = LibrarySection.model_validate(tables)
+    except ValidationError:
+        section = LibrarySection()
+    for index, file in enumerate(section.files):
+        try:
+            library = read_library(source.folder / file, library)
+        except InputError as error:
+            key = key_name(["library", "files", index])
+            for problem in error.problems:
+                whole = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
+                problems.append(problem if problem.key else whole)
+    try:
+        library = library.extended(section, source.file, "library")
+    except InputError as error:
+        problems.extend(error.problems)
+    for kind in KINDS:
+        inline = tables.get(kind, {}) if isinstance(tables, dict) else {}
+        names[kind] = [*library.names(kind), *(inline if isinstance(inline, dict) else ())]
+    return library, names, problems
