@@ -11,9 +11,8 @@ def advance(y: State, k: State, dt: float) -> State:
     )
 
 
-def step(y: State, s: Stage, a: Armour, dt: float) -> State:
-    """State a time dt later, all in the same stage."""
-    k1 = rates(y, s, a)
+def step(y: State, k1: State, s: Stage, a: Armour, dt: float) -> State:
+    """State a time dt later, all in the same stage; k1 are the rates now."""
     k2 = rates(advance(y, k1, dt / 2.0), s, a)
     k3 = rates(advance(y, k2, dt / 2.0), s, a)
     k4 = rates(advance(y, k3, dt), s, a)

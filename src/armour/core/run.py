@@ -4,7 +4,7 @@ from math import isfinite
 from typing import NamedTuple
 
 from armour.core.rk4 import step
-from armour.core.stages import Event, first_stage, follow, margins, step_length
+from armour.core.stages import Event, first_stage, follow, margins, rates, step_length
 from armour.core.state import Armour, Outcome, Stage, State
 
 # An event is located to this fraction of a step.
@@ -67,7 +67,8 @@ def run(
     while outcome == Outcome.RUNNING:
         if steps == max_steps:
             return Run(Outcome.UNRESOLVED, t, y, steps)
-        event, taken, y = land(t, y, s, a, step_length(y, s, a, dt), V_arrest)
+        k = rates(y, s, a)
+        event, taken, y = land(t, y, k, s, a, step_length(y, k, s, a, dt), V_arrest)
         t += taken
         steps += 1
         ended = s
@@ -81,21 +82,23 @@ def run(
 
 
 def land(
-    t: float, y: State, s: Stage, a: Armour, dt: float, V_arrest: float
+    t: float, y: State, k1: State, s: Stage, a: Armour, dt: float, V_arrest: float
 ) -> tuple[int, float, State]:
-    """Take a step, or the part of it up to the earliest event in it.
+    """Take a step, or the part of it up to the earliest event in it; k1 are the rates now.
 
     Returns the event (-1 for none), the time taken and the state there.
     """
     start = margins(t, y, s, a, V_arrest)
-    y_end = step(y, s, a, dt)
+    y_end = step(y, k1, s, a, dt)
     end = margins(t + dt, y_end, s, a, V_arrest)
     event, fraction = -1, 1.0
     # Each event found shortens what the ones after it are looked for in: the last one found is the earliest.
     for k in range(len(Event)):
         if not end[k] >= 0.0:
             event = k
-            fraction, y_end = crossing(k, t, y, s, a, dt, V_arrest, start[k], end[k], fraction)
+            fraction, y_end = crossing(
+                k, t, y, k1, s, a, dt, V_arrest, start[k], end[k], fraction
+            )
             end = margins(t + fraction * dt, y_end, s, a, V_arrest)
     return event, fraction * dt, y_end
 
@@ -104,6 +107,7 @@ def crossing(
     k: int,
     t: float,
     y: State,
+    k1: State,
     s: Stage,
     a: Armour,
     dt: float,
@@ -124,7 +128,7 @@ def crossing(
             x = min(max(x, lo + 0.5 * EVENT_TOLERANCE), hi - 0.5 * EVENT_TOLERANCE)
         else:
             x = 0.5 * (lo + hi)
-        g = margins(t + x * dt, step(y, s, a, x * dt), s, a, V_arrest)[k]
+        g = margins(t + x * dt, step(y, k1, s, a, x * dt), s, a, V_arrest)[k]
         if g >= 0.0:
             lo, g_lo = x, g
             g_hi *= 0.5 if side == 1 else 1.0
@@ -136,4 +140,4 @@ def crossing(
         tries += 1
         if hi - lo <= 0.5 * width:
             width, tries = hi - lo, 0
-    return hi, step(y, s, a, hi * dt)
+    return hi, step(y, k1, s, a, hi * dt)

@@ -27,8 +27,8 @@ class Event(IntEnum):
 ERODED_FRACTION = 1e-3
 # Longest step as a fraction of the time in which the motion responds.
 LONGEST_RESPONSE = 0.3
-# Step as a fraction of the time in which a projectile that carries the plate would stop.
-LONGEST_COAST = 0.01
+# Shortest step as a fraction of the time in which the motion changes by its own size; the error of such is rounding.
+SHORTEST_CHANGE = 1e-3
 # A trial past the back face leaves no plate; this part of its thickness keeps the rates finite until the step is cut.
 THINNEST_PLATE = 1e-9
 # Steps in the time in which the motion changes by its own size.
@@ -195,10 +195,9 @@ def margins(
             target = -target
         if s.moving:
             motion = y.W
+            together = y.V - y.W
         elif s.medium != Medium.INTACT:
             motion = shear_force(y, s, a) - drive_force(y, s, a)
-        if s.medium == Medium.PLATE:
-            together = y.V - y.W
     arrest = y.V - V_arrest
     eroded = y.L - ERODED_FRACTION * a.L0
     return medium, projectile, target, motion, together, arrest, eroded
@@ -221,8 +220,10 @@ def follow(event: int, y: State, s: Stage, a: Armour) -> tuple[State, Stage, Out
     return y, settle(s.medium, y, a, s.Vs1, s.h_s), Outcome.RUNNING
 
 
-def fastest_rate(y: State, s: Stage, a: Armour) -> float:
+def fastest_rate(y: State, k: State, s: Stage, a: Armour) -> float:
     """Rate at which the quickest part of the motion responds, 1/s; a step must be short against its inverse."""
+    if not (s.eroding or s.penetrated):
+        return y.V / y.L
     _, rho = medium_ahead(y, s, a)
     inertia = max(1.0, rho / a.rho_p) * y.V
     # Slope of the rubble's strength (9) over its velocity: a dashpot between projectile and target.
@@ -232,24 +233,29 @@ def fastest_rate(y: State, s: Stage, a: Armour) -> float:
     projectile = (inertia + sqrt(a.Yp / a.rho_p) + damping / a.rho_p) / y.L
     if not s.moving:
         return projectile
+    picking_up = abs(k.W) / y.V
     areal_mass = mass_ahead(y, s, a) / eq.cross_section(a.D0)
     if not s.penetrated:
-        return projectile + a.rho_p * y.V / areal_mass
-    return projectile + (rho * (y.V - y.W) + damping) / areal_mass
+        return projectile + picking_up + a.rho_p * y.V / areal_mass
+    return projectile + picking_up + (rho * (y.V - y.W) + damping) / areal_mass
 
 
-def step_length(y: State, s: Stage, a: Armour, dt: float) -> float:
-    """Length of the next step, s: dt, unless the motion has a time scale of its own that runs away from it.
+def step_length(y: State, k: State, s: Stage, a: Armour, dt: float) -> float:
+    """Length of the next step, s: dt, unless the motion has a time scale of its own that has run away from it.
 
-    A rod or a plate that is nearly used up shortens the step.  Two motions that are known in closed form and can last
-    very long lengthen it: a rigid projectile in held fragmented ceramic slows as 1/t, and one that carries the plate
-    slows evenly.
+    A rod or a plate that is nearly used up shortens the step.  A motion that has become slow lengthens it: everything
+    where dt is no more than rounding to it, and a rigid projectile in held fragmented ceramic, which slows as 1/t, by
+    what it has slowed.
+
+    Parameters
+    ----------
+    y, k : State
+        The state and its rates.
     """
-    if not (s.eroding or s.penetrated):
-        return max(dt, LONGEST_COAST * y.V / -joint_deceleration(y, s, a))
     if s.medium == Medium.FRAGMENTED and not (s.eroding or s.moving):
         dt *= s.Vs1 / y.V
-    return min(dt, LONGEST_RESPONSE / fastest_rate(y, s, a))
+    change = (abs(k.V) + abs(k.W)) / y.V + k.Z / min(a.D0, a.Hc0 + a.Hb)
+    return min(max(dt, SHORTEST_CHANGE / change), LONGEST_RESPONSE / fastest_rate(y, k, s, a))
 
 
 def default_time_step(a: Armour, Vi: float) -> float:

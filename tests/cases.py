@@ -1,0 +1,66 @@
+"""Scenarios and armours that several tests use."""
+
+from pathlib import Path
+from typing import Any
+
+from armour.core.run import Instant, Run, run
+from armour.core.stages import default_time_step
+from armour.core.state import Armour
+from armour.scenario import Scenario, parse_scenario
+
+SCENARIOS = Path(__file__).parent.parent / "scenarios"
+
+
+def data(
+    projectile: str = "7.62 mm AP",
+    ceramic: str | None = "AD85",
+    backing: str = "6061-T6",
+    ceramic_mm: float = 6.35,
+    backing_mm: float = 6.35,
+    velocity: float = 800.0,
+    perimeter: str = "conoid",
+    **sections: Any,
+) -> dict[str, Any]:
+    """A scenario as plain data; by default the Wilkins case."""
+    armour = {
+        "ceramic": ceramic,
+        "ceramic_thickness_mm": ceramic_mm,
+        "backing": backing,
+        "backing_thickness_mm": backing_mm,
+    }
+    if ceramic is None:
+        del armour["ceramic"]
+    return {
+        "impact": {"projectile": projectile, "velocity_m_s": velocity},
+        "armour": armour,
+        "model": {"shear_perimeter": perimeter},
+        **sections,
+    }
+
+
+def scenario(*args: Any, **kwargs: Any) -> Scenario:
+    """A scenario; by default the Wilkins case."""
+    return parse_scenario(data(*args, **kwargs))
+
+
+def armour(*args: Any, **kwargs: Any) -> Armour:
+    """A scenario's armour in the core's terms."""
+    return scenario(*args, **kwargs).core_armour()
+
+
+def traced(a: Armour, velocity: float, dt: float | None = None) -> tuple[Run, list[Instant]]:
+    """A run with all its instants."""
+    trace: list[Instant] = []
+    step = default_time_step(a, velocity) if dt is None else dt
+    return run(a, velocity, step, 1.0, 200_000, trace), trace
+
+
+def path(trace: list[Instant]) -> list[str]:
+    """The stages of a run: medium, projectile, target ahead, motion, a letter each."""
+    names: list[str] = []
+    for instant in trace:
+        s = instant.s
+        name = "IFP"[s.medium] + "re"[s.eroding] + "cp"[s.penetrated] + "hm"[s.moving]
+        if not names or names[-1] != name:
+            names.append(name)
+    return names

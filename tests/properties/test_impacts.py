@@ -1,0 +1,122 @@
+"""What holds for any impact."""
+
+from math import isfinite
+from typing import Any
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from armour.core.run import run
+from armour.core.stages import default_time_step
+from armour.core.state import Armour, Outcome
+from armour.errors import NoLimitError
+from armour.limit import ballistic_limit
+from armour.scenario import parse_scenario
+from armour.simulate import perforates, simulate
+
+PROJECTILES = {"7.62 mm AP": 6.5, "25 mm APDS": 14.25, "7.62 mm APM2": 6.25}
+
+
+@st.composite
+def scenarios(draw: st.DrawFn) -> dict[str, Any]:
+    """Any scenario of the library's projectiles and materials, from a foil to ten diameters."""
+    projectile = draw(st.sampled_from(sorted(PROJECTILES)))
+    diameter = PROJECTILES[projectile]
+    bare = draw(st.booleans()) and draw(st.booleans())
+    thickness = st.floats(0.02, 10.0)
+    return {
+        "impact": {"projectile": projectile, "velocity_m_s": draw(st.floats(5.0, 4000.0))},
+        "armour": {
+            "ceramic": draw(st.sampled_from(["AD85", "AD85 initial", "AD99.5", "Al-N"])),
+            "ceramic_thickness_mm": 0.0 if bare else diameter * draw(thickness),
+            "backing": draw(st.sampled_from(["6061-T6", "7075-T6", "5083-H3", "hard", "soft"])),
+            "backing_thickness_mm": diameter * draw(thickness),
+        },
+        "model": {"shear_perimeter": draw(st.sampled_from(["conoid", "projectile"]))},
+        "library": {
+            "metal": {
+                "hard": {"density_kg_m3": 17000.0, "dynamic_yield_strength_MPa": 2500.0},
+                "soft": {"density_kg_m3": 1700.0, "dynamic_yield_strength_MPa": 50.0},
+            }
+        },
+    }
+
+
+@given(scenarios())
+@settings(max_examples=150, deadline=None)
+def test_every_impact_ends_with_an_outcome_and_sensible_numbers(data: dict[str, Any]):
+    scenario = parse_scenario(data)
+    result = simulate(scenario, history=True)
+    assert result.outcome in ("perforated", "defeated")
+    numbers = [value for value in result.to_dict().values() if isinstance(value, float)]
+    numbers += [value for stage in result.stages for value in (stage.start_us, stage.end_us, stage.energy_lost_J)]
+    assert all(isfinite(value) for value in numbers)
+    assert 0.0 <= result.residual_velocity_m_s <= result.impact_velocity_m_s
+    armour = scenario.core_armour()
+    assert 0.0 < result.residual_length_mm <= armour.L0 * 1e3 * (1 + 1e-12)
+    mass = scenario.entry("projectile", scenario.impact.projectile)["penetrator_mass_g"]
+    assert 0.0 < result.residual_mass_g <= mass * (1 + 1e-12)
+    assert result.bulge_height_mm >= 0.0
+    assert (result.residual_velocity_m_s == 0.0) == (result.outcome == "defeated")
+    history = result.history
+    assert history is not None
+    for name in ("length_mm", "velocity_m_s", "target_velocity_m_s", "bulge_height_mm", "interface_force_kN"):
+        column = getattr(history, name)
+        assert column.min() >= 0.0
+        assert all(isfinite(value) for value in column)
+    assert all(stage.energy_lost_J >= 0.0 for stage in result.stages)
+
+
+@given(scenarios())
+@settings(max_examples=40, deadline=None)
+def test_just_above_its_limit_an_armour_is_perforated_and_just_below_it_is_not(data: dict[str, Any]):
+    scenario = parse_scenario(data)
+    armour = scenario.core_armour()
+    try:
+        limit = ballistic_limit(scenario)
+    except NoLimitError:
+        search = scenario.ballistic_limit
+        thin = perforates(scenario, armour, search.velocity_min_m_s)
+        assert thin or not perforates(scenario, armour, search.velocity_max_m_s)
+        return
+    low, high = limit.bracket_m_s
+    assert high - low <= scenario.ballistic_limit.tolerance_m_s
+    assert perforates(scenario, armour, high)
+    assert not perforates(scenario, armour, low)
+
+
+positive = st.floats(0.05, 20.0)
+
+
+@given(
+    size=st.floats(1e-4, 1.0),
+    velocity=st.floats(20.0, 5000.0),
+    slenderness=st.floats(0.3, 30.0),
+    strengths=st.tuples(st.floats(0.05e9, 10e9), st.floats(0.5e9, 20e9), st.floats(0.05e9, 10e9), st.floats(0.02e9, 5e9)),
+    densities=st.tuples(*[st.floats(1000.0, 20000.0)] * 3),
+    thicknesses=st.tuples(st.floats(0.0, 20.0), positive),
+    conoid=st.booleans(),
+)
+@settings(max_examples=150, deadline=None)
+def test_any_materials_end_with_an_outcome(
+    size: float,
+    velocity: float,
+    slenderness: float,
+    strengths: tuple[float, ...],
+    densities: tuple[float, ...],
+    thicknesses: tuple[float, ...],
+    conoid: bool,
+):
+    Yp, Yc0, YB, tau = strengths
+    rho_p, rho_c, rho_B = densities
+    a = Armour(
+        size * slenderness, size, rho_p, Yp, size * thicknesses[0], rho_c, 300e9, Yc0,
+        size * thicknesses[1], rho_B, YB, tau, conoid,
+    )  # fmt: skip
+    end = run(a, velocity, default_time_step(a, velocity), 1.0, 500_000)
+    assert end.outcome in (Outcome.PERFORATED, Outcome.DEFEATED)
+    assert all(isfinite(value) for value in end.y)
+    assert end.y.V <= velocity
+    assert 0.0 < end.y.L <= a.L0
+    assert end.y.W >= 0.0
+    assert end.y.h >= 0.0

@@ -1,0 +1,82 @@
+"""Each relation of the model, against numbers worked out by hand or the balance that it solves."""
+
+from math import isclose, pi, sqrt
+
+import pytest
+
+from armour.core import equations as eq
+
+
+def test_cross_section():
+    assert isclose(eq.cross_section(6.5e-3), pi * 6.5e-3**2 / 4)
+
+
+def test_crack_velocity_is_a_fifth_of_the_bar_wave():
+    assert isclose(eq.crack_velocity(267e9, 3430.0), 1764.5687, rel_tol=1e-7)
+
+
+def test_fragmented_strength_is_the_intact_one_when_the_ceramic_has_just_cracked():
+    assert eq.fragmented_strength(5.2e9, 750.0, 0.0, 750.0) == 5.2e9
+
+
+def test_fragmented_strength_falls_with_the_square_of_the_relative_velocity():
+    assert isclose(eq.fragmented_strength(5.2e9, 500.0, 200.0, 600.0), 1.3e9)
+
+
+@pytest.mark.parametrize("rho", [1000.0, 2750.0, 7850.0, 17000.0])
+@pytest.mark.parametrize("w", [0.0, 100.0, 650.0, 699.0])
+@pytest.mark.parametrize("y", [0.0, 0.9e9, 2.35e9])
+def test_penetration_velocity_balances_the_pressures(rho: float, w: float, y: float):
+    """(5), (8), (20): both sides of the interface carry the same force."""
+    u = eq.penetration_velocity(y, rho, 2.35e9, 7850.0, 700.0, w)
+    projectile = eq.projectile_pressure(2.35e9, 7850.0, 700.0, u)
+    target = eq.target_pressure(y, rho, u, w)
+    assert isclose(projectile, target, rel_tol=1e-12)
+
+
+def test_penetration_velocity_without_strength_is_a_golden_section():
+    """V (V - U) = U^2 for equal densities: momentum, unlike Bernoulli's U = V/2."""
+    u = eq.penetration_velocity(0.0, 7850.0, 0.0, 7850.0, 1000.0, 0.0)
+    assert isclose(u, 1000.0 * (sqrt(5.0) - 1.0) / 2.0)
+
+
+def test_penetration_velocity_meets_w_where_the_target_stops_to_yield():
+    v, w = 700.0, 150.0
+    y = 2.35e9 + 7850.0 * v * (v - w)
+    assert isclose(eq.penetration_velocity(y, 3430.0, 2.35e9, 7850.0, v, w), w)
+    assert abs(eq.target_excess(y, 2.35e9, 7850.0, v, w)) < 1e-3
+
+
+def test_penetration_velocity_meets_v_where_the_projectile_stops_to_yield():
+    v, w = 700.0, 150.0
+    y = 2.35e9 - 3430.0 * v * (v - w)
+    assert isclose(eq.penetration_velocity(y, 3430.0, 2.35e9, 7850.0, v, w), v)
+    assert abs(eq.projectile_excess(y, 3430.0, 2.35e9, v, w)) < 1e-3
+
+
+def test_erosion_and_deceleration():
+    assert eq.erosion_rate(800.0, 300.0) == -500.0
+    assert isclose(eq.deceleration(2.35e9, 7850.0, 0.02), -2.35e9 / 157.0)
+
+
+def test_a_rigid_projectile_carries_rod_ceramic_and_plate():
+    rate = eq.carried_deceleration(30e3, 3e-5, 7850.0, 0.02, 3430.0, 0.004, 2750.0, 0.006)
+    assert isclose(rate, -30e3 / (3e-5 * (157.0 + 13.72 + 16.5)))
+
+
+def test_masses_ahead():
+    assert isclose(eq.mass_behind_ceramic(2750.0, 0.006, 3430.0, 0.004, 3e-5), 3e-5 * 30.22)
+    assert isclose(eq.mass_in_plate(2750.0, 0.005, 3e-5), 3e-5 * 13.75)
+    assert isclose(eq.target_acceleration(5e4, 3e4, 1e-3), 2e7)
+
+
+def test_shear_forces():
+    assert eq.conoid_diameter(6.5e-3, 6e-3) == pytest.approx(30.5e-3)
+    assert eq.shear_force_whole_plate(0.03, 260e6, 0.006) == pytest.approx(pi * 0.03 * 260e6 * 0.006)
+    plug = eq.shear_force_plug(6.5e-3, 260e6, 6e-3, 5e-3, 1e-3, 7e-3)
+    assert plug == pytest.approx(pi * 6.5e-3 * 260e6 * 5e-3)
+
+
+def test_what_remains_ahead():
+    assert eq.remaining_ceramic(6e-3, 4e-3, 1e-3) == pytest.approx(3e-3)
+    assert eq.remaining_plate(6e-3, 5e-3, 7e-3, 1e-3, 0.5e-3) == pytest.approx(4.5e-3)

@@ -1,0 +1,47 @@
+"""One step."""
+
+from math import exp, isclose
+
+import pytest
+
+from armour.core.rk4 import advance, step
+from armour.core.stages import rates
+from armour.core.state import Medium, Stage, State
+from tests.cases import armour
+
+START = State(Z=0.001, L=0.02, V=700.0, W=10.0, h=0.0001)
+
+
+def test_advance_is_linear():
+    k = State(1.0, 2.0, 3.0, 4.0, 5.0)
+    assert advance(START, k, 2.0) == tuple(
+        y + 2.0 * rate for y, rate in zip(START, k, strict=True)
+    )
+
+
+def test_a_step_of_no_length_changes_nothing():
+    s = Stage(Medium.FRAGMENTED, True, True, True, 750.0, 0.0)
+    assert step(START, rates(START, s, armour()), s, armour(), 0.0) == START
+
+
+def test_a_step_is_exact_to_fifth_order():
+    """Rigid in held fragmented ceramic, V' = -k V^2: halving the step divides the local error by 32."""
+    a = armour()
+    s = Stage(Medium.FRAGMENTED, False, True, False, 700.0, 0.0)
+    y = State(Z=0.0, L=0.02, V=400.0, W=0.0, h=0.0)
+    k = (a.Yc0 / s.Vs1**2 + a.rho_c) / (a.rho_p * y.L)
+    errors = []
+    for dt in (2e-6, 1e-6, 0.5e-6):
+        exact = y.V / (1.0 + k * y.V * dt)
+        errors.append(abs(step(y, rates(y, s, a), s, a, dt).V - exact))
+    assert errors[0] / errors[1] == pytest.approx(32, rel=0.15)
+    assert errors[1] / errors[2] == pytest.approx(32, rel=0.15)
+
+
+def test_depth_and_velocity_agree_with_the_closed_form():
+    a = armour()
+    s = Stage(Medium.FRAGMENTED, False, True, False, 700.0, 0.0)
+    y = State(Z=0.0, L=0.02, V=400.0, W=0.0, h=0.0)
+    k = (a.Yc0 / s.Vs1**2 + a.rho_c) / (a.rho_p * y.L)
+    after = step(y, rates(y, s, a), s, a, 1e-7)
+    assert isclose(after.V, y.V * exp(-k * after.Z), rel_tol=1e-12)

@@ -1,0 +1,110 @@
+"""Stepping, landing on events, changing the stage and recording."""
+
+from itertools import pairwise
+
+import pytest
+
+from armour.core.equations import crack_velocity
+from armour.core.run import crossing, land, run
+from armour.core.stages import Event, default_time_step, first_stage, margins, rates
+from armour.core.state import Medium, Outcome, State
+from tests.cases import armour, path, traced
+
+
+def test_events_of_the_wilkins_case_land_where_they_happen():
+    a = armour()
+    end, trace = traced(a, 800.0)
+    assert path(trace) == ["Ieph", "Fepm", "Feph", "Prpm", "Prcm"]
+    changes = [(b, c) for b, c in pairwise(trace) if b.s != c.s]
+    assert all(before.t == after.t for before, after in changes)
+    cracked, stopped, entered, together = (after for _, after in changes)
+    assert cracked.y.Z + crack_velocity(a.Ec, a.rho_c) * cracked.t == pytest.approx(a.Hc0, rel=1e-13)
+    assert stopped.y.W == 0.0
+    assert entered.y.Z == pytest.approx(a.Hc0, rel=1e-13)
+    assert together.y.W == together.y.V
+    assert end.outcome == Outcome.PERFORATED
+    assert end.y.Z == pytest.approx(a.Hc0 + a.Hb, rel=1e-13)
+
+
+def test_time_never_runs_back_and_the_state_is_continuous_but_for_what_snaps():
+    _, trace = traced(armour(), 800.0)
+    for before, after in pairwise(trace):
+        assert after.t >= before.t
+        if after.t == before.t:
+            assert after.y == pytest.approx(before.y, rel=1e-12, abs=1e-9)
+
+
+def test_a_trace_does_not_change_the_run():
+    a = armour()
+    end, _ = traced(a, 800.0)
+    assert end == run(a, 800.0, default_time_step(a, 800.0), 1.0, 200_000)
+
+
+def test_the_earliest_of_several_events_counts():
+    """In one step of 6 us the crack passes, the plate would move and stop, and the velocity would fall."""
+    a = armour()
+    y = State(Z=0.0, L=a.L0, V=800.0, W=0.0, h=0.0)
+    event, taken, _ = land(0.0, y, rates(y, first_stage(y, a), a), first_stage(y, a), a, 6e-6, 799.0)
+    assert event == Event.ARREST
+    event, taken, after = land(0.0, y, rates(y, first_stage(y, a), a), first_stage(y, a), a, 6e-6, 1.0)
+    assert event == Event.MEDIUM
+    assert after.Z + crack_velocity(a.Ec, a.rho_c) * taken == pytest.approx(a.Hc0, rel=1e-12)
+
+
+def test_an_event_is_located_with_few_evaluations(monkeypatch: pytest.MonkeyPatch):
+    a = armour()
+    y = State(Z=0.0, L=a.L0, V=800.0, W=0.0, h=0.0)
+    s = first_stage(y, a)
+    k1 = rates(y, s, a)
+    dt = 4e-6
+    g_lo = margins(0.0, y, s, a, 1.0)[Event.MEDIUM]
+    calls = []
+    from armour.core import run as module
+
+    step = module.step
+    monkeypatch.setattr(module, "step", lambda *args: calls.append(1) or step(*args))
+    g_hi = margins(dt, step(y, k1, s, a, dt), s, a, 1.0)[Event.MEDIUM]
+    crossing(Event.MEDIUM, 0.0, y, k1, s, a, dt, 1.0, g_lo, g_hi, 1.0)
+    assert len(calls) <= 12
+
+
+def test_a_stop_shortly_after_the_start_of_motion_is_found():
+    """The plate's velocity is 0 at both ends of the bracket's first part; the later zero is the event."""
+    a = armour(ceramic_mm=6.9)
+    _, trace = traced(a, 740.0, 1e-6)
+    fine = traced(a, 740.0, 1e-8)[1]
+    assert path(trace) == path(fine)
+
+
+def test_a_velocity_below_the_arrest_velocity_is_defeated_at_once():
+    end = run(armour(), 0.5, 1e-7, 1.0, 1000)
+    assert (end.outcome, end.t, end.steps) == (Outcome.DEFEATED, 0.0, 0)
+
+
+def test_a_step_that_is_rounding_to_the_motion_is_lengthened():
+    a = armour()
+    shortest = run(a, 800.0, 1e-30, 1.0, 100_000)
+    usual = run(a, 800.0, default_time_step(a, 800.0), 1.0, 1000)
+    assert shortest.y == pytest.approx(usual.y, rel=1e-7)
+
+
+def test_a_run_that_takes_too_many_steps_is_given_up():
+    assert run(armour(), 800.0, 1e-9, 1.0, 100).outcome == Outcome.UNRESOLVED
+
+
+def test_a_projectile_can_erode_away():
+    """A soft rod dwells on a hard plate."""
+    a = armour(ceramic=None, ceramic_mm=0.0)._replace(Yp=1e7, YB=50e9, tau=1e12)
+    end, trace = traced(a, 1500.0)
+    assert end.outcome == Outcome.DEFEATED
+    assert end.y.L == pytest.approx(1e-3 * a.L0, rel=1e-6)
+    assert path(trace) == ["Pech"]
+
+
+def test_a_hard_plate_is_carried_by_an_eroding_projectile():
+    """(iii) 2: the plate does not yield and is sheared out whole."""
+    a = armour(ceramic=None, ceramic_mm=0.0)._replace(YB=50e9, tau=300e6, Hb=3e-3)
+    end, trace = traced(a, 900.0)
+    assert path(trace) == ["Pecm", "Prcm"]
+    assert end.outcome == Outcome.PERFORATED
+    assert trace[0].s.medium == Medium.PLATE
