@@ -45,7 +45,8 @@ def run(
     Vi : float
         Impact velocity, m/s.
     dt : float
-        Time step, s; shortened to land on events, see also `armour.core.stages.step_length`.
+        Time step, s.  A step that holds an event is shortened to land on it, and the rest of it is taken in the new
+        stage; see also `armour.core.stages.step_length`.
     V_arrest : float
         Velocity below which the projectile counts as stopped, m/s.
     max_steps : int
@@ -61,6 +62,7 @@ def run(
     y = State(Z=0.0, L=a.L0, V=Vi, W=0.0, h=0.0)
     s = first_stage(y, a)
     steps = 0
+    rest = 0.0  # what an event has left of a step
     outcome = Outcome.RUNNING if Vi >= V_arrest else Outcome.DEFEATED
     if trace is not None:
         trace.append(Instant(t, y, s))
@@ -68,8 +70,11 @@ def run(
         if steps == max_steps:
             return Run(Outcome.UNRESOLVED, t, y, steps)
         k = rates(y, s, a)
-        event, taken, y = land(t, y, k, s, a, step_length(y, k, s, a, dt), V_arrest)
+        longest = step_length(y, k, s, a, dt)
+        whole = min(rest, longest) if rest > 0.0 else longest
+        event, taken, y = land(t, y, k, s, a, whole, V_arrest)
         t += taken
+        rest = whole - taken
         steps += 1
         ended = s
         if event >= 0:
