@@ -1,8 +1,9 @@
 """Checked fields of the files, and pydantic's errors in the words of this project."""
 
+import json
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, get_origin
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
@@ -23,7 +24,7 @@ def key_name(parts: Sequence[str | int]) -> str:
             name += f"[{part}]"
         else:
             bare = re.fullmatch(r"[A-Za-z0-9_-]+", part)
-            name += f".{part}" if bare else f'."{part}"'
+            name += f".{part}" if bare else f".{json.dumps(part, ensure_ascii=False)}"
     return name.lstrip(".")
 
 
@@ -82,13 +83,17 @@ NUMBER = "value"
 
 def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:
     """Keys that the model knows in the table that the parts lead to."""
+    named_freely = False
     for part in parts:
-        if isinstance(model, type) and issubclass(model, BaseModel):
-            fields = {(field.alias or name): field for name, field in model.model_fields.items()}
-            model = _model_in(fields[str(part)].annotation) if part in fields else None
-    if isinstance(model, type) and issubclass(model, BaseModel):
-        return [field.alias or name for name, field in model.model_fields.items()]
-    return []
+        if named_freely:
+            named_freely = False
+        elif model is not None and part in model.model_fields:
+            annotation = model.model_fields[str(part)].annotation
+            named_freely = get_origin(annotation) is dict
+            model = _model_in(annotation)
+        else:
+            return []
+    return list(model.model_fields) if model is not None else []
 
 
 def _model_in(annotation: Any) -> Any:

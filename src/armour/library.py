@@ -152,9 +152,7 @@ def penetrator_length_mm(projectile: LibraryEntry) -> float:
 class Library:
     """Entries by kind and name."""
 
-    entries: Mapping[Kind, Mapping[str, LibraryEntry]] = field(
-        default_factory=lambda: {kind: {} for kind in KINDS}
-    )
+    entries: Mapping[Kind, Mapping[str, LibraryEntry]] = field(default_factory=lambda: {kind: {} for kind in KINDS})
 
     def names(self, kind: Kind) -> list[str]:
         """Names of a kind, in the order of the files."""
@@ -162,10 +160,7 @@ class Library:
 
     def to_dict(self) -> dict[str, dict[str, dict[str, Any]]]:
         """The entries as plain data, by kind and name."""
-        return {
-            kind: {name: entry.to_dict() for name, entry in self.entries[kind].items()}
-            for kind in KINDS
-        }
+        return {kind: {name: entry.to_dict() for name, entry in self.entries[kind].items()} for kind in KINDS}
 
     def find(self, name: str) -> list[LibraryEntry]:
         """Entries of this name, of whatever kind.
@@ -178,11 +173,11 @@ class Library:
         found = [entries[name] for entries in self.entries.values() if name in entries]
         if not found:
             known = [known for kind in KINDS for known in self.names(kind)]
-            raise KeyError(f"no entry of the library is called {name!r}{nearest(name, known)}")
+            raise KeyError(f'no entry of the library is called "{name}"{nearest(name, known)}')
         return found
 
     def extended(self, tables: LibraryTables, file: str, prefix: str = "") -> "Library":
-        """This library with more entries, which may be based on those it has.
+        """The library with more entries, which may be based on those it has.
 
         Parameters
         ----------
@@ -198,9 +193,7 @@ class Library:
         InputError
             If an entry is based on one that is not there or on itself, or lacks a value.
         """
-        entries: dict[Kind, dict[str, LibraryEntry]] = {
-            kind: dict(self.entries[kind]) for kind in KINDS
-        }
+        entries: dict[Kind, dict[str, LibraryEntry]] = {kind: dict(self.entries[kind]) for kind in KINDS}
         problems = []
         for kind in KINDS:
             added: Mapping[str, Entry] = getattr(tables, kind)
@@ -236,14 +229,14 @@ def _resolve(
     description, values = entry.description, {}
     if base is not None:
         if base in waiting:
-            raise ValueError("based_on", f"must not lead back to the entry itself, found {base!r}")
+            raise ValueError("based_on", f'must not lead back to the entry itself, found "{base}"')
         if base in added and base != name:
             inherited = _resolve(kind, base, added, known, file, (*waiting, name))
         elif base in known:
             inherited = known[base]
         else:
             hint = nearest(base, [*known, *(other for other in added if other != name)])
-            raise ValueError("based_on", f"must name a {kind} of the library, found {base!r}{hint}")
+            raise ValueError("based_on", f'must name a {kind} of the library, found "{base}"{hint}')
         description = description or inherited.description
         values = {key: inherited.values[key] for key in inherited.values if key not in inherited.derived}
     for key, value in entry.values().items():
@@ -262,9 +255,7 @@ def _completed(entry: LibraryEntry) -> LibraryEntry:
             factor, source = DEFAULTS[key]
             values[key] = Value[float](value=factor * strength, source=source)
     order = [key for key in KINDS[entry.kind].model_fields if key in values]
-    complete = replace(
-        entry, values={key: values[key] for key in order}, derived=frozenset(derived)
-    )
+    complete = replace(entry, values={key: values[key] for key in order}, derived=frozenset(derived))
     for key in KINDS[entry.kind].model_fields:
         if key not in values and key not in OPTIONAL and key not in Entry.model_fields:
             raise ValueError(key, "is missing and must be given, or based_on an entry that has it")

@@ -126,9 +126,7 @@ def find_crossings(
     )
 
 
-def residual_curve(
-    scenario: Scenario, velocities: Sequence[float]
-) -> tuple[ImpactResult, ...]:
+def residual_curve(scenario: Scenario, velocities: Sequence[float]) -> tuple[ImpactResult, ...]:
     """Impacts of the scenario at several velocities, m/s.
 
     Raises
@@ -136,9 +134,7 @@ def residual_curve(
     InputError
         If a velocity is not allowed, or the time step given is too short for a run to end.
     """
-    return tuple(
-        simulate(scenario.replaced({"impact.velocity_m_s": velocity})) for velocity in velocities
-    )
+    return tuple(simulate(scenario.replaced({"impact.velocity_m_s": velocity})) for velocity in velocities)
 
 
 def velocities_round(limit: LimitResult, scenario: Scenario) -> list[float]:
@@ -161,9 +157,7 @@ def scan(low: float, high: float, count: int) -> list[float]:
     return [low, *(low * ratio ** (i / (count - 1)) for i in range(1, count - 1)), high]
 
 
-def bisect(
-    holds: Callable[[float], bool], low: float, high: float, tolerance: float
-) -> tuple[float, float]:
+def bisect(holds: Callable[[float], bool], low: float, high: float, tolerance: float) -> tuple[float, float]:
     """Narrow a bracket, at whose upper end alone the condition holds, to the tolerance."""
     while high - low > tolerance:
         middle = 0.5 * (low + high)
@@ -176,9 +170,7 @@ def bisect(
     return low, high
 
 
-def _no_limit(
-    crossings: tuple[Crossing, ...], lowest_perforates: bool, low: float, high: float
-) -> str:
+def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, low: float, high: float) -> str:
     """Why there is no limit in the range."""
     if not lowest_perforates:
         return (

@@ -17,6 +17,7 @@ PROBES = 9
 CERAMIC_TOLERANCE_MM = 1e-6
 BACKING_TOLERANCE_MM = 1e-3
 
+
 @dataclass(frozen=True)
 class Design:
     """A pair of thicknesses that defeats the threat."""
@@ -130,9 +131,7 @@ def optimise(
         refined=with_limit(scenario, refined(scenario, frontier)) if refine else None,
         runs=sum(column.runs for column in columns),
         not_monotonic_mm=tuple(
-            thickness
-            for thickness, column in zip(backings, columns, strict=True)
-            if not column.monotonic
+            thickness for thickness, column in zip(backings, columns, strict=True) if not column.monotonic
         ),
     )
 
@@ -261,8 +260,9 @@ def refined(scenario: Scenario, frontier: Sequence[Design]) -> Design:
         return inf if there is None else there.areal_density_kg_m2
 
     if bounds[0] < bounds[1]:
-        options = {"xatol": BACKING_TOLERANCE_MM}
-        lowest = minimize_scalar(areal_density, bounds=bounds, method="bounded", options=options)
+        lowest = minimize_scalar(
+            areal_density, bounds=bounds, method="bounded", options={"xatol": BACKING_TOLERANCE_MM}
+        )
         found.append(needed(scenario, float(lowest.x)) or found[0])
     return lightest(found)
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from io import BytesIO
 from textwrap import wrap
+from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -16,7 +17,7 @@ FORMATS = (".png", ".svg", ".pdf")
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 BLACK, ORANGE, BLUE, GREEN, RED = "#000000", "#E69F00", "#0072B2", "#009E73", "#D55E00"
-STYLE = {
+STYLE: Any = {
     "axes.axisbelow": True,
     "axes.grid": True,
     "axes.spines.right": False,
@@ -84,9 +85,7 @@ def _shown_us(history: History, result: ImpactResult) -> float:
 def _verdict(result: ImpactResult) -> str:
     if result.outcome == "defeated":
         return f"defeated at {result.impact_velocity_m_s:g} m/s"
-    return (
-        f"perforated at {result.impact_velocity_m_s:g} m/s, residual velocity {result.residual_velocity_m_s:.1f} m/s"
-    )
+    return f"perforated at {result.impact_velocity_m_s:g} m/s, residual velocity {result.residual_velocity_m_s:.1f} m/s"
 
 
 def _shade(axes: Axes, stages: Sequence[StageRecord]) -> None:

@@ -46,9 +46,7 @@ def _named(kind: Kind, name: str, info: ValidationInfo) -> str:
     """The name, which must be in the library."""
     known: list[str] = info.context["names"][kind] if info.context else [name]
     if name not in known:
-        raise ValueError(
-            f'must name a {kind} of the library, found "{name}"{nearest(name, known)}'
-        )
+        raise ValueError(f'must name a {kind} of the library, found "{name}"{nearest(name, known)}')
     return name
 
 
@@ -86,9 +84,7 @@ class ArmourSection(Section):
     @classmethod
     def _thickness(cls, thickness: float, info: ValidationInfo) -> float:
         if thickness > 0.0 and info.data.get("ceramic", "") is None:
-            raise ValueError(
-                f"must be 0 where no ceramic is named, found {thickness:g}; name one as armour.ceramic"
-            )
+            raise ValueError(f"must be 0 where no ceramic is named, found {thickness:g}; name one as armour.ceramic")
         return thickness
 
 
@@ -134,9 +130,7 @@ class Range(Section):
         if self.min > self.max:
             raise ValueError(f"min must not be above max, found {self.min:g} and {self.max:g}")
         if self.count() > MOST_VALUES:
-            raise ValueError(
-                f"must hold at most {MOST_VALUES} values, found {self.count():.3g}; widen the step"
-            )
+            raise ValueError(f"must hold at most {MOST_VALUES} values, found {self.count():.3g}; widen the step")
         return self
 
     def count(self) -> float:
@@ -165,9 +159,7 @@ class Optimise(Section):
     def _not_absurd(self) -> "Optimise":
         designs = self.ceramic_thickness_mm.count() * self.backing_thickness_mm.count()
         if designs > MOST_DESIGNS:
-            raise ValueError(
-                f"must hold at most {MOST_DESIGNS} designs, found {designs:.3g}; widen the steps"
-            )
+            raise ValueError(f"must hold at most {MOST_DESIGNS} designs, found {designs:.3g}; widen the steps")
         return self
 
 
@@ -281,9 +273,7 @@ class Scenario(Section):
         return tomli_w.dumps(self._source.data)
 
 
-def load_scenario(
-    path: str | PathLike[str], changes: Mapping[str, object] | None = None
-) -> Scenario:
+def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | None = None) -> Scenario:
     """Read a scenario.
 
     Parameters
@@ -329,9 +319,7 @@ def save_scenario(scenario: Scenario, path: str | PathLike[str]) -> None:
     write_whole(Path(path), scenario.to_toml().encode())
 
 
-def parse_scenario(
-    data: Mapping[str, Any], *, file: str = "scenario", folder: str | PathLike[str] = "."
-) -> Scenario:
+def parse_scenario(data: Mapping[str, Any], *, file: str = "scenario", folder: str | PathLike[str] = ".") -> Scenario:
     """Make a scenario of plain data.
 
     Parameters
@@ -367,13 +355,13 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[P
     A name is known even where its entry is wrong: one mistake is one message.
     """
     library, problems = shipped_library(), []
-    names: dict[Kind, list[str]] = {kind: library.names(kind) for kind in KINDS}
-    tables = source.data.get("library", {})
-    try:
-        section = LibrarySection.model_validate(tables)
-    except ValidationError:
-        section = LibrarySection()
-    for index, file in enumerate(section.files):
+    names: dict[Kind, list[str]] = {}
+    tables = source.data.get("library")
+    tables = tables if isinstance(tables, dict) else {}
+    files = tables.get("files")
+    for index, file in enumerate(files if isinstance(files, list) else []):
+        if not isinstance(file, str):
+            continue
         try:
             library = read_library(source.folder / file, library)
         except InputError as error:
@@ -381,11 +369,14 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[P
             for problem in error.problems:
                 whole = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
                 problems.append(problem if problem.key else whole)
+    for kind in KINDS:
+        inline = tables.get(kind)
+        names[kind] = [*library.names(kind), *(inline if isinstance(inline, dict) else ())]
     try:
+        section = LibrarySection.model_validate(tables)
         library = library.extended(section, source.file, "library")
+    except ValidationError:
+        pass  # the check of the whole scenario reports it
     except InputError as error:
         problems.extend(error.problems)
-    for kind in KINDS:
-        inline = tables.get(kind, {}) if isinstance(tables, dict) else {}
-        names[kind] = [*library.names(kind), *(inline if isinstance(inline, dict) else ())]
     return library, names, problems

@@ -165,9 +165,7 @@ def perforates(scenario: Scenario, armour: Armour, velocity: float) -> bool:
     return run_impact(scenario, armour, velocity).outcome == Outcome.PERFORATED
 
 
-def run_impact(
-    scenario: Scenario, armour: Armour, velocity: float, trace: list[Instant] | None = None
-) -> Run:
+def run_impact(scenario: Scenario, armour: Armour, velocity: float, trace: list[Instant] | None = None) -> Run:
     """Run the core with the scenario's solver.
 
     Raises

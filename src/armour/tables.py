@@ -127,9 +127,7 @@ def best_rows(result: OptimumResult) -> list[tuple[str, ...]]:
             f"{design.ceramic_thickness_mm:.3f}",
             f"{design.backing_thickness_mm:.3f}",
             f"{design.areal_density_kg_m2:.3f}",
-            "outside the range"
-            if design.ballistic_limit_m_s is None
-            else f"{design.ballistic_limit_m_s:.2f}",
+            "outside the range" if design.ballistic_limit_m_s is None else f"{design.ballistic_limit_m_s:.2f}",
         )
         for name, design in designs
     ]
@@ -162,9 +160,7 @@ LIBRARY_COLUMNS = ("kind", "name", "description", "values")
 
 def entry_rows(entry: LibraryEntry) -> list[tuple[str, str, str, str]]:
     """An entry of the library, value by value, with status and source."""
-    return [
-        (key, f"{value.value:g}", value.status, value.source) for key, value in entry.values.items()
-    ]
+    return [(key, f"{value.value:g}", value.status, value.source) for key, value in entry.values.items()]
 
 
 ENTRY_COLUMNS = ("value", "number", "status", "source")

@@ -6,6 +6,7 @@ from math import exp, log
 
 import pytest
 
+from armour.core.equations import cross_section, projectile_pressure, target_pressure
 from armour.core.run import Instant
 from armour.core.stages import (
     STEPS_PER_CHANGE,
@@ -15,7 +16,6 @@ from armour.core.stages import (
     rates,
     shear_force,
 )
-from armour.core.equations import cross_section, projectile_pressure, target_pressure
 from armour.core.state import Armour, Medium, Stage
 from tests.cases import armour, traced
 from tests.numerics.test_order import PATHS
@@ -104,11 +104,9 @@ def test_a_carried_plate_slows_evenly_to_rounding():
     forces = [shear_force(i.y, i.s, a) for i in stretch]
     assert drift(forces) < 1e-12
     first = stretch[0].y
-    mass = (a.rho_p * first.L + a.rho_B * (a.Hb + a.Hc0 - first.Z + first.h - stretch[0].s.h_s)) * cross_section(
-        a.D0
-    )
+    mass = (a.rho_p * first.L + a.rho_B * (a.Hb + a.Hc0 - first.Z + first.h - stretch[0].s.h_s)) * cross_section(a.D0)
     for i in stretch:
-        assert i.y.V**2 == pytest.approx(first.V**2 - 2 * forces[0] / mass * (i.y.Z - first.Z), rel=1e-10)
+        assert pytest.approx(first.V**2 - 2 * forces[0] / mass * (i.y.Z - first.Z), rel=1e-10) == i.y.V**2
 
 
 def every_instant() -> Iterator[tuple[Armour, Instant]]:
@@ -124,7 +122,7 @@ def test_erosion_per_loss_of_velocity_whatever_the_target_does():
         if s.eroding:
             k = rates(y, s, a)
             U = front_velocity(y, s, a)
-            assert k.L / k.V == pytest.approx(a.rho_p * y.L * (y.V - U) / a.Yp, rel=1e-12)
+            assert pytest.approx(a.rho_p * y.L * (y.V - U) / a.Yp, rel=1e-12) == k.L / k.V
             seen += 1
     assert seen > 300
 

@@ -1,5 +1,7 @@
 """The order of convergence across stage changes."""
 
+from itertools import pairwise
+
 import pytest
 
 from armour.core.run import run
@@ -60,7 +62,7 @@ def test_the_error_falls_by_sixteen_with_every_halving_of_the_step(name: str):
     assert path(traced(a, velocity)[1]) == stages
     exact = residual(a, velocity, LONGEST / 256)
     errors = [abs(residual(a, velocity, LONGEST / 2**k) - exact) for k in range(HALVINGS)]
-    seen = [(coarse, fine) for coarse, fine in zip(errors, errors[1:], strict=False) if fine > ROUNDING]
+    seen = [(coarse, fine) for coarse, fine in pairwise(errors) if fine > ROUNDING]
     assert len(seen) >= 3
     for coarse, fine in seen:
         assert 12.0 < coarse / fine < 20.0

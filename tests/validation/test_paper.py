@@ -64,7 +64,12 @@ def test_the_armours_that_just_defeat(name: str):
 
 @pytest.mark.parametrize(
     ("name", "velocity_lost", "mass_lost"),
-    [("fig9_4mm", 0.33, 0.187), ("fig9_11mm", 0.93, 0.348), ("fig10_20mm", 0.27, 0.319), ("fig10_36mm", 0.48, 0.424)],
+    [
+        ("fig9_4mm", 0.33, 0.187),
+        ("fig9_11mm", 0.93, 0.348),
+        ("fig10_20mm", 0.27, 0.319),
+        ("fig10_36mm", 0.48, 0.424),
+    ],
 )
 def test_residual_velocity_and_mass(name: str, velocity_lost: float, mass_lost: float):
     """The paper rounds velocities to a hundredth; masses depend on the identified length of the rod."""

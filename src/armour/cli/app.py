@@ -29,7 +29,7 @@ def _armour(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
     ] = False,
 ) -> None:
-    """Does a ceramic/metal armour stop a projectile, up to which velocity, and which is the lightest that does?
+    """Tell whether a ceramic/metal armour stops a projectile, up to which velocity, and which is the lightest to do so.
 
     Exit codes: 0 done; 1 the question has no answer in the range given; 2 the input is wrong.
     """

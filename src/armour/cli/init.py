@@ -14,26 +14,19 @@ TEMPLATE = "template"
 
 
 def init(
-    file: Annotated[
-        Path, typer.Argument(metavar="[FILE]", help="Where to write the scenario.")
-    ] = Path("scenario.toml"),
+    file: Annotated[Path, typer.Argument(metavar="[FILE]", help="Where to write the scenario.")] = Path(
+        "scenario.toml"
+    ),
     source: Annotated[
         str,
         typer.Option("--from", metavar="NAME", help="Copy a shipped scenario.", show_default=False),
     ] = TEMPLATE,
-    names: Annotated[
-        bool, typer.Option("--list", help="List the shipped scenarios.", show_default=False)
-    ] = False,
-    force: Annotated[
-        bool, typer.Option("--force", help="Write over an existing file.", show_default=False)
-    ] = False,
+    names: Annotated[bool, typer.Option("--list", help="List the shipped scenarios.", show_default=False)] = False,
+    force: Annotated[bool, typer.Option("--force", help="Write over an existing file.", show_default=False)] = False,
 ) -> None:
     """Write a commented scenario to start from, or a copy of a shipped one."""
     folder = shipped("scenarios")
-    known = {
-        path.relative_to(folder).with_suffix("").as_posix(): path
-        for path in sorted(folder.rglob("*.toml"))
-    }
+    known = {path.relative_to(folder).with_suffix("").as_posix(): path for path in sorted(folder.rglob("*.toml"))}
     if names:
         print("\n".join(known))
         return

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import click
 import typer
 from typer.core import TyperGroup
 
@@ -22,12 +21,8 @@ NO_ANSWER = 1
 WRONG_INPUT = 2
 INTERRUPTED = 130
 
-ScenarioFile = Annotated[
-    Path, typer.Argument(metavar="SCENARIO", help="Scenario file (TOML).", show_default=False)
-]
-AsJson = Annotated[
-    bool, typer.Option("--json", help="Print one JSON object and nothing else.", show_default=False)
-]
+ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file (TOML).", show_default=False)]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.", show_default=False)]
 PlotFile = Annotated[
     Path | None,
     typer.Option("--plot", metavar="FILE", help="Draw to a .png, .svg or .pdf file.", show_default=False),
@@ -37,7 +32,7 @@ PlotFile = Annotated[
 class Reporting(TyperGroup):
     """Commands whose errors end in a message and an exit code."""
 
-    def invoke(self, ctx: click.Context) -> Any:
+    def invoke(self, ctx: Any) -> Any:
         """Run the command; turn what it raises into a message and an exit code."""
         try:
             return super().invoke(ctx)

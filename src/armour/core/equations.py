@@ -33,9 +33,7 @@ def target_pressure(Y: float, rho: float, U: float, W: float) -> float:
     return Y + rho * U * (U - W)
 
 
-def penetration_velocity(
-    Y: float, rho: float, Yp: float, rho_p: float, V: float, W: float
-) -> float:
+def penetration_velocity(Y: float, rho: float, Yp: float, rho_p: float, V: float, W: float) -> float:
     """Penetration velocity U* at which both sides yield under equal pressure (6), (10), (21)."""
     mu = rho / rho_p
     b = V - mu * W

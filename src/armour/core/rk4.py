@@ -6,9 +6,7 @@ from armour.core.state import Armour, Stage, State
 
 def advance(y: State, k: State, dt: float) -> State:
     """State after a time dt at constant rates k."""
-    return State(
-        y.Z + dt * k.Z, y.L + dt * k.L, y.V + dt * k.V, y.W + dt * k.W, y.h + dt * k.h
-    )
+    return State(y.Z + dt * k.Z, y.L + dt * k.L, y.V + dt * k.V, y.W + dt * k.W, y.h + dt * k.h)
 
 
 def step(y: State, k1: State, s: Stage, a: Armour, dt: float) -> State:

@@ -86,9 +86,7 @@ def run(
     return Run(outcome, t, y, steps)
 
 
-def land(
-    t: float, y: State, k1: State, s: Stage, a: Armour, dt: float, V_arrest: float
-) -> tuple[int, float, State]:
+def land(t: float, y: State, k1: State, s: Stage, a: Armour, dt: float, V_arrest: float) -> tuple[int, float, State]:
     """Take a step, or the part of it up to the earliest event in it; k1 are the rates now.
 
     Returns the event (-1 for none), the time taken and the state there.
@@ -101,9 +99,7 @@ def land(
     for k in range(len(Event)):
         if not end[k] >= 0.0:
             event = k
-            fraction, y_end = crossing(
-                k, t, y, k1, s, a, dt, V_arrest, start[k], end[k], fraction
-            )
+            fraction, y_end = crossing(k, t, y, k1, s, a, dt, V_arrest, start[k], end[k], fraction)
             end = margins(t + fraction * dt, y_end, s, a, V_arrest)
     return event, fraction * dt, y_end
 

@@ -14,9 +14,7 @@ START = State(Z=0.001, L=0.02, V=700.0, W=10.0, h=0.0001)
 
 def test_advance_is_linear():
     k = State(1.0, 2.0, 3.0, 4.0, 5.0)
-    assert advance(START, k, 2.0) == tuple(
-        y + 2.0 * rate for y, rate in zip(START, k, strict=True)
-    )
+    assert advance(START, k, 2.0) == tuple(y + 2.0 * rate for y, rate in zip(START, k, strict=True))
 
 
 def test_a_step_of_no_length_changes_nothing():

@@ -1,10 +1,13 @@
 """Stepping, landing on events, changing the stage and recording."""
 
+import sys
 from itertools import pairwise
+from typing import Any
 
 import pytest
 
 from armour.core.equations import crack_velocity
+from armour.core.rk4 import step
 from armour.core.run import crossing, land, run
 from armour.core.stages import Event, default_time_step, first_stage, margins, rates
 from armour.core.state import Medium, Outcome, State
@@ -20,10 +23,10 @@ def test_events_of_the_wilkins_case_land_where_they_happen():
     cracked, stopped, entered, together = (after for _, after in changes)
     assert cracked.y.Z + crack_velocity(a.Ec, a.rho_c) * cracked.t == pytest.approx(a.Hc0, rel=1e-13)
     assert stopped.y.W == 0.0
-    assert entered.y.Z == pytest.approx(a.Hc0, rel=1e-13)
+    assert pytest.approx(a.Hc0, rel=1e-13) == entered.y.Z
     assert together.y.W == together.y.V
     assert end.outcome == Outcome.PERFORATED
-    assert end.y.Z == pytest.approx(a.Hc0 + a.Hb, rel=1e-13)
+    assert pytest.approx(a.Hc0 + a.Hb, rel=1e-13) == end.y.Z
 
 
 def test_time_never_runs_back_and_the_state_is_continuous_but_for_what_snaps():
@@ -59,10 +62,12 @@ def test_an_event_is_located_with_few_evaluations(monkeypatch: pytest.MonkeyPatc
     dt = 4e-6
     g_lo = margins(0.0, y, s, a, 1.0)[Event.MEDIUM]
     calls = []
-    from armour.core import run as module
 
-    step = module.step
-    monkeypatch.setattr(module, "step", lambda *args: calls.append(1) or step(*args))
+    def counted(*args: Any) -> State:
+        calls.append(args)
+        return step(*args)
+
+    monkeypatch.setattr(sys.modules["armour.core.run"], "step", counted)
     g_hi = margins(dt, step(y, k1, s, a, dt), s, a, 1.0)[Event.MEDIUM]
     crossing(Event.MEDIUM, 0.0, y, k1, s, a, dt, 1.0, g_lo, g_hi, 1.0)
     assert len(calls) <= 12
@@ -97,7 +102,7 @@ def test_a_projectile_can_erode_away():
     a = armour(ceramic=None, ceramic_mm=0.0)._replace(Yp=1e7, YB=50e9, tau=1e12)
     end, trace = traced(a, 1500.0)
     assert end.outcome == Outcome.DEFEATED
-    assert end.y.L == pytest.approx(1e-3 * a.L0, rel=1e-6)
+    assert pytest.approx(1e-3 * a.L0, rel=1e-6) == end.y.L
     assert path(trace) == ["Pech"]
 
 

@@ -1,0 +1,34 @@
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from armour.cli.app import app
+
+
+class Cli:
+    """Runs commands in this process and keeps stdout and stderr apart."""
+
+    def __call__(self, *args: object) -> Result:
+        return CliRunner().invoke(app, [str(arg) for arg in args])
+
+    def fails(self, code: int, *args: object) -> list[str]:
+        """Run a command that must end with the exit code, without a traceback; the lines on stderr."""
+        result = self(*args)
+        assert result.exit_code == code, result.output
+        assert result.exception is None or isinstance(result.exception, SystemExit)
+        assert "Traceback" not in result.output
+        assert not result.stdout
+        return result.stderr.splitlines()
+
+
+@pytest.fixture
+def cli() -> Cli:
+    return Cli()
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder to work in."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path

@@ -1,0 +1,55 @@
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from armour import ballistic_limit, load_scenario
+from tests.cases import SCENARIOS
+
+WILKINS = SCENARIOS / "wilkins.toml"
+
+
+def with_search(folder: Path, search: str) -> Path:
+    path = folder / "a.toml"
+    path.write_text(WILKINS.read_text() + f"\n[ballistic_limit]\n{search}\n")
+    return path
+
+
+def test_the_table(cli):
+    result = cli("ballistic-limit", WILKINS)
+    assert result.exit_code == 0
+    assert "723.77  m/s" in result.stdout
+
+
+def test_json_is_the_same_as_from_python(cli):
+    data = json.loads(cli("ballistic-limit", WILKINS, "--json").stdout)
+    assert data == json.loads(json.dumps(ballistic_limit(load_scenario(WILKINS)).to_dict()))
+    assert data["ballistic_limit_m_s"] == pytest.approx(723.77, abs=0.05)
+    low, high = data["bracket_m_s"]
+    assert 0 < high - low <= 0.01
+    assert data["runs"] > 10
+    assert data["areal_density_kg_m2"] == pytest.approx(39.243)
+
+
+def test_a_plot(cli, folder: Path):
+    assert cli("ballistic-limit", WILKINS, "--plot", "limit.png").exit_code == 0
+    assert (folder / "limit.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_no_limit_in_the_range_is_exit_code_1(cli, folder: Path):
+    [line] = cli.fails(1, "ballistic-limit", with_search(folder, "velocity_max_m_s = 500"), "--json")
+    assert "no velocity from 20 to 500 m/s perforates" in line
+    [line] = cli.fails(1, "ballistic-limit", with_search(folder, "velocity_min_m_s = 900"))
+    assert "every velocity from 900 to 4000 m/s perforates" in line
+
+
+def test_all_crossings_are_shown(cli, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(sys.modules["armour.limit"], "perforates", lambda _s, _a, v: 300 < v < 800 or v > 1500)
+    result = cli("ballistic-limit", WILKINS)
+    assert result.exit_code == 0
+    assert "not monotonic" in result.stderr
+    assert [line.split()[-1] for line in result.stdout.splitlines()[-3:]] == ["perforated", "defeated", "perforated"]
+    data = json.loads(cli("ballistic-limit", WILKINS, "--json").stdout)
+    assert not data["monotonic"]
+    assert len(data["crossings"]) == 3

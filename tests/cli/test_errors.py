@@ -1,0 +1,60 @@
+"""Bad input ends in messages and exit code 2, whatever the command."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.cases import SCENARIOS
+
+COMMANDS = ["simulate", "ballistic-limit", "optimise"]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_missing_file(cli, command: str):
+    assert cli.fails(2, command, "nothing.toml") == ["nothing.toml: cannot be read: no such file or directory"]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_folder(cli, command: str, folder: Path):
+    assert cli.fails(2, command, folder) == [f"{folder}: cannot be read: is a directory"]
+
+
+@pytest.mark.parametrize("content", [b"\x00\xff\xfe", b"\x89PNG\r\n\x1a\n\x00", b"[impact\n", b"a = 1\na = 2\n"])
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_file_that_is_no_scenario(cli, command: str, content: bytes, folder: Path):
+    (folder / "a.toml").write_bytes(content)
+    [line] = cli.fails(2, command, "a.toml")
+    assert line.startswith("a.toml: must be ")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_all_mistakes_at_once(cli, command: str, folder: Path):
+    text = (SCENARIOS / "wilkins.toml").read_text()
+    text = text.replace("AD85", "AD86").replace("800.0", "-800.0").replace("step = 0.1", "step = 0")
+    (folder / "a.toml").write_text(text + "\n[modle]\nx = 1\n")
+    lines = cli.fails(2, command, "a.toml")
+    assert [line.split(": ")[1] for line in lines] == [
+        "impact.velocity_m_s",
+        "armour.ceramic",
+        "optimise.ceramic_thickness_mm.step",
+        "modle",
+    ]
+
+
+def test_an_empty_file(cli, folder: Path):
+    (folder / "a.toml").write_text("")
+    assert len(cli.fails(2, "simulate", "a.toml")) == 2
+
+
+@pytest.mark.parametrize(
+    "args", [[], ["simulate"], ["simulate", "a.toml", "--velocity", "fast"], ["fly"], ["optimise", "a", "--fast"]]
+)
+def test_wrong_usage(cli, args: list[str]):
+    assert cli(*args).exit_code == 2
+
+
+def test_the_longest_run_allowed_ends_in_a_message(cli, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(sys.modules["armour.simulate"], "MOST_STEPS", 5)
+    [line] = cli.fails(2, "simulate", SCENARIOS / "wilkins.toml")
+    assert "solver.time_step_us: must let the run at 800 m/s end" in line

@@ -1,0 +1,77 @@
+import json
+from pathlib import Path
+
+from armour import load_scenario
+from tests.cases import SCENARIOS
+
+
+def test_the_library_is_listed(cli):
+    result = cli("library")
+    assert result.exit_code == 0
+    for name in ("7.62 mm APM2", "AD99.5", "AA6082-T651"):
+        assert name in result.stdout
+
+
+def test_the_library_as_json(cli):
+    data = json.loads(cli("library", "--json").stdout)
+    assert data["ceramic"]["AD85"]["flow_stress_GPa"]["value"] == 5.2
+
+
+def test_an_entry_is_shown_with_its_sources(cli):
+    result = cli("library", "show", "7.62 mm AP")
+    assert result.exit_code == 0
+    [diameter] = [line for line in result.stdout.splitlines() if line.startswith("penetrator_diameter_mm")]
+    assert diameter.split()[1:3] == ["6.5", "fitted"]
+    data = json.loads(cli("library", "show", "6061-T6", "--json").stdout)
+    assert data["shear_strength_MPa"]["status"] == "assumed"
+
+
+def test_an_entry_that_is_not_there(cli):
+    [line] = cli.fails(2, "library", "show", "AD86")
+    assert line.endswith("did you mean 'AD85'?")
+
+
+def test_init_writes_a_scenario_that_works(cli, folder: Path):
+    result = cli("init")
+    assert result.exit_code == 0
+    text = (folder / "scenario.toml").read_text()
+    assert "# time_step_us" in text
+    assert load_scenario("scenario.toml").title == "My armour"
+    for command in ("simulate", "ballistic-limit"):
+        assert cli(command, "scenario.toml").exit_code == 0
+
+
+def test_what_the_template_shows_as_optional_is_valid(folder: Path):
+    lines = (SCENARIOS / "template.toml").read_text().splitlines()
+    shown = [line.removeprefix("# ") if line.startswith(("# [", '# "')) or " = " in line else line for line in lines]
+    text = "\n".join(line for line in shown if not line.startswith("files"))
+    (folder / "all.toml").write_text(text)
+    scenario = load_scenario("all.toml")
+    assert scenario.solver.time_step_us == 0.1
+    assert scenario.ballistic_limit == type(scenario.ballistic_limit)()
+    assert scenario.entry("ceramic", "My alumina")["flow_stress_GPa"] == 4.5
+    assert scenario.entry("metal", "My steel")["shear_strength_MPa"] == 630.0
+
+
+def test_init_copies_a_shipped_scenario(cli, folder: Path):
+    assert cli("init", "mine.toml", "--from", "paper/fig9_4mm").exit_code == 0
+    assert (folder / "mine.toml").read_bytes() == (SCENARIOS / "paper" / "fig9_4mm.toml").read_bytes()
+
+
+def test_init_does_not_write_over_a_file(cli, folder: Path):
+    path = folder / "scenario.toml"
+    path.write_text("mine")
+    [line] = cli.fails(2, "init")
+    assert line == "scenario.toml: exists already; choose another name, or --force"
+    assert path.read_text() == "mine"
+    assert cli("init", "--force").exit_code == 0
+    assert path.read_text() != "mine"
+
+
+def test_init_names_what_there_is(cli, folder: Path):
+    names = cli("init", "--list").stdout.split()
+    assert "wilkins" in names
+    assert "paper/optimum_25mm_APDS" in names
+    [line] = cli.fails(2, "init", "--from", "wilkin")
+    assert "did you mean 'wilkins'?" in line
+    assert list(folder.iterdir()) == []

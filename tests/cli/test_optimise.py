@@ -1,0 +1,85 @@
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from armour import load_scenario, optimise
+from tests.cases import SCENARIOS
+
+GRID = """
+ceramic_thickness_mm = { min = 8.0, max = 14.0, step = 0.5 }
+backing_thickness_mm = { min = 5.0, max = 8.0, step = 1.0 }
+"""
+
+
+@pytest.fixture
+def small(folder: Path) -> Path:
+    text = (SCENARIOS / "paper" / "optimum_7.62mm_AP.toml").read_text()
+    path = folder / "small.toml"
+    path.write_text(text[: text.index("[optimise]")] + "[optimise]" + GRID)
+    return path
+
+
+def test_the_tables(cli, small: Path):
+    result = cli("optimise", small, "--refine")
+    assert result.exit_code == 0
+    assert result.stderr == ""
+    marked = [line.split() for line in result.stdout.splitlines() if line.endswith("lightest")]
+    assert marked == [["6", "11", "54.23", "lightest"]]
+    assert "refined" in result.stdout
+
+
+def test_json_is_the_same_as_from_python(cli, small: Path):
+    data = json.loads(cli("optimise", small, "--json").stdout)
+    assert data == json.loads(json.dumps(optimise(load_scenario(small)).to_dict()))
+    thicknesses = {"ceramic_thickness_mm", "backing_thickness_mm", "areal_density_kg_m2"}
+    assert thicknesses | {"ballistic_limit_m_s"} == set(data["best"])
+    assert all(set(row) == thicknesses for row in data["frontier"])
+    assert "refined" not in data
+    assert "refined" in json.loads(cli("optimise", small, "--json", "--refine").stdout)
+
+
+def test_the_full_grid_agrees(cli, small: Path):
+    quick = json.loads(cli("optimise", small, "--json").stdout)
+    full = json.loads(cli("optimise", small, "--json", "--full-grid").stdout)
+    assert full["runs"] == 4 * 13
+    assert quick["runs"] < full["runs"]
+    assert (quick["best"], quick["frontier"]) == (full["best"], full["frontier"])
+
+
+def test_csv_and_plot(cli, small: Path, folder: Path):
+    result = cli("optimise", small, "--csv", "f.csv", "--plot", "f.pdf")
+    assert result.stderr.splitlines() == ["wrote f.csv", "wrote f.pdf"]
+    lines = (folder / "f.csv").read_text().splitlines()
+    assert lines[0] == "ceramic_thickness_mm,backing_thickness_mm,areal_density_kg_m2"
+    assert len(lines) == 5
+
+
+def test_no_design_is_exit_code_1(cli, small: Path):
+    small.write_text(small.read_text().replace("min = 8.0, max = 14.0", "min = 2.0, max = 4.0"))
+    [line] = cli.fails(1, "optimise", small)
+    assert line.startswith("no design")
+
+
+def test_a_scenario_without_a_grid(cli, folder: Path):
+    path = folder / "a.toml"
+    text = (SCENARIOS / "wilkins.toml").read_text()
+    path.write_text(text[: text.index("[optimise]")])
+    [line] = cli.fails(2, "optimise", path)
+    assert line.startswith(f"{path}: optimise: is missing")
+
+
+def test_an_interrupted_search_keeps_what_it_has(cli, small: Path, folder: Path, monkeypatch: pytest.MonkeyPatch):
+    module = sys.modules["armour.optimise"]
+    columns = module.frontier_columns
+
+    def interrupted(*args, **kwargs):
+        for count, column in enumerate(columns(*args, **kwargs)):
+            if count == 2:
+                raise KeyboardInterrupt
+            yield column
+
+    monkeypatch.setattr(module, "frontier_columns", interrupted)
+    assert cli.fails(130, "optimise", small, "--csv", "f.csv") == ["wrote f.csv", "interrupted"]
+    assert len((folder / "f.csv").read_text().splitlines()) == 3

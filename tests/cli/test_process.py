@@ -1,0 +1,70 @@
+"""The installed command as a process of its own."""
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from armour import __version__
+from tests.cases import SCENARIOS
+
+REPOSITORY = SCENARIOS.parent
+# Imported by no command but those that plot, keep a history or refine.
+HEAVY = ["matplotlib", "numpy", "scipy"]
+
+
+def process(*args: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, *map(str, args)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, stdin=subprocess.DEVNULL, check=False)
+
+
+def test_python_m(tmp_path: Path):
+    result = process("-m", "armour", "--version", cwd=tmp_path)
+    assert result.stdout == f"armour {__version__}\n"
+
+
+@pytest.mark.parametrize("args", [["--help"], ["simulate", SCENARIOS / "wilkins.toml"], ["library"]])
+def test_nothing_heavy_is_imported_before_it_is_needed(args: list[object]):
+    code = f"""
+import sys
+sys.argv = ["armour", *{[str(arg) for arg in args]!r}]
+from armour.cli import main
+try:
+    main()
+except SystemExit as end:
+    assert not end.code
+print([name for name in {HEAVY!r} if name in sys.modules], file=sys.stderr)
+"""
+    assert process("-c", code).stderr == "[]\n"
+
+
+def test_a_reader_that_goes_away_is_no_error():
+    command = f"{sys.executable} -m armour library | head -n 1; exit ${{PIPESTATUS[0]}}"
+    result = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+    assert result.stderr == ""
+
+
+def test_the_wheel_ships_configs_and_scenarios(tmp_path: Path):
+    build = ["-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--quiet", "-w", tmp_path, REPOSITORY]
+    result = process(*build)
+    assert result.returncode == 0, result.stderr
+    [wheel] = tmp_path.glob("*.whl")
+    site = tmp_path / "site"
+    zipfile.ZipFile(wheel).extractall(site)
+    shipped = {path.relative_to(site / "armour").as_posix() for path in site.rglob("*.toml")}
+    there = {path.relative_to(REPOSITORY).as_posix() for path in SCENARIOS.rglob("*.toml")}
+    assert there | {"configs/metals.toml", "configs/ceramics.toml", "configs/projectiles.toml"} == shipped
+    assert (site / "armour" / "py.typed").exists()
+    code = f"""
+import sys
+sys.path.insert(0, {str(site)!r})
+import armour
+assert armour.__file__.startswith({str(site)!r}), armour.__file__
+from armour.files import shipped
+assert str(shipped("configs")).startswith({str(site)!r})
+path = shipped("scenarios") / "wilkins.toml"
+print(armour.simulate(armour.load_scenario(path)).outcome)
+"""
+    assert process("-c", code, cwd=tmp_path).stdout == "perforated\n"

@@ -1,0 +1,82 @@
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from armour import load_scenario, simulate
+from tests.cases import SCENARIOS
+
+WILKINS = SCENARIOS / "wilkins.toml"
+
+
+def test_the_table(cli):
+    result = cli("simulate", WILKINS)
+    assert result.exit_code == 0
+    [residual] = [line for line in result.stdout.splitlines() if line.startswith("residual velocity")]
+    assert residual.split()[2:] == ["277.38", "m/s"]
+    assert [line.split()[0] for line in result.stdout.splitlines()[-4:]] == ["i", "ii.1", "iii.3", "iii.4"]
+    assert result.stderr == ""
+
+
+def test_json_is_one_object_and_the_same_as_from_python(cli):
+    result = cli("simulate", WILKINS, "--json")
+    data = json.loads(result.stdout)
+    assert data == json.loads(json.dumps(simulate(load_scenario(WILKINS)).to_dict()))
+    keys = {
+        "outcome",
+        "residual_velocity_m_s",
+        "residual_mass_g",
+        "residual_length_mm",
+        "penetration_depth_mm",
+        "bulge_height_mm",
+        "plug_velocity_m_s",
+        "duration_us",
+        "areal_density_kg_m2",
+        "stages",
+    }
+    assert keys <= set(data)
+    assert {"stage", "start_us", "end_us"} <= set(data["stages"][0])
+
+
+def test_another_velocity(cli):
+    data = json.loads(cli("simulate", WILKINS, "--velocity", 600, "--json").stdout)
+    assert (data["outcome"], data["residual_velocity_m_s"]) == ("defeated", 0.0)
+
+
+def test_a_velocity_stands_in_for_one_that_is_missing(cli, folder: Path):
+    path = folder / "a.toml"
+    path.write_text(WILKINS.read_text().replace("velocity_m_s = 800.0", ""))
+    assert cli.fails(2, "simulate", path) == [f"{path}: impact.velocity_m_s: is missing and must be given"]
+    assert cli("simulate", path, "--velocity", 800).exit_code == 0
+
+
+def test_history_and_plot(cli, folder: Path):
+    result = cli("simulate", WILKINS, "--history", "h.csv", "--plot", "p.svg", "--json")
+    json.loads(result.stdout)
+    assert result.stderr.splitlines() == ["wrote h.csv", "wrote p.svg"]
+    with open("h.csv") as file:
+        rows = list(csv.DictReader(file))
+    assert float(rows[-1]["depth_mm"]) == pytest.approx(12.7)
+    assert "time since impact" in (folder / "p.svg").read_text()
+
+
+@pytest.mark.parametrize("velocity", ["nan", "inf", "-5", "0", "1e9"])
+def test_velocities_that_are_none(cli, velocity: str):
+    [line] = cli.fails(2, "simulate", WILKINS, "--velocity", velocity)
+    assert line.startswith(f"{WILKINS}: impact.velocity_m_s: must be")
+
+
+def test_outputs_that_cannot_be_written_are_told_before_the_work(cli, folder: Path):
+    lines = cli.fails(2, "simulate", WILKINS, "--history", "no/h.csv", "--plot", "p.gif")
+    assert lines == [
+        "p.gif: must end in .png, .svg or .pdf, found .gif",
+        "no/h.csv: cannot be written: there is no folder no",
+    ]
+    assert cli.fails(2, "simulate", WILKINS, "--history", folder) == [f"{folder}: cannot be written: is a folder"]
+    assert list(folder.iterdir()) == []
+
+
+def test_a_bare_plate(cli):
+    data = json.loads(cli("simulate", SCENARIOS / "bare_plate.toml", "--json").stdout)
+    assert data["stages"][0]["stage"].startswith("iii.")

@@ -1,0 +1,69 @@
+import csv
+from io import StringIO
+
+from armour.core.stages import stage_name
+from armour.core.state import Medium, Stage
+from armour.library import shipped_library
+from armour.limit import ballistic_limit
+from armour.optimise import Design
+from armour.simulate import simulate
+from armour.tables import (
+    STAGE_COLUMNS,
+    STAGES,
+    entry_rows,
+    frontier_csv,
+    history_csv,
+    impact_rows,
+    library_rows,
+    limit_rows,
+    stage_rows,
+)
+from tests.cases import scenario
+
+
+def test_every_stage_is_described():
+    names = {
+        stage_name(Stage(medium, eroding, penetrated, False, 1.0, 0.0))
+        for medium in Medium
+        for eroding in (False, True)
+        for penetrated in (False, True)
+    }
+    assert names == set(STAGES)
+
+
+def test_rows_of_an_impact():
+    result = simulate(scenario())
+    rows = {name: (number, unit) for name, number, unit in impact_rows(result)}
+    assert rows["residual velocity"] == ("277.38", "m/s")
+    assert rows["outcome"] == ("perforated", "")
+    assert all(len(row) == len(STAGE_COLUMNS) for row in stage_rows(result))
+
+
+def test_rows_of_a_limit():
+    rows = {name: number for name, number, _ in limit_rows(ballistic_limit(scenario()))}
+    assert rows["ballistic limit"] == "723.77"
+
+
+def test_the_history_as_a_file_keeps_every_digit():
+    history = simulate(scenario(), history=True).history
+    assert history is not None
+    rows = list(csv.DictReader(StringIO(history_csv(history))))
+    assert [float(row["velocity_m_s"]) for row in rows] == history.velocity_m_s.tolist()
+    assert rows[0]["stage"] == "i"
+
+
+def test_the_frontier_as_a_file():
+    text = frontier_csv([Design(10.3, 7.0, 54.579)])
+    assert text == "ceramic_thickness_mm,backing_thickness_mm,areal_density_kg_m2\n10.3,7.0,54.579\n"
+
+
+def test_rows_of_the_library():
+    rows = library_rows(shipped_library())
+    assert ("ceramic", "AD85") in {row[:2] for row in rows}
+    [entry] = shipped_library().find("AD85")
+    assert (
+        "flow_stress_GPa",
+        "5.2",
+        "fitted",
+        "the paper, table 2, to Wilkins' ballistic limits",
+    ) in entry_rows(entry)
