@@ -6,7 +6,7 @@ from dataclasses import fields
 from io import StringIO
 from typing import Any
 
-from armour.library import KINDS, Library, LibraryEntry
+from armour.library import Kind, Library, LibraryEntry
 from armour.limit import LimitResult
 from armour.optimise import Design, OptimumResult
 from armour.simulate import History, ImpactResult
@@ -142,20 +142,19 @@ BEST_COLUMNS = (
 )
 
 
-def library_rows(library: Library) -> list[tuple[str, str, str, str]]:
-    """The library, entry by entry: kind, name, description and values."""
-    return [
-        (kind, entry.name, entry.description, ", ".join(_numbers(entry)))
-        for kind in KINDS
-        for entry in library.entries[kind].values()
+def library_table(library: Library, kind: Kind) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Columns and rows of the library's entries of a kind: name, numbers and description."""
+    entries = library.entries[kind].values()
+    keys = list(dict.fromkeys(key for entry in entries for key in entry.values))
+    rows = [
+        (
+            entry.name,
+            *(f"{entry[key]:g}" if key in entry.values else "" for key in keys),
+            entry.description,
+        )
+        for entry in entries
     ]
-
-
-def _numbers(entry: LibraryEntry) -> list[str]:
-    return [f"{key} {value.value:g}" for key, value in entry.values.items()]
-
-
-LIBRARY_COLUMNS = ("kind", "name", "description", "values")
+    return (kind, *(key.replace("_", " ") for key in keys), "description"), rows
 
 
 def entry_rows(entry: LibraryEntry) -> list[tuple[str, str, str, str]]:

@@ -14,7 +14,7 @@ from armour.tables import (
     frontier_csv,
     history_csv,
     impact_rows,
-    library_rows,
+    library_table,
     limit_rows,
     stage_rows,
 )
@@ -57,13 +57,11 @@ def test_the_frontier_as_a_file():
     assert text == "ceramic_thickness_mm,backing_thickness_mm,areal_density_kg_m2\n10.3,7.0,54.579\n"
 
 
-def test_rows_of_the_library():
-    rows = library_rows(shipped_library())
-    assert ("ceramic", "AD85") in {row[:2] for row in rows}
+def test_tables_of_the_library():
+    columns, rows = library_table(shipped_library(), "ceramic")
+    assert columns == ("ceramic", "density kg m3", "youngs modulus GPa", "flow stress GPa", "description")
+    assert ("AD85", "3430", "267", "5.2", "alumina, 85 %") in rows
+    columns, rows = library_table(shipped_library(), "metal")
+    assert dict(zip(columns, rows[-1], strict=True))["strain to fracture"] == ""
     [entry] = shipped_library().find("AD85")
-    assert (
-        "flow_stress_GPa",
-        "5.2",
-        "fitted",
-        "the paper, table 2, to Wilkins' ballistic limits",
-    ) in entry_rows(entry)
+    assert ("flow_stress_GPa", "5.2", "fitted", "the paper, table 2, to Wilkins' ballistic limits") in entry_rows(entry)

@@ -15,14 +15,17 @@ def list_library(ctx: typer.Context, as_json: AsJson = False) -> None:
     """List the projectiles and materials that come with armour."""
     if ctx.invoked_subcommand is not None:
         return
-    from armour.library import shipped_library
-    from armour.tables import LIBRARY_COLUMNS, library_rows
+    from armour.library import KINDS, shipped_library
+    from armour.tables import library_table
 
     library = shipped_library()
     if as_json:
         print_json(library.to_dict())
-    else:
-        print_table(LIBRARY_COLUMNS, library_rows(library))
+        return
+    for kind in KINDS:
+        columns, rows = library_table(library, kind)
+        print_table(columns, rows, numbers=range(1, len(columns) - 1))
+        print()
 
 
 @app.command()
