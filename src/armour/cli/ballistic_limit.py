@@ -33,11 +33,8 @@ def ballistic_limit(scenario: ScenarioFile, plot: PlotFile = None, as_json: AsJs
         if not as_json:
             print()
             print_table(CROSSING_COLUMNS, crossing_rows(result), numbers=(0, 1))
-
-    def figure():  # type: ignore[no-untyped-def]
+    if plot is not None:
         from armour.plots import limit_figure
 
         curve = residual_curve(loaded, velocities_round(result, loaded))
-        return limit_figure(result, curve, loaded.title)
-
-    write_plot(plot, figure)
+        write_plot(plot, limit_figure(result, curve, loaded.title))

@@ -59,8 +59,8 @@ def optimise(
 
             result = find_optimum(loaded, full_grid=full_grid, refine=refine, on_column=on_column)
     except KeyboardInterrupt:
-        if columns:
-            write(csv, lambda: frontier_csv(frontier_of(columns)))
+        if csv is not None and columns:
+            write(csv, frontier_csv(frontier_of(columns)))
         raise
     if as_json:
         print_json(result.to_dict())
@@ -71,14 +71,12 @@ def optimise(
     if result.not_monotonic_mm:
         backings = ", ".join(f"{backing:g}" for backing in result.not_monotonic_mm)
         print(f"a thicker ceramic was perforated on a backing of {backings} mm", file=sys.stderr)
-    write(csv, lambda: frontier_csv(result.frontier))
-
-    def figure():  # type: ignore[no-untyped-def]
+    if csv is not None:
+        write(csv, frontier_csv(result.frontier))
+    if plot is not None:
         from armour.plots import optimum_figure
 
-        return optimum_figure(result, loaded.title)
-
-    write_plot(plot, figure)
+        write_plot(plot, optimum_figure(result, loaded.title))
 
 
 @contextmanager

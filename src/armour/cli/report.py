@@ -3,7 +3,7 @@
 import json
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -73,20 +73,17 @@ def check_outputs(*paths: Path | None, plot: Path | None = None) -> None:
         raise InputError(problems)
 
 
-def write(path: Path | None, content: Callable[[], str | bytes]) -> None:
+def write(path: Path, content: str | bytes) -> None:
     """Write a file that was asked for, and say so on stderr."""
-    if path is not None:
-        made = content()
-        write_whole(path, made.encode() if isinstance(made, str) else made)
-        print(f"wrote {path}", file=sys.stderr)
+    write_whole(path, content.encode() if isinstance(content, str) else content)
+    print(f"wrote {path}", file=sys.stderr)
 
 
-def write_plot(path: Path | None, figure: Callable[[], "Figure"]) -> None:
-    """Draw a figure that was asked for."""
-    if path is not None:
-        from armour.plots import rendered
+def write_plot(path: Path, figure: "Figure") -> None:
+    """Draw a figure to a file that was asked for."""
+    from armour.plots import rendered
 
-        write(path, lambda: rendered(figure(), path.suffix.lower()))
+    write(path, rendered(figure, path.suffix.lower()))
 
 
 def print_json(data: Mapping[str, Any]) -> None:

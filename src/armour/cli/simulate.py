@@ -46,13 +46,9 @@ def simulate(
         print_quantities(loaded.title, impact_rows(result))
         print()
         print_table(STAGE_COLUMNS, stage_rows(result), numbers=(2, 3, 4, 5, 6))
-    kept = result.history
-    if kept is not None:
-        write(history, lambda: history_csv(kept))
-
-    def figure():  # type: ignore[no-untyped-def]
+    if history is not None and result.history is not None:
+        write(history, history_csv(result.history))
+    if plot is not None:
         from armour.plots import impact_figure
 
-        return impact_figure(result, loaded.title)
-
-    write_plot(plot, figure)
+        write_plot(plot, impact_figure(result, loaded.title))
