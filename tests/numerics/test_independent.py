@@ -1,10 +1,11 @@
 """The model once more, by another method: scipy's DOP853 on rates that follow the rule of yielding at every instant.
 
-Nothing of the core's stages, events or steps is used here.  Where a side starts or stops to yield, U is continuous and the
-solver's own step control sees to it; only the changes of medium and of held and moving are located.
+Nothing of the core's stages, events or steps is used here.  Where a side starts or stops to yield, U is continuous and
+the solver's own step control sees to it; only the changes of medium and of held and moving are located.
 """
 
 from math import pi, sqrt
+from typing import Any
 
 import numpy as np
 import pytest
@@ -90,9 +91,9 @@ class Reference:
         a, t = self.a, 0.0
         for _ in range(20):
             events = self.events()
-            # Short enough that no event comes and goes within a step; held rubble, a tail without events, needs no limit.
+            # Short enough that no event comes and goes within a step; held rubble, a tail, needs no limit.
             longest = np.inf if self.medium == "fragmented" and not self.moving else 0.002 * a.D0 / y[2]
-            solution = solve_ivp(
+            solution: Any = solve_ivp(
                 self.rates,
                 (t, t + 1.0),
                 y,
@@ -128,7 +129,7 @@ class Reference:
             raise AssertionError("no end after 20 events")
         self.V, self.L = float(y[2]), float(y[1])
 
-    def events(self):
+    def events(self) -> list[tuple[str, Any]]:
         a = self.a
         crack = sqrt(a.Ec / a.rho_c) / 5 if a.Hc0 > 0 else 0.0
         ends = {
@@ -136,7 +137,7 @@ class Reference:
             "fragmented": lambda _t, y: a.Hc0 - y[0],
             "plate": lambda _t, y: a.Hc0 + a.Hb - y[0],
         }
-        events = [("medium", ends[self.medium]), ("arrest", lambda _t, y: y[2] - ARREST)]
+        events: list[tuple[str, Any]] = [("medium", ends[self.medium]), ("arrest", lambda _t, y: y[2] - ARREST)]
         if self.medium != "intact" and not self.joined:
             if self.moving:
                 events.append(("stops", lambda _t, y: y[3]))
@@ -181,8 +182,8 @@ def test_residual_velocity_and_length_agree(index: int):
     velocity = float(np.random.default_rng(index).uniform(300.0, 1400.0))
     reference, end = Reference(a, velocity), core(a, velocity)
     assert (end.outcome == Outcome.PERFORATED) == reference.perforated
-    assert end.y.V == pytest.approx(reference.V, rel=1e-4)
-    assert end.y.L == pytest.approx(reference.L, rel=1e-4)
+    assert pytest.approx(reference.V, rel=1e-4) == end.y.V
+    assert pytest.approx(reference.L, rel=1e-4) == end.y.L
 
 
 @pytest.mark.parametrize("index", range(8))
