@@ -8,6 +8,9 @@ from typing import Any
 
 from armour.errors import InputError, Problem
 
+# No scenario or library is longer; a device can be without end.
+LARGEST_BYTES = 10_000_000
+
 _PACKAGE = Path(__file__).resolve().parent
 _CHECKOUT = _PACKAGE.parent.parent
 
@@ -29,10 +32,14 @@ def read_toml(path: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If the file is missing, cannot be read, is not text or not valid TOML.
+        If the file is missing, cannot be read, is too long, is not text or not valid TOML.
     """
     try:
-        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+        with path.open("rb") as file:
+            content = file.read(LARGEST_BYTES + 1)
+        if len(content) <= LARGEST_BYTES:
+            return tomllib.loads(content.decode("utf-8-sig"))
+        message = f"must be at most {LARGEST_BYTES} bytes long"
     except OSError as error:
         message = f"cannot be read: {reason(error)}"
     except UnicodeDecodeError as error:
@@ -50,21 +57,21 @@ def check_writable(path: Path) -> None:
     Raises
     ------
     InputError
-        If the path is a folder, or its folder is missing or cannot be written to.
+        If the path is a folder, or it or its folder is missing or cannot be written to.
     """
     problem = ""
     if path.is_dir():
         problem = "is a folder"
     elif not path.parent.is_dir():
         problem = f"there is no folder {path.parent}"
-    elif not os.access(path.parent, os.W_OK):
-        problem = f"permission denied in {path.parent}"
+    elif not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
+        problem = "permission denied"
     if problem:
         raise InputError([Problem(str(path), "", f"cannot be written: {problem}")])
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file whole or not at all.
+    """Write a file whole or not at all; a device or a pipe is written to as it is.
 
     Raises
     ------
@@ -72,17 +79,25 @@ def write_whole(path: Path, content: bytes) -> None:
         If the file cannot be written; what stood there before then still does.
     """
     try:
-        handle, draft = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(content)
-            os.chmod(draft, _new_file_mode())
-            os.replace(draft, path)
-        except BaseException:
-            os.unlink(draft)
-            raise
+        if path.exists() and not path.is_file():
+            path.write_bytes(content)
+        else:
+            _replace(path.resolve(), content)
     except OSError as error:
         raise InputError([Problem(str(path), "", f"cannot be written: {reason(error)}")]) from None
+
+
+def _replace(path: Path, content: bytes) -> None:
+    """Write a draft beside the file and put it in its place."""
+    handle, draft = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        os.chmod(draft, _new_file_mode())
+        os.replace(draft, path)
+    except BaseException:
+        os.unlink(draft)
+        raise
 
 
 def _new_file_mode() -> int:

@@ -29,6 +29,7 @@ STYLE: Any = {
     "lines.linewidth": 1.6,
     "svg.fonttype": "none",
     "svg.hashsalt": "armour",
+    "text.parse_math": False,  # titles are the user's
 }
 # A stage narrower than this part of the axis is shaded but not named.
 NARROWEST_NAMED = 0.025
@@ -157,13 +158,13 @@ def optimum_figure(result: OptimumResult, title: str) -> Figure:
         for marker, size, colour, name, design in marks:
             label = (
                 f"{name}: {design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm, "
-                f"{design.areal_density_kg_m2:.2f} kg/m$^2$"
+                f"{design.areal_density_kg_m2:.2f} kg/m²"
             )
             style = {"marker": marker, "markersize": size, "color": colour, "linestyle": "none"}
             thickness.plot(design.backing_thickness_mm, design.ceramic_thickness_mm, label=label, **style)
             density.plot(design.backing_thickness_mm, design.areal_density_kg_m2, **style)
         thickness.set_ylabel("required ceramic thickness, mm")
-        density.set_ylabel("areal density, kg/m$^2$")
+        density.set_ylabel("areal density, kg/m²")
         density.set_xlabel("backing thickness, mm")
         figure.legend(loc="outside lower center")
         figure.suptitle(_wrapped(title), fontsize=10)

@@ -192,6 +192,13 @@ class Scenario(Section):
     optimise: Optimise | None = None
     library: LibrarySection = LibrarySection()
 
+    @field_validator("title")
+    @classmethod
+    def _title(cls, title: str) -> str:
+        if not title.isprintable():
+            raise ValueError(f"must be one line of printable text, found {title!r}")
+        return title
+
     _entries: Library = PrivateAttr(default_factory=Library)
     _source: _Source = PrivateAttr(default=_Source({}, "", Path()))
 

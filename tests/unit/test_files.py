@@ -29,6 +29,11 @@ def test_what_is_not_toml_is_named(tmp_path: Path, content: bytes, words: str):
         read_toml(path)
 
 
+def test_a_file_without_end_is_not_read_to_its_end():
+    with pytest.raises(InputError, match="must be at most"):
+        read_toml(Path("/dev/zero"))
+
+
 def test_a_missing_file_and_a_folder_cannot_be_read(tmp_path: Path):
     for path in (tmp_path / "nothing.toml", tmp_path):
         with pytest.raises(InputError, match="cannot be read"):
@@ -61,6 +66,24 @@ def test_a_file_gets_the_permissions_of_a_new_one(tmp_path: Path):
     plain.write_bytes(b"")
     write_whole(whole, b"")
     assert whole.stat().st_mode == plain.stat().st_mode
+
+
+def test_a_link_stays_one(tmp_path: Path):
+    (tmp_path / "real").write_bytes(b"old")
+    (tmp_path / "link").symlink_to("real")
+    write_whole(tmp_path / "link", b"new")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "real").read_bytes() == b"new"
+
+
+def test_a_pipe_is_written_to_and_not_replaced(tmp_path: Path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    write_whole(pipe, b"new")
+    assert os.read(reader, 10) == b"new"
+    os.close(reader)
+    assert pipe.is_fifo()
 
 
 def test_outputs_that_cannot_be_written(tmp_path: Path):

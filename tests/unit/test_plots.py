@@ -36,6 +36,11 @@ def test_a_long_tail_is_not_shown():
     assert figure.axes[-1].get_xlim()[1] < 0.3 * slow.duration_us
 
 
+def test_a_title_is_shown_as_it_is():
+    figure = impact_figure(simulate(scenario(), history=True), "5 $ for $x_{_^ <&>")
+    assert "5 $ for $x_{_^ &lt;&amp;&gt;" in rendered(figure, ".svg").decode()
+
+
 def test_an_impact_needs_its_history():
     with pytest.raises(ValueError, match="history"):
         impact_figure(simulate(scenario()), "")

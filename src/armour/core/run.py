@@ -95,9 +95,10 @@ def land(t: float, y: State, k1: State, s: Stage, a: Armour, dt: float, V_arrest
     y_end = step(y, k1, s, a, dt)
     end = margins(t + dt, y_end, s, a, V_arrest)
     event, fraction = -1, 1.0
-    # Each event found shortens what the ones after it are looked for in: the last one found is the earliest.
-    for k in range(len(Event)):
-        if not end[k] >= 0.0:
+    # Each event found shortens what the others are looked for in, and can lay bare one that came and went before it.
+    for i in range(2 * len(Event)):
+        k = i % len(Event)
+        if k != event and not end[k] >= 0.0:
             event = k
             fraction, y_end = crossing(k, t, y, k1, s, a, dt, V_arrest, start[k], end[k], fraction)
             end = margins(t + fraction * dt, y_end, s, a, V_arrest)
@@ -121,6 +122,8 @@ def crossing(
 
     Regula falsi (Illinois), with a bisection wherever two estimates did not halve the bracket.
     """
+    if g_lo < 0.0:
+        return 0.0, y
     lo = 0.0
     side, tries, width = 0, 0, hi
     while hi - lo > EVENT_TOLERANCE:

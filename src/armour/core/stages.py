@@ -216,7 +216,8 @@ def follow(event: int, y: State, s: Stage, a: Armour) -> tuple[State, Stage, Out
     if event == Event.TOGETHER:
         y = State(y.Z, y.L, y.V, y.V, y.h)
     if event == Event.MOTION and s.moving:
-        y = State(y.Z, y.L, y.V, 0.0, y.h)
+        # Landing on W = 0 is rounding off it, and so is the bulge of a motion that ended as it began.
+        y = State(y.Z, y.L, y.V, 0.0, max(y.h, 0.0))
     return y, settle(s.medium, y, a, s.Vs1, s.h_s), Outcome.RUNNING
 
 

@@ -10,7 +10,7 @@ from armour.core.equations import crack_velocity
 from armour.core.rk4 import step
 from armour.core.run import crossing, land, run
 from armour.core.stages import Event, default_time_step, first_stage, margins, rates
-from armour.core.state import Medium, Outcome, State
+from armour.core.state import Medium, Outcome, Stage, State
 from tests.cases import armour, path, traced
 
 
@@ -52,6 +52,28 @@ def test_the_earliest_of_several_events_counts():
     event, taken, after = land(0.0, y, rates(y, first_stage(y, a), a), first_stage(y, a), a, 6e-6, 1.0)
     assert event == Event.MEDIUM
     assert after.Z + crack_velocity(a.Ec, a.rho_c) * taken == pytest.approx(a.Hc0, rel=1e-12)
+
+
+def test_an_event_that_comes_and_goes_before_a_later_one_is_found():
+    """The front passes the back face and, as the carried plate turns, comes back within the step."""
+    a = armour(ceramic=None, ceramic_mm=0.0)._replace(YB=50e9, Yp=1e8, tau=3e9, Hb=2e-3)
+    s = Stage(Medium.PLATE, True, False, True, 500.0, 0.0)
+    y = State(Z=2e-3 - 1e-12, L=0.02, V=100.0, W=0.5, h=2e-3 - 1e-12)
+    k1 = rates(y, s, a)
+    dt = 4.0 * y.W / -k1.W
+    assert step(y, k1, s, a, dt).Z < y.Z
+    event, taken, after = land(0.0, y, k1, s, a, dt, 1.0)
+    assert event == Event.MEDIUM
+    assert pytest.approx(2e-3, rel=1e-12) == after.Z
+    assert after.W > 0.0
+    assert taken < y.W / -k1.W
+
+
+def test_an_event_that_has_happened_at_the_start_is_landed_on_there():
+    a = armour()
+    y = State(Z=0.0, L=a.L0, V=800.0, W=0.0, h=0.0)
+    s = first_stage(y, a)
+    assert crossing(Event.MEDIUM, 0.0, y, rates(y, s, a), s, a, 1e-7, 1.0, -1.0, -2.0, 1.0) == (0.0, y)
 
 
 def test_an_event_is_located_with_few_evaluations(monkeypatch: pytest.MonkeyPatch):
