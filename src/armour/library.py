@@ -200,13 +200,20 @@ class Library:
             for name in added:
                 try:
                     entries[kind][name] = _resolve(kind, name, added, self.entries[kind], file)
-                except ValueError as error:
-                    key, message = error.args
-                    where = key_name([part for part in (prefix, kind, name, key) if part])
-                    problems.append(Problem(file, where, message))
+                except _EntryError as error:
+                    for key, message in error.mistakes:
+                        where = key_name([part for part in (prefix, kind, name, key) if part])
+                        problems.append(Problem(file, where, message))
         if problems:
             raise InputError(problems)
         return Library(entries)
+
+
+class _EntryError(Exception):
+    """An entry that cannot be completed; no mistakes where they are those of the entry it is based on."""
+
+    def __init__(self, *mistakes: tuple[str, str]) -> None:
+        self.mistakes = mistakes
 
 
 def _resolve(
@@ -215,33 +222,47 @@ def _resolve(
     added: Mapping[str, Entry],
     known: Mapping[str, LibraryEntry],
     file: str,
-    waiting: tuple[str, ...] = (),
 ) -> LibraryEntry:
     """The entry with what it takes from the one that it is based on.
 
     Raises
     ------
-    ValueError
-        With the key at fault and a message.
+    _EntryError
+        With the keys at fault.
     """
     entry = added[name]
     base = entry.based_on
     description, values = entry.description, {}
     if base is not None:
-        if base in waiting:
-            raise ValueError("based_on", f'must not lead back to the entry itself, found "{base}"')
+        if _leads_back(name, added):
+            raise _EntryError(("based_on", f'must not lead back to the entry itself, found "{base}"'))
         if base in added and base != name:
-            inherited = _resolve(kind, base, added, known, file, (*waiting, name))
+            try:
+                inherited = _resolve(kind, base, added, known, file)
+            except _EntryError:
+                raise _EntryError from None
         elif base in known:
             inherited = known[base]
         else:
             hint = nearest(base, [*known, *(other for other in added if other != name)])
-            raise ValueError("based_on", f'must name a {kind} of the library, found "{base}"{hint}')
+            raise _EntryError(("based_on", f'must name a {kind} of the library, found "{base}"{hint}'))
         description = description or inherited.description
         values = {key: inherited.values[key] for key in inherited.values if key not in inherited.derived}
     for key, value in entry.values().items():
         values[key] = value if value.source else value.model_copy(update={"source": file})
     return _completed(LibraryEntry(kind, name, description, values))
+
+
+def _leads_back(name: str, added: Mapping[str, Entry]) -> bool:
+    """Whether the chain of bases ends in a loop; an entry based on its own name means the earlier one."""
+    seen = [name]
+    base = added[name].based_on
+    while base is not None and base in added and base != seen[-1]:
+        if base in seen:
+            return True
+        seen.append(base)
+        base = added[base].based_on
+    return False
 
 
 def _completed(entry: LibraryEntry) -> LibraryEntry:
@@ -256,17 +277,18 @@ def _completed(entry: LibraryEntry) -> LibraryEntry:
             values[key] = Value[float](value=factor * strength, source=source)
     order = [key for key in KINDS[entry.kind].model_fields if key in values]
     complete = replace(entry, values={key: values[key] for key in order}, derived=frozenset(derived))
-    for key in KINDS[entry.kind].model_fields:
-        if key not in values and key not in OPTIONAL and key not in Entry.model_fields:
-            raise ValueError(key, "is missing and must be given, or based_on an entry that has it")
+    needed = [key for key in KINDS[entry.kind].model_fields if key not in (*OPTIONAL, *Entry.model_fields)]
+    missing = [key for key in needed if key not in values]
+    if missing:
+        raise _EntryError(*((key, "is missing and must be given, or based_on an entry that has it") for key in missing))
     if entry.kind == "projectile":
         ratio = penetrator_length_mm(complete) / complete["penetrator_diameter_mm"]
         if not SLENDERNESS[0] <= ratio <= SLENDERNESS[1]:
-            raise ValueError(
-                "penetrator_mass_g",
+            message = (
                 f"must make a rod {SLENDERNESS[0]:g} to {SLENDERNESS[1]:g} diameters long with the "
-                f"diameter and density given, found {ratio:.3g} diameters; is it in g?",
+                f"diameter and density given, found {ratio:.3g} diameters; is it in g?"
             )
+            raise _EntryError(("penetrator_mass_g", message))
     return complete
 
 

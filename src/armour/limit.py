@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from armour.errors import NoLimitError
 from armour.scenario import Scenario
-from armour.simulate import ImpactResult, perforates, simulate
+from armour.simulate import ImpactResult, impact_at, perforates
 
 # Velocities of the coarse scan, evenly spaced on a logarithmic scale.
 SCAN_POINTS = 33
@@ -132,9 +132,9 @@ def residual_curve(scenario: Scenario, velocities: Sequence[float]) -> tuple[Imp
     Raises
     ------
     InputError
-        If a velocity is not allowed, or the time step given is too short for a run to end.
+        If the time step given is too short for a run to end.
     """
-    return tuple(simulate(scenario.replaced({"impact.velocity_m_s": velocity})) for velocity in velocities)
+    return tuple(impact_at(scenario, velocity) for velocity in velocities)
 
 
 def velocities_round(limit: LimitResult, scenario: Scenario) -> list[float]:

@@ -132,8 +132,18 @@ def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
     InputError
         If the time step given is too short for the run to end.
     """
+    return impact_at(scenario, scenario.impact.velocity_m_s, history=history)
+
+
+def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> ImpactResult:
+    """Run the impact of a scenario at another velocity, m/s.
+
+    Raises
+    ------
+    InputError
+        If the time step given is too short for the run to end.
+    """
     armour = scenario.core_armour()
-    velocity = scenario.impact.velocity_m_s
     trace: list[Instant] = []
     end = run_impact(scenario, armour, velocity, trace)
     perforated = end.outcome == Outcome.PERFORATED

@@ -108,9 +108,19 @@ def test_bases_that_are_not_there_or_lead_back():
     assert all("must not lead back" in message for message in found)
 
 
-def test_a_value_that_is_missing_is_named():
-    assert messages({"ceramic": {"a": {"density_kg_m3": 3000, "flow_stress_GPa": 5}}}) == [
-        "f.toml: ceramic.a.youngs_modulus_GPa: is missing and must be given, or based_on an entry that has it"
+def test_a_loop_further_down_is_found():
+    tables = {"a": {"based_on": "b"}, "b": {"based_on": "a"}, "c": {"based_on": "a"}}
+    found = messages({"metal": tables})
+    assert len(found) == 3
+    assert all("must not lead back" in message for message in found)
+
+
+def test_values_that_are_missing_are_all_named_once():
+    tables = {"a": {"density_kg_m3": 3000}, "b": {"based_on": "a"}}
+    missing = "is missing and must be given, or based_on an entry that has it"
+    assert messages({"ceramic": tables}) == [
+        f"f.toml: ceramic.a.youngs_modulus_GPa: {missing}",
+        f"f.toml: ceramic.a.flow_stress_GPa: {missing}",
     ]
 
 
