@@ -5,21 +5,48 @@
 'perforated'
 """
 
-from armour.errors import (
-    ArmourError,
-    InputError,
-    NoAnswerError,
-    NoDesignError,
-    NoLimitError,
-    Problem,
-)
-from armour.library import Library, LibraryEntry, Value, read_library, shipped_library
-from armour.limit import Crossing, LimitResult, ballistic_limit
-from armour.optimise import BestDesign, Design, OptimumResult, optimise
-from armour.scenario import Scenario, load_scenario, parse_scenario, save_scenario
-from armour.simulate import History, ImpactResult, StageRecord, simulate
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from armour.errors import ArmourError, InputError, NoAnswerError, NoDesignError, NoLimitError, Problem
+    from armour.library import Library, LibraryEntry, Value, read_library, shipped_library
+    from armour.limit import Crossing, LimitResult, ballistic_limit
+    from armour.optimisation import BestDesign, Design, OptimumResult, optimise
+    from armour.scenario import Scenario, load_scenario, parse_scenario, save_scenario
+    from armour.simulation import History, ImpactResult, StageRecord, simulate
 
 __version__ = "0.1.0"
+
+# Where the public names are; each is imported when it is first asked for, so that a command starts with what it needs.
+_HOMES = {
+    "ArmourError": "errors",
+    "BestDesign": "optimisation",
+    "Crossing": "limit",
+    "Design": "optimisation",
+    "History": "simulation",
+    "ImpactResult": "simulation",
+    "InputError": "errors",
+    "Library": "library",
+    "LibraryEntry": "library",
+    "LimitResult": "limit",
+    "NoAnswerError": "errors",
+    "NoDesignError": "errors",
+    "NoLimitError": "errors",
+    "OptimumResult": "optimisation",
+    "Problem": "errors",
+    "Scenario": "scenario",
+    "StageRecord": "simulation",
+    "Value": "library",
+    "ballistic_limit": "limit",
+    "load_scenario": "scenario",
+    "optimise": "optimisation",
+    "parse_scenario": "scenario",
+    "read_library": "library",
+    "save_scenario": "scenario",
+    "shipped_library": "library",
+    "simulate": "simulation",
+}
 
 __all__ = [
     "ArmourError",
@@ -49,3 +76,17 @@ __all__ = [
     "shipped_library",
     "simulate",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'armour' has no attribute {name!r}")
+    thing = getattr(import_module(f"armour.{_HOMES[name]}"), name)
+    globals()[name] = thing
+    return thing
+
+
+def __dir__() -> list[str]:
+    """Names of the package, those not imported yet included."""
+    return sorted({*globals(), *__all__})

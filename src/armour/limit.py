@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from armour.errors import NoLimitError
 from armour.scenario import Scenario
-from armour.simulate import ImpactResult, impact_at, perforates
+from armour.simulation import ImpactResult, impact_at, perforates
 
 # Velocities of the coarse scan, evenly spaced on a logarithmic scale.
 SCAN_POINTS = 33

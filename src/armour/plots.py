@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from armour.limit import LimitResult
-from armour.optimise import OptimumResult
-from armour.simulate import History, ImpactResult, StageRecord
+from armour.optimisation import OptimumResult
+from armour.simulation import History, ImpactResult, StageRecord
 
 FORMATS = (".png", ".svg", ".pdf")
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from armour.library import Kind, Library, LibraryEntry
 from armour.limit import LimitResult
-from armour.optimise import Design, OptimumResult
-from armour.simulate import History, ImpactResult
+from armour.optimisation import Design, OptimumResult
+from armour.simulation import History, ImpactResult
 
 # A quantity, its number in words and its unit.
 Row = tuple[str, str, str]

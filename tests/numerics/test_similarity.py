@@ -4,7 +4,7 @@ import pytest
 
 from armour.limit import ballistic_limit
 from armour.scenario import Scenario, parse_scenario
-from armour.simulate import simulate
+from armour.simulation import simulate
 from tests.cases import data
 
 CASES = [

@@ -12,7 +12,7 @@ from armour.core.state import Armour, Outcome
 from armour.errors import NoLimitError
 from armour.limit import ballistic_limit
 from armour.scenario import parse_scenario
-from armour.simulate import perforates, simulate
+from armour.simulation import perforates, simulate
 
 PROJECTILES = {"7.62 mm AP": 6.5, "25 mm APDS": 14.25, "7.62 mm APM2": 6.25}
 

@@ -3,11 +3,11 @@ import pytest
 from matplotlib.figure import Figure
 
 from armour.limit import ballistic_limit, residual_curve
-from armour.optimise import optimise
+from armour.optimisation import optimise
 from armour.plots import FORMATS, impact_figure, limit_figure, optimum_figure, rendered
-from armour.simulate import simulate
+from armour.simulation import simulate
 from tests.cases import scenario
-from tests.unit.test_optimise import case
+from tests.unit.test_optimisation import case
 
 MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 

@@ -5,8 +5,8 @@ from armour.core.stages import stage_name
 from armour.core.state import Medium, Stage
 from armour.library import shipped_library
 from armour.limit import ballistic_limit
-from armour.optimise import Design
-from armour.simulate import simulate
+from armour.optimisation import Design
+from armour.simulation import simulate
 from armour.tables import (
     STAGE_COLUMNS,
     STAGES,

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from armour.limit import ballistic_limit
-from armour.optimise import optimise
+from armour.optimisation import optimise
 from armour.scenario import load_scenario
-from armour.simulate import simulate
+from armour.simulation import simulate
 from tests.cases import SCENARIOS, scenario
 
 with (Path(__file__).parent / "table3.csv").open() as file:

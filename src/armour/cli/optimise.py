@@ -21,7 +21,7 @@ from armour.cli.report import (
 )
 
 if TYPE_CHECKING:
-    from armour.optimise import Column, OnColumn
+    from armour.optimisation import Column, OnColumn
 
 
 def optimise(
@@ -42,8 +42,8 @@ def optimise(
     as_json: AsJson = False,
 ) -> None:
     """Find the lightest design of the grid that defeats the impact."""
-    from armour.optimise import frontier_of
-    from armour.optimise import optimise as find_optimum
+    from armour.optimisation import frontier_of
+    from armour.optimisation import optimise as find_optimum
     from armour.scenario import load_scenario
     from armour.tables import BEST_COLUMNS, DESIGN_COLUMNS, best_rows, design_rows, frontier_csv
 

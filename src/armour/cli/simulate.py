@@ -33,7 +33,7 @@ def simulate(
 ) -> None:
     """Run one impact: outcome, what is left of the projectile, and the stages passed through."""
     from armour.scenario import load_scenario
-    from armour.simulate import simulate as run_simulation
+    from armour.simulation import simulate as run_simulation
     from armour.tables import STAGE_COLUMNS, history_csv, impact_rows, stage_rows
 
     check_outputs(history, plot=plot)

@@ -3,7 +3,7 @@ import sys
 import pytest
 
 from armour.errors import InputError, NoDesignError
-from armour.optimise import (
+from armour.optimisation import (
     bisect_thinnest,
     defeats_threat,
     is_monotonic,
@@ -141,7 +141,7 @@ def test_columns_that_are_not_monotonic_are_reported(monkeypatch: pytest.MonkeyP
     def defeats(_: Scenario, ceramic: float, backing: float) -> bool:
         return ceramic > 12.0 or (backing == 5.0 and ceramic == 8.0)
 
-    monkeypatch.setattr(sys.modules["armour.optimise"], "defeats_threat", defeats)
+    monkeypatch.setattr(sys.modules["armour.optimisation"], "defeats_threat", defeats)
     assert optimise(case()).not_monotonic_mm == (5.0,)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from armour.errors import InputError, NoDesignError, NoLimitError, Problem
 from armour.limit import ballistic_limit, bisect
 from armour.scenario import Optimise, Scenario
-from armour.simulate import perforates
+from armour.simulation import perforates
 
 # Ceramic thicknesses of a column that are tried before it is bisected.
 PROBES = 9

@@ -7,7 +7,7 @@ import pytest
 
 from armour.core.state import Armour
 from armour.errors import InputError
-from armour.simulate import simulate, time_step
+from armour.simulation import simulate, time_step
 from tests.cases import scenario
 
 
@@ -109,6 +109,6 @@ def test_plain_data_has_the_units_in_its_keys():
 
 
 def test_a_run_without_end_is_an_input_error(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(sys.modules["armour.simulate"], "MOST_STEPS", 10)
+    monkeypatch.setattr(sys.modules["armour.simulation"], "MOST_STEPS", 10)
     with pytest.raises(InputError, match="time_step_us: must let the run at 800 m/s end within 10 steps"):
         simulate(scenario())
