@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from armour.errors import ArmourError, InputError, NoAnswerError, NoDesignError, NoLimitError, Problem
     from armour.library import Library, LibraryEntry, Value, read_library, shipped_library
     from armour.limit import Crossing, LimitResult, ballistic_limit
-    from armour.optimisation import BestDesign, Design, OptimumResult, optimise
+    from armour.optimisation import BestDesign, OptimumResult, optimise
+    from armour.requirement import Design
     from armour.scenario import Scenario, load_scenario, parse_scenario, save_scenario
     from armour.simulation import History, ImpactResult, StageRecord, simulate
 
@@ -23,7 +24,7 @@ _HOMES = {
     "ArmourError": "errors",
     "BestDesign": "optimisation",
     "Crossing": "limit",
-    "Design": "optimisation",
+    "Design": "requirement",
     "History": "simulation",
     "ImpactResult": "simulation",
     "InputError": "errors",

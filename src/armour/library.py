@@ -59,6 +59,7 @@ class Projectile(Entry):
     """A projectile's penetrator, taken as a cylinder."""
 
     caliber_mm: Length | None = None
+    projectile_mass_g: Mass | None = None
     penetrator_diameter_mm: Length | None = None
     penetrator_mass_g: Mass | None = None
     density_kg_m3: Density | None = None
@@ -80,12 +81,14 @@ class Metal(Entry):
     dynamic_yield_strength_MPa: StressMPa | None = None
     flow_stress_GPa: StressGPa | None = None
     shear_strength_MPa: StressMPa | None = None
+    ultimate_tensile_strength_MPa: StressMPa | None = None
     strain_to_fracture: Strain | None = None
 
 
 Kind = Literal["projectile", "ceramic", "metal"]
 KINDS: dict[Kind, type[Entry]] = {"projectile": Projectile, "ceramic": Ceramic, "metal": Metal}
-OPTIONAL = ("caliber_mm", "strain_to_fracture")
+# What the model does not use: the whole projectile, and what the closed forms of others need.
+OPTIONAL = ("caliber_mm", "projectile_mass_g", "ultimate_tensile_strength_MPa", "strain_to_fracture")
 
 # What a metal that does not give it has: a multiple of its dynamic yield strength, in MPa, and why.
 DEFAULTS = {

@@ -8,6 +8,7 @@ from typing import Any, Literal
 from armour.errors import NoLimitError
 from armour.scenario import Scenario
 from armour.simulation import ImpactResult, impact_at, perforates
+from armour.validity import warnings_of
 
 # Velocities of the coarse scan, evenly spaced on a logarithmic scale.
 SCAN_POINTS = 33
@@ -48,6 +49,8 @@ class LimitResult:
         Whether every velocity of the scan above the limit perforates.
     crossings : tuple of Crossing
         All changes of the outcome that the scan has found; the first is the limit.
+    warnings : tuple of str
+        What of the armour, or its limit, is outside the data that the model was tested on.
     """
 
     ballistic_limit_m_s: float
@@ -56,6 +59,7 @@ class LimitResult:
     areal_density_kg_m2: float
     monotonic: bool
     crossings: tuple[Crossing, ...]
+    warnings: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data."""
@@ -97,6 +101,7 @@ def ballistic_limit(scenario: Scenario) -> LimitResult:
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
         monotonic=len(crossings) == 1,
         crossings=crossings,
+        warnings=warnings_of(scenario, crossings[0].bracket_m_s[1]),
     )
 
 

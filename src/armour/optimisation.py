@@ -6,25 +6,15 @@ from itertools import pairwise
 from math import inf
 from typing import Any
 
-from armour.errors import InputError, NoDesignError, NoLimitError, Problem
-from armour.limit import ballistic_limit, bisect
-from armour.scenario import Optimise, Scenario
-from armour.simulation import perforates
+from armour.errors import NoDesignError, NoLimitError
+from armour.limit import ballistic_limit
+from armour.requirement import Design, defeats_threat, design, grid, least_ceramic
+from armour.scenario import Scenario
 
 # Ceramic thicknesses of a column that are tried before it is bisected.
 PROBES = 9
-# Tolerances of the continuous optimum, mm: of the ceramic that a backing needs, and of the backing.
-CERAMIC_TOLERANCE_MM = 1e-6
+# Tolerance of the continuous optimum's backing, mm.
 BACKING_TOLERANCE_MM = 1e-3
-
-
-@dataclass(frozen=True)
-class Design:
-    """A pair of thicknesses that defeats the threat."""
-
-    ceramic_thickness_mm: float
-    backing_thickness_mm: float
-    areal_density_kg_m2: float
 
 
 @dataclass(frozen=True)
@@ -136,24 +126,6 @@ def optimise(
     )
 
 
-def grid(scenario: Scenario) -> Optimise:
-    """The scenario's grid.
-
-    Raises
-    ------
-    InputError
-        If it has none, or a ceramic thickness but no ceramic.
-    """
-    section = scenario.optimise
-    if section is None:
-        problem = Problem(scenario.file, "optimise", "is missing and must be given: the grid of designs")
-        raise InputError([problem])
-    if scenario.armour.ceramic is None and section.ceramic_thickness_mm.max > 0.0:
-        message = "must name a ceramic of the library where optimise.ceramic_thickness_mm is above 0, found none"
-        raise InputError([Problem(scenario.file, "armour.ceramic", message)])
-    return section
-
-
 def frontier_columns(scenario: Scenario, *, full_grid: bool = False) -> Iterator[Column]:
     """What each backing thickness of the grid needs, in their order."""
     section = grid(scenario)
@@ -178,12 +150,6 @@ def frontier_columns(scenario: Scenario, *, full_grid: bool = False) -> Iterator
 def frontier_of(columns: Sequence[Column]) -> tuple[Design, ...]:
     """The designs of the columns that have one."""
     return tuple(column.design for column in columns if column.design is not None)
-
-
-def defeats_threat(scenario: Scenario, ceramic_thickness_mm: float, backing_thickness_mm: float) -> bool:
-    """Whether the scenario's armour, with these thicknesses, defeats its impact."""
-    armour = scenario.core_armour(ceramic_thickness_mm, backing_thickness_mm)
-    return not perforates(scenario, armour, scenario.impact.velocity_m_s)
 
 
 def sweep_thinnest(defeats: Callable[[float], bool], ceramics: Sequence[float]) -> float | None:
@@ -212,12 +178,6 @@ def bisect_thinnest(defeats: Callable[[float], bool], ceramics: Sequence[float])
 def is_monotonic(outcomes: Sequence[bool]) -> bool:
     """Whether no defeat is followed by a perforation."""
     return all(thicker or not thinner for thinner, thicker in pairwise(outcomes))
-
-
-def design(scenario: Scenario, ceramic_thickness_mm: float, backing_thickness_mm: float) -> Design:
-    """The design with its areal density."""
-    areal_density = scenario.areal_density_kg_m2(ceramic_thickness_mm, backing_thickness_mm)
-    return Design(ceramic_thickness_mm, backing_thickness_mm, areal_density)
 
 
 def lightest(designs: Sequence[Design]) -> Design:
@@ -251,19 +211,19 @@ def refined(scenario: Scenario, frontier: Sequence[Design]) -> Design:
     section = grid(scenario).backing_thickness_mm
     found = [lightest(frontier)]
     for backing in _worth_refining(scenario, frontier):
-        found.append(needed(scenario, backing) or found[0])
+        found.append(least_ceramic(scenario, backing) or found[0])
     centre = lightest(found).backing_thickness_mm
     bounds = max(section.min, centre - section.step), min(section.max, centre + section.step)
 
     def areal_density(backing: float) -> float:
-        there = needed(scenario, backing)
+        there = least_ceramic(scenario, backing)
         return inf if there is None else there.areal_density_kg_m2
 
     if bounds[0] < bounds[1]:
         lowest = minimize_scalar(
             areal_density, bounds=bounds, method="bounded", options={"xatol": BACKING_TOLERANCE_MM}
         )
-        found.append(needed(scenario, float(lowest.x)) or found[0])
+        found.append(least_ceramic(scenario, float(lowest.x)) or found[0])
     return lightest(found)
 
 
@@ -273,22 +233,6 @@ def _worth_refining(scenario: Scenario, frontier: Sequence[Design]) -> list[floa
     saving = scenario.areal_density_kg_m2(step, 0.0)
     heaviest = lightest(frontier).areal_density_kg_m2 + saving
     return [d.backing_thickness_mm for d in frontier if d.areal_density_kg_m2 <= heaviest]
-
-
-def needed(scenario: Scenario, backing_thickness_mm: float) -> Design | None:
-    """The design with the least ceramic of the grid's range that the backing needs; None where none is enough."""
-    section = grid(scenario).ceramic_thickness_mm
-    if defeats_threat(scenario, section.min, backing_thickness_mm):
-        return design(scenario, section.min, backing_thickness_mm)
-    if not defeats_threat(scenario, section.max, backing_thickness_mm):
-        return None
-    _, ceramic = bisect(
-        lambda ceramic: defeats_threat(scenario, ceramic, backing_thickness_mm),
-        section.min,
-        section.max,
-        CERAMIC_TOLERANCE_MM,
-    )
-    return design(scenario, ceramic, backing_thickness_mm)
 
 
 def no_design(scenario: Scenario) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from io import BytesIO
+from math import nan
 from textwrap import wrap
 from typing import Any
 
@@ -9,13 +10,18 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from armour.comparison import Comparison
+from armour.figures import Chart
 from armour.limit import LimitResult
 from armour.optimisation import OptimumResult
+from armour.peers import residual_velocity
 from armour.simulation import History, ImpactResult, StageRecord
+from armour.validation import SuiteResult
 
 FORMATS = (".png", ".svg", ".pdf")
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
+GREY = "#BBBBBB"
 BLACK, ORANGE, BLUE, GREEN, RED = "#000000", "#E69F00", "#0072B2", "#009E73", "#D55E00"
 STYLE: Any = {
     "axes.axisbelow": True,
@@ -31,6 +37,16 @@ STYLE: Any = {
     "svg.hashsalt": "armour",
     "text.parse_math": False,  # titles are the user's
 }
+# One after the other for curves, so that they differ in more than colour.
+COLOURS = (BLUE, RED, GREEN, ORANGE, BLACK)
+LINES = ("-", "--", "-.", ":", "--")
+MARKERS, MARK_SIZE = ("*", "D", "s"), (9.0, 5.0, 5.0)
+ROUND_MARKERS = ("o", "s", "^")
+# Width of a column of a two-column page, and characters in a line of a title there.
+COLUMN_INCHES = 3.45
+COLUMN_TITLE = 48
+# A quantity whose least value is below this part of its largest is drawn from zero.
+MOSTLY_FROM_ZERO = 0.3
 # A stage narrower than this part of the axis is shaded but not named.
 NARROWEST_NAMED = 0.025
 # Below this part of the impact velocity what follows is a tail.
@@ -171,8 +187,95 @@ def optimum_figure(result: OptimumResult, title: str) -> Figure:
     return figure
 
 
-def _wrapped(title: str) -> str:
-    return "\n".join(wrap(title, WIDEST_TITLE))
+def chart_figure(chart: Chart) -> Figure:
+    """A figure of the paper: the model's curves, the numbers of its text as marks; fits a column of a page."""
+    with mpl.rc_context({**STYLE, "font.size": 8.0}):
+        figure = Figure(figsize=(COLUMN_INCHES, 3.4))
+        axes = figure.subplots()
+        for index, curve in enumerate(chart.curves):
+            values = [nan if value is None else value for value in curve.values]
+            axes.plot(chart.x, values, LINES[index], color=COLOURS[index], label=curve.label)
+        colours = {curve.label: colour for curve, colour in zip(chart.curves, COLOURS, strict=False)}
+        for level in chart.levels:
+            axes.axhline(level.value, color=BLACK, linewidth=0.8, linestyle=":", label=level.label)
+        for index, mark in enumerate(chart.marks):
+            colour = colours.get(mark.of, GREY)
+            style: Any = {
+                "markeredgecolor": BLACK,
+                "markeredgewidth": 0.6,
+                "color": colour,
+                "clip_on": False,
+                "zorder": 5,
+            }
+            xs, ys = zip(*mark.points, strict=True)
+            axes.plot(xs, ys, MARKERS[index], label=mark.label, linestyle="none", markersize=MARK_SIZE[index], **style)
+        axes.set_xlabel(chart.x_label)
+        axes.set_ylabel(chart.y_label)
+        axes.set_xlim(chart.x[0], chart.x[-1])
+        shown = [value for curve in chart.curves for value in curve.values if value is not None]
+        if min(shown) < MOSTLY_FROM_ZERO * max(shown):
+            axes.set_ylim(bottom=0.0)
+        figure.legend(loc="outside lower center", ncols=1)
+        figure.suptitle(_wrapped(chart.title, COLUMN_TITLE), fontsize=8.5)
+    return figure
+
+
+def parity_figure(result: SuiteResult) -> Figure:
+    """Computed over expected values of a suite's tables, with the line of agreement."""
+    with mpl.rc_context({**STYLE, "font.size": 8.0}):
+        figure = Figure(figsize=(COLUMN_INCHES, 4.2))
+        axes = figure.subplots()
+        ends = []
+        for index, summary in enumerate(result.summaries):
+            pairs = [
+                (float(check.case.expected), check.computed)
+                for check in result.checks
+                if check.case.group == summary.name and isinstance(check.computed, float)
+            ]
+            expected, computed = zip(*pairs, strict=True)
+            ends += [*expected, *computed]
+            style: Any = {"color": COLOURS[index], "markersize": 5.0, "markerfacecolor": "none", "linestyle": "none"}
+            axes.plot(expected, computed, ROUND_MARKERS[index], label=summary.name, **style)
+        span = 0.97 * min(ends), 1.03 * max(ends)
+        axes.plot(span, span, color=BLACK, linewidth=0.8, label="agreement")
+        for part, label in ((0.9, "10 % off"), (1.1, None)):
+            axes.plot(span, [part * end for end in span], ":", color=BLACK, linewidth=0.8, label=label)
+        axes.set_xlim(span)
+        axes.set_ylim(span)
+        axes.set_aspect("equal")
+        axes.set_xlabel("expected ballistic limit, m/s")
+        axes.set_ylabel("computed ballistic limit, m/s")
+        figure.legend(loc="outside lower center", ncols=1)
+    return figure
+
+
+def comparison_figure(result: Comparison, title: str) -> Figure:
+    """Residual velocity by the model and by the fits, and every ballistic limit."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.2, 4.8))
+        axes = figure.subplots()
+        found = result.limit.ballistic_limit_m_s
+        impact = [impact.impact_velocity_m_s for impact in result.curve]
+        residual = [impact.residual_velocity_m_s for impact in result.curve]
+        axes.plot(impact, residual, color=COLOURS[0], label=f"this model: limit {found:.1f} m/s")
+        for index, fit in enumerate(result.fits, start=1):
+            fitted = [residual_velocity(velocity, found, fit.ratio, fit.exponent) for velocity in impact]
+            label = f"{fit.name}: ratio {fit.ratio:.3f}, exponent {fit.exponent:.2f}"
+            axes.plot(impact, fitted, LINES[index], color=COLOURS[index], label=label)
+        for index, florence in enumerate(result.florence):
+            limit = florence.ballistic_limit_m_s
+            label = f"Florence, {florence.projectile}: limit {limit:.1f} m/s"
+            axes.axvline(limit, color=COLOURS[3 + index], linestyle=LINES[3 + index], linewidth=1.2, label=label)
+        axes.set_xlabel("impact velocity, m/s")
+        axes.set_ylabel("residual velocity, m/s")
+        axes.set_ylim(bottom=0.0)
+        figure.legend(loc="outside lower center", ncols=1)
+        figure.suptitle(_wrapped(title), fontsize=10)
+    return figure
+
+
+def _wrapped(title: str, widest: int = WIDEST_TITLE) -> str:
+    return "\n".join(wrap(title, widest))
 
 
 def rendered(figure: Figure, suffix: str) -> bytes:

@@ -263,7 +263,7 @@ class Scenario(Section):
         Parameters
         ----------
         changes : mapping of str to object
-            Values by dotted key, such as ``{"impact.velocity_m_s": 900.0}``.
+            Values by dotted key, such as ``{"impact.velocity_m_s": 900.0}``; tables are merged into those there.
 
         Raises
         ------
@@ -271,7 +271,7 @@ class Scenario(Section):
             If a value is not allowed.
         """
         data, file, folder = self._source
-        return parse_scenario(_changed(data, changes), file=file, folder=folder)
+        return parse_scenario(changed(data, changes), file=file, folder=folder)
 
     def to_toml(self) -> str:
         """The scenario as a file has it."""
@@ -288,7 +288,8 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
     path : path
         A TOML file; files that it names are looked for from its folder.
     changes : mapping of str to object, optional
-        Values that take the place of the file's, by dotted key such as "impact.velocity_m_s".
+        Values that take the place of the file's, by dotted key such as "impact.velocity_m_s"; tables are merged
+        into those there.
 
     Raises
     ------
@@ -296,23 +297,33 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
         With every mistake in the file and in the library files that it names.
     """
     path = Path(path)
-    data = _changed(read_toml(path), changes or {})
+    data = changed(read_toml(path), changes or {})
     return parse_scenario(data, file=str(path), folder=path.parent)
 
 
-def _changed(data: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:
-    """The data with other values, by dotted key."""
-    changed = deepcopy(dict(data))
+def changed(data: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:
+    """The data of a scenario with other values, by dotted key; a table is merged into the one that is there."""
+    result = deepcopy(dict(data))
     for key, value in changes.items():
         *sections, last = key.split(".")
-        table = changed
+        table = result
         for section in sections:
             table = table.setdefault(section, {})
             if not isinstance(table, dict):
                 break  # the check says that this must be a table
         else:
-            table[last] = value
-    return changed
+            _put(table, last, value)
+    return result
+
+
+def _put(table: dict[str, Any], key: str, value: object) -> None:
+    """Set a value; merge a table into the one that is there."""
+    there = table.get(key)
+    if isinstance(value, Mapping) and isinstance(there, dict):
+        for inner in value:
+            _put(there, inner, value[inner])
+    else:
+        table[key] = deepcopy(value)
 
 
 def save_scenario(scenario: Scenario, path: str | PathLike[str]) -> None:

@@ -12,6 +12,7 @@ from armour.core.state import Armour, Outcome
 from armour.errors import InputError, Problem
 from armour.scenario import Scenario
 from armour.units import KN, MM, US, G
+from armour.validity import warnings_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -92,6 +93,8 @@ class ImpactResult:
         Time step taken, us.
     stages : tuple of StageRecord
         Stages passed through, in order.
+    warnings : tuple of str
+        What of the scenario is outside the data that the model was tested on.
     history : History or None
         The run over time, where it was asked for.
     """
@@ -108,6 +111,7 @@ class ImpactResult:
     areal_density_kg_m2: float
     time_step_us: float
     stages: tuple[StageRecord, ...]
+    warnings: tuple[str, ...]
     history: History | None = None
 
     def to_dict(self) -> dict[str, Any]:
@@ -160,6 +164,7 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
         time_step_us=time_step(scenario, armour, velocity) / US,
         stages=stage_records(trace, armour),
+        warnings=warnings_of(scenario, velocity),
         history=history_of(trace, armour) if history else None,
     )
 

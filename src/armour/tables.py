@@ -6,10 +6,15 @@ from dataclasses import fields
 from io import StringIO
 from typing import Any
 
+from armour.comparison import Comparison, FlorenceResult
+from armour.figures import Chart
 from armour.library import Kind, Library, LibraryEntry
 from armour.limit import LimitResult
-from armour.optimisation import Design, OptimumResult
+from armour.optimisation import OptimumResult
+from armour.quantities import QUANTITIES
+from armour.requirement import Design
 from armour.simulation import History, ImpactResult
+from armour.validation import Check, SuiteResult, Update
 
 # A quantity, its number in words and its unit.
 Row = tuple[str, str, str]
@@ -165,6 +170,159 @@ def entry_rows(entry: LibraryEntry) -> list[tuple[str, str, str, str]]:
 ENTRY_COLUMNS = ("value", "number", "status", "source")
 
 
+def check_groups(result: SuiteResult) -> list[tuple[str, list[Check]]]:
+    """The checks of a suite, table by table and then those of their own, each with the heading."""
+    groups: dict[str, list[Check]] = {}
+    for check in result.checks:
+        groups.setdefault(check.case.group, []).append(check)
+    return [(name or "cases", rows) for name, rows in groups.items()]
+
+
+def check_rows(checks: Sequence[Check]) -> list[tuple[str, ...]]:
+    """What was expected, what is computed and how that stands to the band."""
+    return [
+        (
+            check.case.name,
+            QUANTITIES[check.case.quantity].unit,
+            _plain(check.case.expected),
+            _like(check.computed, check.case.expected),
+            _signed(check.deviation, check.case.expected),
+            "" if check.deviation_percent is None else f"{check.deviation_percent:+.2f}",
+            "" if check.case.band is None else f"{check.case.band:.4g}",
+            check.status,
+        )
+        for check in checks
+    ]
+
+
+CHECK_COLUMNS = ("case", "unit", "expected", "computed", "deviation", "%", "band ±", "status")
+
+
+def _plain(number: float | str) -> str:
+    return number if isinstance(number, str) else f"{number:.10g}"
+
+
+def _decimals(expected: float | str) -> int:
+    """Decimals worth showing of a computed value: two more than the expected one has."""
+    text = _plain(expected)
+    return min(len(text.partition(".")[2]) + 2, 8)
+
+
+def _like(computed: float | str | None, expected: float | str) -> str:
+    if isinstance(computed, float):
+        return f"{computed:.{_decimals(expected)}f}"
+    return computed or ""
+
+
+def _signed(deviation: float | None, expected: float | str) -> str:
+    return "" if deviation is None else f"{deviation:+.{_decimals(expected)}f}"
+
+
+def summary_rows(result: SuiteResult) -> list[tuple[str, ...]]:
+    """The tables of a suite, each as a whole."""
+    return [
+        (
+            summary.name,
+            str(summary.count),
+            summary.unit,
+            f"{summary.mean:+.2f}",
+            f"{summary.rms:.2f}",
+            f"{summary.largest:.2f}",
+            "" if summary.rms_band is None else f"{summary.rms_band:g}",
+            summary.status,
+        )
+        for summary in result.summaries
+    ]
+
+
+SUMMARY_COLUMNS = ("table", "rows", "unit", "mean", "RMS", "largest", "RMS band", "status")
+
+
+def error_rows(result: SuiteResult) -> list[tuple[str, ...]]:
+    """Errors of every way of prediction that a table compares."""
+    return [
+        (error.table, error.predictor, str(error.count), f"{error.mean_percent:.1f}", f"{error.largest_percent:.1f}")
+        for error in result.errors
+    ]
+
+
+ERROR_COLUMNS = ("table", "predicted by", "rows", "mean error %", "largest error %")
+
+
+def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
+    """Why each case is not scored or has no answer, or why its band is as wide as it is."""
+    return [
+        (check.case.full_name, check.message or check.case.not_scored or check.case.reason)
+        for check in checks
+        if check.message or check.case.not_scored or check.case.reason
+    ]
+
+
+def verdict(result: SuiteResult) -> str:
+    """The outcome of a suite in a line."""
+    scored = result.count("within", "outside", "no answer")
+    parts = [f"{result.count('within')} of {scored} within their bands"]
+    for status in ("outside", "no answer"):
+        if result.count(status):
+            parts.append(f"{result.count(status)} {status}")
+    unscored = sum(check.status == "not scored" for check in result.checks)
+    return ", ".join(parts) + (f"; {unscored} shown and not scored" if unscored else "")
+
+
+def update_rows(updates: Sequence[Update]) -> list[tuple[str, str, str]]:
+    """Expected values that an update changes."""
+    return [(update.case.full_name, _plain(update.old), _plain(update.new)) for update in updates]
+
+
+UPDATE_COLUMNS = ("case", "expected so far", "computed now")
+
+
+def comparison_rows(result: Comparison) -> list[tuple[str, ...]]:
+    """Ballistic limits by the model and by Florence, with the split of the mass that each prefers."""
+    found = result.limit.ballistic_limit_m_s
+    rows: list[tuple[str, ...]] = [("this model", f"{found:.2f}", "", "", "", "", "", "")]
+    for florence in result.florence:
+        limit = florence.ballistic_limit_m_s
+        model = florence.model_ballistic_limit_m_s
+        rows.append(
+            (
+                _florence_name(florence),
+                f"{limit:.2f}",
+                f"{100.0 * (limit / found - 1.0):+.1f}",
+                f"{florence.best_ceramic_thickness_mm:.3f}",
+                f"{florence.best_backing_thickness_mm:.3f}",
+                f"{florence.best_thickness_ratio:.3f}",
+                f"{florence.best_ballistic_limit_m_s:.2f}",
+                "" if model is None else f"{model:.2f}",
+            )
+        )
+    return rows
+
+
+COMPARISON_COLUMNS = (
+    "ballistic limit by",
+    "m/s",
+    "to the model %",
+    "its best ceramic mm",
+    "on backing mm",
+    "ratio",
+    "its limit m/s",
+    "the model's m/s",
+)
+
+
+def _florence_name(florence: FlorenceResult) -> str:
+    return f"Florence, {florence.projectile} ({florence.mass_g:g} g, {florence.diameter_mm:g} mm)"
+
+
+def fit_rows(result: Comparison) -> list[tuple[str, ...]]:
+    """Fits to the model's residual velocities."""
+    return [(fit.name, f"{fit.ratio:.4f}", f"{fit.exponent:.3f}", f"{fit.rms_m_s:.2f}") for fit in result.fits]
+
+
+FIT_COLUMNS = ("residual velocity by", "ratio", "exponent", "RMS left m/s")
+
+
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     """Rows as a CSV file, numbers in full."""
     text = StringIO()
@@ -185,3 +343,18 @@ def frontier_csv(frontier: Sequence[Design]) -> str:
     """The frontier of an optimisation as a CSV file."""
     names = [field.name for field in fields(Design)]
     return csv_text(names, ([getattr(design, name) for name in names] for design in frontier))
+
+
+def chart_csv(chart: Chart) -> str:
+    """The curves of a figure as a CSV file, a column each; empty where there is no answer."""
+    columns = [curve.values for curve in chart.curves]
+    header = [chart.x_label, *(f"{curve.label}: {chart.y_label}" for curve in chart.curves)]
+    return csv_text(header, zip(chart.x, *columns, strict=True))
+
+
+def parity_csv(result: SuiteResult) -> str:
+    """Expected and computed values of a suite's tables as a CSV file."""
+    header = ("table", "row", "quantity", "expected", "computed")
+    return csv_text(
+        header, ((c.case.group, c.case.name, c.case.quantity, c.case.expected, c.computed) for c in result.checks)
+    )

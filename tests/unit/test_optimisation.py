@@ -5,12 +5,11 @@ import pytest
 from armour.errors import InputError, NoDesignError
 from armour.optimisation import (
     bisect_thinnest,
-    defeats_threat,
     is_monotonic,
-    needed,
     optimise,
     sweep_thinnest,
 )
+from armour.requirement import defeats_threat
 from armour.scenario import Scenario
 from tests.cases import scenario
 
@@ -98,17 +97,6 @@ def test_the_refined_design_is_lighter_than_any_of_a_finer_grid():
     best = optimise(fine).best
     assert refined.areal_density_kg_m2 <= best.areal_density_kg_m2
     assert refined.areal_density_kg_m2 > best.areal_density_kg_m2 - 0.02 * 3.43
-
-
-def test_the_ceramic_needed():
-    threat = case()
-    design = needed(threat, 7.0)
-    assert design is not None
-    assert not defeats_threat(threat, design.ceramic_thickness_mm - 2e-6, 7.0)
-    assert needed(threat, 1.0) is None
-    thick = needed(threat, 60.0)
-    assert thick is not None
-    assert thick.ceramic_thickness_mm == 8.0
 
 
 @pytest.mark.parametrize("first", range(40))

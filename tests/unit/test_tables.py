@@ -5,7 +5,7 @@ from armour.core.stages import stage_name
 from armour.core.state import Medium, Stage
 from armour.library import shipped_library
 from armour.limit import ballistic_limit
-from armour.optimisation import Design
+from armour.requirement import Design
 from armour.simulation import simulate
 from armour.tables import (
     STAGE_COLUMNS,

@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from armour import __version__
-from armour.cli import ballistic_limit, init, library, optimise, simulate
+from armour.cli import ballistic_limit, compare, figures, init, library, optimise, simulate, validate
 from armour.cli.report import Reporting
 
 app = typer.Typer(
@@ -31,12 +31,16 @@ def _armour(
 ) -> None:
     """Tell whether a ceramic/metal armour stops a projectile, up to which velocity, and which is the lightest to do so.
 
-    Exit codes: 0 done; 1 the question has no answer in the range given; 2 the input is wrong.
+    Exit codes: 0 done; 1 the question has no answer in the range given; 2 the input is wrong;
+    3 a check failed.
     """
 
 
 app.command("simulate")(simulate.simulate)
 app.command("ballistic-limit")(ballistic_limit.ballistic_limit)
 app.command("optimise")(optimise.optimise)
+app.command("compare")(compare.compare)
+app.command("validate")(validate.validate)
+app.command("figures")(figures.figures)
 app.add_typer(library.app, name="library")
 app.command("init")(init.init)

@@ -10,6 +10,7 @@ from armour.cli.report import (
     print_json,
     print_quantities,
     print_table,
+    warn,
     write_plot,
 )
 
@@ -33,6 +34,7 @@ def ballistic_limit(scenario: ScenarioFile, plot: PlotFile = None, as_json: AsJs
         if not as_json:
             print()
             print_table(CROSSING_COLUMNS, crossing_rows(result), numbers=(0, 1))
+    warn(loaded, result.warnings)
     if plot is not None:
         from armour.plots import limit_figure
 

@@ -1,8 +1,6 @@
 """``armour optimise``."""
 
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,7 +11,7 @@ from armour.cli.report import (
     PlotFile,
     ScenarioFile,
     check_outputs,
-    console,
+    counting,
     print_json,
     print_table,
     write,
@@ -21,7 +19,7 @@ from armour.cli.report import (
 )
 
 if TYPE_CHECKING:
-    from armour.optimisation import Column, OnColumn
+    from armour.optimisation import Column
 
 
 def optimise(
@@ -51,11 +49,11 @@ def optimise(
     loaded = load_scenario(scenario)
     columns: list[Column] = []
     try:
-        with _progress() as show:
+        with counting("backing thicknesses") as show:
 
             def on_column(column: "Column", total: int) -> None:
                 columns.append(column)
-                show(column, total)
+                show(total)
 
             result = find_optimum(loaded, full_grid=full_grid, refine=refine, on_column=on_column)
     except KeyboardInterrupt:
@@ -77,16 +75,3 @@ def optimise(
         from armour.plots import optimum_figure
 
         write_plot(plot, optimum_figure(result, loaded.title))
-
-
-@contextmanager
-def _progress() -> Iterator["OnColumn"]:
-    """A progress bar on a terminal, nothing elsewhere."""
-    if not sys.stderr.isatty():
-        yield lambda _column, _total: None
-        return
-    from rich.progress import Progress
-
-    with Progress(console=console(stderr=True), transient=True) as bar:
-        task = bar.add_task("backing thicknesses", total=None)
-        yield lambda _column, total: bar.update(task, total=total, advance=1)

@@ -3,7 +3,8 @@
 import json
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,8 +18,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import Console
 
+    from armour.scenario import Scenario
+
 NO_ANSWER = 1
 WRONG_INPUT = 2
+CHECK_FAILED = 3
 INTERRUPTED = 130
 
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file (TOML).", show_default=False)]
@@ -91,6 +95,64 @@ def print_json(data: Mapping[str, Any]) -> None:
     print(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False))
 
 
+def changes_of(assignments: Sequence[str]) -> dict[str, Any]:
+    """Changes of a scenario from texts such as ``armour.ceramic_thickness_mm=8``.
+
+    A text is read as a line of TOML; a value that is not TOML stands for its text.
+
+    Raises
+    ------
+    InputError
+        With every text that is no assignment.
+    """
+    from armour.scenario import changed
+
+    changes: dict[str, Any] = {}
+    problems = []
+    for assignment in assignments:
+        found = _assignment(assignment)
+        if found is None:
+            message = f"must be KEY=VALUE, such as impact.velocity_m_s=900, found {json.dumps(assignment)}"
+            problems.append(Problem("command line", "--set", message))
+        else:
+            changes = changed(changes, found)
+    if problems:
+        raise InputError(problems)
+    return changes
+
+
+def _assignment(text: str) -> dict[str, Any] | None:
+    """The line of TOML as data; None where it is none."""
+    import tomllib
+
+    key, equals, value = text.partition("=")
+    for line in (text, f"{key}{equals}{json.dumps(value.strip())}"):
+        try:
+            return tomllib.loads(line) if equals and "\n" not in line else None
+        except tomllib.TOMLDecodeError:
+            continue
+    return None
+
+
+def warn(scenario: "Scenario", warnings: Sequence[str]) -> None:
+    """Say on stderr what of a scenario is outside the data that the model was tested on."""
+    for warning in warnings:
+        print(f"warning: {scenario.file}: {warning}", file=sys.stderr)
+
+
+@contextmanager
+def counting(what: str) -> Iterator[Callable[[int], None]]:
+    """Give a function that counts one more of a total: a progress bar on a terminal, nothing elsewhere."""
+    if not sys.stderr.isatty():
+        yield lambda _total: None
+        return
+    from rich.progress import Progress
+
+    with Progress(console=console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda total: bar.update(task, total=total, advance=1)
+
+
 def console(*, stderr: bool = False) -> "Console":
     """A console as wide as the terminal; in a pipe as wide as it takes to keep every row on one line."""
     from rich.console import Console
@@ -101,7 +163,9 @@ def console(*, stderr: bool = False) -> "Console":
     return made
 
 
-def print_table(columns: Sequence[str], rows: Sequence[Sequence[str]], *, numbers: Sequence[int] = ()) -> None:
+def print_table(
+    columns: Sequence[str], rows: Sequence[Sequence[str]], *, numbers: Sequence[int] = (), stderr: bool = False
+) -> None:
     """Print rows under their headings, columns of numbers to the right."""
     from rich import box
     from rich.table import Table
@@ -112,7 +176,7 @@ def print_table(columns: Sequence[str], rows: Sequence[Sequence[str]], *, number
         table.add_column(column, justify="right" if index in numbers else "left", overflow="fold")
     for row in rows:
         table.add_row(*(Text(cell) for cell in row))
-    console().print(table)
+    console(stderr=stderr).print(table)
 
 
 def print_quantities(title: str, rows: Sequence[tuple[str, str, str]]) -> None:

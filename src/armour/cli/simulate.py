@@ -13,6 +13,7 @@ from armour.cli.report import (
     print_json,
     print_quantities,
     print_table,
+    warn,
     write,
     write_plot,
 )
@@ -46,6 +47,7 @@ def simulate(
         print_quantities(loaded.title, impact_rows(result))
         print()
         print_table(STAGE_COLUMNS, stage_rows(result), numbers=(2, 3, 4, 5, 6))
+    warn(loaded, result.warnings)
     if history is not None and result.history is not None:
         write(history, history_csv(result.history))
     if plot is not None:

@@ -1,0 +1,39 @@
+"""``armour compare``."""
+
+from armour.cli.report import (
+    AsJson,
+    PlotFile,
+    ScenarioFile,
+    check_outputs,
+    print_json,
+    print_quantities,
+    print_table,
+    warn,
+    write_plot,
+)
+
+
+def compare(scenario: ScenarioFile, plot: PlotFile = None, as_json: AsJson = False) -> None:
+    """Put the model next to the closed forms of others: Florence's limit, Lambert-Jonas and Recht-Ipson fits."""
+    from armour.comparison import compare as put_side_by_side
+    from armour.scenario import load_scenario
+    from armour.tables import COMPARISON_COLUMNS, FIT_COLUMNS, comparison_rows, fit_rows
+
+    check_outputs(plot=plot)
+    loaded = load_scenario(scenario)
+    result = put_side_by_side(loaded)
+    if as_json:
+        print_json(result.to_dict())
+    else:
+        print_quantities(loaded.title, [("areal density", f"{result.areal_density_kg_m2:.2f}", "kg/m^2")])
+        print()
+        print_table(COMPARISON_COLUMNS, comparison_rows(result), numbers=range(1, 8))
+        print()
+        print_table(FIT_COLUMNS, fit_rows(result), numbers=(1, 2, 3))
+        low, high = result.fitted_m_s
+        print(f"fitted to the model's residual velocities of {low:.1f} to {high:.1f} m/s")
+    warn(loaded, result.limit.warnings)
+    if plot is not None:
+        from armour.plots import comparison_figure
+
+        write_plot(plot, comparison_figure(result, loaded.title))

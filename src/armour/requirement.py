@@ -1,0 +1,94 @@
+"""What defeats the threat: designs, and the least thickness of a layer that does."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from armour.errors import InputError, Problem
+from armour.limit import bisect
+from armour.scenario import Optimise, Scenario
+from armour.simulation import perforates
+
+# Width, mm, to which a least thickness is bisected.
+THICKNESS_TOLERANCE_MM = 1e-6
+
+
+@dataclass(frozen=True)
+class Design:
+    """A pair of thicknesses that defeats the threat."""
+
+    ceramic_thickness_mm: float
+    backing_thickness_mm: float
+    areal_density_kg_m2: float
+
+
+def grid(scenario: Scenario) -> Optimise:
+    """The scenario's grid.
+
+    Raises
+    ------
+    InputError
+        If it has none, or a ceramic thickness but no ceramic.
+    """
+    section = scenario.optimise
+    if section is None:
+        problem = Problem(scenario.file, "optimise", "is missing and must be given: the grid of designs")
+        raise InputError([problem])
+    if scenario.armour.ceramic is None and section.ceramic_thickness_mm.max > 0.0:
+        message = "must name a ceramic of the library where optimise.ceramic_thickness_mm is above 0, found none"
+        raise InputError([Problem(scenario.file, "armour.ceramic", message)])
+    return section
+
+
+def defeats_threat(scenario: Scenario, ceramic_thickness_mm: float, backing_thickness_mm: float) -> bool:
+    """Whether the scenario's armour, with these thicknesses, defeats its impact."""
+    armour = scenario.core_armour(ceramic_thickness_mm, backing_thickness_mm)
+    return not perforates(scenario, armour, scenario.impact.velocity_m_s)
+
+
+def design(scenario: Scenario, ceramic_thickness_mm: float, backing_thickness_mm: float) -> Design:
+    """The design with its areal density."""
+    areal_density = scenario.areal_density_kg_m2(ceramic_thickness_mm, backing_thickness_mm)
+    return Design(ceramic_thickness_mm, backing_thickness_mm, areal_density)
+
+
+def least_ceramic(scenario: Scenario, backing_thickness_mm: float) -> Design | None:
+    """The design with the least ceramic of the grid's range that the backing needs; None where none is enough."""
+    section = grid(scenario).ceramic_thickness_mm
+    ceramic = _least(lambda ceramic: defeats_threat(scenario, ceramic, backing_thickness_mm), section.min, section.max)
+    return None if ceramic is None else design(scenario, ceramic, backing_thickness_mm)
+
+
+def least_backing(scenario: Scenario, ceramic_thickness_mm: float) -> Design | None:
+    """The design with the least backing of the grid's range that the ceramic needs; None where none is enough."""
+    section = grid(scenario).backing_thickness_mm
+    backing = _least(lambda backing: defeats_threat(scenario, ceramic_thickness_mm, backing), section.min, section.max)
+    return None if backing is None else design(scenario, ceramic_thickness_mm, backing)
+
+
+def least_in_proportion(scenario: Scenario) -> Design | None:
+    """The thinnest design with the proportions of the scenario's own, both layers within the grid's ranges."""
+    section, own = grid(scenario), scenario.armour
+    ceramic, backing = own.ceramic_thickness_mm, own.backing_thickness_mm
+    ranges = [(section.backing_thickness_mm, backing)]
+    if ceramic > 0.0:
+        ranges.append((section.ceramic_thickness_mm, ceramic))
+    low = max(range_.min / thickness for range_, thickness in ranges)
+    high = min(range_.max / thickness for range_, thickness in ranges)
+    if low > high:
+        return None
+    total = ceramic + backing
+
+    def layers(thickness: float) -> tuple[float, float]:
+        return thickness * ceramic / total, thickness * backing / total
+
+    least = _least(lambda thickness: defeats_threat(scenario, *layers(thickness)), low * total, high * total)
+    return None if least is None else design(scenario, *layers(least))
+
+
+def _least(defeats: Callable[[float], bool], low: float, high: float) -> float | None:
+    """The least value of the range that defeats the threat, to the tolerance; None where the greatest does not."""
+    if defeats(low):
+        return low
+    if not defeats(high):
+        return None
+    return bisect(defeats, low, high, THICKNESS_TOLERANCE_MM)[1]
