@@ -5,7 +5,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test check format clean
+.PHONY: demo test check format docs mutants clean
 
 demo: $(VENV)/installed
 	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine
@@ -22,6 +22,20 @@ check: $(VENV)/developing
 format: $(VENV)/developing
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+
+# The pages and pictures of docs/ that the program writes.
+docs: $(VENV)/installed
+	$(BIN)/armour validate --markdown docs/validation.md
+	$(BIN)/armour figures docs/figures
+	rm docs/figures/*.csv
+	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine --plot docs/images/optimum.png
+	$(BIN)/armour simulate scenarios/wilkins.toml --plot docs/images/wilkins.png
+
+# Takes an hour or two; docs/mutants.md has the outcome.
+mutants: $(VENV)/developing
+	$(BIN)/pip install --quiet --disable-pip-version-check 'mutmut>=3.8'
+	$(BIN)/mutmut run
+	$(BIN)/mutmut results
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

@@ -9,6 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from armour.comparison import Comparison, compare
     from armour.errors import ArmourError, InputError, NoAnswerError, NoDesignError, NoLimitError, Problem
     from armour.library import Library, LibraryEntry, Value, read_library, shipped_library
     from armour.limit import Crossing, LimitResult, ballistic_limit
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from armour.requirement import Design
     from armour.scenario import Scenario, load_scenario, parse_scenario, save_scenario
     from armour.simulation import History, ImpactResult, StageRecord, simulate
+    from armour.suite import Case, Suite, load_suite
+    from armour.validation import Check, SuiteResult, paper_suite, validate
 
 __version__ = "0.1.0"
 
@@ -23,6 +26,9 @@ __version__ = "0.1.0"
 _HOMES = {
     "ArmourError": "errors",
     "BestDesign": "optimisation",
+    "Case": "suite",
+    "Check": "validation",
+    "Comparison": "comparison",
     "Crossing": "limit",
     "Design": "requirement",
     "History": "simulation",
@@ -38,20 +44,29 @@ _HOMES = {
     "Problem": "errors",
     "Scenario": "scenario",
     "StageRecord": "simulation",
+    "Suite": "suite",
+    "SuiteResult": "validation",
     "Value": "library",
     "ballistic_limit": "limit",
+    "compare": "comparison",
     "load_scenario": "scenario",
+    "load_suite": "suite",
     "optimise": "optimisation",
+    "paper_suite": "validation",
     "parse_scenario": "scenario",
     "read_library": "library",
     "save_scenario": "scenario",
     "shipped_library": "library",
     "simulate": "simulation",
+    "validate": "validation",
 }
 
 __all__ = [
     "ArmourError",
     "BestDesign",
+    "Case",
+    "Check",
+    "Comparison",
     "Crossing",
     "Design",
     "History",
@@ -67,15 +82,21 @@ __all__ = [
     "Problem",
     "Scenario",
     "StageRecord",
+    "Suite",
+    "SuiteResult",
     "Value",
     "ballistic_limit",
+    "compare",
     "load_scenario",
+    "load_suite",
     "optimise",
+    "paper_suite",
     "parse_scenario",
     "read_library",
     "save_scenario",
     "shipped_library",
     "simulate",
+    "validate",
 ]
 
 

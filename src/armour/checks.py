@@ -49,6 +49,7 @@ _MUST = {
     "float_type": "must be a number",
     "string_type": "must be a text in quotes",
     "string_too_short": "must not be empty",
+    "too_short": "must not be empty",
     "list_type": "must be a list",
     "dict_type": "must be a table",
     "model_type": "must be a table",

@@ -2,13 +2,14 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from math import isfinite
 from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
 
-from armour.checks import Section, key_name, problems_of
+from armour.checks import Section, describe, key_name, problems_of
 from armour.errors import InputError, Problem, nearest
 from armour.files import read_toml
 from armour.quantities import QUANTITIES, answerable
@@ -16,8 +17,26 @@ from armour.scenario import Scenario, changed, parse_scenario
 
 # The column of a table that holds what is expected.
 EXPECTED = "expected"
+# Units as they end the keys of a scenario.
+UNITS = {
+    "_kg_m3": "kg/m³",
+    "_m_s": "m/s",
+    "_GPa": "GPa",
+    "_MPa": "MPa",
+    "_mm": "mm",
+    "_us": "us",
+    "_g": "g",
+}
 # Quantities that say what a replacement of one material saves.
 SAVINGS = tuple(name for name, quantity in QUANTITIES.items() if quantity.of_two)
+
+
+def _number_or_text(value: object) -> object:
+    """Tell what an expected value must be, before a union of types tells it twice."""
+    if isinstance(value, str) or (isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)):
+        return value
+    raise ValueError(f"must be a finite number, or the outcome in quotes, found {describe(value)}")
+
 
 Name = Annotated[str, Field(min_length=1)]
 Width = Annotated[float, Field(ge=0.0)]
@@ -66,7 +85,7 @@ class _Expectation(Section):
 class CaseSection(_Expectation):
     """One case."""
 
-    expected: float | str
+    expected: Annotated[float | str, BeforeValidator(_number_or_text)]
     replaced_by: dict[str, Any] | None = None
 
     @model_validator(mode="after")
@@ -312,4 +331,13 @@ def _scenario(file: Path, changes: tuple[Mapping[str, object], ...]) -> Scenario
 def _row_name(table: TableSection, values: Mapping[str, float]) -> str:
     """Name of a row: its inputs."""
     inputs = [name for name in table.columns if name not in (EXPECTED, *table.rivals)]
-    return ", ".join(f"{name.rsplit('.', 1)[-1]} = {values[name]:g}" for name in inputs)
+    return ", ".join(_in_words(name, values[name]) for name in inputs)
+
+
+def _in_words(key: str, value: float) -> str:
+    """A key of the scenario with its value, such as "ceramic thickness 6.35 mm"."""
+    name = key.rsplit(".", 1)[-1]
+    for ending, unit in UNITS.items():
+        if name.endswith(ending):
+            return f"{name.removesuffix(ending).replace('_', ' ')} {value:g} {unit}"
+    return f"{name.replace('_', ' ')} {value:g}"

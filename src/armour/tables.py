@@ -4,6 +4,7 @@ import csv
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from io import StringIO
+from math import floor, log10
 from typing import Any
 
 from armour.comparison import Comparison, FlorenceResult
@@ -14,6 +15,7 @@ from armour.optimisation import OptimumResult
 from armour.quantities import QUANTITIES
 from armour.requirement import Design
 from armour.simulation import History, ImpactResult
+from armour.suite import Case
 from armour.validation import Check, SuiteResult, Update
 
 # A quantity, its number in words and its unit.
@@ -185,8 +187,8 @@ def check_rows(checks: Sequence[Check]) -> list[tuple[str, ...]]:
             check.case.name,
             QUANTITIES[check.case.quantity].unit,
             _plain(check.case.expected),
-            _like(check.computed, check.case.expected),
-            _signed(check.deviation, check.case.expected),
+            _decimal(check.computed, _decimals(check.case)),
+            _decimal(check.deviation, _decimals(check.case), sign="+"),
             "" if check.deviation_percent is None else f"{check.deviation_percent:+.2f}",
             "" if check.case.band is None else f"{check.case.band:.4g}",
             check.status,
@@ -202,20 +204,15 @@ def _plain(number: float | str) -> str:
     return number if isinstance(number, str) else f"{number:.10g}"
 
 
-def _decimals(expected: float | str) -> int:
-    """Decimals worth showing of a computed value: two more than the expected one has."""
-    text = _plain(expected)
-    return min(len(text.partition(".")[2]) + 2, 8)
+def _decimals(case: Case) -> int:
+    """Decimals worth showing of a computed value: one more than the expected one has, and than its band is wide."""
+    given = len(_plain(case.expected).partition(".")[2])
+    of_band = -floor(log10(case.band)) if case.band else 0
+    return min(max(given, of_band) + 1, 12)
 
 
-def _like(computed: float | str | None, expected: float | str) -> str:
-    if isinstance(computed, float):
-        return f"{computed:.{_decimals(expected)}f}"
-    return computed or ""
-
-
-def _signed(deviation: float | None, expected: float | str) -> str:
-    return "" if deviation is None else f"{deviation:+.{_decimals(expected)}f}"
+def _decimal(value: float | str | None, decimals: int, sign: str = "") -> str:
+    return f"{value:{sign}.{decimals}f}" if isinstance(value, float) else value or ""
 
 
 def summary_rows(result: SuiteResult) -> list[tuple[str, ...]]:
@@ -250,12 +247,15 @@ ERROR_COLUMNS = ("table", "predicted by", "rows", "mean error %", "largest error
 
 
 def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
-    """Why each case is not scored or has no answer, or why its band is as wide as it is."""
-    return [
-        (check.case.full_name, check.message or check.case.not_scored or check.case.reason)
-        for check in checks
-        if check.message or check.case.not_scored or check.case.reason
-    ]
+    """Why a case is not scored or has no answer, or why its band is as wide as it is; for a table's rows once."""
+    notes: dict[tuple[str, str], None] = {}
+    for check in checks:
+        case = check.case
+        if check.message:
+            notes[case.full_name, check.message] = None
+        elif case.not_scored or case.reason:
+            notes[case.group or case.name, case.not_scored or case.reason] = None
+    return list(notes)
 
 
 def verdict(result: SuiteResult) -> str:

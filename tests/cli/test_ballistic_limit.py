@@ -53,3 +53,11 @@ def test_all_crossings_are_shown(cli, monkeypatch: pytest.MonkeyPatch):
     data = json.loads(cli("ballistic-limit", WILKINS, "--json").stdout)
     assert not data["monotonic"]
     assert len(data["crossings"]) == 3
+
+
+def test_a_limit_outside_the_data_is_warned_of(cli):
+    path = SCENARIOS / "bare_plate.toml"
+    result = cli("ballistic-limit", path)
+    assert result.exit_code == 0
+    first = f"warning: {path}: impact.velocity_m_s: the model was tested on velocities from 620 to 1300 m/s, found 454"
+    assert result.stderr.splitlines()[0] == first

@@ -63,8 +63,12 @@ def test_the_wheel_ships_configs_and_scenarios(tmp_path: Path):
     site = tmp_path / "site"
     zipfile.ZipFile(wheel).extractall(site)
     shipped = {path.relative_to(site / "armour").as_posix() for path in site.rglob("*.toml")}
-    there = {path.relative_to(REPOSITORY).as_posix() for path in SCENARIOS.rglob("*.toml")}
-    assert there | {"configs/metals.toml", "configs/ceramics.toml", "configs/projectiles.toml"} == shipped
+    folders = ("configs", "scenarios", "suites")
+    there = {
+        path.relative_to(REPOSITORY).as_posix() for name in folders for path in (REPOSITORY / name).rglob("*.toml")
+    }
+    assert there == shipped
+    assert {"configs/metals.toml", "scenarios/wilkins.toml", "suites/paper.toml"} <= shipped
     assert (site / "armour" / "py.typed").exists()
     code = f"""
 import sys
@@ -75,5 +79,6 @@ from armour.files import shipped
 assert str(shipped("configs")).startswith({str(site)!r})
 path = shipped("scenarios") / "wilkins.toml"
 print(armour.simulate(armour.load_scenario(path)).outcome)
+print(len(armour.load_suite(armour.paper_suite()).cases) > 70)
 """
-    assert process("-c", code, cwd=tmp_path).stdout == "perforated\n"
+    assert process("-c", code, cwd=tmp_path).stdout == "perforated\nTrue\n"

@@ -77,6 +77,11 @@ def test_outputs_that_cannot_be_written_are_told_before_the_work(cli, folder: Pa
     assert list(folder.iterdir()) == []
 
 
-def test_a_bare_plate(cli):
-    data = json.loads(cli("simulate", SCENARIOS / "bare_plate.toml", "--json").stdout)
+def test_a_bare_plate_is_outside_the_data(cli):
+    path = SCENARIOS / "bare_plate.toml"
+    result = cli("simulate", path, "--json")
+    data = json.loads(result.stdout)
     assert data["stages"][0]["stage"].startswith("iii.")
+    assert len(data["warnings"]) == 3
+    assert result.stderr.splitlines() == [f"warning: {path}: {warning}" for warning in data["warnings"]]
+    assert "armour.ceramic_thickness_mm: the model was tested on ceramics" in result.stderr

@@ -8,7 +8,7 @@ import pytest
 
 from armour.core.equations import crack_velocity
 from armour.core.rk4 import step
-from armour.core.run import crossing, land, run
+from armour.core.run import Instant, crossing, land, run
 from armour.core.stages import Event, default_time_step, first_stage, margins, rates
 from armour.core.state import Medium, Outcome, Stage, State
 from tests.cases import armour, path, traced
@@ -135,3 +135,19 @@ def test_a_hard_plate_is_carried_by_an_eroding_projectile():
     assert path(trace) == ["Pecm", "Prcm"]
     assert end.outcome == Outcome.PERFORATED
     assert trace[0].s.medium == Medium.PLATE
+
+
+def test_a_run_that_is_given_up_says_how_far_it_came():
+    a = armour()
+    dt = default_time_step(a, 800.0)
+    trace: list[Instant] = []
+    end = run(a, 800.0, dt, 1.0, 5, trace)
+    assert (end.outcome, end.steps) == (Outcome.UNRESOLVED, 5)
+    assert (end.t, end.y) == (trace[-1].t, trace[-1].y)
+    assert end.t == pytest.approx(5 * dt)
+
+
+def test_steps_are_counted():
+    trace: list[Instant] = []
+    end = run(armour(), 800.0, default_time_step(armour(), 800.0), 1.0, 10_000, trace)
+    assert end.steps == sum(after.t > before.t for before, after in pairwise(trace))

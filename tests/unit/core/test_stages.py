@@ -1,13 +1,17 @@
 """The rule of yielding, what ends a stage, and the names of stages."""
 
+from math import pi, sqrt
+
 import pytest
 
 from armour.core.stages import (
     Event,
     default_time_step,
     drive_force,
+    fastest_rate,
     first_stage,
     follow,
+    joint_deceleration,
     margins,
     rates,
     settle,
@@ -153,3 +157,90 @@ def test_the_default_step_scales_with_size():
     a = armour()
     b = a._replace(L0=2 * a.L0, D0=2 * a.D0, Hc0=2 * a.Hc0, Hb=2 * a.Hb)
     assert default_time_step(b, 800.0) == pytest.approx(2 * default_time_step(a, 800.0), rel=1e-14)
+
+
+STATE = State(Z=4e-3, L=0.018, V=600.0, W=100.0, h=0.5e-3)
+RATES = State(Z=400.0, L=-200.0, V=-2e7, W=3e6, h=100.0)
+
+
+def in_stage(medium: Medium, eroding: bool, penetrated: bool, moving: bool) -> Stage:
+    return Stage(medium, eroding, penetrated, moving, 750.0, 0.2e-3)
+
+
+def test_nothing_shears_while_the_ceramic_is_intact():
+    assert shear_force(STATE, in_stage(Medium.INTACT, True, True, False), armour()) == 0.0
+
+
+def test_rubble_that_keeps_pace_is_carried_with_the_plate():
+    a = armour()
+    A0 = pi * a.D0**2 / 4
+    F = pi * a.D0 * a.tau * (a.Hb + a.Hc0 + STATE.h - STATE.Z)
+    mass = (a.rho_p * STATE.L + a.rho_c * (a.Hc0 - STATE.Z + STATE.h) + a.rho_B * a.Hb) * A0
+    slowing = joint_deceleration(STATE, in_stage(Medium.FRAGMENTED, False, False, True), a)
+    assert slowing == pytest.approx(-F / mass)
+
+
+def test_response_in_rubble():
+    """Inertia, the rod's bar wave and the dashpot of (9), on the rod; the latter two on what moves as well."""
+    a = armour()
+    dashpot = 2.0 * a.Yc0 * 500.0 / 750.0**2
+    rod = (600.0 + sqrt(a.Yp / a.rho_p) + dashpot / a.rho_p) / 0.018
+    held = in_stage(Medium.FRAGMENTED, True, True, False)
+    assert fastest_rate(STATE, RATES, held, a) == pytest.approx(rod)
+    areal = a.rho_B * a.Hb + a.rho_c * (a.Hc0 - STATE.Z + STATE.h)
+    moving = in_stage(Medium.FRAGMENTED, True, True, True)
+    expected = rod + 3e6 / 600.0 + (a.rho_c * 500.0 + dashpot) / areal
+    assert fastest_rate(STATE, RATES, moving, a) == pytest.approx(expected)
+
+
+def test_response_in_the_plate():
+    a = armour()
+    deep = STATE._replace(Z=8e-3)
+    rod = (600.0 + sqrt(a.Yp / a.rho_p)) / 0.018
+    areal = a.rho_B * (a.Hb + a.Hc0 - 8e-3 + 0.5e-3 - 0.2e-3)
+    penetrated = in_stage(Medium.PLATE, True, True, True)
+    carried = in_stage(Medium.PLATE, True, False, True)
+    joined = in_stage(Medium.PLATE, False, False, True)
+    picking_up = 3e6 / 600.0
+    assert fastest_rate(deep, RATES, penetrated, a) == pytest.approx(rod + picking_up + a.rho_B * 500.0 / areal)
+    assert fastest_rate(deep, RATES, carried, a) == pytest.approx(rod + picking_up + a.rho_p * 600.0 / areal)
+    assert fastest_rate(deep, RATES, joined, a) == pytest.approx(600.0 / 0.018)
+    heavy = a._replace(rho_B=2 * a.rho_p)
+    rod = (2 * 600.0 + sqrt(a.Yp / a.rho_p)) / 0.018
+    assert fastest_rate(deep, RATES, penetrated._replace(moving=False), heavy) == pytest.approx(rod)
+
+
+def test_the_default_step_is_a_part_of_the_time_in_which_the_motion_changes():
+    a = armour()
+    slowing = a.Yp / (a.rho_p * a.L0 * 800.0)
+    drive = min(a.Yc0, a.Yp + a.rho_p * 800.0**2)
+    picking_up = drive / ((a.rho_c * a.Hc0 + a.rho_B * a.Hb) * 800.0)
+    expected = 1.0 / (24.0 * (800.0 / a.D0 + slowing + picking_up))
+    assert default_time_step(a, 800.0) == pytest.approx(expected)
+
+
+def test_the_default_step_of_a_slow_impact_on_a_thin_bare_plate():
+    """The plate is thinner than the rod; what drives it is less than the strength of a ceramic that is not there."""
+    a = armour()._replace(Hc0=0.0, Hb=3e-3, YB=4e9)
+    slowing = a.Yp / (a.rho_p * a.L0 * 300.0)
+    drive = a.Yp + a.rho_p * 300.0**2
+    expected = 1.0 / (24.0 * (300.0 / 3e-3 + slowing + drive / (a.rho_B * 3e-3 * 300.0)))
+    assert default_time_step(a, 300.0) == pytest.approx(expected)
+    soft = a._replace(YB=1.05e9)
+    slowing = 1.05e9 / (a.rho_p * a.L0 * 300.0)
+    expected = 1.0 / (24.0 * (300.0 / 3e-3 + slowing + 1.05e9 / (a.rho_B * 3e-3 * 300.0)))
+    assert default_time_step(soft, 300.0) == pytest.approx(expected)
+
+
+def test_the_step_grows_in_held_rubble_and_where_the_motion_is_slow():
+    a = armour()
+    s = in_stage(Medium.FRAGMENTED, False, True, False)
+    assert step_length(STATE, RATES, s, a, 1e-8) == pytest.approx(1e-8 * 750.0 / 600.0)
+    change = (2e7 + 3e6) / 600.0 + 400.0 / a.D0
+    eroding = in_stage(Medium.FRAGMENTED, True, True, False)
+    assert step_length(STATE, RATES, eroding, a, 1e-12) == pytest.approx(1e-3 / change)
+    longest = 0.3 / fastest_rate(STATE, RATES, eroding, a)
+    assert step_length(STATE, RATES, eroding, a, 1.0) == pytest.approx(longest)
+    thin = a._replace(Hc0=1e-3, Hb=2e-3)
+    change = (2e7 + 3e6) / 600.0 + 400.0 / 3e-3
+    assert step_length(STATE, RATES, eroding, thin, 1e-12) == pytest.approx(1e-3 / change)

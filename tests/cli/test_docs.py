@@ -1,0 +1,71 @@
+"""The commands of the documentation do what it says, and its links lead somewhere."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from tests.cases import SCENARIOS
+
+REPOSITORY = SCENARIOS.parent
+PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").rglob("*.md"))]
+IDS = [page.relative_to(REPOSITORY).as_posix() for page in PAGES]
+
+
+def sessions(page: Path) -> list[list[tuple[str, list[str]]]]:
+    """The console blocks of a page: commands, each with the lines that it must print."""
+    blocks = []
+    for block in re.findall(r"^```console\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL):
+        commands: list[tuple[str, list[str]]] = []
+        for line in block.splitlines():
+            if line.startswith("$ "):
+                commands.append((line[2:], []))
+            else:
+                commands[-1][1].append(line)
+        blocks.append(commands)
+    return blocks
+
+
+SESSIONS = [
+    pytest.param(commands, id=f"{name}: {commands[0][0]}")
+    for page, name in zip(PAGES, IDS, strict=True)
+    for commands in sessions(page)
+    if commands[0][0].startswith("armour ")
+]
+
+
+def plain(line: str) -> str:
+    return " ".join(line.split())
+
+
+@pytest.mark.parametrize("commands", SESSIONS)
+def test_a_session_prints_what_it_shows(cli, folder: Path, commands: list[tuple[str, list[str]]]):
+    for name in ("scenarios", "suites", "tests"):
+        (folder / name).symlink_to(REPOSITORY / name)
+    for command, lines in commands:
+        result = cli(*shlex.split(command.split("  #")[0])[1:])
+        assert result.exit_code in (0, 3), result.output
+        printed = iter([plain(line) for line in (*result.stdout.splitlines(), *result.stderr.splitlines())])
+        for line in lines:
+            if line.strip() not in ("...", "") and not set(line) <= {"─"}:
+                assert plain(line) in printed, f"{command} does not print in this order: {line}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=IDS)
+def test_links_lead_somewhere(page: Path):
+    for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
+        assert (page.parent / target).exists(), target
+
+
+def test_every_command_has_its_page():
+    from armour.cli.app import app
+
+    commands = {command.name for command in app.registered_commands} | {group.name for group in app.registered_groups}
+    assert {page.stem for page in (REPOSITORY / "docs" / "howto").glob("*.md")} == commands
+
+
+def test_every_page_is_linked_from_the_readme():
+    text = (REPOSITORY / "README.md").read_text()
+    for page in (REPOSITORY / "docs").rglob("*.md"):
+        assert f"({page.relative_to(REPOSITORY).as_posix()})" in text

@@ -1,0 +1,37 @@
+import csv
+from pathlib import Path
+
+import pytest
+
+
+@pytest.mark.parametrize(("image", "start"), [("png", b"\x89PNG"), ("svg", b"<?xml")])
+def test_a_figure_and_its_curve(cli, folder: Path, image: str, start: bytes):
+    result = cli("figures", "new/figs", "--only", "fig09", "--format", image)
+    assert result.exit_code == 0
+    assert result.stderr.splitlines() == ["wrote new/figs/fig09.csv", f"wrote new/figs/fig09.{image}"]
+    assert (folder / f"new/figs/fig09.{image}").read_bytes().startswith(start)
+    with (folder / "new/figs/fig09.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert set(rows[0]) == {"ceramic thickness, mm", "velocity lost: lost, %", "mass lost: lost, %"}
+    [at_4] = [row for row in rows if row["ceramic thickness, mm"] == "4.0"]
+    assert float(at_4["velocity lost: lost, %"]) == pytest.approx(34.71, abs=0.01)
+
+
+def test_a_figure_that_is_not_there(cli, folder: Path):
+    [line] = cli.fails(2, "figures", "figs", "--only", "fig15")
+    assert line.endswith(
+        'found "fig15"; there are ' + ", ".join(f"fig{i:02d}" for i in range(3, 15)) + ", parity_table3"
+    )
+    assert list(folder.iterdir()) == []
+
+
+def test_a_file_in_the_way(cli, folder: Path):
+    (folder / "figs").write_text("")
+    assert cli.fails(2, "figures", "figs") == ["figs: must be a folder or free to be made one"]
+
+
+@pytest.mark.usefixtures("folder")
+def test_an_unknown_format(cli):
+    result = cli("figures", "figs", "--format", "bmp")
+    assert result.exit_code == 2
+    assert "png" in result.stderr

@@ -1,0 +1,50 @@
+"""What the program computes has not moved, and would be seen to move with any physical constant."""
+
+from pathlib import Path
+
+import pytest
+
+from armour.library import KINDS, OPTIONAL, Kind, shipped_library
+from armour.simulation import perforates
+from armour.suite import Case, load_suite
+from armour.validation import validate
+
+SUITE = Path(__file__).parent / "regression.toml"
+CASES = load_suite(SUITE).cases
+VALUES = [
+    (kind, name, key)
+    for kind in KINDS
+    for name in shipped_library().names(kind)
+    for key in shipped_library().entries[kind][name].values
+    if key not in OPTIONAL
+]
+
+
+def uses(case: Case, kind: Kind, name: str) -> bool:
+    scenario = case.scenario
+    named = {
+        "projectile": scenario.impact.projectile,
+        "ceramic": scenario.armour.ceramic,
+        "metal": scenario.armour.backing,
+    }
+    return named[kind] == name
+
+
+def test_nothing_has_moved():
+    result = validate(load_suite(SUITE))
+    assert [item.case.full_name for item in result.checks if item.status != "within"] == []
+
+
+@pytest.mark.parametrize(("kind", "name", "key"), VALUES)
+@pytest.mark.parametrize("factor", [0.98, 1.02])
+def test_two_per_cent_of_any_constant_are_noticed(kind: Kind, name: str, key: str, factor: float):
+    value = shipped_library().entries[kind][name][key]
+    change = {"library": {kind: {name: {"based_on": name, key: factor * value}}}}
+    concerned = [case for case in CASES if uses(case, kind, name) and case.quantity == "ballistic_limit_m_s"]
+    assert concerned, f"no case of the suite uses {name}"
+    case = concerned[0]
+    changed = case.scenario.replaced(change)
+    lowest, highest = (float(case.expected) + sign * float(case.band or 0.0) for sign in (-1, 1))
+    # Within the band the limit would be above the lowest and below the highest.
+    outcomes = [perforates(changed, changed.core_armour(), velocity) for velocity in (lowest, highest)]
+    assert outcomes != [False, True]
