@@ -10,8 +10,8 @@ from pydantic import Field, ValidationError, field_validator
 from armour.checks import Section, problems_of
 from armour.errors import InputError, NoAnswerError
 from armour.files import read_toml, shipped
-from armour.quantities import QUANTITIES, Answers
-from armour.scenario import Range, Scenario, load_scenario
+from armour.quantities import QUANTITIES, Answers, answers_of
+from armour.scenario import Range, load_scenario
 from armour.suite import load_suite
 from armour.validation import SuiteResult, paper_suite, validate
 
@@ -149,7 +149,7 @@ def chart(section: FigureSection, folder: Path, answers: dict[str, Answers]) -> 
     curves = []
     for curve in section.curve:
         scenario = base.replaced(curve.set)
-        asked = [_answers(scenario.replaced(dict.fromkeys(section.over, value)), answers) for value in x]
+        asked = [answers_of(answers, scenario.replaced(dict.fromkeys(section.over, value))) for value in x]
         for name in section.quantities:
             label = ", ".join(part for part in (curve.label, QUANTITIES[name].words) if part)
             shown = curve.label if len(section.quantities) == 1 and curve.label else label
@@ -164,10 +164,6 @@ def chart(section: FigureSection, folder: Path, answers: dict[str, Answers]) -> 
         marks=tuple(Mark(mark.label, mark.of, tuple((x, y) for x, y in mark.points)) for mark in section.mark),
         levels=tuple(Level(level.label, level.value) for level in section.level),
     )
-
-
-def _answers(scenario: Scenario, known: dict[str, Answers]) -> Answers:
-    return known.setdefault(scenario.to_toml(), Answers(scenario))
 
 
 def _value(name: str, answers: Answers) -> float | None:

@@ -10,6 +10,7 @@ from armour.errors import NoDesignError, NoLimitError
 from armour.limit import ballistic_limit
 from armour.requirement import Design, defeats_threat, design, grid, least_ceramic
 from armour.scenario import Scenario
+from armour.validity import warnings_of
 
 # Ceramic thicknesses of a column that are tried before it is bisected.
 PROBES = 9
@@ -63,6 +64,8 @@ class OptimumResult:
         Impacts that were computed for the frontier.
     not_monotonic_mm : tuple of float
         Backing thicknesses at which a thicker ceramic was found to be perforated, mm.
+    warnings : tuple of str
+        What of the lightest design is outside the data that the model was tested on.
     """
 
     best: BestDesign
@@ -70,6 +73,7 @@ class OptimumResult:
     refined: BestDesign | None
     runs: int
     not_monotonic_mm: tuple[float, ...]
+    warnings: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data; ``refined`` only where it was asked for."""
@@ -115,14 +119,16 @@ def optimise(
     frontier = frontier_of(columns)
     if not frontier:
         raise NoDesignError(no_design(scenario))
+    best = lightest(frontier)
     return OptimumResult(
-        best=with_limit(scenario, lightest(frontier)),
+        best=with_limit(scenario, best),
         frontier=frontier,
         refined=with_limit(scenario, refined(scenario, frontier)) if refine else None,
         runs=sum(column.runs for column in columns),
         not_monotonic_mm=tuple(
             thickness for thickness, column in zip(backings, columns, strict=True) if not column.monotonic
         ),
+        warnings=warnings_of(with_thicknesses(scenario, best), scenario.impact.velocity_m_s),
     )
 
 
@@ -185,16 +191,20 @@ def lightest(designs: Sequence[Design]) -> Design:
     return min(designs, key=lambda design: design.areal_density_kg_m2)
 
 
-def with_limit(scenario: Scenario, design: Design) -> BestDesign:
-    """The design with its ballistic limit."""
-    chosen = scenario.replaced(
+def with_thicknesses(scenario: Scenario, design: Design) -> Scenario:
+    """The scenario with the thicknesses of the design."""
+    return scenario.replaced(
         {
             "armour.ceramic_thickness_mm": design.ceramic_thickness_mm,
             "armour.backing_thickness_mm": design.backing_thickness_mm,
         }
     )
+
+
+def with_limit(scenario: Scenario, design: Design) -> BestDesign:
+    """The design with its ballistic limit."""
     try:
-        limit = ballistic_limit(chosen).ballistic_limit_m_s
+        limit = ballistic_limit(with_thicknesses(scenario, design)).ballistic_limit_m_s
     except NoLimitError:
         limit = None
     return BestDesign(**asdict(design), ballistic_limit_m_s=limit)

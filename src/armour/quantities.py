@@ -72,6 +72,12 @@ class Answers:
         return design
 
 
+def answers_of(known: dict[str, Answers], scenario: Scenario, replacement: Scenario | None = None) -> Answers:
+    """What a scenario answers, from those that are known already or added to them."""
+    key = "\n".join(text for s in (scenario, replacement) if s is not None for text in (s.file, s.to_toml()))
+    return known.setdefault(key, Answers(scenario, replacement))
+
+
 class Quantity(NamedTuple):
     """A number, or the outcome, that a scenario answers."""
 

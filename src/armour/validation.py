@@ -9,7 +9,7 @@ from typing import Any, Literal
 from armour.comparison import BODIES, bodies_of, florence_ballistic_limit, missing_for_florence
 from armour.errors import NoAnswerError
 from armour.files import shipped
-from armour.quantities import QUANTITIES, Answers
+from armour.quantities import QUANTITIES, Answers, answers_of
 from armour.suite import Case, Group, Suite
 
 # Significant digits of the values that an update writes.
@@ -204,10 +204,8 @@ def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
 
 def check(case: Case, answers: dict[str, Answers]) -> Check:
     """Compute a case; scenarios that were asked before give what they have."""
-    key = "\n".join(s.to_toml() for s in (case.scenario, case.replacement) if s is not None)
-    known = answers.setdefault(key, Answers(case.scenario, case.replacement))
     try:
-        computed = QUANTITIES[case.quantity].of(known)
+        computed = QUANTITIES[case.quantity].of(answers_of(answers, case.scenario, case.replacement))
     except NoAnswerError as error:
         return Check(case, None, "not scored" if case.not_scored else "no answer", str(error))
     return Check(case, computed, _status(case, computed))

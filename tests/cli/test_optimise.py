@@ -83,3 +83,14 @@ def test_an_interrupted_search_keeps_what_it_has(cli, small: Path, folder: Path,
     monkeypatch.setattr(module, "frontier_columns", interrupted)
     assert cli.fails(130, "optimise", small, "--csv", "f.csv") == ["wrote f.csv", "interrupted"]
     assert len((folder / "f.csv").read_text().splitlines()) == 3
+
+
+def test_a_design_outside_the_data_is_warned_of(cli, folder: Path):
+    text = (SCENARIOS / "paper" / "optimum_7.62mm_AP.toml").read_text()
+    path = folder / "slow.toml"
+    path.write_text(
+        text.replace("850.0", "400.0").replace("step = 0.1", "step = 2.0").replace("step = 0.5", "step = 2.0")
+    )
+    result = cli("optimise", path, "--json")
+    assert result.stderr.startswith(f"warning: {path}: impact.velocity_m_s: the model was tested on velocities")
+    assert [f"warning: {path}: {w}" for w in json.loads(result.stdout)["warnings"]] == result.stderr.splitlines()

@@ -77,6 +77,13 @@ def test_outputs_that_cannot_be_written_are_told_before_the_work(cli, folder: Pa
     assert list(folder.iterdir()) == []
 
 
+def test_a_scenario_is_not_written_over(cli, folder: Path):
+    path = folder / "a.toml"
+    path.write_text(WILKINS.read_text())
+    [line] = cli.fails(2, "simulate", path, "--history", "a.toml")
+    assert line == "a.toml: must not be the file that is read; choose another name"
+
+
 def test_a_bare_plate_is_outside_the_data(cli):
     path = SCENARIOS / "bare_plate.toml"
     result = cli("simulate", path, "--json")

@@ -126,6 +126,13 @@ def test_outputs_that_cannot_be_written_are_told_before_the_work(cli, suite: Pat
     assert len(lines) == 2
 
 
+def test_a_suite_is_not_written_over(cli, suite: Path):
+    lines = cli.fails(2, "validate", suite, "--markdown", suite, "--junit", suite.resolve())
+    assert len(lines) == 2
+    assert lines[0] == f"{suite}: must not be the file that is read; choose another name"
+    assert suite.read_text() == SUITE
+
+
 def test_every_mistake_of_a_suite(cli, suite: Path):
     suite.write_text(SUITE.replace("band = 0.1", "bend = 0.1").replace("ballistic_limit_m_s", "limit"))
     lines = cli.fails(2, "validate", suite)

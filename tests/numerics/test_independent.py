@@ -15,7 +15,7 @@ from armour.core.run import run
 from armour.core.stages import default_time_step
 from armour.core.state import Armour, Outcome
 from armour.limit import bisect
-from tests.cases import armour
+from tests.cases import armour, path, traced
 
 ARREST = 1.0
 
@@ -176,10 +176,23 @@ def core(a: Armour, velocity: float):
     return run(a, velocity, default_time_step(a, velocity), ARREST, 100_000)
 
 
+def impact_velocity(index: int) -> float:
+    return float(np.random.default_rng(index).uniform(300.0, 1400.0))
+
+
+@pytest.mark.parametrize("diameter", [6.5e-3, 14.25e-3])
+def test_the_designs_take_every_path_that_there_is(diameter: float):
+    """Dwell on intact and fragmented ceramic, plates held, moving and carried, rods eroding and rigid, both rounds."""
+    runs = [traced(a, impact_velocity(i))[1] for i, a in enumerate(DESIGNS) if pytest.approx(diameter) == a.D0]
+    stages = {stage for run in runs for stage in path(run)}
+    dwell, plate = {"Iech", "Fech", "Fecm"}, {"Peph", "Pepm", "Prph", "Prpm", "Prcm"}
+    assert dwell | plate | {"Ieph", "Feph", "Fepm", "Frph", "Frpm"} <= stages
+
+
 @pytest.mark.parametrize("index", range(len(DESIGNS)))
 def test_residual_velocity_and_length_agree(index: int):
     a = DESIGNS[index]
-    velocity = float(np.random.default_rng(index).uniform(300.0, 1400.0))
+    velocity = impact_velocity(index)
     reference, end = Reference(a, velocity), core(a, velocity)
     assert (end.outcome == Outcome.PERFORATED) == reference.perforated
     assert pytest.approx(reference.V, rel=1e-4) == end.y.V

@@ -5,6 +5,7 @@ from armour.optimisation import optimise
 from armour.quantities import QUANTITIES, Answers, answerable
 from armour.simulation import simulate
 from tests.cases import scenario
+from tests.unit.test_optimisation import GRID
 from tests.unit.test_requirement import case
 
 IMPACT = [
@@ -35,8 +36,8 @@ def test_what_is_lost():
 
 
 def test_the_optimum():
-    best = optimise(case()).best
-    answers = Answers(case())
+    best = optimise(case(GRID)).best
+    answers = Answers(case(GRID))
     for layer, expected in (
         ("ceramic_thickness_mm", best.ceramic_thickness_mm),
         ("backing_thickness_mm", best.backing_thickness_mm),

@@ -22,7 +22,7 @@ def ballistic_limit(scenario: ScenarioFile, plot: PlotFile = None, as_json: AsJs
     from armour.scenario import load_scenario
     from armour.tables import CROSSING_COLUMNS, crossing_rows, limit_rows
 
-    check_outputs(plot=plot)
+    check_outputs(plot=plot, source=scenario)
     loaded = load_scenario(scenario)
     result = find_limit(loaded)
     if as_json:

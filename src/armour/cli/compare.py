@@ -19,7 +19,7 @@ def compare(scenario: ScenarioFile, plot: PlotFile = None, as_json: AsJson = Fal
     from armour.scenario import load_scenario
     from armour.tables import COMPARISON_COLUMNS, FIT_COLUMNS, comparison_rows, fit_rows
 
-    check_outputs(plot=plot)
+    check_outputs(plot=plot, source=scenario)
     loaded = load_scenario(scenario)
     result = put_side_by_side(loaded)
     if as_json:

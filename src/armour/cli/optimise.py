@@ -14,6 +14,7 @@ from armour.cli.report import (
     counting,
     print_json,
     print_table,
+    warn,
     write,
     write_plot,
 )
@@ -45,7 +46,7 @@ def optimise(
     from armour.scenario import load_scenario
     from armour.tables import BEST_COLUMNS, DESIGN_COLUMNS, best_rows, design_rows, frontier_csv
 
-    check_outputs(csv, plot=plot)
+    check_outputs(csv, plot=plot, source=scenario)
     loaded = load_scenario(scenario)
     columns: list[Column] = []
     try:
@@ -69,6 +70,7 @@ def optimise(
     if result.not_monotonic_mm:
         backings = ", ".join(f"{backing:g}" for backing in result.not_monotonic_mm)
         print(f"a thicker ceramic was perforated on a backing of {backings} mm", file=sys.stderr)
+    warn(loaded, result.warnings)
     if csv is not None:
         write(csv, frontier_csv(result.frontier))
     if plot is not None:

@@ -52,8 +52,8 @@ class Reporting(TyperGroup):
             ctx.exit(0)
 
 
-def check_outputs(*paths: Path | None, plot: Path | None = None) -> None:
-    """Make sure that all files asked for can be written before the work begins.
+def check_outputs(*paths: Path | None, plot: Path | None = None, source: Path | None = None) -> None:
+    """Make sure that all files asked for can be written before the work begins, and not over the one that is read.
 
     Raises
     ------
@@ -71,6 +71,8 @@ def check_outputs(*paths: Path | None, plot: Path | None = None) -> None:
         try:
             if path is not None:
                 check_writable(path)
+                if source is not None and path.exists() and source.exists() and path.samefile(source):
+                    problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
         except InputError as error:
             problems.extend(error.problems)
     if problems:

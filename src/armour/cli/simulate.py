@@ -37,7 +37,7 @@ def simulate(
     from armour.simulation import simulate as run_simulation
     from armour.tables import STAGE_COLUMNS, history_csv, impact_rows, stage_rows
 
-    check_outputs(history, plot=plot)
+    check_outputs(history, plot=plot, source=scenario)
     changes = {} if velocity is None else {"impact.velocity_m_s": velocity}
     loaded = load_scenario(scenario, changes)
     result = run_simulation(loaded, history=history is not None or plot is not None)

@@ -56,7 +56,8 @@ def validate(
     from armour.suite import load_suite
     from armour.validation import paper_suite
 
-    check_outputs(markdown, junit, suite if update else None)
+    check_outputs(suite if update else None)
+    check_outputs(markdown, junit, source=suite)
     if update:
         _check_update(suite, changes)
     chosen = load_suite(suite or paper_suite(), changes_of(changes or ()))
