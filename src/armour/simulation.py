@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 # Steps after which a run is given up; one with the default step takes a few hundred.
 MOST_STEPS = 500_000
 # A time step given in the scenario is shortened to this many default ones: beyond that no event is resolved.
-COARSEST_STEP = 10.0
+COARSEST_STEP = 2.5
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,11 @@ from math import isfinite
 from typing import NamedTuple
 
 from armour.core.rk4 import step
-from armour.core.stages import Event, first_stage, follow, margins, rates, step_length
+from armour.core.stages import EVENTS, first_stage, follow, margins, rates, step_length
 from armour.core.state import Armour, Outcome, Stage, State
 
 # An event is located to this fraction of a step.
-EVENT_TOLERANCE = 1e-14
+EVENT_TOLERANCE = 1e-12
 
 
 class Instant(NamedTuple):
@@ -96,11 +96,11 @@ def land(t: float, y: State, k1: State, s: Stage, a: Armour, dt: float, V_arrest
     end = margins(t + dt, y_end, s, a, V_arrest)
     event, fraction = -1, 1.0
     # Each event found shortens what the others are looked for in, and can lay bare one that came and went before it.
-    for i in range(2 * len(Event)):
-        k = i % len(Event)
+    for i in range(2 * EVENTS):
+        k = i % EVENTS
         if k != event and not end[k] >= 0.0:
             event = k
-            fraction, y_end = crossing(k, t, y, k1, s, a, dt, V_arrest, start[k], end[k], fraction)
+            fraction, y_end = crossing(k, t, y, k1, s, a, dt, V_arrest, start[k], end[k], fraction, y_end)
             end = margins(t + fraction * dt, y_end, s, a, V_arrest)
     return event, fraction * dt, y_end
 
@@ -117,31 +117,40 @@ def crossing(
     g_lo: float,
     g_hi: float,
     hi: float,
+    y_hi: State,
 ) -> tuple[float, State]:
     """Fraction of the step at which event k has just happened, and the state there.
 
-    Regula falsi (Illinois), with a bisection wherever two estimates did not halve the bracket.
+    Chandrupatla's method: inverse quadratic interpolation where that is safe, else bisection.  ``x`` is the newest
+    fraction, ``other`` the end of the bracket on the other side of the event.
     """
     if g_lo < 0.0:
         return 0.0, y
-    lo = 0.0
-    side, tries, width = 0, 0, hi
-    while hi - lo > EVENT_TOLERANCE:
-        if tries < 2 and isfinite(g_hi):
-            x = lo + (hi - lo) * g_lo / (g_lo - g_hi)
-            x = min(max(x, lo + 0.5 * EVENT_TOLERANCE), hi - 0.5 * EVENT_TOLERANCE)
-        else:
-            x = 0.5 * (lo + hi)
-        g = margins(t + x * dt, step(y, k1, s, a, x * dt), s, a, V_arrest)[k]
-        if g >= 0.0:
-            lo, g_lo = x, g
-            g_hi *= 0.5 if side == 1 else 1.0
-            side = 1
-        else:
-            hi, g_hi = x, g
-            g_lo *= 0.5 if side == -1 else 1.0
-            side = -1
-        tries += 1
-        if hi - lo <= 0.5 * width:
-            width, tries = hi - lo, 0
-    return hi, step(y, k1, s, a, hi * dt)
+    x, g = hi, g_hi
+    other, g_other = 0.0, g_lo
+    after, y_after = hi, y_hi
+    part = g / (g - g_other) if isfinite(g) else 0.5
+    while abs(x - other) > EVENT_TOLERANCE:
+        nearest = 0.5 * EVENT_TOLERANCE / abs(x - other)
+        part = min(max(part, nearest), 1.0 - nearest)
+        last, g_last = x, g
+        x += part * (other - x)
+        y_x = step(y, k1, s, a, x * dt)
+        g = margins(t + x * dt, y_x, s, a, V_arrest)[k]
+        if (g >= 0.0) != (g_last >= 0.0):
+            last, g_last, other, g_other = other, g_other, last, g_last
+        if not g >= 0.0:
+            after, y_after = x, y_x
+        part = interpolated(x, g, other, g_other, last, g_last)
+    return after, y_after
+
+
+def interpolated(x: float, g: float, other: float, g_other: float, last: float, g_last: float) -> float:
+    """Where between x and the other end of a bracket the root is: by inverse quadratic interpolation, or the middle."""
+    xi = (x - other) / (last - other)
+    phi = (g - g_other) / (g_last - g_other)
+    if not (phi * phi < xi and (1.0 - phi) * (1.0 - phi) < 1.0 - xi):
+        return 0.5
+    return g / (g_other - g) * g_last / (g_other - g_last) + (last - x) / (other - x) * g / (g_last - g) * g_other / (
+        g_last - g_other
+    )

@@ -23,6 +23,8 @@ class Event(IntEnum):
     ERODED = 6  # the projectile is used up
 
 
+EVENTS = len(Event)
+
 # A projectile this much shorter than at impact counts as eroded away.
 ERODED_FRACTION = 1e-3
 # Longest step as a fraction of the time in which the motion responds.
@@ -32,7 +34,7 @@ SHORTEST_CHANGE = 1e-3
 # A trial past the back face leaves no plate; this part of its thickness keeps the rates finite until the step is cut.
 THINNEST_PLATE = 1e-9
 # Steps in the time in which the motion changes by its own size.
-STEPS_PER_CHANGE = 24.0
+STEPS_PER_CHANGE = 6.0
 
 
 def medium_ahead(y: State, s: Stage, a: Armour) -> tuple[float, float]:

@@ -8,7 +8,7 @@ import pytest
 
 from armour.core.equations import crack_velocity
 from armour.core.rk4 import step
-from armour.core.run import Instant, crossing, land, run
+from armour.core.run import Instant, crossing, interpolated, land, run
 from armour.core.stages import Event, default_time_step, first_stage, margins, rates
 from armour.core.state import Medium, Outcome, Stage, State
 from tests.cases import armour, path, traced
@@ -73,7 +73,7 @@ def test_an_event_that_has_happened_at_the_start_is_landed_on_there():
     a = armour()
     y = State(Z=0.0, L=a.L0, V=800.0, W=0.0, h=0.0)
     s = first_stage(y, a)
-    assert crossing(Event.MEDIUM, 0.0, y, rates(y, s, a), s, a, 1e-7, 1.0, -1.0, -2.0, 1.0) == (0.0, y)
+    assert crossing(Event.MEDIUM, 0.0, y, rates(y, s, a), s, a, 1e-7, 1.0, -1.0, -2.0, 1.0, y) == (0.0, y)
 
 
 def test_an_event_is_located_with_few_evaluations(monkeypatch: pytest.MonkeyPatch):
@@ -90,9 +90,31 @@ def test_an_event_is_located_with_few_evaluations(monkeypatch: pytest.MonkeyPatc
         return step(*args)
 
     monkeypatch.setattr(sys.modules["armour.core.run"], "step", counted)
-    g_hi = margins(dt, step(y, k1, s, a, dt), s, a, 1.0)[Event.MEDIUM]
-    crossing(Event.MEDIUM, 0.0, y, k1, s, a, dt, 1.0, g_lo, g_hi, 1.0)
-    assert len(calls) <= 12
+    y_end = step(y, k1, s, a, dt)
+    g_hi = margins(dt, y_end, s, a, 1.0)[Event.MEDIUM]
+    fraction, there = crossing(Event.MEDIUM, 0.0, y, k1, s, a, dt, 1.0, g_lo, g_hi, 1.0, y_end)
+    assert len(calls) <= 7
+    assert there == step(y, k1, s, a, fraction * dt)
+    before = step(y, k1, s, a, (fraction - 1.1e-12) * dt)
+    assert margins(fraction * dt, there, s, a, 1.0)[Event.MEDIUM] < 0.0
+    assert margins((fraction - 1.1e-12) * dt, before, s, a, 1.0)[Event.MEDIUM] >= 0.0
+
+
+@pytest.mark.parametrize("root", [1e-9, 0.02, 0.3, 0.77, 1.0 - 1e-9])
+@pytest.mark.parametrize("bend", [-50.0, -1.0, 0.0, 1.0, 50.0])
+def test_interpolation_stays_in_the_bracket_and_finds_a_parabola_at_once(root: float, bend: float):
+    """As a function of g, x is a parabola; three points give it away."""
+
+    def x_of(g: float) -> float:
+        return root - g + bend * 1e-3 * g * g
+
+    x, other, last = x_of(0.1), x_of(-0.2), x_of(0.3)
+    part = interpolated(x, 0.1, other, -0.2, last, 0.3)
+    assert 0.0 < part < 1.0
+    if part != 0.5:
+        assert x + part * (other - x) == pytest.approx(root, abs=1e-12)
+    else:
+        assert bend in (-50.0, 50.0)
 
 
 def test_a_stop_shortly_after_the_start_of_motion_is_found():
@@ -111,7 +133,7 @@ def test_a_velocity_below_the_arrest_velocity_is_defeated_at_once():
 def test_a_step_that_is_rounding_to_the_motion_is_lengthened():
     a = armour()
     shortest = run(a, 800.0, 1e-30, 1.0, 100_000)
-    usual = run(a, 800.0, default_time_step(a, 800.0), 1.0, 1000)
+    usual = run(a, 800.0, default_time_step(a, 800.0) / 8.0, 1.0, 1000)
     assert shortest.y == pytest.approx(usual.y, rel=1e-7)
 
 
