@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
-from armour.core import stages
+from armour.core import search, stages
 from armour.core.equations import cross_section
 from armour.core.run import Instant, Run, run
 from armour.core.state import Armour, Outcome
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 # Steps after which a run is given up; one with the default step takes a few hundred.
 MOST_STEPS = 500_000
-# A time step given in the scenario is shortened to this many default ones: beyond that no event is resolved.
-COARSEST_STEP = 2.5
 
 
 @dataclass(frozen=True)
@@ -206,9 +204,8 @@ def run_impact(scenario: Scenario, armour: Armour, velocity: float, trace: list[
 
 def time_step(scenario: Scenario, armour: Armour, velocity: float) -> float:
     """Time step for an impact at the velocity, s: the scenario's, or the default."""
-    default = stages.default_time_step(armour, velocity)
     given = scenario.solver.time_step_us
-    return default if given is None else min(given * US, COARSEST_STEP * default)
+    return search.time_step(armour, velocity, 0.0 if given is None else given * US)
 
 
 def stage_records(trace: Sequence[Instant], armour: Armour) -> tuple[StageRecord, ...]:

@@ -33,6 +33,8 @@ LONGEST_RESPONSE = 0.3
 SHORTEST_CHANGE = 1e-3
 # A trial past the back face leaves no plate; this part of its thickness keeps the rates finite until the step is cut.
 THINNEST_PLATE = 1e-9
+# Where the deceleration is constant any step is exact; this many of the usual ones are taken at a time.
+STEADY_STEPS = 8.0
 # Steps in the time in which the motion changes by its own size.
 STEPS_PER_CHANGE = 6.0
 
@@ -248,13 +250,15 @@ def step_length(y: State, k: State, s: Stage, a: Armour, dt: float) -> float:
 
     A rod or a plate that is nearly used up shortens the step.  A motion that has become slow lengthens it: everything
     where dt is no more than rounding to it, and a rigid projectile in held fragmented ceramic, which slows as 1/t, by
-    what it has slowed.
+    what it has slowed.  So does a rigid projectile that carries everything, whose deceleration is constant.
 
     Parameters
     ----------
     y, k : State
         The state and its rates.
     """
+    if not (s.eroding or s.penetrated):
+        dt *= STEADY_STEPS
     if s.medium == Medium.FRAGMENTED and not (s.eroding or s.moving):
         dt *= s.Vs1 / y.V
     change = (abs(k.V) + abs(k.W)) / y.V + k.Z / min(a.D0, a.Hc0 + a.Hb)

@@ -1,0 +1,97 @@
+"""The compiled way gives the numbers of the plain one, bit by bit, in whatever order and number of threads."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from armour.core import batch
+from armour.core.run import run
+from armour.core.search import limit_of, thinnest_of, time_step
+from armour.core.state import Outcome
+from tests.numerics.test_independent import random_designs
+
+DESIGNS = random_designs(400)
+ROWS = batch.packed(DESIGNS)
+VELOCITIES = np.random.default_rng(1).uniform(200.0, 1500.0, len(DESIGNS))
+
+
+def test_impacts_are_those_of_plain_runs():
+    found = batch.impacts(ROWS, VELOCITIES)
+    for i, (a, V) in enumerate(zip(DESIGNS, VELOCITIES.tolist(), strict=True)):
+        end = run(a, V, time_step(a, V, 0.0), 1.0, 500_000)
+        plain = (end.outcome, end.t, *end.y, end.steps)
+        assert tuple(column[i] for column in found) == pytest.approx(plain, rel=1e-9)
+
+
+def test_limits_are_those_of_the_plain_search():
+    found = batch.limits(ROWS, 20.0, 4000.0, 1e-3)
+    for i, a in enumerate(DESIGNS[:40]):
+        plain = limit_of(a, 20.0, 4000.0, 1e-3, 1.0, 0.0, 500_000)
+        assert (found.defeated[i], found.perforated[i]) == pytest.approx((plain.low, plain.high), rel=1e-9)
+        assert (found.runs[i], found.resolved[i]) == (plain.runs, plain.resolved)
+
+
+def test_thinnest_ceramics_are_those_of_the_plain_search():
+    found = batch.thinnest(ROWS, VELOCITIES, 0.0, 0.1, 1e-8)
+    for i, a in enumerate(DESIGNS[:40]):
+        plain = thinnest_of(a, float(VELOCITIES[i]), 0.0, 0.1, 1e-8, 1.0, 0.0, 500_000)
+        assert (found.defeated[i], found.perforated[i]) == pytest.approx((-plain.low, -plain.high), rel=1e-9)
+
+
+def test_neither_threads_nor_order_count():
+    one = batch.impacts(ROWS, VELOCITIES, threads=1)
+    order = np.random.default_rng(2).permutation(len(ROWS))
+    for threads in (1, 2, 5):
+        other = batch.impacts(ROWS[order], VELOCITIES[order], threads=threads)
+        for column, shuffled in zip(one, other, strict=True):
+            np.testing.assert_array_equal(column[order], shuffled)
+    limits = batch.limits(ROWS, 20.0, 4000.0, 1e-2, threads=1)
+    again = batch.limits(ROWS[order], 20.0, 4000.0, 1e-2, threads=3)
+    for there, here in zip(limits, again, strict=True):
+        np.testing.assert_array_equal(there[order], here)
+
+
+def test_an_empty_batch():
+    assert len(batch.impacts(ROWS[:0], VELOCITIES[:0]).V) == 0
+
+
+def test_steps_that_do_not_suffice():
+    found = batch.impacts(ROWS[:3], VELOCITIES[:3], max_steps=3)
+    assert (found.outcome == Outcome.UNRESOLVED).all()
+    assert not batch.limits(ROWS[:3], 20.0, 4000.0, 1e-2, max_steps=3).resolved.any()
+
+
+def test_compiled_code_is_kept_under_the_contents_of_the_core(tmp_path: Path):
+    """Another content of any file of the core is another folder."""
+    folder = Path(batch.__file__).parent
+    before = batch.cache_folder(folder)
+    copy = tmp_path / "core"
+    copy.mkdir()
+    for path in folder.glob("*.py"):
+        (copy / path.name).write_bytes(path.read_bytes())
+    assert batch.cache_folder(copy) == before
+    for path in sorted(copy.glob("*.py")):
+        text = path.read_text()
+        path.write_text(text + "\n")
+        assert batch.cache_folder(copy) != before
+        path.write_text(text)
+
+
+def test_a_second_process_does_not_compile(tmp_path: Path):
+    code = """
+import sys, time
+import numpy as np
+from armour.core import batch
+rows = np.load(sys.argv[1])
+start = time.perf_counter()
+batch.impacts(rows, np.full(len(rows), 800.0))
+print(sum(batch._impacts.stats.cache_hits.values()), sum(batch._impacts.stats.cache_misses.values()))
+"""
+    np.save(tmp_path / "rows.npy", ROWS[:3])
+    batch.impacts(ROWS[:3], VELOCITIES[:3])  # compiled by now at the latest
+    command = [sys.executable, "-c", code, str(tmp_path / "rows.npy")]
+    result = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert result.stdout.split() == ["1", "0"]
