@@ -1,22 +1,28 @@
 """Results as figures; matplotlib is imported with this module, and this module only where a plot is asked for."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from math import nan
 from textwrap import wrap
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from armour.comparison import Comparison
 from armour.figures import Chart
 from armour.limit import LimitResult
 from armour.optimisation import OptimumResult
 from armour.peers import residual_velocity
+from armour.scenario import Scenario
 from armour.simulation import History, ImpactResult, StageRecord
+from armour.sweep import BACKING, CERAMIC, words_of
 from armour.validation import SuiteResult
+
+Floats = NDArray[np.float64]
 
 FORMATS = (".png", ".svg", ".pdf")
 
@@ -272,6 +278,58 @@ def comparison_figure(result: Comparison, title: str) -> Figure:
         figure.legend(loc="outside lower center", ncols=1)
         figure.suptitle(_wrapped(title), fontsize=10)
     return figure
+
+
+def sweep_figure(table: Mapping[str, Floats], keys: Sequence[str], name: str, scenario: Scenario) -> Figure:
+    """A quantity over the one or two keys of a sweep: a curve, or a map with contours.
+
+    Over both thicknesses lines of equal areal density are drawn as well.
+
+    Parameters
+    ----------
+    table : mapping of str to array
+        Columns of the sweep, in the order of its grid.
+    keys : sequence of str
+        The keys swept.
+    name : str
+        The quantity.
+    scenario : Scenario
+    """
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.2, 4.2))
+        axes = figure.subplots()
+        axes.set_xlabel(words_of(keys[0]))
+        if len(keys) == 1:
+            axes.plot(table[keys[0]], table[name], color=BLUE)
+            axes.set_ylabel(words_of(name))
+        else:
+            _map(figure, axes, table, keys, name)
+            axes.set_ylabel(words_of(keys[1]))
+            if set(keys) == {CERAMIC, BACKING}:
+                _equal_areal_densities(axes, scenario, ceramic_first=keys[0] == CERAMIC)
+        figure.suptitle(_wrapped(scenario.title), fontsize=10)
+    return figure
+
+
+def _map(figure: Figure, axes: Axes, table: Mapping[str, Floats], keys: Sequence[str], name: str) -> None:
+    x, y = (np.unique(table[key]) for key in keys)
+    z = np.full((len(y), len(x)), np.nan)
+    z[np.searchsorted(y, table[keys[1]]), np.searchsorted(x, table[keys[0]])] = table[name]
+    axes.grid(visible=False)
+    shown = axes.pcolormesh(x, y, np.ma.masked_invalid(z), cmap="cividis", shading="nearest", rasterized=True)
+    figure.colorbar(shown, label=words_of(name))
+    if min(z.shape) > 1 and np.isfinite(z).any() and np.nanmin(z) < np.nanmax(z):
+        lines = axes.contour(x, y, z, levels=8, colors="white", linewidths=0.8)
+        axes.clabel(lines, fontsize=7, fmt="%g")
+
+
+def _equal_areal_densities(axes: Axes, scenario: Scenario, *, ceramic_first: bool) -> None:
+    """Lines of equal areal density over both thicknesses."""
+    x, y = (np.linspace(*limits, 50) for limits in (axes.get_xlim(), axes.get_ylim()))
+    ceramic, backing = np.meshgrid(x, y) if ceramic_first else np.meshgrid(x, y)[::-1]
+    areal = scenario.areal_density_kg_m2(1.0, 0.0) * ceramic + scenario.areal_density_kg_m2(0.0, 1.0) * backing
+    lines = axes.contour(x, y, areal, levels=6, colors=BLACK, linewidths=0.8, linestyles="dashed")
+    axes.clabel(lines, fontsize=7, fmt="%g kg/m²")
 
 
 def _wrapped(title: str, widest: int = WIDEST_TITLE) -> str:

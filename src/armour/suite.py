@@ -14,19 +14,10 @@ from armour.errors import InputError, Problem, nearest
 from armour.files import read_toml
 from armour.quantities import QUANTITIES, answerable
 from armour.scenario import Scenario, changed, parse_scenario
+from armour.units import words_and_unit
 
 # The column of a table that holds what is expected.
 EXPECTED = "expected"
-# Units as they end the keys of a scenario.
-UNITS = {
-    "_kg_m3": "kg/m³",
-    "_m_s": "m/s",
-    "_GPa": "GPa",
-    "_MPa": "MPa",
-    "_mm": "mm",
-    "_us": "us",
-    "_g": "g",
-}
 # Quantities that say what a replacement of one material saves.
 SAVINGS = tuple(name for name, quantity in QUANTITIES.items() if quantity.of_two)
 
@@ -336,8 +327,5 @@ def _row_name(table: TableSection, values: Mapping[str, float]) -> str:
 
 def _in_words(key: str, value: float) -> str:
     """A key of the scenario with its value, such as "ceramic thickness 6.35 mm"."""
-    name = key.rsplit(".", 1)[-1]
-    for ending, unit in UNITS.items():
-        if name.endswith(ending):
-            return f"{name.removesuffix(ending).replace('_', ' ')} {value:g} {unit}"
-    return f"{name.replace('_', ' ')} {value:g}"
+    words, unit = words_and_unit(key)
+    return f"{words} {value:g} {unit}".rstrip()

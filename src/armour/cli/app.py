@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from armour import __version__
-from armour.cli import ballistic_limit, compare, figures, init, library, optimise, simulate, validate
+from armour.cli import ballistic_limit, compare, figures, init, library, optimise, simulate, sweep, validate
 from armour.cli.report import Reporting
 
 app = typer.Typer(
@@ -39,6 +39,7 @@ def _armour(
 app.command("simulate")(simulate.simulate)
 app.command("ballistic-limit")(ballistic_limit.ballistic_limit)
 app.command("optimise")(optimise.optimise)
+app.command("sweep")(sweep.sweep)
 app.command("compare")(compare.compare)
 app.command("validate")(validate.validate)
 app.command("figures")(figures.figures)

@@ -49,6 +49,18 @@ class Places(NamedTuple):
     resolved: NDArray[np.bool_]
 
 
+class Told(NamedTuple):
+    """How to compute."""
+
+    V_arrest: float = 1.0  # velocity below which a projectile counts as stopped, m/s
+    time_step: float = 0.0  # s; 0 for the default of each impact
+    max_steps: int = 500_000  # steps after which an impact is given up as `Outcome.UNRESOLVED`
+    threads: int | None = None  # by default one per core; the results do not depend on it
+
+
+USUAL = Told()
+
+
 def packed(armours: Sequence[Armour]) -> Floats:
     """Armours as rows of numbers, in the order of the fields of `Armour`."""
     return np.array(armours, dtype=np.float64).reshape(len(armours), len(Armour._fields))
@@ -154,15 +166,7 @@ def _thinnest(
 _config.CACHE_DIR = _usual_folder
 
 
-def impacts(
-    rows: Floats,
-    velocities: Floats,
-    *,
-    V_arrest: float = 1.0,
-    time_step: float = 0.0,
-    max_steps: int = 500_000,
-    threads: int | None = None,
-) -> Impacts:
+def impacts(rows: Floats, velocities: Floats, told: Told = USUAL) -> Impacts:
     """Run many impacts.
 
     Parameters
@@ -171,61 +175,34 @@ def impacts(
         Armours, see `packed`.
     velocities : array, (n,)
         Impact velocities, m/s.
-    V_arrest : float
-        Velocity below which a projectile counts as stopped, m/s.
-    time_step : float
-        Time step, s; 0 for the default of each impact.
-    max_steps : int
-        Steps after which an impact is given up as `Outcome.UNRESOLVED`.
-    threads : int, optional
-        Number of threads; by default one per core.  The results do not depend on it.
+    told : Told
+        How to compute.
     """
     count = len(rows)
     outcome, steps, ends = np.empty(count, np.int64), np.empty(count, np.int64), np.empty((count, 6))
 
     def work(part: slice) -> None:
-        _impacts(rows[part], velocities[part], V_arrest, time_step, max_steps, outcome[part], steps[part], ends[part])
+        _impacts(rows[part], velocities[part], *told[:3], outcome[part], steps[part], ends[part])
 
-    _in_threads(work, count, threads)
+    _in_threads(work, count, told.threads)
     t, Z, L, V, W, h = ends.T
     return Impacts(outcome, t, Z, L, V, W, h, steps)
 
 
-def limits(
-    rows: Floats,
-    low: float,
-    high: float,
-    tolerance: float,
-    *,
-    V_arrest: float = 1.0,
-    time_step: float = 0.0,
-    max_steps: int = 500_000,
-    threads: int | None = None,
-) -> Places:
-    """Find many ballistic limits; see `armour.core.search.limit_of` and `impacts`."""
+def limits(rows: Floats, low: float, high: float, tolerance: float, told: Told = USUAL) -> Places:
+    """Find many ballistic limits between two velocities, m/s; see `armour.core.search.limit_of`."""
     count = len(rows)
     ends, runs, resolved = np.empty((count, 2)), np.empty(count, np.int64), np.empty(count, np.bool_)
 
     def work(part: slice) -> None:
-        _limits(
-            rows[part], low, high, tolerance, V_arrest, time_step, max_steps, ends[part], runs[part], resolved[part]
-        )
+        _limits(rows[part], low, high, tolerance, *told[:3], ends[part], runs[part], resolved[part])
 
-    _in_threads(work, count, threads)
+    _in_threads(work, count, told.threads)
     return Places(ends[:, 0], ends[:, 1], runs, resolved)
 
 
 def thinnest(
-    rows: Floats,
-    velocities: Floats,
-    thin: float,
-    thick: float,
-    tolerance: float,
-    *,
-    V_arrest: float = 1.0,
-    time_step: float = 0.0,
-    max_steps: int = 500_000,
-    threads: int | None = None,
+    rows: Floats, velocities: Floats, thin: float, thick: float, tolerance: float, told: Told = USUAL
 ) -> Places:
     """Find the ceramic thickness, m, at which each impact is just defeated; see `armour.core.search.thinnest_of`."""
     count = len(rows)
@@ -233,20 +210,10 @@ def thinnest(
 
     def work(part: slice) -> None:
         _thinnest(
-            rows[part],
-            velocities[part],
-            thin,
-            thick,
-            tolerance,
-            V_arrest,
-            time_step,
-            max_steps,
-            ends[part],
-            runs[part],
-            resolved[part],
+            rows[part], velocities[part], thin, thick, tolerance, *told[:3], ends[part], runs[part], resolved[part]
         )
 
-    _in_threads(work, count, threads)
+    _in_threads(work, count, told.threads)
     return Places(ends[:, 0], ends[:, 1], runs, resolved)
 
 

@@ -42,14 +42,14 @@ def test_thinnest_ceramics_are_those_of_the_plain_search():
 
 
 def test_neither_threads_nor_order_count():
-    one = batch.impacts(ROWS, VELOCITIES, threads=1)
+    one = batch.impacts(ROWS, VELOCITIES, batch.Told(threads=1))
     order = np.random.default_rng(2).permutation(len(ROWS))
     for threads in (1, 2, 5):
-        other = batch.impacts(ROWS[order], VELOCITIES[order], threads=threads)
+        other = batch.impacts(ROWS[order], VELOCITIES[order], batch.Told(threads=threads))
         for column, shuffled in zip(one, other, strict=True):
             np.testing.assert_array_equal(column[order], shuffled)
-    limits = batch.limits(ROWS, 20.0, 4000.0, 1e-2, threads=1)
-    again = batch.limits(ROWS[order], 20.0, 4000.0, 1e-2, threads=3)
+    limits = batch.limits(ROWS, 20.0, 4000.0, 1e-2, batch.Told(threads=1))
+    again = batch.limits(ROWS[order], 20.0, 4000.0, 1e-2, batch.Told(threads=3))
     for there, here in zip(limits, again, strict=True):
         np.testing.assert_array_equal(there[order], here)
 
@@ -59,9 +59,9 @@ def test_an_empty_batch():
 
 
 def test_steps_that_do_not_suffice():
-    found = batch.impacts(ROWS[:3], VELOCITIES[:3], max_steps=3)
+    found = batch.impacts(ROWS[:3], VELOCITIES[:3], batch.Told(max_steps=3))
     assert (found.outcome == Outcome.UNRESOLVED).all()
-    assert not batch.limits(ROWS[:3], 20.0, 4000.0, 1e-2, max_steps=3).resolved.any()
+    assert not batch.limits(ROWS[:3], 20.0, 4000.0, 1e-2, batch.Told(max_steps=3)).resolved.any()
 
 
 def test_compiled_code_is_kept_under_the_contents_of_the_core(tmp_path: Path):

@@ -173,3 +173,19 @@ def test_steps_are_counted():
     trace: list[Instant] = []
     end = run(armour(), 800.0, default_time_step(armour(), 800.0), 1.0, 10_000, trace)
     assert end.steps == sum(after.t > before.t for before, after in pairwise(trace))
+
+
+def test_of_two_events_in_intact_ceramic_the_earlier_counts():
+    """Slowing, the projectile comes to dwell on the ceramic within the step at whose end the crack has arrived too."""
+    a = armour()
+    limit = ((a.Yc0 - a.Yp) / a.rho_p) ** 0.5
+    y = State(Z=0.0, L=a.L0, V=limit + 0.5, W=0.0, h=0.0)
+    s = first_stage(y, a)
+    dt = 1.5 * a.Hc0 / crack_velocity(a.Ec, a.rho_c)
+    k1 = rates(y, s, a)
+    after = margins(dt, step(y, k1, s, a, dt), s, a, 1.0)
+    assert after[Event.MEDIUM] < 0.0 > after[Event.TARGET]
+    event, taken, there = land(0.0, y, k1, s, a, dt, 1.0)
+    assert event == Event.TARGET
+    assert 0.0 < taken < 0.1 * dt
+    assert pytest.approx(limit, rel=1e-9) == there.V

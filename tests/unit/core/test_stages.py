@@ -244,3 +244,21 @@ def test_the_step_grows_in_held_rubble_and_where_the_motion_is_slow():
     thin = a._replace(Hc0=1e-3, Hb=2e-3)
     change = (2e7 + 3e6) / 600.0 + 400.0 / 3e-3
     assert step_length(STATE, RATES, eroding, thin, 1e-12) == pytest.approx(1e-3 / change)
+
+
+def test_a_plate_that_moves_at_all_is_moving():
+    """However slowly, and though the drive alone would not start it."""
+    a = armour()
+    y = State(Z=1e-3, L=0.02, V=400.0, W=0.5, h=1e-4)
+    assert drive_force(y, in_stage(Medium.FRAGMENTED, True, True, True), a) < shear_force(
+        y, in_stage(Medium.FRAGMENTED, True, True, True), a
+    )
+    assert settle(Medium.FRAGMENTED, y, a, 750.0, 0.0).moving
+    assert not settle(Medium.FRAGMENTED, State(y.Z, y.L, y.V, 0.0, y.h), a, 750.0, 0.0).moving
+
+
+def test_the_step_grows_where_the_deceleration_is_constant():
+    a = armour()
+    deep = STATE._replace(Z=8e-3)
+    joined = in_stage(Medium.PLATE, False, False, True)
+    assert step_length(deep, RATES, joined, a, 1e-8) == pytest.approx(8e-8)
