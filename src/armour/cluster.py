@@ -18,7 +18,7 @@ LOCAL = "local"
 
 
 @contextmanager
-def connected(scheduler: str) -> Iterator["Client"]:
+def connected(scheduler: str, timeout_s: float = 10.0) -> Iterator["Client"]:
     """A client of the cluster at an address; "local" starts one on this machine, a process per core.
 
     Raises
@@ -36,7 +36,7 @@ def connected(scheduler: str) -> Iterator["Client"]:
             yield client
         return
     try:
-        client = Client(scheduler, timeout=10)
+        client = Client(scheduler, timeout=timeout_s)
     except (OSError, TimeoutError, ValueError) as error:
         message = f'must be "{LOCAL}" or the address of a scheduler that answers, found "{scheduler}": {error}'
         raise InputError([Problem("sweep", "--scheduler", message)]) from None

@@ -8,7 +8,6 @@ from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from armour import __version__
 from armour.core.equations import cross_section
 from armour.core.state import Armour, Outcome
 from armour.errors import InputError, Problem, nearest
@@ -388,7 +387,9 @@ def here(threads: int | None = None) -> Compute:
 def job_of(scenario: Scenario, source: Source, quantities: Sequence[str], size: int) -> str:
     """What tells a sweep from any other: all that its numbers depend on."""
     rows = source.axes if isinstance(source, Grid) else sha256(source.path.read_bytes()).hexdigest()
-    told = (__version__, repr(scenario), repr(scenario.core_armour()), rows, tuple(quantities), size)
+    from armour.core import batch
+
+    told = (batch.digest(), repr(scenario), repr(scenario.core_armour()), rows, tuple(quantities), size)
     return sha256(repr(told).encode()).hexdigest()
 
 

@@ -66,13 +66,18 @@ def packed(armours: Sequence[Armour]) -> Floats:
     return np.array(armours, dtype=np.float64).reshape(len(armours), len(Armour._fields))
 
 
-def cache_folder(core: Path) -> Path:
-    """Folder of compiled code: of these very files, this numba and this user."""
-    digest = sha256(numba.__version__.encode())
+def digest(core: Path = Path(__file__).parent) -> str:
+    """What tells the contents of the core's files, and this numba, from any other."""
+    told = sha256(numba.__version__.encode())
     for path in sorted(core.glob("*.py")):
-        digest.update(path.read_bytes())
+        told.update(path.read_bytes())
+    return told.hexdigest()
+
+
+def cache_folder() -> Path:
+    """Folder of this user's compiled code, of these very files."""
     home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(home) / "armour" / digest.hexdigest()[:16]
+    return Path(home) / "armour" / digest()[:16]
 
 
 def _compile(module: ModuleType) -> None:
@@ -88,7 +93,7 @@ for _module in (equations, state, stages, rk4, run, search):
 # numba looks at this when a function is marked for compilation.
 _config: Any = numba.config
 _usual_folder = _config.CACHE_DIR
-_config.CACHE_DIR = str(cache_folder(Path(__file__).parent))
+_config.CACHE_DIR = str(cache_folder())
 
 
 def _kernel(function: Callable[..., None]) -> Any:

@@ -1,0 +1,93 @@
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.cases import SCENARIOS
+
+WILKINS = SCENARIOS / "wilkins.toml"
+CERAMIC = "armour.ceramic_thickness_mm"
+
+
+def test_a_grid_as_csv_with_a_map(cli, folder: Path):
+    over = ["--over", f"{CERAMIC}=5:8:1", "--over", "armour.backing_thickness_mm=5,6.35"]
+    result = cli("sweep", WILKINS, *over, "-o", "t.csv", "--plot", "t.svg")
+    assert (result.exit_code, result.stdout) == (0, "")
+    assert result.stderr.splitlines() == ["wrote t.csv: 8 rows", "wrote t.svg"]
+    with (folder / "t.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row[CERAMIC] for row in rows] == [str(c) for c in (5, 5, 6, 6, 7, 7, 8, 8)]
+    limits = [float(row["ballistic_limit_m_s"]) for row in rows]
+    assert limits == sorted(limits[::2] + limits[1::2], key=limits.index)
+    svg = (folder / "t.svg").read_text()
+    assert "ballistic limit, m/s" in svg
+    assert "kg/m²" in svg
+    assert not (folder / "t.csv.parts").exists()
+
+
+def test_a_curve_and_json(cli, folder: Path):
+    quantities = "residual_velocity_m_s,outcome"
+    over = "impact.velocity_m_s=600:900:50"
+    result = cli(
+        "sweep", WILKINS, "--over", over, "--quantities", quantities, "-o", "t.parquet", "--plot", "t.png", "--json"
+    )
+    assert json.loads(result.stdout) == {"rows": 7, "output": "t.parquet"}
+    assert (folder / "t.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_cases_from_a_file(cli, folder: Path):
+    (folder / "cases.csv").write_text(f"{CERAMIC},impact.velocity_m_s\n6.35,800\n12,800\n")
+    result = cli("sweep", WILKINS, "--cases", "cases.csv", "--quantities", "outcome", "-o", "t.csv")
+    assert result.exit_code == 0
+    assert (folder / "t.csv").read_text().splitlines()[1:] == ['6.35,800,"perforated"', '12,800,"defeated"']
+
+
+@pytest.mark.usefixtures("folder")
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        ([], "sweep: --over: must be given, or --cases, and not both"),
+        (["--over", "a"], "sweep: --over: must be KEY=MIN:MAX:STEP"),
+        (["--over", "impact.velocity_m_s=800", "--quantities", "speed"], "sweep: --quantities: must be of quantities"),
+        (["--over", "impact.velocity_m_s=800,-1"], f"{WILKINS}: impact.velocity_m_s: must be greater than 0, found -1"),
+        (["--over", "impact.velocity_m_s=800", "--quantities", "outcome", "--plot", "a.png"], "sweep: --plot: draws"),
+        (["--cases", "missing.csv"], "missing.csv: cannot be read"),
+        (["--over", "impact.velocity_m_s=800", "--scheduler", "nowhere:x"], "sweep: --scheduler: must be"),
+    ],
+)
+def test_what_is_wrong(cli, args: list[str], message: str):
+    [line] = cli.fails(2, "sweep", WILKINS, *args, "-o", "t.csv")
+    assert line.startswith(message)
+    assert not Path("t.csv").exists()
+
+
+def test_a_table_that_is_there_is_not_written_over(cli, folder: Path):
+    (folder / "t.csv").write_text("mine")
+    [line] = cli.fails(2, "sweep", WILKINS, "--over", "impact.velocity_m_s=800", "-o", "t.csv")
+    assert line == "t.csv: exists already; choose another name, or remove it"
+    assert (folder / "t.csv").read_text() == "mine"
+
+
+def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
+    over = ["--over", f"{CERAMIC}=2:12:0.005", "--over", "impact.velocity_m_s=600:900:2.5"]
+    command = ["sweep", str(WILKINS), *over, "--quantities", "residual_velocity_m_s"]
+    process = subprocess.Popen([sys.executable, "-m", "armour", *command, "-o", "t.csv"], stderr=subprocess.DEVNULL)
+    deadline = time.monotonic() + 60.0
+    while not list(folder.glob("t.csv.parts/0*.csv")):
+        assert process.poll() is None
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    parts = {path: path.stat().st_mtime_ns for path in folder.glob("t.csv.parts/0*.csv")}
+    assert 0 < len(parts) < 5
+    assert cli(*command, "-o", "t.csv").exit_code == 0
+    assert cli(*command, "-o", "whole.csv").exit_code == 0
+    assert (folder / "t.csv").read_bytes() == (folder / "whole.csv").read_bytes()
+    assert (folder / "t.csv").read_bytes().count(b"\n") == 2001 * 121 + 1
