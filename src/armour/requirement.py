@@ -3,10 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from armour.core.state import Outcome
 from armour.errors import InputError, Problem
 from armour.limit import bisect
 from armour.scenario import Optimise, Scenario
-from armour.simulation import perforates
+from armour.simulation import MOST_STEPS, unresolved
+from armour.units import US
 
 # Width, mm, to which a least thickness is bisected.
 THICKNESS_TOLERANCE_MM = 1e-6
@@ -40,9 +42,24 @@ def grid(scenario: Scenario) -> Optimise:
 
 
 def defeats_threat(scenario: Scenario, ceramic_thickness_mm: float, backing_thickness_mm: float) -> bool:
-    """Whether the scenario's armour, with these thicknesses, defeats its impact."""
-    armour = scenario.core_armour(ceramic_thickness_mm, backing_thickness_mm)
-    return not perforates(scenario, armour, scenario.impact.velocity_m_s)
+    """Whether the scenario's armour, with these thicknesses, defeats its impact; by the compiled engine.
+
+    Raises
+    ------
+    InputError
+        If the time step given is too short for the run to end.
+    """
+    import numpy as np
+
+    from armour.core import batch
+
+    armour, velocity = scenario.core_armour(ceramic_thickness_mm, backing_thickness_mm), scenario.impact.velocity_m_s
+    given = scenario.solver.time_step_us
+    told = batch.Told(scenario.solver.arrest_velocity_m_s, 0.0 if given is None else given * US, MOST_STEPS)
+    outcome = batch.impacts(batch.packed([armour]), np.array([velocity]), told).outcome[0]
+    if outcome == Outcome.UNRESOLVED:
+        raise unresolved(scenario, armour, velocity)
+    return bool(outcome == Outcome.DEFEATED)
 
 
 def design(scenario: Scenario, ceramic_thickness_mm: float, backing_thickness_mm: float) -> Design:

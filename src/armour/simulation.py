@@ -189,17 +189,18 @@ def run_impact(scenario: Scenario, armour: Armour, velocity: float, trace: list[
     dt = time_step(scenario, armour, velocity)
     end = run(armour, velocity, dt, scenario.solver.arrest_velocity_m_s, MOST_STEPS, trace)
     if end.outcome == Outcome.UNRESOLVED:
-        raise InputError(
-            [
-                Problem(
-                    scenario.file,
-                    "solver.time_step_us",
-                    f"must let the run at {velocity:g} m/s end within {MOST_STEPS} steps, found "
-                    f"{dt / US:.3g}; leave it out or raise it",
-                )
-            ]
-        )
+        raise unresolved(scenario, armour, velocity)
     return end
+
+
+def unresolved(scenario: Scenario, armour: Armour, velocity: float) -> InputError:
+    """What to raise of a run that the time step given does not let end."""
+    dt = time_step(scenario, armour, velocity)
+    message = (
+        f"must let the run at {velocity:g} m/s end within {MOST_STEPS} steps, found {dt / US:.3g}; "
+        "leave it out or raise it"
+    )
+    return InputError([Problem(scenario.file, "solver.time_step_us", message)])
 
 
 def time_step(scenario: Scenario, armour: Armour, velocity: float) -> float:

@@ -14,6 +14,7 @@ from armour.errors import InputError, Problem, nearest
 from armour.files import reason
 from armour.quantities import QUANTITIES
 from armour.scenario import MOST_VALUES, Range, Scenario
+from armour.simulation import MOST_STEPS
 from armour.store import Store
 from armour.units import MM, US, G, words_and_unit
 
@@ -28,8 +29,6 @@ CHUNK = 50_000
 # Keys whose values go straight into the engine's arrays; another key makes a scenario of each of its values.
 VELOCITY, CERAMIC, BACKING = "impact.velocity_m_s", "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 QUICK = (VELOCITY, CERAMIC, BACKING)
-# Steps after which an impact is given up.
-MOST_STEPS = 500_000
 # Tolerance of required thicknesses, mm.
 THICKNESS_TOLERANCE_MM = 1e-6
 

@@ -1,9 +1,12 @@
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
 from armour.cli.app import app
+from armour.core import batch
+from tests.cases import armour
 
 
 class Cli:
@@ -20,6 +23,15 @@ class Cli:
         assert "Traceback" not in result.output
         assert not result.stdout
         return result.stderr.splitlines()
+
+
+@pytest.fixture(autouse=True, scope="session")
+def compiled() -> None:
+    """The engine compiled before the first command, which would say so."""
+    rows, velocities = batch.packed([armour()]), np.array([800.0])
+    batch.impacts(rows, velocities)
+    batch.limits(rows, 20.0, 4000.0, 1.0)
+    batch.thinnest(rows, velocities, 0.0, 0.01, 1e-3)
 
 
 @pytest.fixture

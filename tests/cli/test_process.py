@@ -82,3 +82,12 @@ print(armour.simulate(armour.load_scenario(path)).outcome)
 print(len(armour.load_suite(armour.paper_suite()).cases) > 70)
 """
     assert process("-c", code, cwd=tmp_path).stdout == "perforated\nTrue\n"
+
+
+def test_the_first_use_says_that_it_compiles_and_the_second_does_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    command = ["-m", "armour", "sweep", SCENARIOS / "wilkins.toml", "--over", "impact.velocity_m_s=800", "-o"]
+    first = process(*command, tmp_path / "a.csv")
+    assert first.stderr.startswith("compiling, once after an installation")
+    second = process(*command, tmp_path / "b.csv")
+    assert second.stderr == f"wrote {tmp_path / 'b.csv'}: 1 rows\n"

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.report import check_outputs, counting, write, write_plot
+from armour.cli.report import check_outputs, counting, tell_of_compiling, write, write_plot
 from armour.errors import InputError, Problem
 
 
@@ -36,6 +36,7 @@ def figures(
         known = ", ".join([*(section.name for section in read_figures(path)), PARITY])
         raise InputError([Problem("figures", "--only", f'must be part of a name, found "{only}"; there are {known}')])
     _make(folder)
+    tell_of_compiling()
     total = len(chosen) + parity
     with counting("figures") as show:
         for chart in charts(chosen, path.parent):

@@ -14,6 +14,7 @@ from armour.cli.report import (
     counting,
     print_json,
     print_table,
+    tell_of_compiling,
     warn,
     write,
     write_plot,
@@ -49,6 +50,7 @@ def optimise(
     check_outputs(csv, plot=plot, source=scenario)
     loaded = load_scenario(scenario)
     columns: list[Column] = []
+    tell_of_compiling()
     try:
         with counting("backing thicknesses") as show:
 

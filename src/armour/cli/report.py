@@ -142,6 +142,14 @@ def warn(scenario: "Scenario", warnings: Sequence[str]) -> None:
         print(f"warning: {scenario.file}: {warning}", file=sys.stderr)
 
 
+def tell_of_compiling() -> None:
+    """Say on stderr that the first use after an installation takes its time."""
+    from armour.core import batch
+
+    if not batch.is_compiled():
+        print("compiling, once after an installation: some ten seconds", file=sys.stderr)
+
+
 @contextmanager
 def counting(what: str) -> Iterator[Callable[[int], None]]:
     """Give a function that counts one more of a total: a progress bar on a terminal, nothing elsewhere."""

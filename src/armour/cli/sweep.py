@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from armour.cli.report import AsJson, PlotFile, ScenarioFile, check_outputs, console, print_json, write_plot
+from armour.cli.report import (
+    AsJson,
+    PlotFile,
+    ScenarioFile,
+    check_outputs,
+    console,
+    print_json,
+    tell_of_compiling,
+    write_plot,
+)
 from armour.errors import InputError, Problem
 
 if TYPE_CHECKING:
@@ -55,6 +64,7 @@ def sweep(
     names = [name.strip() for name in quantities.split(",")]
     if plot is not None:
         _check_plot(source, names)
+    tell_of_compiling()
     with connected(scheduler) if scheduler else nullcontext() as client, _progress(source.count) as show:
         compute = here(threads) if client is None else on(client)
         rows = run_sweep(loaded, source, names, output, compute=compute, on_chunk=show)

@@ -14,6 +14,7 @@ from armour.cli.report import (
     counting,
     print_json,
     print_table,
+    tell_of_compiling,
     write,
 )
 from armour.errors import InputError, Problem
@@ -61,6 +62,7 @@ def validate(
     if update:
         _check_update(suite, changes)
     chosen = load_suite(suite or paper_suite(), changes_of(changes or ()))
+    tell_of_compiling()
     result = _computed(chosen.only(only), quiet=as_json)
     if as_json:
         print_json(result.to_dict())

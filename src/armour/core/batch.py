@@ -80,6 +80,11 @@ def cache_folder() -> Path:
     return Path(home) / "armour" / digest()[:16]
 
 
+def is_compiled() -> bool:
+    """Whether an earlier process has left its compiled code."""
+    return any(cache_folder().rglob("*.nbi"))
+
+
 def _compile(module: ModuleType) -> None:
     """Let compiled code call the functions of a module."""
     for function in vars(module).values():
