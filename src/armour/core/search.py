@@ -13,11 +13,11 @@ from armour.core.stages import default_time_step
 from armour.core.state import Armour, Outcome
 
 # Part of the impact's energy, above that of the limit, that a first perforation leaves; a guess.
-ENERGY_LEFT = 0.75
+ENERGY_LEFT = 0.85
 # Runs after which a search that has not come to its end is one by bisection alone.
 PATIENCE = 30
 # A time step that is given is shortened to this many default ones: beyond that no event is resolved.
-COARSEST_STEP = 2.5
+COARSEST_STEP = 1.6
 # How far a search feels its way up where nothing has perforated yet.
 GROWTH = 1.25
 
@@ -107,7 +107,7 @@ def proposed(b: Bracket, tolerance: float) -> float:
     if away <= 0.7 * tolerance:
         x = b.high - 0.9 * tolerance
     else:
-        margin = (0.0, 0.15 * away, 0.05 * away, 0.3 * b.error)[b.places]
+        margin = (0.0, 0.2 * away, 0.03 * away, 0.02 * b.error)[b.places]
         x = b.estimate + max(margin, tolerance / 3.0)
         if x <= b.low:
             x = b.low + 4.0 * max(margin, b.low - b.estimate)

@@ -36,7 +36,7 @@ THINNEST_PLATE = 1e-9
 # Where the deceleration is constant any step is exact; this many of the usual ones are taken at a time.
 STEADY_STEPS = 8.0
 # Steps in the time in which the motion changes by its own size.
-STEPS_PER_CHANGE = 6.0
+STEPS_PER_CHANGE = 4.0
 
 
 def medium_ahead(y: State, s: Stage, a: Armour) -> tuple[float, float]:

@@ -215,7 +215,7 @@ def test_the_default_step_is_a_part_of_the_time_in_which_the_motion_changes():
     slowing = a.Yp / (a.rho_p * a.L0 * 800.0)
     drive = min(a.Yc0, a.Yp + a.rho_p * 800.0**2)
     picking_up = drive / ((a.rho_c * a.Hc0 + a.rho_B * a.Hb) * 800.0)
-    expected = 1.0 / (6.0 * (800.0 / a.D0 + slowing + picking_up))
+    expected = 1.0 / (4.0 * (800.0 / a.D0 + slowing + picking_up))
     assert default_time_step(a, 800.0) == pytest.approx(expected)
 
 
@@ -224,11 +224,11 @@ def test_the_default_step_of_a_slow_impact_on_a_thin_bare_plate():
     a = armour()._replace(Hc0=0.0, Hb=3e-3, YB=4e9)
     slowing = a.Yp / (a.rho_p * a.L0 * 300.0)
     drive = a.Yp + a.rho_p * 300.0**2
-    expected = 1.0 / (6.0 * (300.0 / 3e-3 + slowing + drive / (a.rho_B * 3e-3 * 300.0)))
+    expected = 1.0 / (4.0 * (300.0 / 3e-3 + slowing + drive / (a.rho_B * 3e-3 * 300.0)))
     assert default_time_step(a, 300.0) == pytest.approx(expected)
     soft = a._replace(YB=1.05e9)
     slowing = 1.05e9 / (a.rho_p * a.L0 * 300.0)
-    expected = 1.0 / (6.0 * (300.0 / 3e-3 + slowing + 1.05e9 / (a.rho_B * 3e-3 * 300.0)))
+    expected = 1.0 / (4.0 * (300.0 / 3e-3 + slowing + 1.05e9 / (a.rho_B * 3e-3 * 300.0)))
     assert default_time_step(soft, 300.0) == pytest.approx(expected)
 
 
