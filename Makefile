@@ -5,7 +5,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test check format docs mutants clean
+.PHONY: demo test check format docs bench mutants clean
 
 demo: $(VENV)/installed
 	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine
@@ -30,6 +30,11 @@ docs: $(VENV)/installed
 	rm docs/figures/*.csv
 	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine --plot docs/images/optimum.png
 	$(BIN)/armour simulate scenarios/wilkins.toml --plot docs/images/wilkins.png
+
+# Some minutes; nothing else should run on the machine.
+bench: $(VENV)/developing
+	$(BIN)/pytest benchmarks -p no:xdist --benchmark-json=$(VENV)/benchmarks.json
+	$(BIN)/python -m benchmarks.report $(VENV)/benchmarks.json docs/performance.md
 
 # Takes an hour or two; docs/mutants.md has the outcome.
 mutants: $(VENV)/developing

@@ -1,12 +1,10 @@
 from pathlib import Path
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
 from armour.cli.app import app
-from armour.core import batch
-from tests.cases import armour
+from armour.core.compiled import kernel
 
 
 class Cli:
@@ -28,10 +26,7 @@ class Cli:
 @pytest.fixture(autouse=True, scope="session")
 def compiled() -> None:
     """The engine compiled before the first command, which would say so."""
-    rows, velocities = batch.packed([armour()]), np.array([800.0])
-    batch.impacts(rows, velocities)
-    batch.limits(rows, 20.0, 4000.0, 1.0)
-    batch.thinnest(rows, velocities, 0.0, 0.01, 1e-3)
+    kernel("impacts")
 
 
 @pytest.fixture

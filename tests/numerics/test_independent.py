@@ -21,10 +21,16 @@ ARREST = 1.0
 
 
 class Reference:
-    """One impact; the state vector is Z, L, V, W, h."""
+    """One impact; the state vector is Z, L, V, W, h.
 
-    def __init__(self, a: Armour, velocity: float) -> None:
+    ``longest`` is the longest step in the time of a diameter; short enough that no event comes and goes within one.
+    """
+
+    def __init__(
+        self, a: Armour, velocity: float, method: Any = "DOP853", rtol: float = 1e-11, longest: float = 0.002
+    ) -> None:
         self.a = a
+        self.method, self.rtol, self.longest = method, rtol, longest
         self.A0 = pi * a.D0**2 / 4
         self.medium = "intact" if a.Hc0 > 0 else "plate"
         self.joined = False
@@ -91,16 +97,16 @@ class Reference:
         a, t = self.a, 0.0
         for _ in range(20):
             events = self.events()
-            # Short enough that no event comes and goes within a step; held rubble, a tail, needs no limit.
-            longest = np.inf if self.medium == "fragmented" and not self.moving else 0.002 * a.D0 / y[2]
+            # Held rubble, a tail, needs no limit.
+            longest = np.inf if self.medium == "fragmented" and not self.moving else self.longest * a.D0 / y[2]
             solution: Any = solve_ivp(
                 self.rates,
                 (t, t + 1.0),
                 y,
-                "DOP853",
+                self.method,
                 events=[event for _, event in events],
-                rtol=1e-11,
-                atol=1e-14,
+                rtol=self.rtol,
+                atol=1e-3 * self.rtol,
                 max_step=longest,
             )
             assert solution.status == 1, solution.message

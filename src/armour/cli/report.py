@@ -144,9 +144,9 @@ def warn(scenario: "Scenario", warnings: Sequence[str]) -> None:
 
 def tell_of_compiling() -> None:
     """Say on stderr that the first use after an installation takes its time."""
-    from armour.core import batch
+    from armour.core import compiled
 
-    if not batch.is_compiled():
+    if not compiled.is_compiled():
         print("compiling, once after an installation: some ten seconds", file=sys.stderr)
 
 

@@ -1,9 +1,5 @@
 """The compiled way gives the numbers of the plain one, bit by bit, in whatever order and number of threads."""
 
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -62,37 +58,3 @@ def test_steps_that_do_not_suffice():
     found = batch.impacts(ROWS[:3], VELOCITIES[:3], batch.Told(max_steps=3))
     assert (found.outcome == Outcome.UNRESOLVED).all()
     assert not batch.limits(ROWS[:3], 20.0, 4000.0, 1e-2, batch.Told(max_steps=3)).resolved.any()
-
-
-def test_compiled_code_is_kept_under_the_contents_of_the_core(tmp_path: Path):
-    """Another content of any file of the core is another folder."""
-    folder = Path(batch.__file__).parent
-    before = batch.digest(folder)
-    assert batch.cache_folder().name == before[:16]
-    copy = tmp_path / "core"
-    copy.mkdir()
-    for path in folder.glob("*.py"):
-        (copy / path.name).write_bytes(path.read_bytes())
-    assert batch.digest(copy) == before
-    for path in sorted(copy.glob("*.py")):
-        text = path.read_text()
-        path.write_text(text + "\n")
-        assert batch.digest(copy) != before
-        path.write_text(text)
-
-
-def test_a_second_process_does_not_compile(tmp_path: Path):
-    code = """
-import sys, time
-import numpy as np
-from armour.core import batch
-rows = np.load(sys.argv[1])
-start = time.perf_counter()
-batch.impacts(rows, np.full(len(rows), 800.0))
-print(sum(batch._impacts.stats.cache_hits.values()), sum(batch._impacts.stats.cache_misses.values()))
-"""
-    np.save(tmp_path / "rows.npy", ROWS[:3])
-    batch.impacts(ROWS[:3], VELOCITIES[:3])  # compiled by now at the latest
-    command = [sys.executable, "-c", code, str(tmp_path / "rows.npy")]
-    result = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert result.stdout.split() == ["1", "0"]

@@ -1,0 +1,1 @@
+"""How fast, next to what one would use instead; `make bench` writes docs/performance.md."""

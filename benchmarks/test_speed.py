@@ -1,0 +1,205 @@
+"""Each way to compute impacts and ballistic limits on the same random designs, with the error that it makes.
+
+The truth is the plain path with steps 20 times shorter.  The tolerance and longest step of the rivals are the loosest
+tried with which their ballistic limits are within 1e-3 m/s of it, as the engine's are: without a longest step scipy's
+event location misses plates that move for less than a step, and the limit is off by metres per second at any
+tolerance.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from armour.core import batch
+from armour.core.run import run
+from armour.core.stages import default_time_step
+from armour.core.state import Armour, Outcome
+from armour.limit import bisect
+from tests.numerics.test_independent import Reference, random_designs
+
+ALLOWED = 1e-3  # m/s
+COUNT = 1000
+DESIGNS = random_designs(COUNT)
+ROWS = batch.packed(DESIGNS)
+ONE = batch.Told(threads=1)
+ALL = batch.Told()
+TOLERANCE = 3.5e-4
+# The rivals are slow: they get every so many-th design.
+SOME = range(0, COUNT, 100)
+SCENARIO = Path(__file__).parent.parent / "scenarios" / "wilkins.toml"
+
+
+def plain(a: Armour, velocity: float, part: float = 1.0) -> bool:
+    dt = part * default_time_step(a, velocity)
+    return run(a, velocity, dt, 1.0, 5_000_000).outcome == Outcome.PERFORATED
+
+
+def scipys(method: str, rtol: float, longest: float) -> Callable[[Armour, float], bool]:
+    return lambda a, velocity: Reference(a, velocity, method, rtol, longest).perforated
+
+
+def error(perforates: Callable[[Armour, float], bool], designs: Any) -> float:
+    """Largest error of the ballistic limit, m/s, of a power of ten that bounds it."""
+    worst = 0.0
+    for i in designs:
+        limit = FINE[i]
+        bound = next(
+            w
+            for w in (1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0)
+            if perforates(DESIGNS[i], limit + w) and not perforates(DESIGNS[i], limit - w)
+        )
+        worst = max(worst, bound)
+    return worst
+
+
+def fine_limits() -> np.ndarray:
+    """Limits to 1e-6 m/s with steps 20 times shorter."""
+    coarse = batch.limits(ROWS, 20.0, 4000.0, 1e-3).perforated
+    found = np.empty(COUNT)
+    low, high = coarse - 0.01, coarse + 0.01
+    for _ in range(15):
+        middle = 0.5 * (low + high)
+        steps = np.array([default_time_step(a, v) / 20.0 for a, v in zip(DESIGNS, middle, strict=True)])
+        outcomes = np.array(
+            [
+                batch.impacts(ROWS[i : i + 1], middle[i : i + 1], batch.Told(time_step=steps[i], threads=1)).outcome[0]
+                for i in range(COUNT)
+            ]
+        )
+        perforated = outcomes == Outcome.PERFORATED
+        high, low = np.where(perforated, middle, high), np.where(perforated, low, middle)
+    found[:] = high
+    return found
+
+
+FINE = fine_limits()
+NEAR = 1.05 * FINE
+
+
+def test_impact_engine(benchmark: Any):
+    benchmark.extra_info.update(name="engine, one core", what="impact", each=COUNT)
+    benchmark(batch.impacts, ROWS, NEAR, ONE)
+    benchmark.extra_info["error_m_s"] = limit_error()
+
+
+def test_impact_engine_on_all_cores(benchmark: Any):
+    benchmark.extra_info.update(name="engine, all cores", what="impact", each=COUNT, error_m_s=limit_error())
+    benchmark(batch.impacts, ROWS, NEAR, ALL)
+
+
+def test_impact_plain(benchmark: Any):
+    benchmark.extra_info.update(
+        name="this project's plain path", what="impact", each=len(SOME), error_m_s=limit_error()
+    )
+    benchmark(lambda: [plain(DESIGNS[i], NEAR[i]) for i in SOME])
+
+
+@pytest.mark.parametrize("method", ["DOP853", "LSODA"])
+def test_impact_scipy(benchmark: Any, method: str):
+    settings = [(rtol, longest) for longest in (0.02, 0.01, 0.005, 0.002) for rtol in (1e-5, 1e-7)]
+    for rtol, longest in settings:
+        found = error(scipys(method, rtol, longest), SOME)
+        if found <= ALLOWED:
+            break
+    name = f"solve_ivp, {method}, rtol {rtol:g}, longest step {longest:g} of a diameter"
+    benchmark.extra_info.update(name=name, what="impact", each=len(SOME), error_m_s=found)
+    perforates = scipys(method, rtol, longest)
+    benchmark.pedantic(lambda: [perforates(DESIGNS[i], NEAR[i]) for i in SOME], rounds=2)
+
+
+def limit_error() -> float:
+    found = batch.limits(ROWS, 20.0, 4000.0, TOLERANCE).perforated
+    return float(np.abs(found - FINE).max())
+
+
+def test_limit_engine(benchmark: Any):
+    benchmark.extra_info.update(name="engine, one core", what="limit", each=COUNT, error_m_s=limit_error())
+    benchmark(batch.limits, ROWS, 20.0, 4000.0, TOLERANCE, ONE)
+
+
+def test_limit_engine_on_all_cores(benchmark: Any):
+    many = np.tile(ROWS, (10, 1))
+    benchmark.extra_info.update(name="engine, all cores", what="limit", each=len(many), error_m_s=limit_error())
+    benchmark(batch.limits, many, 20.0, 4000.0, TOLERANCE, ALL)
+
+
+def test_limit_plain(benchmark: Any):
+    benchmark.extra_info.update(
+        name="this project's plain bisection", what="limit", each=len(SOME), error_m_s=limit_error()
+    )
+
+    def all_of_them() -> list[float]:
+        return [bisect(partial(plain, DESIGNS[i]), 20.0, 4000.0, TOLERANCE)[1] for i in SOME]
+
+    benchmark.pedantic(all_of_them, rounds=2)
+
+
+@pytest.mark.parametrize("count", [10**n for n in range(2, 8)])
+def test_growth(benchmark: Any, count: int):
+    """In chunks, as a sweep takes them: memory does not grow."""
+    benchmark.extra_info.update(name="engine, all cores", what="growth", each=count)
+    chunk = min(count, 50_000)
+    rows = np.resize(ROWS, (chunk, ROWS.shape[1]))
+    velocities = np.resize(NEAR, chunk)
+
+    def compute() -> None:
+        for _ in range(0, count, chunk):
+            batch.impacts(rows, velocities, ALL)
+
+    benchmark.pedantic(compute, rounds=1 if count > 10**6 else 3, warmup_rounds=0 if count > 10**6 else 1)
+
+
+@pytest.mark.parametrize(
+    ("name", "args"),
+    [
+        ("armour --help", ["--help"]),
+        ("armour simulate", ["simulate", str(SCENARIO)]),
+        ("armour optimise", ["optimise", str(SCENARIO.parent / "paper" / "optimum_25mm_APDS.toml")]),
+    ],
+)
+def test_start(benchmark: Any, name: str, args: list[str]):
+    benchmark.extra_info.update(name=name, what="process", each=1)
+    command = [sys.executable, "-m", "armour", *args]
+    benchmark.pedantic(lambda: subprocess.run(command, capture_output=True, check=True), rounds=5, warmup_rounds=1)
+
+
+def test_engine_ready(benchmark: Any):
+    """A process that imports the engine and computes one impact and one limit, from the compiled code on disk."""
+    benchmark.extra_info.update(name="python, engine ready", what="process", each=1)
+    code = (
+        "from armour import load_scenario; from armour.core import batch; import numpy as np;"
+        f"rows = batch.packed([load_scenario({str(SCENARIO)!r}).core_armour()]);"
+        "batch.impacts(rows, np.array([800.0])); batch.limits(rows, 20.0, 4000.0, 1e-3)"
+    )
+    benchmark.pedantic(lambda: subprocess.run([sys.executable, "-c", code], check=True), rounds=5, warmup_rounds=1)
+
+
+@pytest.mark.parametrize("rows", [10**5, 10**7])
+def test_memory(benchmark: Any, tmp_path: Path, rows: int):
+    """Peak memory of a sweep."""
+    velocities = f"impact.velocity_m_s=400:{400 + (rows // 1000 - 1) * 0.1:.1f}:0.1"
+    over = ["--over", "armour.ceramic_thickness_mm=2:11.99:0.01", "--over", velocities]
+    quantities = ["--quantities", "residual_velocity_m_s", "-o", str(tmp_path / "t.csv")]
+    command = [sys.executable, "-m", "armour", "sweep", str(SCENARIO), *over, *quantities]
+    code = (
+        "import json, resource, subprocess, sys; subprocess.run(json.loads(sys.argv[1]), check=True, stderr=-3);"
+        "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"
+    )
+    benchmark.extra_info.update(name="armour sweep to CSV", what="memory", each=rows)
+
+    def swept() -> None:
+        done = subprocess.run(
+            [sys.executable, "-c", code, json.dumps(command)], capture_output=True, text=True, check=True
+        )
+        benchmark.extra_info["peak_MiB"] = int(done.stdout) / 1024
+        os.remove(tmp_path / "t.csv")
+
+    benchmark.pedantic(swept, rounds=1)
