@@ -26,24 +26,37 @@ def reason(error: OSError) -> str:
     return (error.strerror or str(error)).lower()
 
 
+def read_text(path: Path) -> str:
+    """Read a text file.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, cannot be read, is too long or is not UTF-8 text.
+    """
+    try:
+        with path.open("rb") as file:
+            content = file.read(LARGEST_BYTES + 1)
+        if len(content) <= LARGEST_BYTES:
+            return content.decode("utf-8-sig")
+        message = f"must be at most {LARGEST_BYTES} bytes long"
+    except OSError as error:
+        message = f"cannot be read: {reason(error)}"
+    except UnicodeDecodeError as error:
+        message = f"must be UTF-8 text, found the byte {error.object[error.start]:#04x} at {error.start}"
+    raise InputError([Problem(str(path), "", message)])
+
+
 def read_toml(path: Path) -> dict[str, Any]:
     """Read a TOML file.
 
     Raises
     ------
     InputError
-        If the file is missing, cannot be read, is too long, is not text or not valid TOML.
+        If the file is no text that can be read, or not valid TOML.
     """
     try:
-        with path.open("rb") as file:
-            content = file.read(LARGEST_BYTES + 1)
-        if len(content) <= LARGEST_BYTES:
-            return tomllib.loads(content.decode("utf-8-sig"))
-        message = f"must be at most {LARGEST_BYTES} bytes long"
-    except OSError as error:
-        message = f"cannot be read: {reason(error)}"
-    except UnicodeDecodeError as error:
-        message = f"must be UTF-8 text, found the byte {error.object[error.start]:#04x} at {error.start}"
+        return tomllib.loads(read_text(path))
     except tomllib.TOMLDecodeError as error:
         message = f"must be valid TOML, found an error: {error}"
     except RecursionError:

@@ -146,9 +146,15 @@ class LibraryEntry:
 
 
 def penetrator_length_mm(projectile: LibraryEntry) -> float:
-    """Length of the cylinder that has the penetrator's mass, density and diameter, mm."""
-    area = pi * (projectile["penetrator_diameter_mm"] * MM) ** 2 / 4.0
-    return projectile["penetrator_mass_g"] * G / (projectile["density_kg_m3"] * area) / MM
+    """Length of the penetrator, mm."""
+    values = (projectile[key] for key in ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3"))
+    return float(length_mm(*values))
+
+
+def length_mm(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
+    """Length of the cylinder that has this diameter, mass and density, mm; of numbers or arrays."""
+    area = pi * (diameter_mm * MM) ** 2 / 4.0
+    return mass_g * G / (density_kg_m3 * area) / MM
 
 
 @dataclass(frozen=True)

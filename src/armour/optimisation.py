@@ -4,18 +4,28 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from armour.core.state import Armour
 from armour.errors import NoDesignError, NoLimitError
 from armour.limit import ballistic_limit
-from armour.requirement import Design, defeats_threat, design, grid, least_ceramic
+from armour.requirement import Design, defeats_threat, design, grid, least_ceramics_mm
 from armour.scenario import Scenario
+from armour.units import MM
 from armour.validity import warnings_of
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
 
 # Ceramic thicknesses of a column that are tried before it is bisected.
 PROBES = 9
 # Tolerance of the continuous optimum's backing, mm.
 BACKING_TOLERANCE_MM = 1e-3
+# How many times closer together the backings of one round of that search are than those of the last.
+CLOSER = 10
 
 
 @dataclass(frozen=True)
@@ -211,38 +221,55 @@ def with_limit(scenario: Scenario, design: Design) -> BestDesign:
 
 
 def refined(scenario: Scenario, frontier: Sequence[Design]) -> Design:
-    """Lightest design of continuous thicknesses within the grid's range.
+    """Lightest design of continuous thicknesses within the grid's range."""
+    import numpy as np
 
-    Brent's method on the backing thickness, within a step of the backing of the grid that does best with the ceramic
-    it needs and no more; that ceramic is bisected.
+    from armour.core import batch
+
+    rows, velocities = batch.packed([scenario.core_armour()]), np.array([scenario.impact.velocity_m_s])
+    ceramics, backings, areal_densities = lightest_of_rows(scenario, rows, velocities)
+    best = lightest(frontier)
+    if not areal_densities[0] < best.areal_density_kg_m2:
+        return best
+    return design(scenario, float(ceramics[0]), float(backings[0]))
+
+
+def lightest_of_rows(scenario: Scenario, rows: "Floats", velocities: "Floats") -> tuple["Floats", "Floats", "Floats"]:
+    """Lightest designs of continuous thicknesses within the grid's range, of several armours and threats.
+
+    Each backing of the grid gets the ceramic it needs and no more; round the one that does best with it the search is
+    repeated ever closer.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        For its grid and its solver.
+    rows, velocities : array, (n, 13) and (n,)
+        Armours as `armour.core.batch.packed` has them, of which the thicknesses do not count, and impact velocities.
+
+    Returns
+    -------
+    ceramics, backings, areal_densities : array, (n,)
+        mm and kg/m^2; NaN where no design defeats the threat.
     """
-    from scipy.optimize import minimize_scalar
+    import numpy as np
 
     section = grid(scenario).backing_thickness_mm
-    found = [lightest(frontier)]
-    for backing in _worth_refining(scenario, frontier):
-        found.append(least_ceramic(scenario, backing) or found[0])
-    centre = lightest(found).backing_thickness_mm
-    bounds = max(section.min, centre - section.step), min(section.max, centre + section.step)
-
-    def areal_density(backing: float) -> float:
-        there = least_ceramic(scenario, backing)
-        return inf if there is None else there.areal_density_kg_m2
-
-    if bounds[0] < bounds[1]:
-        lowest = minimize_scalar(
-            areal_density, bounds=bounds, method="bounded", options={"xatol": BACKING_TOLERANCE_MM}
-        )
-        found.append(least_ceramic(scenario, float(lowest.x)) or found[0])
-    return lightest(found)
-
-
-def _worth_refining(scenario: Scenario, frontier: Sequence[Design]) -> list[float]:
-    """Backings that less than a step of ceramic separates from the lightest design, mm."""
-    step = grid(scenario).ceramic_thickness_mm.step
-    saving = scenario.areal_density_kg_m2(step, 0.0)
-    heaviest = lightest(frontier).areal_density_kg_m2 + saving
-    return [d.backing_thickness_mm for d in frontier if d.areal_density_kg_m2 <= heaviest]
+    rho_c, rho_B = (rows[:, [Armour._fields.index(name)]] * MM for name in ("rho_c", "rho_B"))
+    here = np.arange(len(rows))
+    backings = np.tile(np.array(section.values()), (len(rows), 1))
+    width = section.step
+    while True:
+        ceramics = least_ceramics_mm(scenario, rows, velocities, backings)
+        areal = np.where(np.isnan(ceramics), inf, rho_c * ceramics + rho_B * backings)
+        least = areal.argmin(axis=1)
+        centre, ceramic, areal_density = backings[here, least], ceramics[here, least], areal[here, least]
+        if width <= BACKING_TOLERANCE_MM:
+            return ceramic, centre, np.where(np.isfinite(areal_density), areal_density, np.nan)
+        low, high = np.maximum(centre - width, section.min), np.minimum(centre + width, section.max)
+        closer = np.linspace(low, high, 2 * CLOSER, axis=1)
+        backings = np.concatenate([centre[:, None], closer], axis=1)
+        width /= CLOSER
 
 
 def no_design(scenario: Scenario) -> str:

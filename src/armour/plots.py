@@ -13,13 +13,18 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from armour.comparison import Comparison
+from armour.elasticities import SensitivityResult
 from armour.figures import Chart
+from armour.firing import FiringResult, Shots, probability
+from armour.inputs import BACKING, CERAMIC
 from armour.limit import LimitResult
 from armour.optimisation import OptimumResult
 from armour.peers import residual_velocity
+from armour.propagation import UncertaintyResult
 from armour.scenario import Scenario
 from armour.simulation import History, ImpactResult, StageRecord
-from armour.sweep import BACKING, CERAMIC, words_of
+from armour.sweep import words_of
+from armour.units import words_and_unit
 from armour.validation import SuiteResult
 
 Floats = NDArray[np.float64]
@@ -277,6 +282,102 @@ def comparison_figure(result: Comparison, title: str) -> Figure:
         axes.set_ylim(bottom=0.0)
         figure.legend(loc="outside lower center", ncols=1)
         figure.suptitle(_wrapped(title), fontsize=10)
+    return figure
+
+
+def sensitivity_figure(result: SensitivityResult, title: str) -> Figure:
+    """Elasticities of each answer as bars, the largest on top."""
+    answers = [name for name, value in result.answers.items() if value is not None]
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(1.6 + 2.3 * len(answers), 0.9 + 0.24 * len(result.inputs)))
+        panels = figure.subplots(1, len(answers), sharey=True, squeeze=False)[0]
+        names = [item.input for item in result.inputs]
+        for axes, answer in zip(panels, answers, strict=True):
+            values = [item.elasticities[answer] or 0.0 for item in result.inputs]
+            _tornado(axes, names, [(min(value, 0.0), max(value, 0.0)) for value in values], 0.0)
+            axes.set_xlabel(f"% of {words_and_unit(answer)[0]}\nper % of the input")
+        figure.suptitle(_wrapped(title), fontsize=10)
+    return figure
+
+
+def _tornado(axes: Axes, names: Sequence[str], ends: Sequence[tuple[float, float]], centre: float) -> None:
+    """Bars from one value to another, the first on top; blue beyond the centre, red below it."""
+    places = range(len(names))
+    for low, high, colour in ((0, 1, RED), (1, 1, BLUE)):
+        lefts = [min(pair[low], centre) if colour == RED else centre for pair in ends]
+        rights = [centre if colour == RED else max(pair[high], centre) for pair in ends]
+        widths = [right - left for left, right in zip(lefts, rights, strict=True)]
+        axes.barh(places, widths, left=lefts, color=colour, height=0.7)
+    axes.axvline(centre, color=BLACK, linewidth=0.8)
+    axes.set_yticks(places, names)
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.grid(visible=False, axis="y")
+    axes.use_sticky_edges = False
+    axes.autoscale(axis="x")
+
+
+def firing_figure(shots: Shots, result: FiringResult) -> Figure:
+    """Shots, the curves fitted to them and the ballistic limit of the model, where there is one."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.2, 4.4))
+        axes = figure.subplots()
+        for complete, colour, marker in ((False, GREEN, "o"), (True, RED, "^")):
+            velocities = shots.of(complete=complete)
+            label = "complete penetration" if complete else "partial penetration"
+            axes.plot(velocities, [float(complete)] * len(velocities), marker, color=colour, label=label, clip_on=False)
+        slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
+        ends = [end for fit in result.fits for end in fit.v50_interval_m_s if end is not None]
+        least, most = 2.0 * slowest - fastest, 2.0 * fastest - slowest
+        margin = 0.1 * (fastest - slowest)
+        shown = np.linspace(max(least, min([slowest, *ends]) - margin), min(most, max([fastest, *ends]) + margin), 400)
+        for fit, line, colour, height in zip(result.fits, LINES, (BLUE, ORANGE), (0.47, 0.53), strict=False):
+            label = f"{fit.curve}: V50 {fit.v50_m_s:.1f} m/s"
+            axes.plot(shown, [probability(fit, v) for v in shown], line, color=colour, label=label)
+            bar = [s if e is None else e for e, s in zip(fit.v50_interval_m_s, shown[[0, -1]], strict=True)]
+            axes.plot(bar, [height, height], color=colour, linewidth=3.0, alpha=0.5, solid_capstyle="butt")
+        if result.mean is not None:
+            axes.axvline(result.mean.v50_m_s, color=GREY, label=f"MIL-STD-662F: V50 {result.mean.v50_m_s:.1f} m/s")
+        model = result.model_ballistic_limit_m_s
+        if model is not None:
+            axes.axvline(model, color=BLACK, linestyle=":", label=f"this model: limit {model:.1f} m/s")
+        axes.set_xlim(shown[0], shown[-1])
+        axes.set_ylim(0.0, 1.0)
+        axes.set_xlabel("impact velocity, m/s")
+        axes.set_ylabel("probability of complete penetration")
+        figure.legend(loc="outside lower center", ncols=2)
+        figure.suptitle(
+            f"{shots.file}\nbars at one half: {100.0 * result.confidence:g} % intervals of V50", fontsize=10
+        )
+    return figure
+
+
+def uncertainty_figure(result: UncertaintyResult, scenario: Scenario) -> Figure:
+    """Probability of perforation over velocity with its band, and what each input does to the ballistic limit."""
+    with mpl.rc_context(STYLE):
+        rows = 2 if result.inputs else 1
+        figure = Figure(figsize=(6.2, 4.0 + 0.28 * len(result.inputs)))
+        panels = figure.subplots(rows, 1, sharex=True, squeeze=False, height_ratios=(3.0, 2.0)[:rows])[:, 0]
+        curve, axes = result.curve, panels[0]
+        axes.fill_between(curve.velocity_m_s, curve.low, curve.high, color=BLUE, alpha=0.3, linewidth=0)
+        axes.plot(curve.velocity_m_s, curve.probability, color=BLUE, label="probability, with its 95 % band")
+        found = result.deterministic_m_s
+        axes.axvline(found, color=BLACK, linestyle=":", label=f"limit as it stands, {found:.1f} m/s")
+        for name, line in (("V05", "-."), ("V50", "-"), ("V95", "--")):
+            place = result.ballistic_limit_m_s[name].value
+            axes.axvline(place, color=GREY, linestyle=line, linewidth=1.0, label=f"{name} {place:.1f} m/s")
+        p = result.probability_of_perforation
+        label = f"at {scenario.impact.velocity_m_s:g} m/s: {p.value:.3f}, {p.low:.3f} to {p.high:.3f}"
+        at, ends = scenario.impact.velocity_m_s, [[p.value - p.low], [p.high - p.value]]
+        axes.errorbar([at], [p.value], ends, fmt="o", color=RED, markersize=4.0, capsize=3.0, label=label)
+        axes.set_ylabel("probability of perforation")
+        axes.set_ylim(0.0, 1.0)
+        if result.inputs:
+            swings = [(min(index.limits_m_s), max(index.limits_m_s)) for index in result.inputs]
+            _tornado(panels[1], [index.input for index in result.inputs], swings, found)
+            panels[1].set_title("limit with one input from its 5th to its 95th hundredth", fontsize=9)
+        panels[-1].set_xlabel("velocity, m/s")
+        figure.legend(loc="outside lower center", ncols=2)
+        figure.suptitle(_wrapped(scenario.title), fontsize=10)
     return figure
 
 

@@ -2,13 +2,22 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from armour.core.state import Outcome
+from armour.core.state import Armour, Outcome
 from armour.errors import InputError, Problem
 from armour.limit import bisect
 from armour.scenario import Optimise, Scenario
 from armour.simulation import MOST_STEPS, unresolved
-from armour.units import US
+from armour.units import MM, US
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from armour.core.batch import Told
+
+    Floats = NDArray[np.float64]
 
 # Width, mm, to which a least thickness is bisected.
 THICKNESS_TOLERANCE_MM = 1e-6
@@ -54,12 +63,42 @@ def defeats_threat(scenario: Scenario, ceramic_thickness_mm: float, backing_thic
     from armour.core import batch
 
     armour, velocity = scenario.core_armour(ceramic_thickness_mm, backing_thickness_mm), scenario.impact.velocity_m_s
-    given = scenario.solver.time_step_us
-    told = batch.Told(scenario.solver.arrest_velocity_m_s, 0.0 if given is None else given * US, MOST_STEPS)
-    outcome = batch.impacts(batch.packed([armour]), np.array([velocity]), told).outcome[0]
+    outcome = batch.impacts(batch.packed([armour]), np.array([velocity]), told_of(scenario)).outcome[0]
     if outcome == Outcome.UNRESOLVED:
         raise unresolved(scenario, armour, velocity)
     return bool(outcome == Outcome.DEFEATED)
+
+
+def told_of(scenario: Scenario, threads: int | None = None) -> "Told":
+    """What the engine is told of the scenario's solver."""
+    from armour.core.batch import Told
+
+    given = scenario.solver.time_step_us
+    return Told(scenario.solver.arrest_velocity_m_s, 0.0 if given is None else given * US, MOST_STEPS, threads)
+
+
+def least_ceramics_mm(scenario: Scenario, rows: "Floats", velocities: "Floats", backings_mm: "Floats") -> "Floats":
+    """The least ceramic of the grid's range that each row with each of its backings needs; NaN where none is enough.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        For its grid and its solver.
+    rows, velocities : array, (n, 13) and (n,)
+        Armours as `armour.core.batch.packed` has them, and impact velocities, m/s.
+    backings_mm : array, (n, k)
+    """
+    import numpy as np
+
+    from armour.core import batch
+
+    section = grid(scenario).ceramic_thickness_mm
+    each = backings_mm.shape[1]
+    many = np.repeat(rows, each, axis=0)
+    many[:, Armour._fields.index("Hb")] = backings_mm.ravel() * MM
+    thin, thick, tolerance = section.min * MM, section.max * MM, THICKNESS_TOLERANCE_MM * MM
+    found = batch.thinnest(many, np.repeat(velocities, each), thin, thick, tolerance, told_of(scenario)).defeated
+    return np.where(np.isfinite(found), found / MM, np.nan).reshape(backings_mm.shape)
 
 
 def design(scenario: Scenario, ceramic_thickness_mm: float, backing_thickness_mm: float) -> Design:

@@ -18,6 +18,7 @@ from pydantic import (
 
 from armour.checks import Section, key_name, problems_of
 from armour.core.state import Armour
+from armour.distributions import Uncertainty
 from armour.errors import InputError, Problem, nearest
 from armour.files import read_toml, write_whole
 from armour.library import (
@@ -190,6 +191,7 @@ class Scenario(Section):
     solver: Solver = Solver()
     ballistic_limit: BallisticLimitSection = BallisticLimitSection()
     optimise: Optimise | None = None
+    uncertainty: Uncertainty | None = None
     library: LibrarySection = LibrarySection()
 
     @field_validator("title")

@@ -12,6 +12,7 @@ from armour.core.equations import cross_section
 from armour.core.state import Armour, Outcome
 from armour.errors import InputError, Problem, nearest
 from armour.files import reason
+from armour.inputs import INPUTS, check_ranges, rows_of
 from armour.quantities import QUANTITIES
 from armour.scenario import MOST_VALUES, Range, Scenario
 from armour.simulation import MOST_STEPS
@@ -26,9 +27,6 @@ if TYPE_CHECKING:
 
 # Rows that are computed, written and, on a cluster, sent at a time.
 CHUNK = 50_000
-# Keys whose values go straight into the engine's arrays; another key makes a scenario of each of its values.
-VELOCITY, CERAMIC, BACKING = "impact.velocity_m_s", "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
-QUICK = (VELOCITY, CERAMIC, BACKING)
 # Tolerance of required thicknesses, mm.
 THICKNESS_TOLERANCE_MM = 1e-6
 
@@ -241,9 +239,10 @@ def groups_of(scenario: Scenario, columns: Mapping[str, "Floats"]) -> list[Group
     import numpy as np
 
     count = len(next(iter(columns.values())))
-    slow = [key for key in columns if key not in QUICK]
-    quick = {key: columns[key] for key in columns if key in QUICK}
-    check_range(scenario, quick)
+    # Inputs go straight into the engine's arrays; another key makes a scenario of each of its values.
+    slow = [key for key in columns if key not in INPUTS]
+    quick = {key: columns[key] for key in columns if key in INPUTS}
+    check_ranges(scenario, quick)
     if slow:
         table = np.column_stack([columns[key] for key in slow])
         _, first, which = np.unique(table, axis=0, return_index=True, return_inverse=True)
@@ -254,31 +253,9 @@ def groups_of(scenario: Scenario, columns: Mapping[str, "Floats"]) -> list[Group
     groups = []
     for kind, where in zip(kinds, places, strict=True):
         changed = scenario.replaced(changes_of(kind)) if kind else scenario
-        armours = np.tile(np.array(changed.core_armour(), dtype=np.float64), (len(where), 1))
-        velocities = np.full(len(where), changed.impact.velocity_m_s)
-        for key, field in ((CERAMIC, "Hc0"), (BACKING, "Hb")):
-            if key in quick:
-                armours[:, Armour._fields.index(field)] = quick[key][where] * MM
-        if VELOCITY in quick:
-            velocities = quick[VELOCITY][where]
+        armours, velocities = rows_of(changed, {key: quick[key][where] for key in quick}, len(where))
         groups.append(Group(where, armours, velocities, settings_of(changed)))
     return groups
-
-
-def check_range(scenario: Scenario, columns: Mapping[str, "Floats"]) -> None:
-    """Make sure that the scenario allows the least and the greatest values, and with them all between.
-
-    Raises
-    ------
-    InputError
-        If it does not.
-    """
-    import numpy as np
-
-    for key, values in columns.items():
-        extremes = [values[~np.isfinite(values)][:1], values.min(keepdims=True), values.max(keepdims=True)]
-        for value in np.concatenate(extremes).tolist():
-            scenario.replaced({key: value})
 
 
 def settings_of(scenario: Scenario) -> Settings:

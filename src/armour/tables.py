@@ -8,10 +8,13 @@ from math import floor, log10
 from typing import Any
 
 from armour.comparison import Comparison, FlorenceResult
+from armour.elasticities import SensitivityResult
 from armour.figures import Chart
+from armour.firing import FiringResult
 from armour.library import Kind, Library, LibraryEntry
 from armour.limit import LimitResult
 from armour.optimisation import OptimumResult
+from armour.propagation import UncertaintyResult
 from armour.quantities import QUANTITIES
 from armour.requirement import Design
 from armour.simulation import History, ImpactResult
@@ -321,6 +324,126 @@ def fit_rows(result: Comparison) -> list[tuple[str, ...]]:
 
 
 FIT_COLUMNS = ("residual velocity by", "ratio", "exponent", "RMS left m/s")
+
+
+ANSWERS = {
+    "ballistic_limit_m_s": ("ballistic limit", "m/s"),
+    "residual_velocity_m_s": ("residual velocity", "m/s"),
+    "least_areal_density_kg_m2": ("least areal density", "kg/m^2"),
+}
+
+
+def sensitivity_rows(result: SensitivityResult) -> list[Row]:
+    """The answers whose elasticities are given."""
+    return [
+        (ANSWERS[name][0], "none" if value is None else f"{value:.2f}", "" if value is None else ANSWERS[name][1])
+        for name, value in result.answers.items()
+    ]
+
+
+def elasticity_columns(result: SensitivityResult) -> tuple[str, ...]:
+    """Columns of a table of elasticities."""
+    return ("% per % of", "value", *(ANSWERS[name][0] for name in result.answers))
+
+
+def elasticity_rows(result: SensitivityResult) -> list[tuple[str, ...]]:
+    """By how many per cent each answer changes when an input grows by one."""
+    return [
+        (
+            item.input,
+            f"{item.value:g}",
+            *("" if value is None else f"{value:+.3f}" for value in item.elasticities.values()),
+        )
+        for item in result.inputs
+    ]
+
+
+def firing_rows(result: FiringResult) -> list[Row]:
+    """What firing results say of the ballistic limit, but for the curves."""
+    rows = [
+        ("shots", f"{result.shots}, {result.complete} of them complete penetrations", ""),
+        ("highest partial", f"{result.highest_partial_m_s:.1f}", "m/s"),
+        ("lowest complete", f"{result.lowest_complete_m_s:.1f}", "m/s"),
+    ]
+    mean = result.mean
+    if mean is None:
+        rows.append(("V50, MIL-STD-662F", "none: too few shots of each kind within the span allowed", ""))
+    else:
+        span = f"m/s, mean of {mean.pairs} + {mean.pairs} within {mean.span_m_s:.1f} of {mean.span_allowed_m_s:g} m/s"
+        rows.append(("V50, MIL-STD-662F", f"{mean.v50_m_s:.1f}", span))
+    if result.model_ballistic_limit_m_s is not None:
+        rows.append(("ballistic limit by the model", f"{result.model_ballistic_limit_m_s:.1f}", "m/s"))
+    return rows
+
+
+def firing_fit_rows(result: FiringResult) -> list[tuple[str, ...]]:
+    """The curves by maximum likelihood, with their intervals."""
+    return [
+        (
+            fit.curve,
+            f"{fit.v50_m_s:.1f}",
+            interval(*fit.v50_interval_m_s, ".1f"),
+            f"{fit.scale_m_s:.1f}",
+            interval(*fit.scale_interval_m_s, ".1f"),
+            f"{100.0 * result.confidence:g} %",
+        )
+        for fit in result.fits
+    ]
+
+
+FIRING_COLUMNS = ("maximum likelihood", "V50 m/s", "interval", "scale m/s", "interval", "confidence")
+
+
+def uncertainty_rows(result: UncertaintyResult) -> list[Row]:
+    """What was sampled, and the ballistic limit with and without it."""
+    return [
+        ("samples", f"{result.samples:,}, {result.method}, seed {result.seed}", ""),
+        ("ballistic limit as it stands", f"{result.deterministic_m_s:.1f}", "m/s"),
+        ("its mean over the samples", f"{result.mean_m_s:.1f}", "m/s"),
+        ("its standard deviation", f"{result.standard_deviation_m_s:.1f}", "m/s"),
+    ]
+
+
+def estimate_rows(result: UncertaintyResult) -> list[tuple[str, ...]]:
+    """Probability and quantiles with their intervals, and whether the samples settle the last digit."""
+    found = [("probability of perforation", result.probability_of_perforation, 3)]
+    found += [(f"{name}, m/s", estimate, 1) for name, estimate in result.ballistic_limit_m_s.items()]
+    rows: list[tuple[str, ...]] = []
+    for name, estimate, decimals in found:
+        needed = estimate.samples_for(10.0**-decimals, result.samples)
+        settled = "yes" if needed <= result.samples else f"no, about {float(f'{needed:.2g}'):,.0f} samples would"
+        low_high = interval(estimate.low, estimate.high, f".{decimals}f")
+        rows.append((name, f"{estimate.value:.{decimals}f}", low_high, settled))
+    return rows
+
+
+ESTIMATE_COLUMNS = ("", "estimate", "95 % interval", "last digit settled")
+
+
+def index_rows(result: UncertaintyResult) -> list[tuple[str, ...]]:
+    """How much each input matters for the ballistic limit."""
+    rows = []
+    for index in result.inputs:
+        indices = []
+        for estimate in (index.first, index.total):
+            if estimate is None:
+                indices += ["", ""]
+            else:
+                indices += [f"{estimate.value:.3f}", interval(estimate.low, estimate.high, ".3f")]
+        rows.append((index.input, *indices, *(f"{limit:.1f}" for limit in index.limits_m_s)))
+    return rows
+
+
+INDEX_COLUMNS = ("input", "first-order index", "interval", "total", "interval", "limit at its 5 %", "at its 95 %, m/s")
+
+
+def interval(low: float | None, high: float | None, form: str) -> str:
+    """An interval in words; an end that is None is not bounded."""
+    if low is None and high is None:
+        return "not bounded"
+    if low is None:
+        return f"up to {high:{form}}"
+    return f"from {low:{form}}" if high is None else f"{low:{form}} to {high:{form}}"
 
 
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:

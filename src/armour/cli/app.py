@@ -5,7 +5,20 @@ from typing import Annotated
 import typer
 
 from armour import __version__
-from armour.cli import ballistic_limit, compare, figures, init, library, optimise, simulate, sweep, validate
+from armour.cli import (
+    ballistic_limit,
+    compare,
+    figures,
+    init,
+    library,
+    optimise,
+    sensitivity,
+    simulate,
+    sweep,
+    uncertainty,
+    v50,
+    validate,
+)
 from armour.cli.report import Reporting
 
 app = typer.Typer(
@@ -40,6 +53,9 @@ app.command("simulate")(simulate.simulate)
 app.command("ballistic-limit")(ballistic_limit.ballistic_limit)
 app.command("optimise")(optimise.optimise)
 app.command("sweep")(sweep.sweep)
+app.command("uncertainty")(uncertainty.uncertainty)
+app.command("sensitivity")(sensitivity.sensitivity)
+app.command("v50")(v50.v50)
 app.command("compare")(compare.compare)
 app.command("validate")(validate.validate)
 app.command("figures")(figures.figures)

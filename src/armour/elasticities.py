@@ -1,0 +1,144 @@
+"""What an answer gains when an input grows: elasticities, by the compiled engine."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from math import isnan, log
+from typing import TYPE_CHECKING, Any
+
+from armour.core.state import Outcome
+from armour.inputs import BACKING, CERAMIC, VELOCITY, inputs_of, rows_of
+from armour.optimisation import lightest_of_rows
+from armour.requirement import told_of
+from armour.scenario import Scenario
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+# An input is made this part larger and smaller.
+CHANGE = 0.005
+# Tolerance of the ballistic limits that are subtracted, m/s.
+LIMIT_TOLERANCE_M_S = 1e-7
+
+LIMIT, RESIDUAL, OPTIMUM = "ballistic_limit_m_s", "residual_velocity_m_s", "least_areal_density_kg_m2"
+# Inputs that an answer does not have: they are searched for.
+FREE = {LIMIT: (VELOCITY,), RESIDUAL: (), OPTIMUM: (CERAMIC, BACKING)}
+
+
+@dataclass(frozen=True)
+class Elasticity:
+    """By how many per cent each answer changes when an input grows by one.
+
+    Attributes
+    ----------
+    input : str
+    value : float
+        In the unit of the input's name.
+    elasticities : mapping of str to float or None
+        By answer; None where it does not have the input, or no value.
+    """
+
+    input: str
+    value: float
+    elasticities: Mapping[str, float | None]
+
+
+@dataclass(frozen=True)
+class SensitivityResult:
+    """Elasticities of a scenario's answers.
+
+    Attributes
+    ----------
+    answers : mapping of str to float or None
+        Ballistic limit, residual velocity and, where the scenario has a grid, least areal density of continuous
+        thicknesses; None where there is none.
+    inputs : tuple of Elasticity
+        The largest for the ballistic limit first.
+    """
+
+    answers: Mapping[str, float | None]
+    inputs: tuple[Elasticity, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as plain data."""
+        return asdict(self)
+
+
+def sensitivity(scenario: Scenario) -> SensitivityResult:
+    """Find by how many per cent a scenario's answers change when an input grows by one.
+
+    Each is the quotient of the logarithms of two values, of the input half a per cent up and down.  Strengths of a
+    metal that follow from its yield strength follow it here too.
+
+    Raises
+    ------
+    InputError
+        If the scenario has a grid, and a ceramic thickness in it, but no ceramic.
+    """
+    import numpy as np
+
+    own = {name: value for name, value in inputs_of(scenario).items() if value > 0.0}
+    count = 2 * len(own) + 1
+    columns = {}
+    for index, (name, value) in enumerate(own.items()):
+        columns[name] = np.full(count, value)
+        columns[name][2 * index + 1 : 2 * index + 3] *= 1.0 + CHANGE, 1.0 - CHANGE
+    answers = _answers(scenario, *_rows(scenario, columns, count))
+    inputs = [
+        Elasticity(
+            name,
+            value,
+            {
+                answer: None if name in FREE[answer] else _elasticity(values[2 * index + 1], values[2 * index + 2])
+                for answer, values in answers.items()
+            },
+        )
+        for index, (name, value) in enumerate(own.items())
+    ]
+    return SensitivityResult(
+        answers={answer: _or_none(values[0]) for answer, values in answers.items()},
+        inputs=tuple(sorted(inputs, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
+    )
+
+
+def _rows(scenario: Scenario, columns: Mapping[str, "Floats"], count: int) -> tuple["Floats", "Floats"]:
+    """Rows in which what follows from an input follows it, where that input alone is changed."""
+    import numpy as np
+
+    rows, velocities = np.empty((count, 13)), np.empty(count)
+    for i in range(count):
+        changed = {name: values[i : i + 1] for name, values in columns.items() if values[i] != values[0]}
+        rows[i : i + 1], velocities[i : i + 1] = rows_of(scenario, changed, 1)
+    return rows, velocities
+
+
+def _answers(scenario: Scenario, rows: "Floats", velocities: "Floats") -> dict[str, "Floats"]:
+    """The answers of every row; NaN where there is none."""
+    import numpy as np
+
+    from armour.core import batch
+
+    search, told = scenario.ballistic_limit, told_of(scenario)
+    places = batch.limits(rows, search.velocity_min_m_s, search.velocity_max_m_s, LIMIT_TOLERANCE_M_S, told)
+    bounded = np.isfinite(places.defeated) & np.isfinite(places.perforated)
+    ends = batch.impacts(rows, velocities, told)
+    answers = {
+        LIMIT: np.where(bounded, places.perforated, np.nan),
+        RESIDUAL: np.where(ends.outcome == Outcome.PERFORATED, ends.V, np.nan),
+    }
+    if scenario.optimise is not None:
+        answers[OPTIMUM] = lightest_of_rows(scenario, rows, velocities)[2]
+    return answers
+
+
+def _elasticity(above: float, below: float) -> float | None:
+    """Change of an answer between two values of an input, both as logarithms."""
+    if isnan(above) or isnan(below):
+        return None
+    return log(above / below) / log((1.0 + CHANGE) / (1.0 - CHANGE))
+
+
+def _or_none(value: float) -> float | None:
+    return None if isnan(value) else float(value)
