@@ -9,11 +9,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from armour.calibration import CalibrationResult, calibrate, read_tests
     from armour.comparison import Comparison, compare
+    from armour.elasticities import SensitivityResult, sensitivity
     from armour.errors import ArmourError, InputError, NoAnswerError, NoDesignError, NoLimitError, Problem
+    from armour.firing import FiringResult, Shots, read_shots, v50
     from armour.library import Library, LibraryEntry, Value, read_library, shipped_library
     from armour.limit import Crossing, LimitResult, ballistic_limit
     from armour.optimisation import BestDesign, OptimumResult, optimise
+    from armour.propagation import UncertaintyResult, uncertainty
     from armour.requirement import Design
     from armour.scenario import Scenario, load_scenario, parse_scenario, save_scenario
     from armour.simulation import History, ImpactResult, StageRecord, simulate
@@ -26,11 +30,13 @@ __version__ = "0.1.0"
 _HOMES = {
     "ArmourError": "errors",
     "BestDesign": "optimisation",
+    "CalibrationResult": "calibration",
     "Case": "suite",
     "Check": "validation",
     "Comparison": "comparison",
     "Crossing": "limit",
     "Design": "requirement",
+    "FiringResult": "firing",
     "History": "simulation",
     "ImpactResult": "simulation",
     "InputError": "errors",
@@ -43,11 +49,15 @@ _HOMES = {
     "OptimumResult": "optimisation",
     "Problem": "errors",
     "Scenario": "scenario",
+    "SensitivityResult": "elasticities",
+    "Shots": "firing",
     "StageRecord": "simulation",
     "Suite": "suite",
     "SuiteResult": "validation",
+    "UncertaintyResult": "propagation",
     "Value": "library",
     "ballistic_limit": "limit",
+    "calibrate": "calibration",
     "compare": "comparison",
     "load_scenario": "scenario",
     "load_suite": "suite",
@@ -55,20 +65,27 @@ _HOMES = {
     "paper_suite": "validation",
     "parse_scenario": "scenario",
     "read_library": "library",
+    "read_shots": "firing",
+    "read_tests": "calibration",
     "save_scenario": "scenario",
+    "sensitivity": "elasticities",
     "shipped_library": "library",
     "simulate": "simulation",
+    "uncertainty": "propagation",
+    "v50": "firing",
     "validate": "validation",
 }
 
 __all__ = [
     "ArmourError",
     "BestDesign",
+    "CalibrationResult",
     "Case",
     "Check",
     "Comparison",
     "Crossing",
     "Design",
+    "FiringResult",
     "History",
     "ImpactResult",
     "InputError",
@@ -81,11 +98,15 @@ __all__ = [
     "OptimumResult",
     "Problem",
     "Scenario",
+    "SensitivityResult",
+    "Shots",
     "StageRecord",
     "Suite",
     "SuiteResult",
+    "UncertaintyResult",
     "Value",
     "ballistic_limit",
+    "calibrate",
     "compare",
     "load_scenario",
     "load_suite",
@@ -93,9 +114,14 @@ __all__ = [
     "paper_suite",
     "parse_scenario",
     "read_library",
+    "read_shots",
+    "read_tests",
     "save_scenario",
+    "sensitivity",
     "shipped_library",
     "simulate",
+    "uncertainty",
+    "v50",
     "validate",
 ]
 

@@ -42,7 +42,7 @@ FIELDS: dict[str, tuple[str, float] | None] = {
     "backing.shear_strength_MPa": ("tau", MPA),
 }
 INPUTS = tuple(FIELDS)
-KINDS: dict[str, Kind] = {"projectile": "projectile", "ceramic": "ceramic", "backing": "metal"}
+ROLES: dict[str, Kind] = {"projectile": "projectile", "ceramic": "ceramic", "backing": "metal"}
 
 
 def entry_of(scenario: Scenario, role: str) -> LibraryEntry | None:
@@ -53,12 +53,12 @@ def entry_of(scenario: Scenario, role: str) -> LibraryEntry | None:
         "backing": scenario.armour.backing,
     }
     name = names[role]
-    return None if name is None else scenario.entry(KINDS[role], name)
+    return None if name is None else scenario.entry(ROLES[role], name)
 
 
 def inputs_of(scenario: Scenario) -> dict[str, float]:
     """The inputs that a scenario has, with its values."""
-    entries = {role: entry_of(scenario, role) for role in KINDS}
+    entries = {role: entry_of(scenario, role) for role in ROLES}
     found = {}
     for name in INPUTS:
         role, key = name.split(".")
@@ -108,7 +108,7 @@ def with_inputs(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
     changes: dict[str, Any] = {}
     for name, value in values.items():
         role, key = name.split(".")
-        if role not in KINDS:
+        if role not in ROLES:
             changes = changed(changes, {name: value})
             continue
         entry = entry_of(scenario, role)

@@ -10,7 +10,7 @@ from math import pi
 from pathlib import Path
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
-from pydantic import BeforeValidator, Field, ValidationError
+from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, ValidationError, model_serializer
 
 from armour.checks import NUMBER, Section, key_name, problems_of
 from armour.errors import InputError, Problem, nearest
@@ -22,11 +22,18 @@ Number = TypeVar("Number", bound=float)
 
 
 class Value(Section, Generic[Number]):
-    """A number with where it comes from."""
+    """A number with where it comes from, and the tests that it was calibrated to."""
 
     value: Number
     status: Status = "assumed"
     source: str = ""
+    tests: list[dict[str, float | str]] = []
+
+    @model_serializer(mode="wrap")
+    def _short(self, whole: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Plain data, without an empty list of tests."""
+        data: dict[str, Any] = whole(self)
+        return {key: value for key, value in data.items() if key != "tests" or value}
 
 
 def _table(value: object) -> object:
@@ -324,6 +331,20 @@ def read_library(path: Path, onto: Library) -> Library:
         If the file cannot be read, or with every mistake in it.
     """
     return onto.extended(validated_tables(read_toml(path), str(path)), str(path))
+
+
+def library_toml(tables: Mapping[str, Any]) -> str:
+    """Entries as the text of a library file.
+
+    Raises
+    ------
+    InputError
+        With every mistake in them.
+    """
+    import tomli_w
+
+    validated_tables(tables, "library")
+    return tomli_w.dumps(tables)
 
 
 @cache

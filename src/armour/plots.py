@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from armour.calibration import CalibrationResult
 from armour.comparison import Comparison
 from armour.elasticities import SensitivityResult
 from armour.figures import Chart
@@ -281,6 +282,46 @@ def comparison_figure(result: Comparison, title: str) -> Figure:
         axes.set_ylabel("residual velocity, m/s")
         axes.set_ylim(bottom=0.0)
         figure.legend(loc="outside lower center", ncols=1)
+        figure.suptitle(_wrapped(title), fontsize=10)
+    return figure
+
+
+def calibration_figure(result: CalibrationResult, title: str) -> Figure:
+    """Computed over measured values and their deviations, test by test, in and left out of the fit."""
+    quantities = list(dict.fromkeys(residual.quantity for residual in result.residuals))
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(6.9, 1.0 + 3.2 * len(quantities)))
+        panels = figure.subplots(len(quantities), 2, squeeze=False)
+        for (parity, bars), quantity in zip(panels, quantities, strict=True):
+            found = [residual for residual in result.residuals if residual.quantity == quantity]
+            ends = []
+            for index, bound in enumerate(("", "at least", "at most")):
+                some = [residual for residual in found if residual.bound == bound]
+                if some:
+                    measured, computed = [r.measured for r in some], [r.computed for r in some]
+                    ends += [*measured, *computed]
+                    style: Any = {"color": COLOURS[index], "markerfacecolor": "none", "linestyle": "none"}
+                    label = {"": "test", "at least": "defeated at", "at most": "perforated at"}[bound]
+                    parity.plot(measured, computed, ROUND_MARKERS[index], label=label, **style)
+            margin = 0.05 * (max(ends) - min(ends)) or 1.0
+            span = min(ends) - margin, max(ends) + margin
+            parity.plot(span, span, color=BLACK, linewidth=0.8, label="agreement")
+            parity.set(xlim=span, ylim=span, aspect="equal", xlabel=f"measured {words_of(quantity)}", ylabel="computed")
+            parity.legend(fontsize=7)
+            exact = [residual for residual in found if not residual.bound]
+            places = np.arange(len(exact))
+            for shift, name, colour, label in (
+                (-0.2, "computed", BLUE, "fitted"),
+                (0.2, "left_out", ORANGE, "left out"),
+            ):
+                values = [100.0 * (getattr(residual, name) / residual.measured - 1.0) for residual in exact]
+                bars.barh(places + shift, values, height=0.4, color=colour, label=label)
+            bars.axvline(0.0, color=BLACK, linewidth=0.8)
+            bars.set_yticks(places, [residual.test for residual in exact], fontsize=7)
+            bars.set_ylim(len(exact) - 0.5, -0.5)
+            bars.set_xlabel("deviation, %")
+            bars.grid(visible=False, axis="y")
+            bars.legend(fontsize=7)
         figure.suptitle(_wrapped(title), fontsize=10)
     return figure
 

@@ -27,7 +27,7 @@ PARTS = {"V05": 0.05, "V50": 0.5, "V95": 0.95}
 CURVE_POINTS = 121
 # Samples for one set of Sobol' indices, as a part of those for the probability, and the least of them.
 INDEX_PART, FEWEST_FOR_INDICES = 4, 256
-RESAMPLES = 999
+RESAMPLES = 499
 
 
 @dataclass(frozen=True)
@@ -288,24 +288,24 @@ def sobol(
 ) -> tuple[tuple[Estimate, Estimate], ...]:
     """First-order and total Sobol' indices, with intervals, of a function of points of the unit cube, (inputs, n)."""
     import numpy as np
-    from scipy.stats import sobol_indices, uniform
+    from scipy.stats import qmc, sobol_indices
 
     rng = np.random.default_rng(seed)
-    evenly: Any = [uniform()] * inputs
-    found = sobol_indices(func=lambda x: f(x)[np.newaxis], n=count, dists=evenly, rng=rng)
-    spread = found.bootstrap(CONFIDENCE, n_resamples=RESAMPLES)
-    sides = ((found.first_order, spread.first_order), (found.total_order, spread.total_order))
-    return tuple(
-        (
-            _index(sides[0][0], sides[0][1].confidence_interval, i),
-            _index(sides[1][0], sides[1][1].confidence_interval, i),
-        )
-        for i in range(inputs)
-    )
+    both = qmc.Sobol(2 * inputs, rng=rng).random(count).T
+    a, b = both[:inputs], both[inputs:]
+    of_a, of_b = f(a), f(b)
+    of_ab = [f(np.where(np.arange(inputs)[:, None] == i, b, a)) for i in range(inputs)]
+    values = np.array([of_a, of_b, *of_ab])
 
+    def indices(rows: "NDArray[np.int64] | slice") -> "Floats":
+        v = values[:, None, rows]
+        found = sobol_indices(func={"f_A": v[0], "f_B": v[1], "f_AB": v[2:]}, n=count)
+        return np.array([np.ravel(found.first_order), np.ravel(found.total_order)])
 
-def _index(values: "Floats", interval: Any, i: int) -> Estimate:
-    import numpy as np
-
-    value, low, high = (float(np.ravel(found)[i]) for found in (values, interval.low, interval.high))
-    return Estimate(value, low, high)
+    best = indices(slice(None))
+    spread = np.array([indices(rng.integers(count, size=count)) for _ in range(RESAMPLES)])
+    low, high = np.quantile(spread, [0.5 * (1.0 - CONFIDENCE), 0.5 * (1.0 + CONFIDENCE)], axis=0)
+    made = [
+        [Estimate(*map(float, ends)) for ends in zip(*rows, strict=True)] for rows in zip(best, low, high, strict=True)
+    ]
+    return tuple(zip(*made, strict=True))

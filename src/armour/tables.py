@@ -7,6 +7,7 @@ from io import StringIO
 from math import floor, log10
 from typing import Any
 
+from armour.calibration import CalibrationResult
 from armour.comparison import Comparison, FlorenceResult
 from armour.elasticities import SensitivityResult
 from armour.figures import Chart
@@ -333,6 +334,74 @@ ANSWERS = {
 }
 
 
+def calibration_rows(result: CalibrationResult) -> list[Row]:
+    """How a fit to tests went."""
+    tests = len({residual.test for residual in result.residuals})
+    weights = "by their uncertainties" if result.weights == "uncertainties" else "by the values measured"
+    rows = [("tests", str(tests), f"weighted {weights}")]
+    if result.law:
+        rows.append(("law of the ceramic's flow stress", result.law, ""))
+    rows += [
+        ("mean error", f"{result.mean_error_percent:.2f}", "%"),
+        ("mean error left out", f"{result.left_out_error_percent:.2f}", "%"),
+        ("degrees of freedom", str(result.degrees_of_freedom), ""),
+    ]
+    if result.weights == "uncertainties":
+        rows.append(("chi squared", f"{result.chi_squared:.2f}", ""))
+    rows.append(("starts that came to this end", f"{result.starts_agreeing} of {result.starts}", ""))
+    return rows
+
+
+def coefficient_rows(result: CalibrationResult) -> list[tuple[str, ...]]:
+    """Fitted coefficients with their intervals, or why there is none."""
+    return [
+        (
+            c.name,
+            "not identified" if c.estimate is None else f"{c.estimate:.4g}",
+            c.reason if c.interval is None else interval(*c.interval, ".4g"),
+        )
+        for c in result.coefficients
+    ]
+
+
+COEFFICIENT_COLUMNS = ("coefficient", "estimate", "95 % interval")
+
+
+def correlation_table(result: CalibrationResult) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Columns and rows of the correlations of the coefficients."""
+    names = [c.name for c in result.coefficients]
+    rows = [
+        (name, *(f"{value:+.3f}" for value in values)) for name, values in zip(names, result.correlation, strict=True)
+    ]
+    return ("correlation", *(str(i + 1) for i in range(len(names)))), [
+        (f"{i + 1} {name}", *values) for i, (name, *values) in enumerate(rows)
+    ]
+
+
+def residual_rows(result: CalibrationResult) -> list[tuple[str, ...]]:
+    """Measured and computed, test by test."""
+    rows: list[tuple[str, ...]] = []
+    for r in result.residuals:
+        percent, left_out = (100.0 * (value / r.measured - 1.0) for value in (r.computed, r.left_out))
+        exact = not r.bound
+        rows.append(
+            (
+                r.test,
+                QUANTITIES[r.quantity].words,
+                r.bound,
+                f"{r.measured:g} {QUANTITIES[r.quantity].unit}",
+                f"{r.computed:.2f}",
+                f"{percent:+.2f}" if exact else "",
+                f"{left_out:+.2f}" if exact else "",
+                "" if exact or r.met else "not met",
+            )
+        )
+    return rows
+
+
+RESIDUAL_COLUMNS = ("test", "quantity", "", "measured", "computed", "%", "% left out", "")
+
+
 def sensitivity_rows(result: SensitivityResult) -> list[Row]:
     """The answers whose elasticities are given."""
     return [
@@ -361,13 +430,13 @@ def elasticity_rows(result: SensitivityResult) -> list[tuple[str, ...]]:
 def firing_rows(result: FiringResult) -> list[Row]:
     """What firing results say of the ballistic limit, but for the curves."""
     rows = [
-        ("shots", f"{result.shots}, {result.complete} of them complete penetrations", ""),
+        ("shots", str(result.shots), f"{result.complete} of them complete penetrations"),
         ("highest partial", f"{result.highest_partial_m_s:.1f}", "m/s"),
         ("lowest complete", f"{result.lowest_complete_m_s:.1f}", "m/s"),
     ]
     mean = result.mean
     if mean is None:
-        rows.append(("V50, MIL-STD-662F", "none: too few shots of each kind within the span allowed", ""))
+        rows.append(("V50, MIL-STD-662F", "none", "too few shots of each kind within the span allowed"))
     else:
         span = f"m/s, mean of {mean.pairs} + {mean.pairs} within {mean.span_m_s:.1f} of {mean.span_allowed_m_s:g} m/s"
         rows.append(("V50, MIL-STD-662F", f"{mean.v50_m_s:.1f}", span))
@@ -397,7 +466,7 @@ FIRING_COLUMNS = ("maximum likelihood", "V50 m/s", "interval", "scale m/s", "int
 def uncertainty_rows(result: UncertaintyResult) -> list[Row]:
     """What was sampled, and the ballistic limit with and without it."""
     return [
-        ("samples", f"{result.samples:,}, {result.method}, seed {result.seed}", ""),
+        ("samples", f"{result.samples:,}", f"{result.method}, seed {result.seed}"),
         ("ballistic limit as it stands", f"{result.deterministic_m_s:.1f}", "m/s"),
         ("its mean over the samples", f"{result.mean_m_s:.1f}", "m/s"),
         ("its standard deviation", f"{result.standard_deviation_m_s:.1f}", "m/s"),

@@ -9,6 +9,7 @@ from typing import Any, Literal
 from armour.comparison import BODIES, bodies_of, florence_ballistic_limit, missing_for_florence
 from armour.errors import NoAnswerError
 from armour.files import shipped
+from armour.inputs import ROLES, entry_of, inputs_of
 from armour.quantities import QUANTITIES, Answers, answers_of
 from armour.suite import Case, Group, Suite
 
@@ -204,16 +205,41 @@ def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
 
 def check(case: Case, answers: dict[str, Answers]) -> Check:
     """Compute a case; scenarios that were asked before give what they have."""
+    calibrated = calibrated_to(case)
+    unscored = bool(case.not_scored or calibrated)
     try:
         computed = QUANTITIES[case.quantity].of(answers_of(answers, case.scenario, case.replacement))
     except NoAnswerError as error:
-        return Check(case, None, "not scored" if case.not_scored else "no answer", str(error))
-    return Check(case, computed, _status(case, computed))
+        return Check(case, None, "not scored" if unscored else "no answer", str(error))
+    return Check(case, computed, "not scored" if unscored else _status(case, computed), calibrated)
+
+
+def calibrated_to(case: Case) -> str:
+    """Which value of the case's materials was calibrated to this very test; empty where none was."""
+    inputs = inputs_of(case.scenario)
+    names = {
+        "impact.projectile": case.scenario.impact.projectile,
+        "armour.ceramic": case.scenario.armour.ceramic,
+        "armour.backing": case.scenario.armour.backing,
+    }
+    known: Mapping[str, object] = {**inputs, **names, case.quantity: case.expected}
+    for role in ROLES:
+        entry = entry_of(case.scenario, role)
+        for key, value in entry.values.items() if entry is not None else ():
+            for test in value.tests:
+                if case.quantity in test and all(_same(told, known.get(name)) for name, told in test.items()):
+                    return f"not scored: {key} of {entry.name} was calibrated to this test" if entry else ""
+    return ""
+
+
+def _same(told: float | str, found: object) -> bool:
+    """Whether a test and a case have the same value."""
+    if isinstance(told, str) or not isinstance(found, int | float):
+        return told == found
+    return abs(found - told) <= 1e-6 * abs(told)
 
 
 def _status(case: Case, computed: float | str) -> Status:
-    if case.not_scored:
-        return "not scored"
     if isinstance(computed, str) or isinstance(case.expected, str):
         return "within" if computed == case.expected else "outside"
     assert case.band is not None

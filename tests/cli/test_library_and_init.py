@@ -49,6 +49,8 @@ def test_what_the_template_shows_as_optional_is_valid(folder: Path):
     scenario = load_scenario("all.toml")
     assert scenario.solver.time_step_us == 0.1
     assert scenario.ballistic_limit == type(scenario.ballistic_limit)()
+    assert scenario.uncertainty is not None
+    assert list(scenario.uncertainty.inputs()) == ["armour.ceramic_thickness_mm", "ceramic.flow_stress_GPa"]
     assert scenario.entry("ceramic", "My alumina")["flow_stress_GPa"] == 4.5
     assert scenario.entry("metal", "My steel")["shear_strength_MPa"] == 630.0
 

@@ -7,6 +7,7 @@ import typer
 from armour import __version__
 from armour.cli import (
     ballistic_limit,
+    calibrate,
     compare,
     figures,
     init,
@@ -53,6 +54,7 @@ app.command("simulate")(simulate.simulate)
 app.command("ballistic-limit")(ballistic_limit.ballistic_limit)
 app.command("optimise")(optimise.optimise)
 app.command("sweep")(sweep.sweep)
+app.command("calibrate")(calibrate.calibrate)
 app.command("uncertainty")(uncertainty.uncertainty)
 app.command("sensitivity")(sensitivity.sensitivity)
 app.command("v50")(v50.v50)

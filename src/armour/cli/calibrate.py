@@ -1,0 +1,79 @@
+"""``armour calibrate``."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from armour.cli.report import (
+    AsJson,
+    PlotFile,
+    ScenarioFile,
+    check_outputs,
+    print_json,
+    print_quantities,
+    print_table,
+    tell_of_compiling,
+    write,
+    write_plot,
+)
+
+
+def calibrate(
+    tests: Annotated[
+        Path,
+        typer.Argument(metavar="TESTS", help="CSV file of tests: inputs, and what was measured.", show_default=False),
+    ],
+    scenario: ScenarioFile,
+    fit: Annotated[
+        list[str] | None,
+        typer.Option(metavar="INPUT", help="Input to fit; left out: ceramic.flow_stress_GPa.", show_default=False),
+    ] = None,
+    law: Annotated[
+        Literal["constant", "linear", "proportional", "thicknesses"],
+        typer.Option(help="The ceramic's flow stress: constant, or by the ceramic's or both thicknesses."),
+    ] = "constant",
+    library: Annotated[
+        Path | None,
+        typer.Option("--write", metavar="LIB.toml", help="Write a library with the entries.", show_default=False),
+    ] = None,
+    plot: PlotFile = None,
+    as_json: AsJson = False,
+) -> None:
+    """Fit parameters of a material or projectile to tests, and say how well they are known."""
+    from armour.calibration import FLOW_STRESS, library_text, read_tests
+    from armour.calibration import calibrate as find
+    from armour.scenario import load_scenario
+    from armour.tables import (
+        COEFFICIENT_COLUMNS,
+        RESIDUAL_COLUMNS,
+        calibration_rows,
+        coefficient_rows,
+        correlation_table,
+        residual_rows,
+    )
+
+    check_outputs(library, plot=plot, source=tests)
+    check_outputs(library, source=scenario)
+    loaded = load_scenario(scenario)
+    read = read_tests(tests, loaded)
+    tell_of_compiling()
+    result = find(read, loaded, fit or [FLOW_STRESS], law)
+    if as_json:
+        print_json(result.to_dict())
+    else:
+        print_quantities(loaded.title, calibration_rows(result))
+        print()
+        print_table(COEFFICIENT_COLUMNS, coefficient_rows(result), numbers=(1,))
+        if len(result.coefficients) > 1:
+            print()
+            columns, rows = correlation_table(result)
+            print_table(columns, rows, numbers=range(1, len(columns)))
+        print()
+        print_table(RESIDUAL_COLUMNS, residual_rows(result), numbers=(3, 4, 5, 6))
+    if library is not None:
+        write(library, library_text(result, read, loaded))
+    if plot is not None:
+        from armour.plots import calibration_figure
+
+        write_plot(plot, calibration_figure(result, loaded.title))

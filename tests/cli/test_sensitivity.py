@@ -1,0 +1,24 @@
+import json
+from pathlib import Path
+
+from tests.cases import SCENARIOS
+
+WILKINS = SCENARIOS / "wilkins.toml"
+
+
+def test_numbers_and_a_plot(cli, folder: Path):
+    result = cli("sensitivity", WILKINS, "--plot", "s.svg")
+    assert result.exit_code == 0
+    assert "projectile.penetrator_diameter_mm" in result.stdout
+    assert result.stderr == "wrote s.svg\n"
+    assert "% of ballistic limit" in (folder / "s.svg").read_text()
+
+
+def test_json(cli):
+    data = json.loads(cli("sensitivity", WILKINS, "--json").stdout)
+    assert set(data["answers"]) == {"ballistic_limit_m_s", "residual_velocity_m_s", "least_areal_density_kg_m2"}
+    assert data["inputs"][0]["input"] == "projectile.penetrator_diameter_mm"
+
+
+def test_wrong_input(cli):
+    assert cli.fails(2, "sensitivity", "missing.toml")[0].startswith("missing.toml: cannot be read")

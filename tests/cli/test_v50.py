@@ -1,0 +1,53 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.cases import SCENARIOS
+
+WILKINS = SCENARIOS / "wilkins.toml"
+SHOTS = SCENARIOS / "tests" / "shots.csv"
+
+
+def test_with_the_model_beside_it(cli, folder: Path):
+    result = cli("v50", SHOTS, WILKINS, "--plot", "v50.svg")
+    assert result.exit_code == 0
+    assert "ballistic limit by the model" in result.stdout
+    assert "deterministic" in result.stdout
+    assert result.stderr == "wrote v50.svg\n"
+    assert "probability of complete penetration" in (folder / "v50.svg").read_text()
+
+
+def test_json(cli):
+    data = json.loads(cli("v50", SHOTS, "--pairs", "2", "--span-m-s", "25", "--json").stdout)
+    assert data["mean"]["pairs"] == 2
+    assert data["mean"]["span_allowed_m_s"] == 25.0
+    assert data["model_ballistic_limit_m_s"] is None
+
+
+def test_shots_that_separate(cli, folder: Path):
+    (folder / "s.csv").write_text("velocity_m_s,result\n700,partial\n710,partial\n720,complete\n730,complete\n")
+    result = cli("v50", "s.csv")
+    assert "any V50 between them is as likely" in result.stdout
+    words = [line.split() for line in result.stdout.splitlines()]
+    assert ["V50,", "MIL-STD-662F", "none", "too"] in [line[:4] for line in words]
+    assert ["probit", "715.0"] in [line[:2] for line in words]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("velocity_m_s,result\n700,partial\n", "must have at least one partial and one complete penetration"),
+        ("velocity,result\n700,partial\n", "velocity: unknown column; its unit is missing: velocity_m_s"),
+        ("velocity_m_s,result\n700,partial\n700,partial\n", "line 3: repeats line 2"),
+        ("", "must have a header"),
+    ],
+)
+def test_wrong_input(cli, folder: Path, text: str, message: str):
+    (folder / "s.csv").write_text(text)
+    assert message in cli.fails(2, "v50", "s.csv")[0]
+
+
+def test_no_answer(cli, folder: Path):
+    (folder / "s.csv").write_text("velocity_m_s,result\n700,complete\n730,partial\n")
+    assert cli.fails(1, "v50", "s.csv")[0].startswith("no V50")
