@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Positive = Annotated[float, Field(gt=0.0)]
 # Most samples that a scenario may ask for.
-MOST_SAMPLES = 2**24
+MOST_SAMPLES = 2**22
 
 
 class Distribution(Section):

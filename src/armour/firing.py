@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 # Shots of each kind that a V50 takes, and the greatest span of their velocities, m/s: 60, 90 and 125 feet a second
 # for two, three and five.
 SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
+# Faster than any shot; it catches a value in the wrong unit.
+FASTEST_M_S = 1e4
 CONFIDENCE = 0.95
 Curve = Literal["probit", "logit"]
 CURVES: tuple[Curve, ...] = ("probit", "logit")
@@ -142,8 +144,9 @@ def read_shots(path: Path) -> Shots:
     words = {"complete": True, "partial": False}
     for row in rows:
         velocity, result = row["velocity_m_s"], row["result"]
-        if not isinstance(velocity, float) or velocity <= 0.0:
-            problems.append(Problem(str(path), f"{row.place}: velocity_m_s", "must be greater than 0"))
+        if not isinstance(velocity, float) or not 0.0 < velocity <= FASTEST_M_S:
+            message = f"must be greater than 0 and at most {FASTEST_M_S:g}"
+            problems.append(Problem(str(path), f"{row.place}: velocity_m_s", message))
         if result not in words:
             message = f'must be "partial" or "complete", found "{result or ""}"'
             problems.append(Problem(str(path), f"{row.place}: result", message))

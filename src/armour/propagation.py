@@ -137,7 +137,7 @@ def uncertainty(scenario: Scenario) -> UncertaintyResult:
     section = section_of(scenario)
     own = inputs_of(scenario)
     columns = columns_of(section, own, points_of(section))
-    check_ranges(scenario, columns)
+    check_samples(scenario, columns)
     perforated = perforations(scenario, columns)
     limits = np.sort(limits_of(scenario, columns))
     deterministic = float(limits_of(scenario, {name: np.array([own[name]]) for name in columns})[0])
@@ -171,6 +171,25 @@ def section_of(scenario: Scenario) -> Uncertainty:
         raise InputError([Problem(scenario.file, "uncertainty", message)])
     check_names(section.inputs(), scenario, scenario.file, "uncertainty")
     return section
+
+
+def check_samples(scenario: Scenario, columns: Mapping[str, "Floats"]) -> None:
+    """Make sure that the scenario allows every value that is sampled.
+
+    Raises
+    ------
+    InputError
+        With every distribution that reaches too far.
+    """
+    problems = []
+    for name, values in columns.items():
+        try:
+            check_ranges(scenario, {name: values})
+        except InputError as error:
+            message = f"must not reach values that are not allowed: {error.problems[0].message}; give it a min or max"
+            problems.append(Problem(scenario.file, f"uncertainty.{name}", message))
+    if problems:
+        raise InputError(problems)
 
 
 def perforations(scenario: Scenario, columns: Mapping[str, "Floats"]) -> "NDArray[np.bool_]":

@@ -133,7 +133,10 @@ NORMAL = {"distribution": "normal", "standard_deviation_percent": 10.0}
     [
         (scenario(), "scenario: uncertainty: is missing and must be given"),
         (with_section(samples=64), "scenario: uncertainty: is missing and must be given"),
-        (with_section(ceramic={"flow_stress_GPa": {**NORMAL, "standard_deviation_percent": 60.0}}), "must be"),
+        (
+            with_section(ceramic={"flow_stress_GPa": {**NORMAL, "standard_deviation_percent": 60.0}}),
+            "; give it a min or max",
+        ),
         (
             scenario(ceramic=None, ceramic_mm=0.0, uncertainty={"ceramic": {"flow_stress_GPa": NORMAL}}),
             'found "ceramic.flow_stress_GPa"',
