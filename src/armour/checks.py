@@ -62,7 +62,8 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
     """Pydantic's errors as problems of the file that was validated against the model."""
     problems = []
     for detail in error.errors():
-        parts = [part for part in detail["loc"] if part != NUMBER]
+        # pydantic names the member of a union that it tried, here in angle brackets.
+        parts = [part for part in detail["loc"] if part != NUMBER and not str(part).startswith("<")]
         context = detail.get("ctx", {})
         if detail["type"] == "extra_forbidden":
             message = "unknown key" + nearest(str(parts[-1]), _known_keys(model, parts[:-1]))

@@ -24,6 +24,7 @@ from armour.peers import residual_velocity
 from armour.propagation import UncertaintyResult
 from armour.scenario import Scenario
 from armour.simulation import History, ImpactResult, StageRecord
+from armour.study import StudyResult
 from armour.sweep import words_of
 from armour.units import words_and_unit
 from armour.validation import SuiteResult
@@ -197,6 +198,48 @@ def optimum_figure(result: OptimumResult, title: str) -> Figure:
         figure.legend(loc="outside lower center")
         figure.suptitle(_wrapped(title), fontsize=10)
     return figure
+
+
+def study_figure(result: StudyResult, title: str) -> Figure:
+    """What each backing needs of the best pair, the best designs of the others and the Pareto front."""
+    best = result.best
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.2, 4.6 if not result.pareto else 8.0))
+        panels = figure.subplots(2 if result.pareto else 1, 1, squeeze=False)[:, 0]
+        axes = panels[0]
+        backing = [design.backing_thickness_mm for design in result.frontier]
+        areal = [design.areal_density_kg_m2 for design in result.frontier]
+        axes.plot(backing, areal, marker="o", markersize=3.0, color=BLUE, label=f"{best.ceramic} on {best.backing}")
+        for index, pair in enumerate(pair for pair in result.pairs if pair.best is not None and pair.reason):
+            if pair.best is not None and index < len(ROUND_MARKERS):
+                label = f"{pair.ceramic} on {pair.backing}: {pair.reason}"
+                style: Any = {"color": COLOURS[index + 1], "markerfacecolor": "none", "linestyle": "none"}
+                place = pair.best.backing_thickness_mm, pair.best.areal_density_kg_m2
+                axes.plot(*place, ROUND_MARKERS[index], label=label, **style)
+        label = f"best: {best.ceramic_thickness_mm:g} on {best.backing_thickness_mm:g} mm"
+        at = best.backing_thickness_mm, best.areal_density_kg_m2
+        axes.plot(*at, "*", markersize=11.0, color=RED, label=label)
+        axes.set_xlabel("backing thickness, mm")
+        axes.set_ylabel("areal density, kg/m²")
+        if result.pareto:
+            criteria = [
+                name
+                for name in ("areal_density_kg_m2", "thickness_mm", "cost_per_m2", "margin_m_s")
+                if len({getattr(item, name) for item in result.pareto}) > 1
+            ]
+            x, y = (criteria[0], criteria[1]) if len(criteria) > 1 else ("areal_density_kg_m2", "thickness_mm")
+            values = [[getattr(item, name) for item in result.pareto] for name in (x, y)]
+            panels[1].plot(*values, "o", markersize=4.0, color=BLUE)
+            panels[1].set_xlabel(_criterion(x))
+            panels[1].set_ylabel(_criterion(y))
+            panels[1].set_title("Pareto front", fontsize=9)
+        figure.legend(loc="outside lower center")
+        figure.suptitle(_wrapped(title), fontsize=10)
+    return figure
+
+
+def _criterion(name: str) -> str:
+    return "cost per m²" if name == "cost_per_m2" else words_of(name)
 
 
 def chart_figure(chart: Chart) -> Figure:

@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import (
+    Discriminator,
     Field,
     PrivateAttr,
+    Tag,
     ValidationError,
     ValidationInfo,
     field_validator,
@@ -164,6 +166,135 @@ class Optimise(Section):
         return self
 
 
+class Threat(Section):
+    """A projectile and a velocity that a design must defeat, with what it must have in reserve."""
+
+    name: str = ""
+    projectile: str
+    velocity_m_s: Velocity
+    margin_m_s: Annotated[float, Field(ge=0.0, le=1e4)] = 0.0
+    probability_of_perforation: Annotated[float, Field(gt=0.0, lt=0.5)] | None = None
+
+    @field_validator("projectile")
+    @classmethod
+    def _projectile(cls, name: str, info: ValidationInfo) -> str:
+        return _named("projectile", name, info)
+
+    @property
+    def title(self) -> str:
+        """Its name, or projectile and velocity."""
+        return self.name or f"{self.projectile} at {self.velocity_m_s:g} m/s"
+
+
+class FreeRange(Section):
+    """Any value between two."""
+
+    min: ThicknessOrNone
+    max: Thickness
+
+    @model_validator(mode="after")
+    def _ordered(self) -> "FreeRange":
+        if self.min >= self.max:
+            raise ValueError(f"min must be below max, found {self.min:g} and {self.max:g}")
+        return self
+
+
+def _kind_of_range(value: object) -> str:
+    """Which of the kinds of thicknesses a value is meant to be."""
+    if isinstance(value, list):
+        return "<list>"
+    stepped = isinstance(value, Range) or (isinstance(value, dict) and "step" in value)
+    return "<range>" if stepped else "<free>"
+
+
+Thicknesses = Annotated[
+    Annotated[Annotated[list[ThicknessOrNone], Field(min_length=1)], Tag("<list>")]
+    | Annotated[Range, Tag("<range>")]
+    | Annotated[FreeRange, Tag("<free>")],
+    Discriminator(_kind_of_range),
+]
+
+
+class Layer(Section):
+    """A material to choose, and the thicknesses in which it is to be had."""
+
+    material: str
+    thickness_mm: Thicknesses
+    cost_per_kg: Annotated[float, Field(ge=0.0)] = 0.0
+    cost_per_m2: Annotated[float, Field(ge=0.0)] = 0.0
+    density_kg_m3: Annotated[float, Field(ge=100.0, le=30000.0)] | None = None
+
+    @property
+    def free(self) -> bool:
+        """Whether any thickness of its range is to be had."""
+        return isinstance(self.thickness_mm, FreeRange)
+
+    def thicknesses(self) -> tuple[float, ...]:
+        """Thicknesses to be had, mm; the ends of a free range."""
+        if isinstance(self.thickness_mm, Range):
+            return self.thickness_mm.values()
+        if isinstance(self.thickness_mm, FreeRange):
+            return (self.thickness_mm.min, self.thickness_mm.max)
+        return tuple(sorted(set(self.thickness_mm)))
+
+
+class CeramicLayer(Layer):
+    """A ceramic to choose."""
+
+    @field_validator("material")
+    @classmethod
+    def _material(cls, name: str, info: ValidationInfo) -> str:
+        return _named("ceramic", name, info)
+
+
+class BackingLayer(Layer):
+    """A metal to choose for the back plate."""
+
+    @field_validator("material")
+    @classmethod
+    def _material(cls, name: str, info: ValidationInfo) -> str:
+        return _named("metal", name, info)
+
+    @field_validator("thickness_mm")
+    @classmethod
+    def _some(cls, thickness: object) -> object:
+        least = min(thickness) if isinstance(thickness, list) else getattr(thickness, "min", 1.0)
+        if least <= 0.0:
+            raise ValueError(f"must be greater than 0, found {least:g}")
+        return thickness
+
+
+Objective = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
+Criterion = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2", "margin_m_s"]
+
+
+class DesignSection(Section):
+    """What a design is made of, what it must keep to and what makes one better than another."""
+
+    minimise: Objective = "areal_density_kg_m2"
+    pareto: Annotated[list[Criterion], Field(min_length=2, max_length=3)] | None = None
+    runners_up_percent: Annotated[float, Field(ge=0.0, le=100.0)] = 5.0
+    thickness_max_mm: Thickness | None = None
+    areal_density_max_kg_m2: Positive | None = None
+    cost_max_per_m2: Positive | None = None
+    added_thickness_mm: ThicknessOrNone = 0.0
+    added_areal_density_kg_m2: Annotated[float, Field(ge=0.0)] = 0.0
+    added_cost_per_m2: Annotated[float, Field(ge=0.0)] = 0.0
+    ceramic: list[CeramicLayer] = []
+    backing: list[BackingLayer] = []
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "DesignSection":
+        if self.pareto is not None and len(set(self.pareto)) < len(self.pareto):
+            raise ValueError("pareto must not name a criterion twice")
+        counts = [
+            sum(len(layer.thicknesses()) for layer in layers) for layers in (self.ceramic, self.backing) if layers
+        ]
+        if len(counts) == 2 and counts[0] * counts[1] > MOST_DESIGNS:
+            raise ValueError(f"must hold at most {MOST_DESIGNS} designs, found {counts[0] * counts[1]}")
+        return self
+
+
 class LibrarySection(LibraryTables):
     """Entries that the scenario adds to the library."""
 
@@ -191,6 +322,8 @@ class Scenario(Section):
     solver: Solver = Solver()
     ballistic_limit: BallisticLimitSection = BallisticLimitSection()
     optimise: Optimise | None = None
+    threat: list[Threat] = []
+    design: DesignSection | None = None
     uncertainty: Uncertainty | None = None
     library: LibrarySection = LibrarySection()
 

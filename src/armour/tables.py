@@ -19,6 +19,7 @@ from armour.propagation import UncertaintyResult
 from armour.quantities import QUANTITIES
 from armour.requirement import Design
 from armour.simulation import History, ImpactResult
+from armour.study import Compromise, StudyResult
 from armour.suite import Case
 from armour.validation import Check, SuiteResult, Update
 
@@ -151,6 +152,94 @@ BEST_COLUMNS = (
     "areal density kg/m^2",
     "ballistic limit m/s",
 )
+
+
+def study_rows(result: StudyResult) -> list[Row]:
+    """The best design of a study."""
+    best = result.best
+    rows = [
+        ("ceramic", f"{best.ceramic_thickness_mm:g}", f"mm {best.ceramic}"),
+        ("backing", f"{best.backing_thickness_mm:g}", f"mm {best.backing}"),
+        ("areal density", f"{best.areal_density_kg_m2:.2f}", "kg/m^2"),
+        ("thickness", f"{best.thickness_mm:g}", "mm"),
+    ]
+    if best.cost_per_m2 > 0.0:
+        rows.append(("cost", f"{best.cost_per_m2:.2f}", "per m^2"))
+    return [*rows, ("examined", f"{result.examined:,}", f"of {result.designs:,} designs on offer")]
+
+
+def margin_rows(result: StudyResult) -> list[tuple[str, ...]]:
+    """What the best design has in reserve against each threat, the governing one marked."""
+    best = result.best
+    rows: list[tuple[str, ...]] = []
+    for threat, margin in best.margins_m_s.items():
+        estimate = best.probabilities.get(threat)
+        sampled = "" if estimate is None else f"{estimate.value:.4f}, {interval(estimate.low, estimate.high, '.4f')}"
+        rows.append((threat, f"{margin:+.1f}", sampled, "governs" if threat == best.governing else ""))
+    return rows
+
+
+MARGIN_COLUMNS = ("threat", "margin m/s", "probability of perforation", "")
+
+
+def pair_rows(result: StudyResult) -> list[tuple[str, ...]]:
+    """Every pair of materials with its best design, or why it has none."""
+    rows: list[tuple[str, ...]] = []
+    for pair in result.pairs:
+        best = pair.best
+        numbers = ("", "", "", "", "", "")
+        if best is not None:
+            numbers = (
+                f"{best.ceramic_thickness_mm:g}",
+                f"{best.backing_thickness_mm:g}",
+                f"{best.areal_density_kg_m2:.2f}",
+                f"{best.thickness_mm:g}",
+                f"{best.cost_per_m2:.2f}" if best.cost_per_m2 > 0.0 else "",
+                best.governing,
+            )
+        rows.append((pair.ceramic, pair.backing, *numbers, pair.reason or "best"))
+    return rows
+
+
+PAIR_COLUMNS = (
+    "ceramic",
+    "backing",
+    "ceramic mm",
+    "backing mm",
+    "areal density kg/m^2",
+    "thickness mm",
+    "cost per m^2",
+    "governed by",
+    "",
+)
+
+
+def pareto_table(result: StudyResult) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Columns and rows of a Pareto front."""
+    margins = any(item.margin_m_s is not None for item in result.pareto)
+    columns = ("Pareto front", "backing", "ceramic mm", "backing mm", "areal density kg/m^2", "thickness mm")
+    rows = [
+        (
+            item.ceramic,
+            item.backing,
+            f"{item.ceramic_thickness_mm:g}",
+            f"{item.backing_thickness_mm:g}",
+            f"{item.areal_density_kg_m2:.2f}",
+            f"{item.thickness_mm:g}",
+            f"{item.cost_per_m2:.2f}",
+            *(() if item.margin_m_s is None else (f"{item.margin_m_s:+.1f}",)),
+        )
+        for item in result.pareto
+    ]
+    return (*columns, "cost per m^2", *(("margin m/s",) if margins else ())), rows
+
+
+def study_csv(result: StudyResult) -> str:
+    """The Pareto front of a study, or the frontier of its best pair, as a CSV file."""
+    if not result.pareto:
+        return frontier_csv(result.frontier)
+    names = [field.name for field in fields(Compromise)]
+    return csv_text(names, ([getattr(item, name) for name in names] for item in result.pareto))
 
 
 def library_table(library: Library, kind: Kind) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:

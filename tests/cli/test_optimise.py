@@ -94,3 +94,27 @@ def test_a_design_outside_the_data_is_warned_of(cli, folder: Path):
     result = cli("optimise", path, "--json")
     assert result.stderr.startswith(f"warning: {path}: impact.velocity_m_s: the model was tested on velocities")
     assert [f"warning: {path}: {w}" for w in json.loads(result.stdout)["warnings"]] == result.stderr.splitlines()
+
+
+def test_a_catalogue_and_threats(cli, folder: Path):
+    result = cli("optimise", SCENARIOS / "catalogue.toml", "--csv", "front.csv", "--plot", "study.svg")
+    assert result.exit_code == 0
+    words = [line.split() for line in result.stdout.splitlines()]
+    assert ["ceramic", "5", "mm", "Al-N"] in words
+    assert any(line[-1:] == ["governs"] for line in words)
+    assert any(line[-2:] == ["%", "heavier"] for line in words)
+    assert (folder / "front.csv").read_text().startswith("ceramic,backing,ceramic_thickness_mm")
+    assert "Pareto front" in (folder / "study.svg").read_text()
+
+
+def test_a_catalogue_as_json(cli):
+    data = json.loads(cli("optimise", SCENARIOS / "catalogue.toml", "--json").stdout)
+    for design in (data["best"], *data["frontier"]):
+        assert {"ceramic_thickness_mm", "backing_thickness_mm", "areal_density_kg_m2"} <= design.keys()
+    assert data["best"]["ballistic_limit_m_s"] >= 850.0
+    assert data["examined"] <= data["designs"] == 282
+
+
+def test_a_catalogue_has_no_grid_to_refine(cli):
+    told = cli.fails(2, "optimise", SCENARIOS / "catalogue.toml", "--refine")
+    assert told[0].startswith("optimise: --full-grid, --refine: searches the grid of a scenario without threats")

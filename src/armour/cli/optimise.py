@@ -13,15 +13,18 @@ from armour.cli.report import (
     check_outputs,
     counting,
     print_json,
+    print_quantities,
     print_table,
     tell_of_compiling,
     warn,
     write,
     write_plot,
 )
+from armour.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from armour.optimisation import Column
+    from armour.scenario import Scenario
 
 
 def optimise(
@@ -36,19 +39,23 @@ def optimise(
     ] = False,
     csv: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Write the frontier to a CSV file.", show_default=False),
+        typer.Option(metavar="FILE", help="Write the frontier, or the Pareto front, as CSV.", show_default=False),
     ] = None,
     plot: PlotFile = None,
     as_json: AsJson = False,
 ) -> None:
-    """Find the lightest design of the grid that defeats the impact."""
+    """Find the best design: the lightest of the grid, or what the scenario's threats and catalogue ask for."""
     from armour.optimisation import frontier_of
     from armour.optimisation import optimise as find_optimum
     from armour.scenario import load_scenario
+    from armour.study import asks_for_study
     from armour.tables import BEST_COLUMNS, DESIGN_COLUMNS, best_rows, design_rows, frontier_csv
 
     check_outputs(csv, plot=plot, source=scenario)
     loaded = load_scenario(scenario)
+    if asks_for_study(loaded):
+        _study(loaded, csv, plot, as_json=as_json, asked=full_grid or refine)
+        return
     columns: list[Column] = []
     tell_of_compiling()
     try:
@@ -79,3 +86,34 @@ def optimise(
         from armour.plots import optimum_figure
 
         write_plot(plot, optimum_figure(result, loaded.title))
+
+
+def _study(loaded: "Scenario", csv: Path | None, plot: Path | None, *, as_json: bool, asked: bool) -> None:
+    """Answer what the scenario's threats and catalogue ask for."""
+    from armour.study import study
+    from armour.tables import MARGIN_COLUMNS, PAIR_COLUMNS, margin_rows, pair_rows, pareto_table, study_csv, study_rows
+
+    if asked:
+        message = "searches the grid of a scenario without threats and catalogue; leave it out"
+        raise InputError([Problem("optimise", "--full-grid, --refine", message)])
+    tell_of_compiling()
+    result = study(loaded)
+    if as_json:
+        print_json(result.to_dict())
+    else:
+        print_quantities(loaded.title, study_rows(result))
+        print()
+        print_table(MARGIN_COLUMNS, margin_rows(result), numbers=(1, 2, 3))
+        print()
+        print_table(PAIR_COLUMNS, pair_rows(result), numbers=(2, 3, 4, 5, 6))
+        if result.pareto:
+            print()
+            columns, rows = pareto_table(result)
+            print_table(columns, rows, numbers=range(2, len(columns)))
+    warn(loaded, result.warnings)
+    if csv is not None:
+        write(csv, study_csv(result))
+    if plot is not None:
+        from armour.plots import study_figure
+
+        write_plot(plot, study_figure(result, loaded.title))
