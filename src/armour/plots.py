@@ -222,12 +222,7 @@ def study_figure(result: StudyResult, title: str) -> Figure:
         axes.set_xlabel("backing thickness, mm")
         axes.set_ylabel("areal density, kg/m²")
         if result.pareto:
-            criteria = [
-                name
-                for name in ("areal_density_kg_m2", "thickness_mm", "cost_per_m2", "margin_m_s")
-                if len({getattr(item, name) for item in result.pareto}) > 1
-            ]
-            x, y = (criteria[0], criteria[1]) if len(criteria) > 1 else ("areal_density_kg_m2", "thickness_mm")
+            x, y = result.criteria[:2]
             values = [[getattr(item, name) for item in result.pareto] for name in (x, y)]
             panels[1].plot(*values, "o", markersize=4.0, color=BLUE)
             panels[1].set_xlabel(_criterion(x))

@@ -114,6 +114,8 @@ class StudyResult:
         Of the best pair: for each backing thickness the thinnest ceramic that defeats every threat.
     pairs : tuple of Pair
         The best first.
+    criteria : tuple of str
+        Of the Pareto front.
     pareto : tuple of Compromise
         Empty where it was not asked for.
     designs, examined : int
@@ -126,6 +128,7 @@ class StudyResult:
     best: StudyDesign
     frontier: tuple[Design, ...]
     pairs: tuple[Pair, ...]
+    criteria: tuple[str, ...]
     pareto: tuple[Compromise, ...]
     designs: int
     examined: int
@@ -522,6 +525,7 @@ def _result(search: _Search, best: int) -> StudyResult:
         best=chosen,
         frontier=frontier,
         pairs=tuple(pairs),
+        criteria=tuple(section.pareto or ()),
         pareto=pareto,
         designs=len(table.pair),
         examined=int(search.known.sum()),

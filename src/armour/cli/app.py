@@ -13,6 +13,7 @@ from armour.cli import (
     init,
     library,
     optimise,
+    report,
     sensitivity,
     simulate,
     sweep,
@@ -20,7 +21,7 @@ from armour.cli import (
     v50,
     validate,
 )
-from armour.cli.report import Reporting
+from armour.cli.common import Reporting
 
 app = typer.Typer(
     cls=Reporting,
@@ -58,6 +59,7 @@ app.command("calibrate")(calibrate.calibrate)
 app.command("uncertainty")(uncertainty.uncertainty)
 app.command("sensitivity")(sensitivity.sensitivity)
 app.command("v50")(v50.v50)
+app.command("report")(report.report)
 app.command("compare")(compare.compare)
 app.command("validate")(validate.validate)
 app.command("figures")(figures.figures)

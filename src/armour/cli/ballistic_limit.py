@@ -2,7 +2,7 @@
 
 import sys
 
-from armour.cli.report import (
+from armour.cli.common import (
     AsJson,
     PlotFile,
     ScenarioFile,

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from armour.cli.report import (
+from armour.cli.common import (
     AsJson,
     PlotFile,
     ScenarioFile,

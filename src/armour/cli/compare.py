@@ -1,6 +1,6 @@
 """``armour compare``."""
 
-from armour.cli.report import (
+from armour.cli.common import (
     AsJson,
     PlotFile,
     ScenarioFile,

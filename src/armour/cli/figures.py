@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.report import check_outputs, counting, tell_of_compiling, write, write_plot
+from armour.cli.common import check_outputs, counting, tell_of_compiling, write, write_plot
 from armour.errors import InputError, Problem
 
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.report import check_outputs, write
+from armour.cli.common import check_outputs, write
 from armour.errors import InputError, Problem, nearest
 from armour.files import shipped
 

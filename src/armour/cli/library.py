@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.report import AsJson, print_json, print_table
+from armour.cli.common import AsJson, print_json, print_table
 from armour.errors import InputError, Problem
 
 app = typer.Typer(invoke_without_command=True, no_args_is_help=False)

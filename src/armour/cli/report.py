@@ -1,206 +1,39 @@
-"""What the commands share: arguments, tables, files written, errors and exit codes."""
+"""``armour report``."""
 
-import json
-import os
-import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
-from typer.core import TyperGroup
 
-from armour.errors import ArmourError, InputError, NoAnswerError, Problem
-from armour.files import check_writable, write_whole
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-    from rich.console import Console
-
-    from armour.scenario import Scenario
-
-NO_ANSWER = 1
-WRONG_INPUT = 2
-CHECK_FAILED = 3
-INTERRUPTED = 130
-
-ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file (TOML).", show_default=False)]
-AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.", show_default=False)]
-PlotFile = Annotated[
-    Path | None,
-    typer.Option("--plot", metavar="FILE", help="Draw to a .png, .svg or .pdf file.", show_default=False),
-]
+from armour.cli.common import check_outputs, counting, tell_of_compiling, write
 
 
-class Reporting(TyperGroup):
-    """Commands whose errors end in a message and an exit code."""
-
-    def invoke(self, ctx: Any) -> Any:
-        """Run the command; turn what it raises into a message and an exit code."""
-        try:
-            return super().invoke(ctx)
-        except ArmourError as error:
-            print(error, file=sys.stderr)
-            ctx.exit(NO_ANSWER if isinstance(error, NoAnswerError) else WRONG_INPUT)
-        except KeyboardInterrupt:
-            print("interrupted", file=sys.stderr)
-            ctx.exit(INTERRUPTED)
-        except BrokenPipeError:
-            # The reader has gone; so does what is still in the buffer.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            ctx.exit(0)
-
-
-def check_outputs(*paths: Path | None, plot: Path | None = None, source: Path | None = None) -> None:
-    """Make sure that all files asked for can be written before the work begins, and not over the one that is read.
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong with them.
-    """
-    problems: list[Problem] = []
-    if plot is not None:
-        formats = (".png", ".svg", ".pdf")
-        if plot.suffix.lower() not in formats:
-            found = plot.suffix or "no ending"
-            message = f"must end in {', '.join(formats[:-1])} or {formats[-1]}, found {found}"
-            problems.append(Problem(str(plot), "", message))
-    for path in (*paths, plot):
-        try:
-            if path is not None:
-                check_writable(path)
-                if source is not None and path.exists() and source.exists() and path.samefile(source):
-                    problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
-        except InputError as error:
-            problems.extend(error.problems)
-    if problems:
-        raise InputError(problems)
-
-
-def write(path: Path, content: str | bytes) -> None:
-    """Write a file that was asked for, and say so on stderr."""
-    write_whole(path, content.encode() if isinstance(content, str) else content)
-    print(f"wrote {path}", file=sys.stderr)
-
-
-def write_plot(path: Path, figure: "Figure") -> None:
-    """Draw a figure to a file that was asked for."""
-    from armour.plots import rendered
-
-    write(path, rendered(figure, path.suffix.lower()))
-
-
-def print_json(data: Mapping[str, Any]) -> None:
-    """Print one JSON object."""
-    print(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False))
-
-
-def changes_of(assignments: Sequence[str]) -> dict[str, Any]:
-    """Changes of a scenario from texts such as ``armour.ceramic_thickness_mm=8``.
-
-    A text is read as a line of TOML; a value that is not TOML stands for its text.
-
-    Raises
-    ------
-    InputError
-        With every text that is no assignment.
-    """
-    from armour.scenario import changed
-
-    changes: dict[str, Any] = {}
-    problems = []
-    for assignment in assignments:
-        found = _assignment(assignment)
-        if found is None:
-            message = f"must be KEY=VALUE, such as impact.velocity_m_s=900, found {json.dumps(assignment)}"
-            problems.append(Problem("command line", "--set", message))
-        else:
-            changes = changed(changes, found)
-    if problems:
-        raise InputError(problems)
-    return changes
-
-
-def _assignment(text: str) -> dict[str, Any] | None:
-    """The line of TOML as data; None where it is none."""
-    import tomllib
-
-    key, equals, value = text.partition("=")
-    for line in (text, f"{key}{equals}{json.dumps(value.strip())}"):
-        try:
-            return tomllib.loads(line) if equals and "\n" not in line else None
-        except tomllib.TOMLDecodeError:
-            continue
-    return None
-
-
-def warn(scenario: "Scenario", warnings: Sequence[str]) -> None:
-    """Say on stderr what of a scenario is outside the data that the model was tested on."""
-    for warning in warnings:
-        print(f"warning: {scenario.file}: {warning}", file=sys.stderr)
-
-
-def tell_of_compiling() -> None:
-    """Say on stderr that the first use after an installation takes its time."""
-    from armour.core import compiled
-
-    if not compiled.is_compiled():
-        print("compiling, once after an installation: some ten seconds", file=sys.stderr)
-
-
-@contextmanager
-def counting(what: str) -> Iterator[Callable[[int], None]]:
-    """Give a function that counts one more of a total: a progress bar on a terminal, nothing elsewhere."""
-    if not sys.stderr.isatty():
-        yield lambda _total: None
-        return
-    from rich.progress import Progress
-
-    with Progress(console=console(stderr=True), transient=True) as bar:
-        task = bar.add_task(what, total=None)
-        yield lambda total: bar.update(task, total=total, advance=1)
-
-
-def console(*, stderr: bool = False) -> "Console":
-    """A console as wide as the terminal; in a pipe as wide as it takes to keep every row on one line."""
-    from rich.console import Console
-
-    made = Console(stderr=stderr, highlight=False, soft_wrap=False)
-    if not made.is_terminal:
-        made.width = max(made.width, 160)
-    return made
-
-
-def print_table(
-    columns: Sequence[str], rows: Sequence[Sequence[str]], *, numbers: Sequence[int] = (), stderr: bool = False
+def report(
+    source: Annotated[
+        Path, typer.Argument(metavar="SCENARIO|SUITE", help="Scenario or suite file (TOML).", show_default=False)
+    ],
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="HTML file to write.")] = Path(
+        "report.html"
+    ),
 ) -> None:
-    """Print rows under their headings, columns of numbers to the right."""
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
+    """Write a report to hand over: one HTML file with the answer, charts, how sure it is and where it comes from."""
+    from armour.files import read_toml
+    from armour.pages import scenario_page, suite_page
 
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
-    for index, column in enumerate(columns):
-        table.add_column(column, justify="right" if index in numbers else "left", overflow="fold")
-    for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
-    console(stderr=stderr).print(table)
+    check_outputs(output, source=source)
+    command = shlex.join(["armour", "report", str(source), "--output", str(output)])
+    tell_of_compiling()
+    if {"case", "table"} & read_toml(source).keys():
+        from armour.suite import load_suite
+        from armour.validation import validate
 
+        with counting("cases") as show:
+            result = validate(load_suite(source), on_check=lambda _check, total: show(total))
+        page = suite_page(result, command)
+    else:
+        from armour.dossier import dossier_of
+        from armour.scenario import load_scenario
 
-def print_quantities(title: str, rows: Sequence[tuple[str, str, str]]) -> None:
-    """Print quantities with their units below a title."""
-    from rich.table import Table
-    from rich.text import Text
-
-    out = console()
-    if title:
-        out.print(Text(title, style="bold"))
-    table = Table.grid(padding=(0, 2))
-    table.add_column()
-    table.add_column(justify="right")
-    table.add_column()
-    for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
-    out.print(table)
+        page = scenario_page(dossier_of(load_scenario(source)), command)
+    write(output, page)

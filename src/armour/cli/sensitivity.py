@@ -1,6 +1,6 @@
 """``armour sensitivity``."""
 
-from armour.cli.report import (
+from armour.cli.common import (
     AsJson,
     PlotFile,
     ScenarioFile,

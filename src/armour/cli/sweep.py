@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from armour.cli.report import (
+from armour.cli.common import (
     AsJson,
     PlotFile,
     ScenarioFile,

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.report import AsJson, PlotFile, check_outputs, print_json, print_quantities, print_table, write_plot
+from armour.cli.common import AsJson, PlotFile, check_outputs, print_json, print_quantities, print_table, write_plot
 
 
 def v50(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from armour.cli.report import (
+from armour.cli.common import (
     CHECK_FAILED,
     AsJson,
     changes_of,

@@ -1,0 +1,197 @@
+"""All that a report on a scenario says: the answer, how it comes about and how sure it is."""
+
+from dataclasses import dataclass
+from math import pi
+from typing import TYPE_CHECKING
+
+from armour.elasticities import SensitivityResult, sensitivity
+from armour.errors import NoLimitError
+from armour.inputs import BACKING, CERAMIC, ROLES, entry_of, with_inputs
+from armour.library import LibraryEntry, penetrator_length_mm
+from armour.limit import LimitResult, ballistic_limit
+from armour.optimisation import OptimumResult, optimise, with_thicknesses
+from armour.propagation import UncertaintyResult, uncertainty
+from armour.scenario import Scenario
+from armour.simulation import ImpactResult, simulate
+from armour.study import StudyResult, asks_for_study, study
+from armour.units import MM, G
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LedgerRow:
+    """What a stage took of the projectile's kinetic energy, J.
+
+    Attributes
+    ----------
+    stage : str
+    eroded : float
+        With the material that eroded, at the velocity that it had.
+    braked : float
+        From what was left of the rod, by the force on its front.
+    """
+
+    stage: str
+    eroded: float
+    braked: float
+
+    @property
+    def total(self) -> float:
+        """All that the stage took."""
+        return self.eroded + self.braked
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """Where the projectile's kinetic energy went, J."""
+
+    before: float
+    rows: tuple[LedgerRow, ...]
+    left: float
+
+    @property
+    def difference(self) -> float:
+        """What the rows and the rest do not account for; rounding."""
+        return self.before - self.left - sum(row.total for row in self.rows)
+
+
+@dataclass(frozen=True)
+class Dossier:
+    """A scenario's question, answered.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        As it was read.
+    answer : Scenario
+        With the design that answers it and the threat that governs it.
+    optimum : OptimumResult or StudyResult or None
+        None where the scenario asks for no design.
+    impact : ImpactResult
+        Of the answer, with its history.
+    limit : LimitResult or None
+        Of the answer; None outside the range of its search.
+    ledger : Ledger
+    sensitivity : SensitivityResult
+    uncertainty : UncertaintyResult or None
+        None where the scenario has no distributions.
+    entries : tuple of LibraryEntry
+        What the answer is made of.
+    warnings : tuple of str
+    """
+
+    scenario: Scenario
+    answer: Scenario
+    optimum: OptimumResult | StudyResult | None
+    impact: ImpactResult
+    limit: LimitResult | None
+    ledger: Ledger
+    sensitivity: SensitivityResult
+    uncertainty: UncertaintyResult | None
+    entries: tuple[LibraryEntry, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def margin_m_s(self) -> float | None:
+        """Ballistic limit less the threat's velocity."""
+        return None if self.limit is None else self.limit.ballistic_limit_m_s - self.answer.impact.velocity_m_s
+
+
+def dossier_of(scenario: Scenario) -> Dossier:
+    """Answer a scenario and gather what there is to say of the answer.
+
+    Raises
+    ------
+    InputError
+        If something in the scenario is wrong.
+    NoAnswerError
+        If no design defeats its threats.
+    """
+    optimum: OptimumResult | StudyResult | None = None
+    answer = scenario
+    if asks_for_study(scenario):
+        optimum = study(scenario)
+        answer = _studied(scenario, optimum)
+    elif scenario.optimise is not None:
+        optimum = optimise(scenario)
+        answer = with_thicknesses(scenario, optimum.best)
+    impact = simulate(answer, history=True)
+    sampled = scenario.uncertainty is not None and scenario.uncertainty.inputs()
+    return Dossier(
+        scenario=scenario,
+        answer=answer,
+        optimum=optimum,
+        impact=impact,
+        limit=_limit(answer),
+        ledger=ledger_of(answer, impact),
+        sensitivity=sensitivity(answer),
+        uncertainty=uncertainty(answer) if sampled else None,
+        entries=tuple(entry for role in ROLES if (entry := entry_of(answer, role)) is not None),
+        warnings=impact.warnings,
+    )
+
+
+def _studied(scenario: Scenario, result: StudyResult) -> Scenario:
+    """The scenario with the best design of a study and the threat that governs it."""
+    threats = {threat.title: threat for threat in scenario.threat}
+    threat = threats.get(result.best.governing)
+    changes: dict[str, object] = {
+        "armour.backing": result.best.backing,
+        CERAMIC: result.best.ceramic_thickness_mm,
+        BACKING: result.best.backing_thickness_mm,
+    }
+    if result.best.ceramic:
+        changes["armour.ceramic"] = result.best.ceramic
+    if threat is not None:
+        changes |= {"impact.projectile": threat.projectile, "impact.velocity_m_s": threat.velocity_m_s}
+    made = scenario.replaced(changes)
+    layers = [] if scenario.design is None else [*scenario.design.ceramic, *scenario.design.backing]
+    densities = {
+        f"{role}.density_kg_m3": layer.density_kg_m3
+        for role, name in (("ceramic", result.best.ceramic), ("backing", result.best.backing))
+        for layer in layers
+        if layer.material == name and layer.density_kg_m3 is not None
+    }
+    return with_inputs(made, densities) if densities else made
+
+
+def _limit(scenario: Scenario) -> LimitResult | None:
+    try:
+        return ballistic_limit(scenario)
+    except NoLimitError:
+        return None
+
+
+def ledger_of(scenario: Scenario, impact: ImpactResult) -> Ledger:
+    """Where the projectile's kinetic energy went, stage by stage.
+
+    What eroded took the energy of its velocity along, which is summed over the history as if the velocity fell evenly
+    with the length between two instants; the rest of a stage's loss braked the rod.
+    """
+    history = impact.history
+    assert history is not None
+    projectile = scenario.entry("projectile", scenario.impact.projectile)
+    diameter = projectile["penetrator_diameter_mm"] * MM
+    per_length = projectile["density_kg_m3"] * pi * diameter**2 / 4.0
+    length, velocity, time = history.length_mm * MM, history.velocity_m_s, history.time_us
+    squares = (velocity[:-1] ** 2 + velocity[:-1] * velocity[1:] + velocity[1:] ** 2) / 3.0
+    eroded = 0.5 * per_length * squares * (length[:-1] - length[1:])
+    rows = []
+    for record in impact.stages:
+        inside = (time[:-1] >= record.start_us) & (time[1:] <= record.end_us) & (time[1:] > time[:-1])
+        with_material = float(eroded[inside].sum())
+        rows.append(LedgerRow(record.stage, with_material, record.energy_lost_J - with_material))
+    before = 0.5 * projectile["penetrator_mass_g"] * G * impact.impact_velocity_m_s**2
+    left = 0.5 * per_length * float(length[-1]) * float(velocity[-1]) ** 2
+    return Ledger(before, tuple(rows), left)
+
+
+def rod_mm(scenario: Scenario) -> tuple[float, float]:
+    """Length and diameter of the penetrator, mm."""
+    projectile = scenario.entry("projectile", scenario.impact.projectile)
+    return penetrator_length_mm(projectile), projectile["penetrator_diameter_mm"]
