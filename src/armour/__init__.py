@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from armour.validation import Check, SuiteResult, paper_suite, validate
 
 __version__ = "0.1.0"
+# Of the equations and their readings (first number), and of the numbers that they give to all their digits (second).
+MODEL_VERSION = "1.1"
 
 # Where the public names are; each is imported when it is first asked for, so that a command starts with what it needs.
 _HOMES = {

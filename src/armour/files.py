@@ -55,13 +55,24 @@ def read_toml(path: Path) -> dict[str, Any]:
     InputError
         If the file is no text that can be read, or not valid TOML.
     """
+    return parse_toml(read_text(path), str(path))
+
+
+def parse_toml(text: str, file: str) -> dict[str, Any]:
+    """The data of a text in TOML; ``file`` is its name for messages.
+
+    Raises
+    ------
+    InputError
+        If it is not valid TOML.
+    """
     try:
-        return tomllib.loads(read_text(path))
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         message = f"must be valid TOML, found an error: {error}"
     except RecursionError:
         message = "must be valid TOML, found values nested too deeply"
-    raise InputError([Problem(str(path), "", message)])
+    raise InputError([Problem(file, "", message)])
 
 
 def check_writable(path: Path) -> None:

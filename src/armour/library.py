@@ -42,12 +42,27 @@ def _table(value: object) -> object:
 
 
 # The bounds are wide; they are there to catch a value given in the wrong unit.
-Length = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e4)]], BeforeValidator(_table)]
-Mass = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e9)]], BeforeValidator(_table)]
-Density = Annotated[Value[Annotated[float, Field(ge=100.0, le=30000.0)]], BeforeValidator(_table)]
-StressGPa = Annotated[Value[Annotated[float, Field(ge=0.001, le=1000.0)]], BeforeValidator(_table)]
-StressMPa = Annotated[Value[Annotated[float, Field(ge=1.0, le=1e6)]], BeforeValidator(_table)]
-Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0)]], BeforeValidator(_table)]
+Length = Annotated[
+    Value[Annotated[float, Field(gt=0.0, le=1e4)]], BeforeValidator(_table, json_schema_input_type=float | Value[float])
+]
+Mass = Annotated[
+    Value[Annotated[float, Field(gt=0.0, le=1e9)]], BeforeValidator(_table, json_schema_input_type=float | Value[float])
+]
+Density = Annotated[
+    Value[Annotated[float, Field(ge=100.0, le=30000.0)]],
+    BeforeValidator(_table, json_schema_input_type=float | Value[float]),
+]
+StressGPa = Annotated[
+    Value[Annotated[float, Field(ge=0.001, le=1000.0)]],
+    BeforeValidator(_table, json_schema_input_type=float | Value[float]),
+]
+StressMPa = Annotated[
+    Value[Annotated[float, Field(ge=1.0, le=1e6)]], BeforeValidator(_table, json_schema_input_type=float | Value[float])
+]
+Strain = Annotated[
+    Value[Annotated[float, Field(gt=0.0, le=10.0)]],
+    BeforeValidator(_table, json_schema_input_type=float | Value[float]),
+]
 
 
 class Entry(Section):

@@ -7,7 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from armour import __version__
+from armour import MODEL_VERSION, __version__
 from armour.dossier import Dossier, rod_mm
 from armour.optimisation import OptimumResult
 from armour.study import StudyResult
@@ -116,7 +116,7 @@ def _rendered(template: str, charts: Mapping[str, Chart], **content: Any) -> str
 
 
 def _provenance(command: str) -> dict[str, Any]:
-    versions = [("armour", __version__), ("Python", sys.version.split()[0])]
+    versions = [("armour", __version__), ("model", MODEL_VERSION), ("Python", sys.version.split()[0])]
     versions += [(name, version(name)) for name in PACKAGES]
     return {"versions": versions, "command": command, "model": MODEL}
 

@@ -502,6 +502,12 @@ def parse_scenario(data: Mapping[str, Any], *, file: str = "scenario", folder: s
     return scenario
 
 
+def scenario_schema() -> dict[str, Any]:
+    """JSON Schema of a scenario file, for editors; names of the library and what spans several keys it cannot check."""
+    schema = Scenario.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "armour scenario"}
+
+
 def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[Problem]]:
     """The scenario's library, the names it knows and what is wrong in it.
 

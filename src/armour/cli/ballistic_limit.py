@@ -4,26 +4,29 @@ import sys
 
 from armour.cli.common import (
     AsJson,
+    Changes,
     PlotFile,
     ScenarioFile,
     check_outputs,
     print_json,
     print_quantities,
     print_table,
+    read_scenario,
     warn,
     write_plot,
 )
 
 
-def ballistic_limit(scenario: ScenarioFile, plot: PlotFile = None, as_json: AsJson = False) -> None:
+def ballistic_limit(
+    scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = None, as_json: AsJson = False
+) -> None:
     """Find the lowest impact velocity that perforates."""
     from armour.limit import ballistic_limit as find_limit
     from armour.limit import residual_curve, velocities_round
-    from armour.scenario import load_scenario
     from armour.tables import CROSSING_COLUMNS, crossing_rows, limit_rows
 
     check_outputs(plot=plot, source=scenario)
-    loaded = load_scenario(scenario)
+    loaded = read_scenario(scenario, changes)
     result = find_limit(loaded)
     if as_json:
         print_json(result.to_dict())

@@ -7,12 +7,14 @@ import typer
 
 from armour.cli.common import (
     AsJson,
+    Changes,
     PlotFile,
     ScenarioFile,
     check_outputs,
     print_json,
     print_quantities,
     print_table,
+    read_scenario,
     tell_of_compiling,
     write,
     write_plot,
@@ -38,12 +40,12 @@ def calibrate(
         typer.Option("--write", metavar="LIB.toml", help="Write a library with the entries.", show_default=False),
     ] = None,
     plot: PlotFile = None,
+    changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
     """Fit parameters of a material or projectile to tests, and say how well they are known."""
     from armour.calibration import FLOW_STRESS, library_text, read_tests
     from armour.calibration import calibrate as find
-    from armour.scenario import load_scenario
     from armour.tables import (
         COEFFICIENT_COLUMNS,
         RESIDUAL_COLUMNS,
@@ -55,7 +57,7 @@ def calibrate(
 
     check_outputs(library, plot=plot, source=tests)
     check_outputs(library, source=scenario)
-    loaded = load_scenario(scenario)
+    loaded = read_scenario(scenario, changes)
     read = read_tests(tests, loaded)
     tell_of_compiling()
     result = find(read, loaded, fit or [FLOW_STRESS], law)

@@ -25,7 +25,15 @@ WRONG_INPUT = 2
 CHECK_FAILED = 3
 INTERRUPTED = 130
 
-ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file (TOML).", show_default=False)]
+STANDARD_INPUT = "standard input"
+
+ScenarioFile = Annotated[
+    Path, typer.Argument(metavar="SCENARIO", help="Scenario file (TOML); - for standard input.", show_default=False)
+]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a value of the scenario.", show_default=False),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.", show_default=False)]
 PlotFile = Annotated[
     Path | None,
@@ -41,7 +49,8 @@ class Reporting(TyperGroup):
         try:
             return super().invoke(ctx)
         except ArmourError as error:
-            print(error, file=sys.stderr)
+            told = located(error.problems) if isinstance(error, InputError) else [str(error)]
+            print(*told, sep="\n", file=sys.stderr)
             ctx.exit(NO_ANSWER if isinstance(error, NoAnswerError) else WRONG_INPUT)
         except KeyboardInterrupt:
             print("interrupted", file=sys.stderr)
@@ -50,6 +59,45 @@ class Reporting(TyperGroup):
             # The reader has gone; so does what is still in the buffer.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             ctx.exit(0)
+
+
+def located(problems: Sequence[Problem]) -> list[str]:
+    """Messages of problems, with the line of the TOML file where there is one."""
+    from armour.files import read_text
+    from armour.lines import line_of, lines_of
+
+    lines: dict[str, dict[str, int]] = {}
+    told = []
+    for problem in problems:
+        line = None
+        if problem.key and problem.file.endswith(".toml"):
+            if problem.file not in lines:
+                try:
+                    lines[problem.file] = lines_of(read_text(Path(problem.file)))
+                except InputError:
+                    lines[problem.file] = {}
+            line = line_of(problem.key, lines[problem.file])
+        told.append(f"{problem}" + ("" if line is None else f" (line {line})"))
+    return told
+
+
+def read_scenario(
+    path: Path, assignments: Sequence[str] | None, more: Mapping[str, object] | None = None
+) -> "Scenario":
+    """The scenario of a file, or of standard input where it is "-", with changes.
+
+    Raises
+    ------
+    InputError
+        With every mistake in it.
+    """
+    from armour.files import parse_toml
+    from armour.scenario import changed, load_scenario, parse_scenario
+
+    changes = changed(changes_of(assignments or ()), more or {})
+    if str(path) != "-":
+        return load_scenario(path, changes)
+    return parse_scenario(changed(parse_toml(sys.stdin.read(), STANDARD_INPUT), changes), file=STANDARD_INPUT)
 
 
 def check_outputs(*paths: Path | None, plot: Path | None = None, source: Path | None = None) -> None:

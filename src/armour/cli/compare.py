@@ -2,25 +2,26 @@
 
 from armour.cli.common import (
     AsJson,
+    Changes,
     PlotFile,
     ScenarioFile,
     check_outputs,
     print_json,
     print_quantities,
     print_table,
+    read_scenario,
     warn,
     write_plot,
 )
 
 
-def compare(scenario: ScenarioFile, plot: PlotFile = None, as_json: AsJson = False) -> None:
+def compare(scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = None, as_json: AsJson = False) -> None:
     """Put the model next to the closed forms of others: Florence's limit, Lambert-Jonas and Recht-Ipson fits."""
     from armour.comparison import compare as put_side_by_side
-    from armour.scenario import load_scenario
     from armour.tables import COMPARISON_COLUMNS, FIT_COLUMNS, comparison_rows, fit_rows
 
     check_outputs(plot=plot, source=scenario)
-    loaded = load_scenario(scenario)
+    loaded = read_scenario(scenario, changes)
     result = put_side_by_side(loaded)
     if as_json:
         print_json(result.to_dict())

@@ -8,6 +8,7 @@ import typer
 
 from armour.cli.common import (
     AsJson,
+    Changes,
     PlotFile,
     ScenarioFile,
     check_outputs,
@@ -15,6 +16,7 @@ from armour.cli.common import (
     print_json,
     print_quantities,
     print_table,
+    read_scenario,
     tell_of_compiling,
     warn,
     write,
@@ -42,17 +44,17 @@ def optimise(
         typer.Option(metavar="FILE", help="Write the frontier, or the Pareto front, as CSV.", show_default=False),
     ] = None,
     plot: PlotFile = None,
+    changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
     """Find the best design: the lightest of the grid, or what the scenario's threats and catalogue ask for."""
     from armour.optimisation import frontier_of
     from armour.optimisation import optimise as find_optimum
-    from armour.scenario import load_scenario
     from armour.study import asks_for_study
     from armour.tables import BEST_COLUMNS, DESIGN_COLUMNS, best_rows, design_rows, frontier_csv
 
     check_outputs(csv, plot=plot, source=scenario)
-    loaded = load_scenario(scenario)
+    loaded = read_scenario(scenario, changes)
     if asks_for_study(loaded):
         _study(loaded, csv, plot, as_json=as_json, asked=full_grid or refine)
         return

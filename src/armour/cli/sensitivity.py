@@ -2,25 +2,28 @@
 
 from armour.cli.common import (
     AsJson,
+    Changes,
     PlotFile,
     ScenarioFile,
     check_outputs,
     print_json,
     print_quantities,
     print_table,
+    read_scenario,
     tell_of_compiling,
     write_plot,
 )
 
 
-def sensitivity(scenario: ScenarioFile, plot: PlotFile = None, as_json: AsJson = False) -> None:
+def sensitivity(
+    scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = None, as_json: AsJson = False
+) -> None:
     """Tell by how many per cent limit, residual velocity and least areal density change when an input grows by one."""
     from armour.elasticities import sensitivity as find
-    from armour.scenario import load_scenario
     from armour.tables import elasticity_columns, elasticity_rows, sensitivity_rows
 
     check_outputs(plot=plot, source=scenario)
-    loaded = load_scenario(scenario)
+    loaded = read_scenario(scenario, changes)
     tell_of_compiling()
     result = find(loaded)
     if as_json:

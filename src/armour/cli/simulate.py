@@ -7,12 +7,14 @@ import typer
 
 from armour.cli.common import (
     AsJson,
+    Changes,
     PlotFile,
     ScenarioFile,
     check_outputs,
     print_json,
     print_quantities,
     print_table,
+    read_scenario,
     warn,
     write,
     write_plot,
@@ -30,16 +32,16 @@ def simulate(
         typer.Option(metavar="FILE", help="Write the run over time to a CSV file.", show_default=False),
     ] = None,
     plot: PlotFile = None,
+    changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
     """Run one impact: outcome, what is left of the projectile, and the stages passed through."""
-    from armour.scenario import load_scenario
     from armour.simulation import simulate as run_simulation
     from armour.tables import STAGE_COLUMNS, history_csv, impact_rows, stage_rows
 
     check_outputs(history, plot=plot, source=scenario)
-    changes = {} if velocity is None else {"impact.velocity_m_s": velocity}
-    loaded = load_scenario(scenario, changes)
+    more = {} if velocity is None else {"impact.velocity_m_s": velocity}
+    loaded = read_scenario(scenario, changes, more)
     result = run_simulation(loaded, history=history is not None or plot is not None)
     if as_json:
         print_json(result.to_dict())

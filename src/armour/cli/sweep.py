@@ -10,11 +10,13 @@ import typer
 
 from armour.cli.common import (
     AsJson,
+    Changes,
     PlotFile,
     ScenarioFile,
     check_outputs,
     console,
     print_json,
+    read_scenario,
     tell_of_compiling,
     write_plot,
 )
@@ -50,16 +52,16 @@ def sweep(
         str,
         typer.Option(metavar="ADDRESS", help='Compute on a Dask cluster; "local" starts one.', show_default=False),
     ] = "",
+    changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
     """Compute quantities over grids of values, or a table of cases; interrupted, it goes on where it stopped."""
     from armour.cluster import connected, on
-    from armour.scenario import load_scenario
     from armour.sweep import here
     from armour.sweep import sweep as run_sweep
 
     check_outputs(output, plot=plot, source=scenario)
-    loaded = load_scenario(scenario)
+    loaded = read_scenario(scenario, changes)
     source = _source(over or [], cases)
     names = [name.strip() for name in quantities.split(",")]
     if plot is not None:

@@ -6,12 +6,14 @@ import typer
 
 from armour.cli.common import (
     AsJson,
+    Changes,
     PlotFile,
     ScenarioFile,
     check_outputs,
     print_json,
     print_quantities,
     print_table,
+    read_scenario,
     tell_of_compiling,
     warn,
     write_plot,
@@ -24,15 +26,15 @@ def uncertainty(
         int | None, typer.Option(min=1, help="Take the place of the scenario's.", show_default=False)
     ] = None,
     plot: PlotFile = None,
+    changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
     """Tell how sure the outcome and the ballistic limit are, under the scenario's distributions of inputs."""
     from armour.propagation import uncertainty as propagate
-    from armour.scenario import load_scenario
     from armour.tables import ESTIMATE_COLUMNS, INDEX_COLUMNS, estimate_rows, index_rows, uncertainty_rows
 
     check_outputs(plot=plot, source=scenario)
-    loaded = load_scenario(scenario, {} if samples is None else {"uncertainty.samples": samples})
+    loaded = read_scenario(scenario, changes, {} if samples is None else {"uncertainty.samples": samples})
     tell_of_compiling()
     result = propagate(loaded)
     if as_json:

@@ -5,7 +5,17 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.common import AsJson, PlotFile, check_outputs, print_json, print_quantities, print_table, write_plot
+from armour.cli.common import (
+    AsJson,
+    Changes,
+    PlotFile,
+    check_outputs,
+    print_json,
+    print_quantities,
+    print_table,
+    read_scenario,
+    write_plot,
+)
 
 
 def v50(
@@ -31,17 +41,17 @@ def v50(
     ] = None,
     confidence: Annotated[float, typer.Option(min=0.5, max=0.9999, help="Of the intervals.")] = 0.95,
     plot: PlotFile = None,
+    changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
     """Find the velocity that perforates every other time, from firing results."""
     from armour.firing import read_shots
     from armour.firing import v50 as evaluate
-    from armour.scenario import load_scenario
     from armour.tables import FIRING_COLUMNS, firing_fit_rows, firing_rows
 
     check_outputs(plot=plot, source=shots)
     read = read_shots(shots)
-    loaded = None if scenario is None else load_scenario(scenario)
+    loaded = None if scenario is None else read_scenario(scenario, changes)
     result = evaluate(read, loaded, pairs=pairs, span_m_s=span_m_s, confidence=confidence)
     if as_json:
         print_json(result.to_dict())
