@@ -309,6 +309,9 @@ def sobol(
     import numpy as np
     from scipy.stats import qmc, sobol_indices
 
+    if inputs == 1:
+        # All of the variance is its own.
+        return ((Estimate(1.0, 1.0, 1.0), Estimate(1.0, 1.0, 1.0)),)
     rng = np.random.default_rng(seed)
     both = qmc.Sobol(2 * inputs, rng=rng).random(count).T
     a, b = both[:inputs], both[inputs:]

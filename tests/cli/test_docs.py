@@ -44,7 +44,7 @@ def test_a_session_prints_what_it_shows(cli, folder: Path, commands: list[tuple[
     for name in ("scenarios", "suites", "tests"):
         (folder / name).symlink_to(REPOSITORY / name)
     for command, lines in commands:
-        result = cli(*shlex.split(command.split("  #")[0])[1:])
+        result = cli(*shlex.split(re.split("  #| > ", command)[0])[1:])
         assert result.exit_code in (0, 3), result.output
         printed = iter([plain(line) for line in (*result.stdout.splitlines(), *result.stderr.splitlines())])
         for line in lines:

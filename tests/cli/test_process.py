@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from armour import __version__
+from armour import MODEL_VERSION, __version__
 from tests.cases import SCENARIOS
 
 REPOSITORY = SCENARIOS.parent
@@ -24,7 +24,7 @@ def process(*args: object, cwd: Path | None = None) -> subprocess.CompletedProce
 
 def test_python_m(tmp_path: Path):
     result = process("-m", "armour", "--version", cwd=tmp_path)
-    assert result.stdout == f"armour {__version__}\n"
+    assert result.stdout == f"armour {__version__}, model {MODEL_VERSION}\n"
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,7 @@ def test_another_velocity(cli):
 def test_a_velocity_stands_in_for_one_that_is_missing(cli, folder: Path):
     path = folder / "a.toml"
     path.write_text(WILKINS.read_text().replace("velocity_m_s = 800.0", ""))
-    assert cli.fails(2, "simulate", path) == [f"{path}: impact.velocity_m_s: is missing and must be given"]
+    assert cli.fails(2, "simulate", path) == [f"{path}: impact.velocity_m_s: is missing and must be given (line 5)"]
     assert cli("simulate", path, "--velocity", 800).exit_code == 0
 
 

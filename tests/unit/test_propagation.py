@@ -99,6 +99,14 @@ def test_indices_of_ishigamis_function():
         assert total.low <= true_total / whole <= total.high
 
 
+def test_one_input_has_all_of_the_variance():
+    result = uncertainty(
+        with_section(ceramic={"flow_stress_GPa": {"distribution": "normal", "standard_deviation": 0.2}}, samples=64)
+    )
+    [index] = result.inputs
+    assert index.first == index.total == Estimate(1.0, 1.0, 1.0)
+
+
 def test_intervals_of_a_proportion_and_of_a_quantile():
     assert proportion(0, 100).low == 0.0
     assert proportion(0, 100).high == pytest.approx(1.0 - 0.025 ** (1 / 100))

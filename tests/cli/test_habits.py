@@ -1,0 +1,131 @@
+"""What every command has: changes, standard input, lines in messages, examples that run, a schema, plain colours."""
+
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from armour.cli.app import COMMANDS
+from tests.cases import SCENARIOS
+
+REPOSITORY = SCENARIOS.parent
+WILKINS = SCENARIOS / "wilkins.toml"
+TAKE_A_SCENARIO = ("simulate", "ballistic-limit", "optimise", "sensitivity", "compare", "uncertainty")
+
+
+@pytest.mark.parametrize("example", [e for _, examples in COMMANDS.values() for e in examples])
+def test_the_examples_of_the_help_run(cli, folder: Path, example: str):
+    for name in ("scenarios", "suites"):
+        (folder / name).symlink_to(REPOSITORY / name)
+    if "--force" in example:
+        (folder / "mine.toml").touch()
+    result = cli(*shlex.split(example)[1:])
+    assert result.exit_code == 0, result.output
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_help_shows_examples(cli, command: str):
+    text = " ".join(cli(command, "--help").stdout.split())
+    assert "Examples:" in text
+    assert f"armour {command}" in text
+
+
+@pytest.mark.parametrize("command", TAKE_A_SCENARIO)
+def test_a_change_and_a_mistake_in_it(cli, command: str):
+    case = SCENARIOS / "uncertain.toml" if command == "uncertainty" else WILKINS
+    [told] = cli.fails(2, command, case, "--set", "armour.backing_thickness_mm=-3")
+    assert told.startswith(f"{case}: armour.backing_thickness_mm: must be greater than 0, found -3 (line ")
+    [told] = cli.fails(2, command, case, "--set", "nothing")
+    assert told.startswith("command line: --set: must be KEY=VALUE")
+
+
+def test_a_change_counts(cli):
+    found = [
+        json.loads(cli("ballistic-limit", WILKINS, *change, "--json").stdout)["ballistic_limit_m_s"]
+        for change in ((), ("--set", "armour.ceramic_thickness_mm=8"))
+    ]
+    assert found[1] > found[0] + 30.0
+
+
+def process(*args: object, text: str = "", **environment: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "armour", *(str(arg) for arg in args)]
+    return subprocess.run(command, input=text, capture_output=True, text=True, env={**os.environ, **environment})
+
+
+def test_standard_input():
+    piped = process("ballistic-limit", "-", "--json", text=WILKINS.read_text())
+    assert json.loads(piped.stdout) == json.loads(process("ballistic-limit", WILKINS, "--json").stdout)
+    wrong = process("simulate", "-", text="[impact]\nvelocity_m_s = -1.0\n")
+    assert wrong.returncode == 2
+    assert "standard input: impact.velocity_m_s: must be greater than 0, found -1" in wrong.stderr
+    assert process("simulate", "-", text="= 3").stderr.startswith("standard input: must be valid TOML")
+
+
+def test_mistakes_are_told_with_their_lines(cli, folder: Path):
+    text = WILKINS.read_text().replace("velocity_m_s = 800.0", "velocity_m_s = -800.0")
+    (folder / "a.toml").write_text(text)
+    line = text.splitlines().index("velocity_m_s = -800.0") + 1
+    [told] = cli.fails(2, "simulate", "a.toml")
+    assert told == f"a.toml: impact.velocity_m_s: must be greater than 0, found -800.0 (line {line})"
+
+
+def test_no_colour_where_none_is_wanted():
+    coloured = process("simulate", WILKINS, FORCE_COLOR="1", NO_COLOR="")
+    assert "\x1b[1m" in coloured.stdout
+    plain = process("simulate", WILKINS, NO_COLOR="1")
+    assert "\x1b" not in plain.stdout
+
+
+def test_the_width_of_the_terminal_is_kept():
+    narrow = process("library", COLUMNS="80", FORCE_COLOR="1")
+    lines = [re.sub(r"\x1b\[[0-9;]*m", "", line) for line in narrow.stdout.splitlines()]
+    assert max(map(len, lines)) <= 80
+
+
+def test_the_version_names_the_models(cli):
+    assert cli("--version").stdout.startswith("armour 0.1.0, model 1.")
+
+
+@pytest.fixture(scope="module")
+def schema() -> jsonschema.Draft202012Validator:
+    found = json.loads(process("schema").stdout)
+    jsonschema.Draft202012Validator.check_schema(found)
+    return jsonschema.Draft202012Validator(found)
+
+
+@pytest.mark.parametrize("path", sorted(SCENARIOS.rglob("*.toml")), ids=lambda path: path.stem)
+def test_every_scenario_meets_the_schema(schema, path: Path):
+    assert [error.message for error in schema.iter_errors(tomllib.loads(path.read_text()))] == []
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "impact.velocity_m_s = -1.0",
+        'impact.velocity_m_s = "fast"',
+        "armour.thickness = 3",
+        'model.shear_perimeter = "square"',
+        "threat = [{ projectile = 'x' }]",
+        'library.ceramic.X = { flow_stress_GPa = "hard" }',
+        "design.backing = [{ material = 'x', thickness_mm = 3.0 }]",
+    ],
+)
+def test_the_schema_sees_mistakes(schema, line: str):
+    data = tomllib.loads(WILKINS.read_text())
+    for key, value in tomllib.loads(line).items():
+        data[key] = {**data.get(key, {}), **value} if isinstance(value, dict) else value
+    assert list(schema.iter_errors(data))
+
+
+def test_the_schema_takes_a_number_or_a_table(schema):
+    data = tomllib.loads(WILKINS.read_text())
+    for value in (4.5, {"value": 4.5, "status": "fitted"}):
+        data["library"] = {"ceramic": {"X": {"based_on": "AD85", "flow_stress_GPa": value}}}
+        assert not list(schema.iter_errors(data))
