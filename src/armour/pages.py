@@ -146,13 +146,20 @@ def _cards(dossier: Dossier) -> list[tuple[str, str, str]]:
     found = "Build" if dossier.optimum is not None else "Armour"
     cards = [
         (found, " on ".join(layers), f"{thickness:.4g} mm thick"),
-        ("It weighs", f"{areal:.1f} kg/m²", "per area of armour"),
+        ("It weighs", f"{areal:.1f} kg/m²", _cost(dossier) or "per area of armour"),
         ("It stops", *_stopped(dossier)),
         ("How sure", *_sure(dossier)),
     ]
     if dossier.optimum is None:
-        cards[2] = ("Outcome", dossier.impact.outcome, f"at {impact.velocity_m_s:g} m/s; {_stopped(dossier)[1]}")
+        outcome = {"defeated": "projectile stopped", "perforated": "armour perforated"}[dossier.impact.outcome]
+        cards[2] = ("Outcome", outcome, f"at {impact.velocity_m_s:g} m/s; {_stopped(dossier)[1]}")
     return cards
+
+
+def _cost(dossier: Dossier) -> str:
+    """What the design costs, where costs are given."""
+    cost = dossier.optimum.best.cost_per_m2 if isinstance(dossier.optimum, StudyResult) else 0.0
+    return f"and costs {cost:,.0f} per m²" if cost > 0.0 else ""
 
 
 def _stopped(dossier: Dossier) -> tuple[str, str]:
@@ -252,6 +259,7 @@ def _design_chart(optimum: OptimumResult | StudyResult | None) -> Chart | None:
     backing = [design.backing_thickness_mm for design in optimum.frontier]
     ceramic = [design.ceramic_thickness_mm for design in optimum.frontier]
     areal = [design.areal_density_kg_m2 for design in optimum.frontier]
+    governed = list(optimum.frontier_governed_by) if isinstance(optimum, StudyResult) else None
     hover = "%{customdata} mm on %{x} mm: %{y:.2f} kg/m²<extra></extra>"
     line = {"x": backing, "y": areal, "customdata": ceramic, "hovertemplate": hover, "name": "areal density"}
     best = optimum.best
@@ -268,6 +276,9 @@ def _design_chart(optimum: OptimumResult | StudyResult | None) -> Chart | None:
     thickness |= {"name": "required ceramic", "mode": "lines", "hovertemplate": "%{y} mm of ceramic<extra></extra>"}
     right = {"title": {"text": "required ceramic, mm"}, "overlaying": "y", "side": "right", "showgrid": False}
     lines = {**line, "mode": "lines+markers", "line": {"color": BLUE}}
+    if governed is not None:
+        told = "%{customdata} mm on %{x} mm: %{y:.2f} kg/m²<br>governed by %{text}<extra></extra>"
+        lines |= {"text": governed, "hovertemplate": told}
     return {
         "heading": "What each back plate needs",
         "data": [lines, thickness, star],

@@ -112,6 +112,8 @@ class StudyResult:
     best : StudyDesign
     frontier : tuple of Design
         Of the best pair: for each backing thickness the thinnest ceramic that defeats every threat.
+    frontier_governed_by : tuple of str
+        For each of these the threat of which least of the margin it asks for is left.
     pairs : tuple of Pair
         The best first.
     criteria : tuple of str
@@ -127,6 +129,7 @@ class StudyResult:
     threats: tuple[str, ...]
     best: StudyDesign
     frontier: tuple[Design, ...]
+    frontier_governed_by: tuple[str, ...]
     pairs: tuple[Pair, ...]
     criteria: tuple[str, ...]
     pareto: tuple[Compromise, ...]
@@ -510,7 +513,7 @@ def _result(search: _Search, best: int) -> StudyResult:
     pairs = [_pair(search, pair, firsts.get(pair), least) for pair in range(len(offers))]
     pairs.sort(key=lambda pair: inf if pair.excess_percent is None else pair.excess_percent)
     chosen = _made(search, best)
-    frontier = _frontier(search, winner)
+    along = _frontier(search, winner)
     pareto = _pareto(search) if section.pareto is not None else ()
     names = {"armour.backing": chosen.backing, **({"armour.ceramic": chosen.ceramic} if chosen.ceramic else {})}
     threat = next(threat for threat in search.threats if threat.title == chosen.governing)
@@ -523,7 +526,8 @@ def _result(search: _Search, best: int) -> StudyResult:
         minimised=section.minimise,
         threats=tuple(threat.title for threat in search.threats),
         best=chosen,
-        frontier=frontier,
+        frontier=tuple(_design(search.table, place) for place in along.tolist()),
+        frontier_governed_by=tuple(search.threats[i].title for i in _governing(search, along)[1].tolist()),
         pairs=tuple(pairs),
         criteria=tuple(section.pareto or ()),
         pareto=pareto,
@@ -540,7 +544,8 @@ def _pair(search: _Search, pair: int, place: int | None, least: float) -> Pair:
     if place is not None:
         excess = 100.0 * (float(search.values[place]) / least - 1.0) if least > 0.0 else 0.0
         words = {"areal_density_kg_m2": "heavier", "thickness_mm": "thicker", "cost_per_m2": "dearer"}
-        reason = "" if excess <= 0.0 else f"{excess:.1f} % {words[search.section.minimise]}"
+        near = "runner-up: " if excess <= search.section.runners_up_percent else ""
+        reason = "" if excess <= 0.0 else f"{near}{excess:.1f} % {words[search.section.minimise]}"
         return Pair(*names, _made(search, place), excess, reason)
     own = search.table.at(search.table.pair == pair)
     if not len(own.pair):
@@ -573,14 +578,22 @@ def _margins(search: _Search, where: "Ints") -> "Floats":
     return found
 
 
+def _governing(search: _Search, where: "Ints") -> tuple["Floats", "Ints"]:
+    """Margins of designs, and the threats of which least of the margin they ask for is left."""
+    import numpy as np
+
+    margins = _margins(search, where)
+    asked = np.array([threat.margin_m_s for threat in search.threats])
+    return margins, (margins - asked).argmin(axis=1)
+
+
 def _made(search: _Search, place: int) -> StudyDesign:
     """A design of the table with its margins."""
     import numpy as np
 
     offer = search.offers[search.table.pair[place]]
-    margins = _margins(search, np.array([place]))[0]
-    left = [margin - threat.margin_m_s for margin, threat in zip(margins, search.threats, strict=True)]
-    governing = int(np.argmin(left))
+    all_margins, least_left = _governing(search, np.array([place]))
+    margins, governing = all_margins[0], int(least_left[0])
     return StudyDesign(
         ceramic=offer.ceramic.material,
         backing=offer.backing.material,
@@ -596,7 +609,7 @@ def _made(search: _Search, place: int) -> StudyDesign:
     )
 
 
-def _frontier(search: _Search, pair: int) -> tuple[Design, ...]:
+def _frontier(search: _Search, pair: int) -> "Ints":
     """For each backing of a pair the thinnest ceramic that defeats every threat with the inputs as they stand."""
     import numpy as np
 
@@ -605,13 +618,13 @@ def _frontier(search: _Search, pair: int) -> tuple[Design, ...]:
     good = own[search.good[own]]
     order = good[np.lexsort((search.table.ceramic_mm[good], search.table.backing_mm[good]))]
     _, first = np.unique(search.table.backing_mm[order], return_index=True)
-    return tuple(
-        Design(
-            float(search.table.ceramic_mm[place]),
-            float(search.table.backing_mm[place]),
-            float(search.table.areal_density_kg_m2[place]),
-        )
-        for place in order[first].tolist()
+    found: Ints = order[first]
+    return found
+
+
+def _design(table: _Table, place: int) -> Design:
+    return Design(
+        float(table.ceramic_mm[place]), float(table.backing_mm[place]), float(table.areal_density_kg_m2[place])
     )
 
 

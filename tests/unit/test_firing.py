@@ -35,7 +35,7 @@ def brute(shots: Shots, curve: Curve, places: np.ndarray, scales: np.ndarray) ->
 @pytest.mark.parametrize("shots", [MIXED, APART, LONG], ids=["mixed", "apart", "long"])
 def test_a_fit_is_what_a_search_point_by_point_finds(shots: Shots, curve: Curve):
     fit = fitted(shots, curve)
-    places, scales = np.linspace(640.0, 810.0, 1701), np.geomspace(1e-3, 1e4, 1500)
+    places, scales = np.linspace(640.0, 810.0, 1701), np.geomspace(1e-2, 1e4, 700)
     all_of_them = brute(shots, curve, places, scales)
     top = all_of_them.max()
     assert fit.log_likelihood == pytest.approx(top, abs=2e-3)
@@ -44,8 +44,8 @@ def test_a_fit_is_what_a_search_point_by_point_finds(shots: Shots, curve: Curve)
     assert fit.v50_interval_m_s == pytest.approx((found[0], found[-1]), abs=0.11)
     widths = scales[inside.any(axis=0)]
     low, high = fit.scale_interval_m_s
-    assert high == pytest.approx(widths[-1], rel=0.012)
-    assert low == pytest.approx(widths[0], rel=0.012) if low else widths[0] == scales[0]
+    assert high == pytest.approx(widths[-1], rel=0.021)
+    assert low == pytest.approx(widths[0], rel=0.021) if low else widths[0] == scales[0]
 
 
 def interval(fit: Fit) -> tuple[float, float]:

@@ -8,6 +8,7 @@ import pytest
 from armour.core import batch
 from armour.core.state import Outcome
 from armour.errors import InputError, NoDesignError
+from armour.limit import ballistic_limit
 from armour.optimisation import optimise
 from armour.propagation import uncertainty
 from armour.scenario import Scenario, load_scenario
@@ -134,6 +135,27 @@ def test_margins_and_the_threat_that_governs():
     assert best.margins_m_s["M2"] >= 25.0
     left = {"7.62 mm AP at 800 m/s": best.margins_m_s["7.62 mm AP at 800 m/s"], "M2": best.margins_m_s["M2"] - 25.0}
     assert best.governing == min(left, key=lambda title: left[title])
+
+
+def test_who_governs_along_the_frontier():
+    """Each by its own limits: the least of what is left of the margins."""
+    result = study(asked())
+    for design, governing in zip(result.frontier, result.frontier_governed_by, strict=True):
+        left = {}
+        for threat in asked().threat:
+            own = asked().replaced(
+                {
+                    "armour.ceramic": result.best.ceramic,
+                    "armour.backing": result.best.backing,
+                    "armour.ceramic_thickness_mm": design.ceramic_thickness_mm,
+                    "armour.backing_thickness_mm": design.backing_thickness_mm,
+                    "impact.projectile": threat.projectile,
+                }
+            )
+            limit = ballistic_limit(own).ballistic_limit_m_s
+            left[threat.title] = limit - threat.velocity_m_s - threat.margin_m_s
+        assert governing == min(left, key=lambda title: left[title])
+        assert min(left.values()) >= -0.01
 
 
 def test_thicknesses_that_are_free_come_to_the_refined_optimum():

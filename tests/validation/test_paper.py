@@ -2,7 +2,11 @@
 
 import pytest
 
+from armour.limit import ballistic_limit
+from armour.optimisation import optimise
 from armour.reports import suite_markdown
+from armour.scenario import load_scenario
+from armour.study import study
 from armour.suite import Case, Suite, load_suite
 from armour.validation import SuiteResult, paper_suite, validate
 from tests.cases import SCENARIOS, scenario
@@ -173,3 +177,36 @@ def inconsistent_savings_are_inconsistent(result: SuiteResult) -> None:
         assert isinstance(thickness.computed, float)
         assert isinstance(weight.computed, float)
         assert weight.computed >= least * thickness.computed
+
+
+@pytest.mark.parametrize(
+    ("name", "layer", "materials"),
+    [
+        ("fig11_7.62mm_ceramics", "ceramic", ("AD85", "AD99.5")),
+        ("fig12_25mm_ceramics", "ceramic", ("AD85", "AD99.5")),
+        ("fig13_7.62mm_backings", "backing", ("5083-H3", "7075-T6")),
+        ("fig14_25mm_backings", "backing", ("5083-H3", "7075-T6")),
+    ],
+)
+def test_figs_11_to_14_fall_out_of_their_scenarios(name: str, layer: str, materials: tuple[str, ...]):
+    """What each material needs at the velocity of the text: where its curve in the figure crosses that velocity."""
+    case = load_scenario(SCENARIOS / "paper" / f"{name}.toml")
+    found = {getattr(pair, layer): pair.best for pair in study(case).pairs}
+    for material in materials:
+        best = found[material]
+        assert best is not None
+        thickness = getattr(best, f"{layer}_thickness_mm")
+        own = case.replaced({f"armour.{layer}": material, f"armour.{layer}_thickness_mm": thickness})
+        assert ballistic_limit(own).ballistic_limit_m_s == pytest.approx(case.impact.velocity_m_s, abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["optimum_7.62mm_AP", "optimum_25mm_APDS"])
+def test_figs_5_to_8_fall_out_of_their_scenarios(name: str):
+    """Required ceramic and areal density over the backing, one scenario for two figures; the mass has one minimum."""
+    frontier = optimise(load_scenario(SCENARIOS / "paper" / f"{name}.toml")).frontier
+    ceramics = [design.ceramic_thickness_mm for design in frontier]
+    masses = [design.areal_density_kg_m2 for design in frontier]
+    assert len(frontier) >= 20
+    assert ceramics == sorted(ceramics, reverse=True)
+    least = masses.index(min(masses))
+    assert 0 < least < len(masses) - 1
