@@ -18,7 +18,7 @@ def lines_of(text: str) -> dict[str, int]:
     counts: dict[str, int] = {}
     table: Parts = ()
     statement, start = "", 1
-    for number, line in enumerate(text.splitlines(), 1):
+    for number, line in enumerate(text.split("\n"), 1):
         if not statement:
             start = number
         statement += line + "\n"

@@ -3,6 +3,7 @@
 import csv
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from io import StringIO
 from math import isfinite
 from pathlib import Path
 
@@ -81,7 +82,7 @@ def read_rows(path: Path, *, numbers: Sequence[str], texts: Sequence[str], neede
 
 
 def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
-    reader = csv.reader(read_text(path).splitlines())
+    reader = csv.reader(StringIO(read_text(path), newline=""))
     try:
         for cells in reader:
             yield reader.line_num, cells

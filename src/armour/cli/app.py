@@ -89,7 +89,7 @@ COMMANDS: dict[str, tuple[Callable[..., None], tuple[str, ...]]] = {
     ),
     "compare": (compare.compare, (f"armour compare {W}",)),
     "validate": (validate.validate, ("armour validate", "armour validate suites/paper.toml --junit junit.xml")),
-    "figures": (figures.figures, ("armour figures . --only fig9",)),
+    "figures": (figures.figures, ("armour figures . --only fig09",)),
     "init": (init.init, ("armour init mine.toml", "armour init mine.toml --from paper/fig9_4mm --force")),
     "schema": (schema.schema, ("armour schema",)),
 }
