@@ -4,14 +4,14 @@ A name is a key of the scenario, such as "armour.ceramic_thickness_mm", or what 
 backing has in the library, such as "ceramic.flow_stress_GPa", whichever entry that is.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from armour.core.state import Armour
 from armour.errors import InputError, Problem, nearest
 from armour.library import DEFAULTS, Kind, LibraryEntry, length_mm
 from armour.scenario import Scenario, changed
-from armour.units import ENDINGS, GPA, MM, MPA
+from armour.units import GPA, MM, MPA, missing_unit
 
 if TYPE_CHECKING:
     import numpy as np
@@ -84,16 +84,10 @@ def check_names(names: Iterable[str], scenario: Scenario, file: str, key: str = 
     problems = []
     for name in names:
         if name not in known:
-            hint = _unit_hint(name, known) or nearest(name, known) or f"; there are {', '.join(known)}"
+            hint = missing_unit(name, known) or nearest(name, known) or f"; there are {', '.join(known)}"
             problems.append(Problem(file, key or name, f'must name an input of the scenario, found "{name}"{hint}'))
     if problems:
         raise InputError(problems)
-
-
-def _unit_hint(name: str, known: Sequence[str]) -> str:
-    """A hint where only the unit at the end is missing."""
-    with_unit = [other for other in known if any(other == name + ending for ending in ENDINGS)]
-    return f"; its unit is missing: {with_unit[0]}" if with_unit else ""
 
 
 def with_inputs(scenario: Scenario, values: Mapping[str, float]) -> Scenario:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from armour.errors import InputError, Problem, nearest
 from armour.files import read_text
-from armour.units import ENDINGS
+from armour.units import missing_unit
 
 Cell = float | str | None
 
@@ -114,8 +114,7 @@ def _wrong_columns(header: Sequence[str], known: Sequence[str], needed: Sequence
         if header.count(name) > 1:
             yield name, "must be the name of one column, found several"
         if name not in known:
-            without_unit = [other for other in known if any(other == name + ending for ending in ENDINGS)]
-            hint = f"; its unit is missing: {without_unit[0]}" if without_unit else nearest(name, known)
+            hint = missing_unit(name, known) or nearest(name, known)
             yield name or "header", f"unknown column{hint or '; there are ' + ', '.join(known)}"
     for name in needed:
         if name not in header:

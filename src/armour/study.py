@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     Ints = NDArray[np.int64]
     Bools = NDArray[np.bool_]
 
+# A design that meets a limit but for rounding keeps to it.
+ROUNDING = 1e-12
 # Designs that are computed at a time.
 CHUNK = 4096
 # Width to which thicknesses that are free are found, mm, and values of a free backing that are tried at a time.
@@ -281,15 +283,22 @@ def _table(offers: Sequence[_Offer], section: DesignSection, threats: Sequence[T
             )
         parts.append(_designs(offer, index, section, ceramic, backing))
     table = _Table(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-    limits = (
+    return table.at(_kept_to(table, section))
+
+
+def _kept_to(table: _Table, section: DesignSection) -> "Bools":
+    """Which designs keep to the limits."""
+    import numpy as np
+
+    kept = np.ones(len(table.pair), dtype=bool)
+    for values, most in (
         (table.thickness_mm, section.thickness_max_mm),
         (table.areal_density_kg_m2, section.areal_density_max_kg_m2),
         (table.cost_per_m2, section.cost_max_per_m2),
-    )
-    kept = np.ones(len(table.pair), dtype=bool)
-    for values, most in limits:
-        kept &= values <= (inf if most is None else most * (1.0 + 1e-12))
-    return table.at(kept)
+    ):
+        if most is not None:
+            kept &= values <= most * (1.0 + ROUNDING)
+    return kept
 
 
 def _designs(offer: _Offer, index: int, section: DesignSection, ceramic: "Floats", backing: "Floats") -> _Table:
@@ -331,13 +340,8 @@ def _free_designs(offer: _Offer, section: DesignSection, threats: Sequence[Threa
         ceramic = _least(offer, threats, "Hc0", backing)
         found.append((ceramic, backing))
         designs = _designs(offer, 0, section, ceramic, backing)
-        values = np.where(np.isnan(ceramic), inf, getattr(designs, section.minimise))
-        for column, most in (
-            (designs.thickness_mm, section.thickness_max_mm),
-            (designs.areal_density_kg_m2, section.areal_density_max_kg_m2),
-            (designs.cost_per_m2, section.cost_max_per_m2),
-        ):
-            values = np.where(column > (inf if most is None else most), inf, values)
+        kept = ~np.isnan(ceramic) & _kept_to(designs, section)
+        values = np.where(kept, getattr(designs, section.minimise), inf)
         step = (end - start) / (FREE_VALUES - 1)
         if step <= FREE_BACKING_TOLERANCE_MM or not np.isfinite(values).any():
             return _kept(*(np.concatenate(columns) for columns in zip(*found, strict=True)))

@@ -1,5 +1,7 @@
 """The only conversions between the units of files and tables and SI: multiply to get SI, divide to leave it."""
 
+from collections.abc import Iterable
+
 MM = 1e-3
 G = 1e-3
 US = 1e-6
@@ -28,3 +30,9 @@ def words_and_unit(key: str) -> tuple[str, str]:
         if name.endswith(ending):
             return name.removesuffix(ending).replace("_", " "), unit
     return name.replace("_", " "), ""
+
+
+def missing_unit(name: str, known: Iterable[str]) -> str:
+    """A hint at the known name that differs by the unit at its end alone; empty where none does."""
+    found = [other for other in known if any(other == name + ending for ending in ENDINGS)]
+    return f"; its unit is missing: {found[0]}" if found else ""

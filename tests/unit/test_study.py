@@ -176,6 +176,25 @@ def test_thicknesses_that_are_free_come_to_the_refined_optimum():
     assert other.backing_thickness_mm == pytest.approx(6.0, abs=1e-4)
 
 
+def test_free_thicknesses_of_which_some_are_not_enough_and_limits():
+    """Up to 9 mm of ceramic is too little on thin plates; a limit on the thickness then leaves a heavier optimum."""
+    layers = {
+        "ceramic": [{"material": "AD85", "thickness_mm": {"min": 2.0, "max": 9.0}}],
+        "backing": [{"material": "6061-T6", "thickness_mm": {"min": 1.0, "max": 14.0}}],
+    }
+    wide = study(asked(THREATS[:1], **layers)).best
+    assert wide.ceramic_thickness_mm <= 9.0
+    narrow = study(asked(THREATS[:1], **layers, thickness_max_mm=wide.thickness_mm - 0.05)).best
+    assert narrow.thickness_mm <= wide.thickness_mm - 0.05
+    assert narrow.areal_density_kg_m2 >= wide.areal_density_kg_m2
+    coarse = {
+        "ceramic": [{"material": "AD85", "thickness_mm": {"min": 2.0, "max": 9.0, "step": 0.05}}],
+        "backing": [{"material": "6061-T6", "thickness_mm": {"min": 1.0, "max": 14.0, "step": 0.05}}],
+    }
+    by_grid = study(asked(THREATS[:1], **coarse)).best.areal_density_kg_m2
+    assert by_grid - 0.35 < wide.areal_density_kg_m2 <= by_grid
+
+
 def test_without_a_catalogue_it_is_the_grid():
     """One threat that is the impact, the scenario's own pair: the optimum and the frontier of the paper's grid."""
     optimum = load_scenario(SCENARIOS / "paper" / "optimum_7.62mm_AP.toml")
