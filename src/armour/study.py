@@ -283,22 +283,22 @@ def _table(offers: Sequence[_Offer], section: DesignSection, threats: Sequence[T
             )
         parts.append(_designs(offer, index, section, ceramic, backing))
     table = _Table(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-    return table.at(_kept_to(table, section))
+    return table.at(_excess(table, section) <= 0.0)
 
 
-def _kept_to(table: _Table, section: DesignSection) -> "Bools":
-    """Which designs keep to the limits."""
+def _excess(table: _Table, section: DesignSection) -> "Floats":
+    """By which part each design exceeds the limit that it exceeds most; 0 where it keeps to all."""
     import numpy as np
 
-    kept = np.ones(len(table.pair), dtype=bool)
+    excess = np.zeros(len(table.pair))
     for values, most in (
         (table.thickness_mm, section.thickness_max_mm),
         (table.areal_density_kg_m2, section.areal_density_max_kg_m2),
         (table.cost_per_m2, section.cost_max_per_m2),
     ):
         if most is not None:
-            kept &= values <= most * (1.0 + ROUNDING)
-    return kept
+            excess = np.maximum(excess, values / most - 1.0 - ROUNDING)
+    return excess
 
 
 def _designs(offer: _Offer, index: int, section: DesignSection, ceramic: "Floats", backing: "Floats") -> _Table:
@@ -340,8 +340,10 @@ def _free_designs(offer: _Offer, section: DesignSection, threats: Sequence[Threa
         ceramic = _least(offer, threats, "Hc0", backing)
         found.append((ceramic, backing))
         designs = _designs(offer, 0, section, ceramic, backing)
-        kept = ~np.isnan(ceramic) & _kept_to(designs, section)
-        values = np.where(kept, getattr(designs, section.minimise), inf)
+        excess = np.where(np.isnan(ceramic), inf, _excess(designs, section))
+        # As long as none keeps to the limits, towards where they are exceeded least.
+        kept = excess <= 0.0
+        values = np.where(kept, getattr(designs, section.minimise), inf) if kept.any() else excess
         step = (end - start) / (FREE_VALUES - 1)
         if step <= FREE_BACKING_TOLERANCE_MM or not np.isfinite(values).any():
             return _kept(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
