@@ -39,6 +39,8 @@ MEASURED = {
     RESIDUAL: "residual_velocity_uncertainty_m_s",
     MASS: "residual_mass_uncertainty_g",
 }
+# Of anything measured and of uncertainties, whatever the unit.
+RANGE = 1e-3, 1e6
 NAMES = ("impact.projectile", "armour.ceramic", "armour.backing")
 
 Law = Literal["constant", "linear", "proportional", "thicknesses"]
@@ -124,8 +126,8 @@ class Residual:
     ----------
     test, quantity : str
     measured, computed : float
-    left_out : float
-        Computed with parameters from the other tests.
+    left_out : float or None
+        Computed with parameters from the other tests; None where these are too few.
     bound : {"", "at least", "at most"}
         What a one-sided test says of the ballistic limit.
     """
@@ -134,7 +136,7 @@ class Residual:
     quantity: str
     measured: float
     computed: float
-    left_out: float
+    left_out: float | None
     bound: str
 
     @property
@@ -158,8 +160,8 @@ class CalibrationResult:
     correlation : tuple of tuple of float
         Of the coefficients, in their order.
     residuals : tuple of Residual
-    mean_error_percent, left_out_error_percent : float
-        Mean magnitude of the deviations, one-sided tests aside.
+    mean_error_percent, left_out_error_percent : float or None
+        Mean magnitude of the deviations, one-sided tests aside; None where there is none.
     degrees_of_freedom : int
     chi_squared : float
         Sum of the squares of deviations over their uncertainties, or over the values measured.
@@ -175,8 +177,8 @@ class CalibrationResult:
     coefficients: tuple[Coefficient, ...]
     correlation: tuple[tuple[float, ...], ...]
     residuals: tuple[Residual, ...]
-    mean_error_percent: float
-    left_out_error_percent: float
+    mean_error_percent: float | None
+    left_out_error_percent: float | None
     degrees_of_freedom: int
     chi_squared: float
     starts: int
@@ -196,15 +198,15 @@ def read_tests(path: Path, scenario: Scenario) -> Tests:
     InputError
         With every mistake in it.
     """
-    import numpy as np
-
     numbers = (*INPUTS, *MEASURED, *MEASURED.values())
     rows = read_rows(path, numbers=numbers, texts=("test", OUTCOME, *NAMES), needed=())
     names = [str(row["test"] or row.place) for row in rows]
     problems = [problem for row in rows for problem in _wrong(row, names, str(path))]
     widths = {row[width] is None for row in rows for name, width in MEASURED.items() if row[name] is not None}
+    alone = [row for row in rows if row[OUTCOME] is not None and all(row[name] is None for name in MEASURED)]
+    widths |= {row[MEASURED[LIMIT]] is None for row in alone}
     if len(widths) == 2:
-        message = "uncertainties must be given for every measurement, or for none"
+        message = "uncertainties must be given for every measurement and outcome, or for none"
         problems.append(Problem(str(path), "", message))
     if problems:
         raise InputError(problems)
@@ -212,24 +214,43 @@ def read_tests(path: Path, scenario: Scenario) -> Tests:
     for i, row in enumerate(rows):
         groups.setdefault(tuple(row[name] for name in NAMES), []).append(i)
     made = []
-    for key, where in groups.items():
-        texts = {name: value for name, value in zip(NAMES, key, strict=True) if value is not None}
-        changed = scenario.replaced(texts) if texts else scenario
-        own = inputs_of(changed)
-        given = [name for name in INPUTS if any(rows[i][name] is not None for i in where)]
-        check_names(given, changed, str(path))
-        columns = {
-            name: np.array([own[name] if rows[i][name] is None else rows[i][name] for i in where], dtype=np.float64)
-            for name in given
-        }
-        check_ranges(changed, columns)
-        made.append(Group(changed, np.array(where), columns))
+    for where in groups.values():
+        try:
+            made.append(_group(rows, where, scenario, str(path)))
+        except InputError as error:
+            place = rows[where[0]].place
+            problems += (Problem(str(path), place, f"{problem.key}: {problem.message}") for problem in error.problems)
+    if problems:
+        raise InputError(problems)
     measurements = tuple(m for i, row in enumerate(rows) for m in _measurements(i, row))
     cells = tuple(
         {name: cell for name, cell in row.cells.items() if cell is not None and name not in MEASURED.values()}
         for row in rows
     )
     return Tests(str(path), tuple(names), tuple(made), measurements, widths == {False}, cells)
+
+
+def _group(rows: Sequence[Row], where: Sequence[int], scenario: Scenario, file: str) -> Group:
+    """Tests with the same materials.
+
+    Raises
+    ------
+    InputError
+        If the scenario does not allow a name or a value of theirs.
+    """
+    import numpy as np
+
+    texts = {name: rows[where[0]][name] for name in NAMES if rows[where[0]][name] is not None}
+    changed = scenario.replaced(texts) if texts else scenario
+    own = inputs_of(changed)
+    given = [name for name in INPUTS if any(rows[i][name] is not None for i in where)]
+    check_names(given, changed, file)
+    columns = {
+        name: np.array([own[name] if rows[i][name] is None else rows[i][name] for i in where], dtype=np.float64)
+        for name in given
+    }
+    check_ranges(changed, columns)
+    return Group(changed, np.array(where), columns)
 
 
 def _wrong(row: Row, names: Sequence[str], file: str) -> list[Problem]:
@@ -252,9 +273,9 @@ def _wrong(row: Row, names: Sequence[str], file: str) -> list[Problem]:
         add(VELOCITY, "is missing and must be given with an outcome")
     for name in (*MEASURED, *MEASURED.values()):
         value = row[name]
-        if isinstance(value, float) and value <= 0.0:
+        if isinstance(value, float) and not RANGE[0] <= value <= RANGE[1]:
             hint = '; a projectile that is stopped is an outcome, "defeated"' if name == RESIDUAL else ""
-            add(name, f"must be greater than 0, found {value:g}{hint}")
+            add(name, f"must be at least {RANGE[0]:g} and at most {RANGE[1]:g}, found {value:g}{hint}")
     return problems
 
 
@@ -335,7 +356,7 @@ def calibrate(
             quantity=m.quantity,
             measured=m.value,
             computed=float(computed[i]),
-            left_out=float(left_out[i]),
+            left_out=None if np.isnan(left_out[i]) else float(left_out[i]),
             bound=("", "at least", "at most")[m.side],
         )
         for i, m in enumerate(tests.measurements)
@@ -585,21 +606,23 @@ def _coefficients(
 
 
 def _left_out(tests: Tests, done: Fit) -> "Floats":
-    """What the model says of every measurement with coefficients from the other tests."""
+    """What the model says of every measurement with coefficients from the other tests; NaN where these are too few."""
     import numpy as np
 
-    found = np.empty(len(tests.measurements))
+    found = np.full(len(tests.measurements), np.nan)
+    exact = np.array([m.side == 0 for m in tests.measurements])
     of_test = np.array([m.test for m in tests.measurements])
     folds = min(len(tests.names), MOST_FOLDS)
     for fold in range(folds):
         out = of_test % folds == fold
-        x = done.without(out) if (~out).sum() >= len(done.x) else done.x
-        found[out] = _predicted(tests, done.terms, x)[out]
+        if (exact & ~out).sum() >= len(done.x):
+            found[out] = _predicted(tests, done.terms, done.without(out))[out]
     return found
 
 
-def _mean_percent(pairs: Sequence[tuple[float, float]]) -> float:
-    return 100.0 * sum(abs(computed / measured - 1.0) for computed, measured in pairs) / len(pairs)
+def _mean_percent(pairs: Sequence[tuple[float | None, float]]) -> float | None:
+    errors = [abs(computed / measured - 1.0) for computed, measured in pairs if computed is not None]
+    return 100.0 * sum(errors) / len(errors) if errors else None
 
 
 def value_at(result: CalibrationResult, name: str, ceramic_mm: float, backing_mm: float) -> float:

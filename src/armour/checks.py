@@ -49,7 +49,7 @@ _MUST = {
     "float_type": "must be a number",
     "string_type": "must be a text in quotes",
     "string_too_short": "must not be empty",
-    "too_short": "must not be empty",
+    "too_short": "must have at least {min_length} of them",
     "list_type": "must be a list",
     "dict_type": "must be a table",
     "model_type": "must be a table",
@@ -74,6 +74,7 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
         else:
             must = _MUST.get(detail["type"])
             must = must.format(**context) if must else detail["msg"]
+            must = must.replace("must have at least 1 of them", "must not be empty")
             message = f"{must}, found {describe(detail['input'])}"
         problems.append(Problem(file, key_name(parts), message))
     return problems

@@ -1,7 +1,7 @@
 """What a scenario says of an input that is not known for sure: its distribution, and what varies together."""
 
 from collections.abc import Mapping, Sequence
-from math import log, sqrt
+from math import hypot, log1p, sqrt
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, model_validator
@@ -14,20 +14,24 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-Positive = Annotated[float, Field(gt=0.0)]
+# Wide bounds, which keep the arithmetic from overflowing.
+Number = Annotated[float, Field(ge=-1e9, le=1e9)]
+Width = Annotated[float, Field(ge=1e-9, le=1e9)]
 # Most samples that a scenario may ask for.
 MOST_SAMPLES = 2**22
+# Fewer would leave the 5th hundredth without an interval.
+FEWEST_SAMPLES = 128
 
 
 class Distribution(Section):
     """A distribution of an input, in the input's unit; its mean is the scenario's own value where none is given."""
 
     distribution: Literal["normal", "lognormal", "uniform"]
-    mean: float | None = None
-    standard_deviation: Positive | None = None
-    standard_deviation_percent: Positive | None = None
-    min: float | None = None
-    max: float | None = None
+    mean: Number | None = None
+    standard_deviation: Width | None = None
+    standard_deviation_percent: Width | None = None
+    min: Number | None = None
+    max: Number | None = None
 
     @model_validator(mode="after")
     def _complete(self) -> "Distribution":
@@ -41,10 +45,24 @@ class Distribution(Section):
             raise ValueError(f"min must be below max, found {self.min:g} and {self.max:g}")
         return self
 
+    def lacks(self, own: float) -> str:
+        """What the mean must be and is not, where it is the scenario's own value if none is given; else empty."""
+        mean = own if self.mean is None else self.mean
+        if self.distribution == "lognormal" and mean <= 0.0:
+            return f"must have a mean greater than 0 to be lognormal, found {mean:g}"
+        if self.standard_deviation_percent is not None and mean == 0.0:
+            return "must have a standard_deviation in place of one in per cent, which of a mean of 0 is none"
+        return ""
+
     def quantiles(self, parts: Any, own: float) -> Any:
-        """Values below which the parts, 0 to 1, of the distribution lie; ``own`` is the scenario's own value."""
+        """Values below which the parts, 0 to 1, of the distribution lie; ``own`` is the scenario's own value.
+
+        Where that cannot be a mean, as that of a layer that is not there, it is all of them.
+        """
         import numpy as np
 
+        if self.lacks(own):
+            return np.full(np.shape(parts), own)
         whole = self._untruncated(own)
         below = 0.0 if self.min is None else float(whole.cdf(self.min))
         above = 1.0 if self.max is None else float(whole.cdf(self.max))
@@ -64,8 +82,8 @@ class Distribution(Section):
         assert deviation is not None
         if self.distribution == "normal":
             return stats.norm(mean, deviation)
-        shape = sqrt(log(1.0 + (deviation / mean) ** 2))
-        return stats.lognorm(shape, scale=mean / sqrt(1.0 + (deviation / mean) ** 2))
+        shape = sqrt(log1p((deviation / mean) ** 2))
+        return stats.lognorm(shape, scale=mean / hypot(1.0, deviation / mean))
 
 
 class ImpactUncertainty(Section):
@@ -117,7 +135,7 @@ class Correlation(Section):
 class Uncertainty(Section):
     """What of a scenario is not known for sure, and how it is sampled."""
 
-    samples: Annotated[int, Field(ge=16, le=MOST_SAMPLES)] = 4096
+    samples: Annotated[int, Field(ge=FEWEST_SAMPLES, le=MOST_SAMPLES)] = 4096
     seed: Annotated[int, Field(ge=0)] = 1
     method: Literal["sobol", "latin hypercube"] = "sobol"
     impact: ImpactUncertainty = ImpactUncertainty()

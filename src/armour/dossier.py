@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from armour.elasticities import SensitivityResult, sensitivity
 from armour.errors import NoLimitError
-from armour.inputs import BACKING, CERAMIC, ROLES, entry_of, with_inputs
+from armour.inputs import BACKING, CERAMIC, ROLES, entry_of, inputs_of, with_inputs
 from armour.library import LibraryEntry, penetrator_length_mm
 from armour.limit import LimitResult, ballistic_limit
 from armour.optimisation import OptimumResult, optimise, with_thicknesses
@@ -150,14 +150,12 @@ def _studied(scenario: Scenario, result: StudyResult) -> Scenario:
     if threat is not None:
         changes |= {"impact.projectile": threat.projectile, "impact.velocity_m_s": threat.velocity_m_s}
     made = scenario.replaced(changes)
-    layers = [] if scenario.design is None else [*scenario.design.ceramic, *scenario.design.backing]
-    densities = {
-        f"{role}.density_kg_m3": layer.density_kg_m3
-        for role, name in (("ceramic", result.best.ceramic), ("backing", result.best.backing))
-        for layer in layers
-        if layer.material == name and layer.density_kg_m3 is not None
-    }
-    return with_inputs(made, densities) if densities else made
+    densities = {"backing.density_kg_m3": result.best.backing_density_kg_m3}
+    if result.best.ceramic:
+        densities["ceramic.density_kg_m3"] = result.best.ceramic_density_kg_m3
+    own = inputs_of(made)
+    other = {name: value for name, value in densities.items() if value != own[name]}
+    return with_inputs(made, other) if other else made
 
 
 def _limit(scenario: Scenario) -> LimitResult | None:

@@ -6,6 +6,7 @@ from math import isnan, log
 from typing import TYPE_CHECKING, Any
 
 from armour.core.state import Outcome
+from armour.errors import NoAnswerError
 from armour.inputs import BACKING, CERAMIC, VELOCITY, inputs_of, rows_of
 from armour.optimisation import lightest_of_rows
 from armour.requirement import told_of
@@ -74,6 +75,8 @@ def sensitivity(scenario: Scenario) -> SensitivityResult:
 
     Raises
     ------
+    NoAnswerError
+        If there is no ballistic limit in the range of its search, no residual velocity and no design.
     InputError
         If the scenario has a grid, and a ceramic thickness in it, but no ceramic.
     """
@@ -86,6 +89,10 @@ def sensitivity(scenario: Scenario) -> SensitivityResult:
         columns[name] = np.full(count, value)
         columns[name][2 * index + 1 : 2 * index + 3] *= 1.0 + CHANGE, 1.0 - CHANGE
     answers = _answers(scenario, *_rows(scenario, columns, count))
+    if all(isnan(values[0]) for values in answers.values()):
+        raise NoAnswerError(
+            "nothing to compare: no ballistic limit in the range of its search, no residual velocity and no design"
+        )
     inputs = [
         Elasticity(
             name,

@@ -4,7 +4,7 @@ import os
 import tempfile
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from armour.errors import InputError, Problem
 
@@ -36,15 +36,27 @@ def read_text(path: Path) -> str:
     """
     try:
         with path.open("rb") as file:
-            content = file.read(LARGEST_BYTES + 1)
+            return decoded(file, str(path))
+    except OSError as error:
+        raise InputError([Problem(str(path), "", f"cannot be read: {reason(error)}")]) from None
+
+
+def decoded(stream: BinaryIO, file: str) -> str:
+    """What a stream holds, as text; ``file`` is its name for messages.
+
+    Raises
+    ------
+    InputError
+        If it is too long or is not UTF-8 text.
+    """
+    try:
+        content = stream.read(LARGEST_BYTES + 1)
         if len(content) <= LARGEST_BYTES:
             return content.decode("utf-8-sig")
         message = f"must be at most {LARGEST_BYTES} bytes long"
-    except OSError as error:
-        message = f"cannot be read: {reason(error)}"
     except UnicodeDecodeError as error:
         message = f"must be UTF-8 text, found the byte {error.object[error.start]:#04x} at {error.start}"
-    raise InputError([Problem(str(path), "", message)])
+    raise InputError([Problem(file, "", message)])
 
 
 def read_toml(path: Path) -> dict[str, Any]:

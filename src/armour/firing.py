@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 # Shots of each kind that a V50 takes, and the greatest span of their velocities, m/s: 60, 90 and 125 feet a second
 # for two, three and five.
 SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
-# Faster than any shot; it catches a value in the wrong unit.
-FASTEST_M_S = 1e4
+# Slower and faster than any shot; they catch a value in the wrong unit.
+SLOWEST_M_S, FASTEST_M_S = 1.0, 1e4
 CONFIDENCE = 0.95
 Curve = Literal["probit", "logit"]
 CURVES: tuple[Curve, ...] = ("probit", "logit")
@@ -144,8 +144,8 @@ def read_shots(path: Path) -> Shots:
     words = {"complete": True, "partial": False}
     for row in rows:
         velocity, result = row["velocity_m_s"], row["result"]
-        if not isinstance(velocity, float) or not 0.0 < velocity <= FASTEST_M_S:
-            message = f"must be greater than 0 and at most {FASTEST_M_S:g}"
+        if not isinstance(velocity, float) or not SLOWEST_M_S <= velocity <= FASTEST_M_S:
+            message = f"must be at least {SLOWEST_M_S:g} and at most {FASTEST_M_S:g}"
             problems.append(Problem(str(path), f"{row.place}: velocity_m_s", message))
         if result not in words:
             message = f'must be "partial" or "complete", found "{result or ""}"'
@@ -222,8 +222,9 @@ def fitted(shots: Shots, curve: Curve, confidence: float = CONFIDENCE) -> Fit:
     """A curve by maximum likelihood, with profile-likelihood intervals.
 
     The likelihood is that of P = F(slope x - intercept), x being the velocity less its mean over its spread; its
-    logarithm is concave in both.  Each point of a profile is the greatest value along a line, which exists, at an
-    infinite slope if need be, whether the shots separate or not.
+    logarithm is concave in both.  Where the shots separate it is greatest at an infinite slope, with any probability at
+    a velocity that a partial and a complete penetration share.  Each point of a profile is the greatest value along a
+    line, which exists, at an infinite slope if need be, whether the shots separate or not.
 
     Raises
     ------
@@ -260,7 +261,8 @@ def fitted(shots: Shots, curve: Curve, confidence: float = CONFIDENCE) -> Fit:
 
     low, high = float(x[len(partial) - 1]), float(x[len(partial)])
     if low <= high:
-        place, scale, top = 0.5 * (low + high), 0.0, (0.0 if low < high else at_place(low))
+        tied = [int((x[signs == sign] == low).sum()) for sign in (-1.0, 1.0)] if low == high else []
+        place, scale, top = 0.5 * (low + high), 0.0, sum(n * log(n / sum(tied)) for n in tied)
     else:
         place, scale, top = _peak(curve, signs, x)
     least_likely = top - 0.5 * float(chi2.ppf(confidence, 1))

@@ -150,7 +150,9 @@ def rows_of(scenario: Scenario, columns: Mapping[str, "Floats"], count: int) -> 
     if YIELD in columns:
         entry = entry_of(scenario, "backing")
         assert entry is not None
-        for key in entry.derived - {name.split(".")[1] for name in columns}:
+        for key in entry.derived:
+            if f"backing.{key}" in columns:
+                continue
             place = FIELDS[f"backing.{key}"]
             assert place is not None
             field[place[0]][:] = DEFAULTS[key][0] * columns[YIELD] * place[1]

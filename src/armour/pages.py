@@ -215,7 +215,8 @@ def _ledger(dossier: Dossier) -> dict[str, Any]:
     ledger = dossier.ledger
 
     def line(name: str, *values: float) -> tuple[str, ...]:
-        return (name, *(f"{value:.2f}" for value in values), f"{100.0 * values[-1] / ledger.before:.1f}")
+        part = values[-1] / ledger.before if ledger.before > 0.0 else 0.0
+        return (name, *(f"{value:.2f}" for value in values), f"{100.0 * part:.1f}")
 
     rows = [line(f"{row.stage}: {STAGES[row.stage]}", row.eroded, row.braked, row.total) for row in ledger.rows]
     sums = [sum(getattr(row, name) for row in ledger.rows) for name in ("eroded", "braked", "total")]

@@ -352,7 +352,8 @@ def calibration_figure(result: CalibrationResult, title: str) -> Figure:
                 (-0.2, "computed", BLUE, "fitted"),
                 (0.2, "left_out", ORANGE, "left out"),
             ):
-                values = [100.0 * (getattr(residual, name) / residual.measured - 1.0) for residual in exact]
+                found_or_not = [(getattr(residual, name), residual.measured) for residual in exact]
+                values = [nan if v is None else 100.0 * (v / measured - 1.0) for v, measured in found_or_not]
                 bars.barh(places + shift, values, height=0.4, color=colour, label=label)
             bars.axvline(0.0, color=BLACK, linewidth=0.8)
             bars.set_yticks(places, [residual.test for residual in exact], fontsize=7)

@@ -170,6 +170,14 @@ def section_of(scenario: Scenario) -> Uncertainty:
         message = "is missing and must be given: the distributions of inputs, as in docs/howto/uncertainty.md"
         raise InputError([Problem(scenario.file, "uncertainty", message)])
     check_names(section.inputs(), scenario, scenario.file, "uncertainty")
+    own = inputs_of(scenario)
+    problems = [
+        Problem(scenario.file, f"uncertainty.{name}", lacking)
+        for name, distribution in section.inputs().items()
+        if (lacking := distribution.lacks(own[name]))
+    ]
+    if problems:
+        raise InputError(problems)
     return section
 
 
@@ -217,6 +225,8 @@ def limits_of(scenario: Scenario, columns: Mapping[str, "Floats"]) -> "Floats":
     ------
     NoLimitError
         If one has none in the range of the search.
+    InputError
+        If the scenario does not allow a value.
     """
     import numpy as np
 
@@ -224,6 +234,7 @@ def limits_of(scenario: Scenario, columns: Mapping[str, "Floats"]) -> "Floats":
 
     search = scenario.ballistic_limit
     low, high = search.velocity_min_m_s, search.velocity_max_m_s
+    check_samples(scenario, columns)
     rows, _ = rows_of(scenario, columns, len(next(iter(columns.values()))))
     places = batch.limits(rows, low, high, search.tolerance_m_s, told_of(scenario))
     unbounded = int((~(np.isfinite(places.defeated) & np.isfinite(places.perforated))).sum())

@@ -41,8 +41,11 @@ MOST_DESIGNS = 1_000_000
 
 Thickness = Annotated[float, Field(gt=0.0, le=1e5)]
 ThicknessOrNone = Annotated[float, Field(ge=0.0, le=1e5)]
-Velocity = Annotated[float, Field(gt=0.0, le=1e4)]
+FASTEST_M_S = 1e4
+Velocity = Annotated[float, Field(gt=0.0, le=FASTEST_M_S)]
 Positive = Annotated[float, Field(gt=0.0)]
+# Costs and masses per area; the bound is there to catch mistakes.
+Amount = Annotated[float, Field(ge=0.0, le=1e9)]
 
 
 def _named(kind: Kind, name: str, info: ValidationInfo) -> str:
@@ -51,6 +54,13 @@ def _named(kind: Kind, name: str, info: ValidationInfo) -> str:
     if name not in known:
         raise ValueError(f'must name a {kind} of the library, found "{name}"{nearest(name, known)}')
     return name
+
+
+def _printable(text: str) -> str:
+    """The text, which must be fit to print."""
+    if not text.isprintable():
+        raise ValueError(f"must be one line of printable text, found {text!r}")
+    return text
 
 
 class Impact(Section):
@@ -133,7 +143,7 @@ class Range(Section):
         if self.min > self.max:
             raise ValueError(f"min must not be above max, found {self.min:g} and {self.max:g}")
         if self.count() > MOST_VALUES:
-            raise ValueError(f"must hold at most {MOST_VALUES} values, found {self.count():.3g}; widen the step")
+            raise ValueError(f"must hold at most {MOST_VALUES} values, found {self.count():.7g}; widen the step")
         return self
 
     def count(self) -> float:
@@ -180,6 +190,18 @@ class Threat(Section):
     def _projectile(cls, name: str, info: ValidationInfo) -> str:
         return _named("projectile", name, info)
 
+    @field_validator("name")
+    @classmethod
+    def _name(cls, name: str) -> str:
+        return _printable(name)
+
+    @model_validator(mode="after")
+    def _within_reach(self) -> "Threat":
+        if self.velocity_m_s + self.margin_m_s > FASTEST_M_S:
+            found = f"{self.velocity_m_s:g} and {self.margin_m_s:g}"
+            raise ValueError(f"velocity_m_s and margin_m_s must be at most {FASTEST_M_S:g} together, found {found}")
+        return self
+
     @property
     def title(self) -> str:
         """Its name, or projectile and velocity."""
@@ -220,8 +242,8 @@ class Layer(Section):
 
     material: str
     thickness_mm: Thicknesses
-    cost_per_kg: Annotated[float, Field(ge=0.0)] = 0.0
-    cost_per_m2: Annotated[float, Field(ge=0.0)] = 0.0
+    cost_per_kg: Amount = 0.0
+    cost_per_m2: Amount = 0.0
     density_kg_m3: Annotated[float, Field(ge=100.0, le=30000.0)] | None = None
 
     @property
@@ -278,8 +300,8 @@ class DesignSection(Section):
     areal_density_max_kg_m2: Positive | None = None
     cost_max_per_m2: Positive | None = None
     added_thickness_mm: ThicknessOrNone = 0.0
-    added_areal_density_kg_m2: Annotated[float, Field(ge=0.0)] = 0.0
-    added_cost_per_m2: Annotated[float, Field(ge=0.0)] = 0.0
+    added_areal_density_kg_m2: Amount = 0.0
+    added_cost_per_m2: Amount = 0.0
     ceramic: list[CeramicLayer] = []
     backing: list[BackingLayer] = []
 
@@ -330,9 +352,7 @@ class Scenario(Section):
     @field_validator("title")
     @classmethod
     def _title(cls, title: str) -> str:
-        if not title.isprintable():
-            raise ValueError(f"must be one line of printable text, found {title!r}")
-        return title
+        return _printable(title)
 
     _entries: Library = PrivateAttr(default_factory=Library)
     _source: _Source = PrivateAttr(default=_Source({}, "", Path()))

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from armour.core.state import Armour, Outcome
 from armour.distributions import columns_of, points_of
 from armour.errors import InputError, NoDesignError, Problem
-from armour.inputs import BACKING, CERAMIC, inputs_of, with_inputs
-from armour.propagation import Estimate, perforations, proportion, section_of
+from armour.inputs import BACKING, CERAMIC, VELOCITY, inputs_of, with_inputs
+from armour.propagation import Estimate, check_samples, perforations, proportion, section_of
 from armour.requirement import Design, grid, told_of
-from armour.scenario import BackingLayer, CeramicLayer, DesignSection, Layer, Scenario, Threat
+from armour.scenario import FASTEST_M_S, BackingLayer, CeramicLayer, DesignSection, Layer, Scenario, Threat
 from armour.units import MM
 from armour.validity import warnings_of
 
@@ -25,12 +25,16 @@ if TYPE_CHECKING:
 
 # A design that meets a limit but for rounding keeps to it.
 ROUNDING = 1e-12
+# Decimals of what designs weigh, measure and cost: sums of equal parts in another order are equal.
+DIGITS = 9
 # Designs that are computed at a time.
 CHUNK = 4096
 # Width to which thicknesses that are free are found, mm, and values of a free backing that are tried at a time.
 FREE_TOLERANCE_MM = 1e-6
 FREE_BACKING_TOLERANCE_MM = 1e-3
 FREE_VALUES = 41
+# From where a ballistic limit is searched for, m/s.
+SLOWEST_M_S = 20.0
 # Samples of a design after which it is first asked whether it can still pass.
 FIRST_SAMPLES = 256
 
@@ -43,10 +47,11 @@ class StudyDesign:
     ----------
     ceramic, backing : str
     ceramic_thickness_mm, backing_thickness_mm : float
+    ceramic_density_kg_m3, backing_density_kg_m3 : float
     areal_density_kg_m2, thickness_mm, cost_per_m2 : float
         With what the section ``design`` adds.
     margins_m_s : dict of str to float
-        By threat: its ballistic limit less the threat's velocity.
+        By threat: its ballistic limit, 10,000 m/s at most, less the threat's velocity.
     governing : str
         The threat of which least of the margin it asks for is left.
     ballistic_limit_m_s : float
@@ -59,6 +64,8 @@ class StudyDesign:
     backing: str
     ceramic_thickness_mm: float
     backing_thickness_mm: float
+    ceramic_density_kg_m3: float
+    backing_density_kg_m3: float
     areal_density_kg_m2: float
     thickness_mm: float
     cost_per_m2: float
@@ -149,7 +156,8 @@ class _Offer(NamedTuple):
 
     ceramic: CeramicLayer
     backing: BackingLayer
-    against: tuple[Scenario, ...]  # the pair in the scenario of each threat
+    against: tuple[Scenario, ...]  # the pair in the scenario of each threat, its margin added to its velocity
+    bare: tuple[Scenario, ...]  # the same without the margin
     rows: "Floats"  # the core's armour of each, (threats, 13)
     density: tuple[float, float]
 
@@ -197,6 +205,8 @@ def study(scenario: Scenario) -> StudyResult:
         for ceramic in ceramics_of(scenario)
         for backing in backings_of(scenario)
     ]
+    if any(threat.probability_of_perforation is not None for threat in threats):
+        _check_distributions(offers)
     table = _table(offers, section, threats)
     order = getattr(table, section.minimise).argsort(kind="stable")
     table = table.at(order)
@@ -218,10 +228,6 @@ def threats_of(scenario: Scenario) -> tuple[Threat, ...]:
         if title in titles[:i]
     ]
     if any(threat.probability_of_perforation is not None for threat in threats):
-        try:
-            section_of(scenario)
-        except InputError as error:
-            problems.extend(error.problems)
         layers = [*scenario.design.ceramic, *scenario.design.backing] if scenario.design is not None else []
         if any(layer.free for layer in layers):
             message = "must have a step for each thickness_mm where a threat has probability_of_perforation"
@@ -229,6 +235,27 @@ def threats_of(scenario: Scenario) -> tuple[Threat, ...]:
     if problems:
         raise InputError(problems)
     return threats
+
+
+def _check_distributions(offers: Sequence[_Offer]) -> None:
+    """Make sure that the distributions follow designs, materials and threats.
+
+    Raises
+    ------
+    InputError
+        If there are none, or one has a place of its own where the values that it must be about differ.
+    """
+    scenarios = [scenario for offer in offers for scenario in offer.bare]
+    inputs = section_of(scenarios[0]).inputs()
+    problems = []
+    for name, found in inputs.items():
+        values = {inputs_of(scenario).get(name) for scenario in scenarios}
+        placed = (found.mean, found.min, found.max) != (None, None, None)
+        if placed and (len(values) > 1 or name in (VELOCITY, CERAMIC, BACKING)):
+            message = "must be about the value of each design or threat: normal or lognormal, without mean, min and max"
+            problems.append(Problem(scenarios[0].file, f"uncertainty.{name}", message))
+    if problems:
+        raise InputError(problems)
 
 
 def ceramics_of(scenario: Scenario) -> list[CeramicLayer]:
@@ -254,18 +281,16 @@ def _offer(scenario: Scenario, ceramic: CeramicLayer, backing: BackingLayer, thr
     changes: dict[str, object] = {"armour.backing": backing.material}
     if ceramic.material:
         changes["armour.ceramic"] = ceramic.material
-    against = []
+    densities = {"ceramic.density_kg_m3": ceramic.density_kg_m3, "backing.density_kg_m3": backing.density_kg_m3}
+    given = {name: value for name, value in densities.items() if value is not None}
+    bare, against = [], []
     for threat in threats:
-        velocity = threat.velocity_m_s + threat.margin_m_s
-        made = scenario.replaced(
-            {**changes, "impact.projectile": threat.projectile, "impact.velocity_m_s": min(velocity, 1e4)}
-        )
-        densities = {"ceramic.density_kg_m3": ceramic.density_kg_m3, "backing.density_kg_m3": backing.density_kg_m3}
-        given = {name: value for name, value in densities.items() if value is not None}
-        against.append(with_inputs(made, given) if given else made)
+        made = scenario.replaced({**changes, "impact.projectile": threat.projectile, VELOCITY: threat.velocity_m_s})
+        bare.append(with_inputs(made, given) if given else made)
+        against.append(bare[-1].replaced({VELOCITY: threat.velocity_m_s + threat.margin_m_s}))
     rows = np.array([made.core_armour() for made in against], dtype=np.float64)
     density = tuple(float(rows[0, Armour._fields.index(name)]) for name in ("rho_c", "rho_B"))
-    return _Offer(ceramic, backing, tuple(against), rows, (density[0], density[1]))
+    return _Offer(ceramic, backing, tuple(against), tuple(bare), rows, (density[0], density[1]))
 
 
 def _table(offers: Sequence[_Offer], section: DesignSection, threats: Sequence[Threat]) -> _Table:
@@ -313,9 +338,9 @@ def _designs(offer: _Offer, index: int, section: DesignSection, ceramic: "Floats
         np.full(len(ceramic), index),
         ceramic,
         backing,
-        masses[0] + masses[1] + section.added_areal_density_kg_m2,
-        ceramic + backing + section.added_thickness_mm,
-        cost,
+        np.round(masses[0] + masses[1] + section.added_areal_density_kg_m2, DIGITS),
+        np.round(ceramic + backing + section.added_thickness_mm, DIGITS),
+        np.round(cost, DIGITS),
     )
 
 
@@ -460,7 +485,7 @@ class _Search:
             if threat.probability_of_perforation is not None:
                 offer = self.offers[self.table.pair[place]]
                 estimate = reliability(
-                    offer.against[i],
+                    offer.bare[i],
                     float(self.table.ceramic_mm[place]),
                     float(self.table.backing_mm[place]),
                     threat.probability_of_perforation,
@@ -492,6 +517,8 @@ def reliability(scenario: Scenario, ceramic_mm: float, backing_mm: float, bound:
     hits, start, end = 0, 0, FIRST_SAMPLES
     while start < section.samples:
         columns = columns_of(section, own, points[start:end])
+        if any(not np.isfinite(values).all() or values.min() <= 0.0 for values in columns.values()):
+            check_samples(scenario, columns)
         for name in (CERAMIC, BACKING):
             columns.setdefault(name, np.full(len(points[start:end]), own[name]))
         hits += int(perforations(scenario, columns).sum())
@@ -548,15 +575,18 @@ def _pair(search: _Search, pair: int, place: int | None, least: float) -> Pair:
     offer = search.offers[pair]
     names = offer.ceramic.material, offer.backing.material
     if place is not None:
-        excess = 100.0 * (float(search.values[place]) / least - 1.0) if least > 0.0 else 0.0
-        words = {"areal_density_kg_m2": "heavier", "thickness_mm": "thicker", "cost_per_m2": "dearer"}
+        value = float(search.values[place])
+        word = {"areal_density_kg_m2": "heavier", "thickness_mm": "thicker", "cost_per_m2": "dearer"}
+        if least <= 0.0 < value:
+            return Pair(*names, _made(search, place), None, word[search.section.minimise])
+        excess = 100.0 * (value / least - 1.0) if least > 0.0 else 0.0
         near = "runner-up: " if excess <= search.section.runners_up_percent else ""
-        reason = "" if excess <= 0.0 else f"{near}{excess:.1f} % {words[search.section.minimise]}"
+        reason = "" if excess <= 0.0 else f"{near}{excess:.1f} % {word[search.section.minimise]}"
         return Pair(*names, _made(search, place), excess, reason)
     own = search.table.at(search.table.pair == pair)
     if not len(own.pair):
         return Pair(*names, None, None, "nothing on offer keeps to the limits")
-    if search.bounded:
+    if search.good[search.table.pair == pair].any():
         return Pair(*names, None, None, f"none within {search.section.runners_up_percent:g} % of the best")
     lost = [
         threat.title
@@ -567,7 +597,7 @@ def _pair(search: _Search, pair: int, place: int | None, least: float) -> Pair:
 
 
 def _margins(search: _Search, where: "Ints") -> "Floats":
-    """Ballistic limits, within the range of their search, less the threats' velocities; (designs, threats)."""
+    """Ballistic limits, as far as the program's velocities reach, less the threats' velocities; (designs, threats)."""
     import numpy as np
 
     from armour.core import batch
@@ -576,7 +606,7 @@ def _margins(search: _Search, where: "Ints") -> "Floats":
     found = np.empty((len(where), len(search.threats)))
     for i, threat in enumerate(search.threats):
         scenario = search.offers[0].against[i]
-        low, high = scenario.ballistic_limit.velocity_min_m_s, scenario.ballistic_limit.velocity_max_m_s
+        low, high = min(scenario.ballistic_limit.velocity_min_m_s, SLOWEST_M_S), FASTEST_M_S
         rows = _with_thicknesses(search.rows[table.pair, i], table.ceramic_mm, table.backing_mm)
         places = batch.limits(rows, low, high, scenario.ballistic_limit.tolerance_m_s, told_of(scenario))
         limits = np.where(np.isfinite(places.perforated), places.perforated, high)
@@ -605,6 +635,8 @@ def _made(search: _Search, place: int) -> StudyDesign:
         backing=offer.backing.material,
         ceramic_thickness_mm=float(search.table.ceramic_mm[place]),
         backing_thickness_mm=float(search.table.backing_mm[place]),
+        ceramic_density_kg_m3=offer.density[0],
+        backing_density_kg_m3=offer.density[1],
         areal_density_kg_m2=float(search.table.areal_density_kg_m2[place]),
         thickness_mm=float(search.table.thickness_mm[place]),
         cost_per_m2=float(search.table.cost_per_m2[place]),

@@ -431,14 +431,18 @@ def calibration_rows(result: CalibrationResult) -> list[Row]:
     if result.law:
         rows.append(("law of the ceramic's flow stress", result.law, ""))
     rows += [
-        ("mean error", f"{result.mean_error_percent:.2f}", "%"),
-        ("mean error left out", f"{result.left_out_error_percent:.2f}", "%"),
+        ("mean error", *_percent(result.mean_error_percent)),
+        ("mean error left out", *_percent(result.left_out_error_percent)),
         ("degrees of freedom", str(result.degrees_of_freedom), ""),
     ]
     if result.weights == "uncertainties":
         rows.append(("chi squared", f"{result.chi_squared:.2f}", ""))
     rows.append(("starts that came to this end", f"{result.starts_agreeing} of {result.starts}", ""))
     return rows
+
+
+def _percent(value: float | None) -> tuple[str, str]:
+    return ("none", "too few tests") if value is None else (f"{value:.2f}", "%")
 
 
 def coefficient_rows(result: CalibrationResult) -> list[tuple[str, ...]]:
@@ -471,7 +475,8 @@ def residual_rows(result: CalibrationResult) -> list[tuple[str, ...]]:
     """Measured and computed, test by test."""
     rows: list[tuple[str, ...]] = []
     for r in result.residuals:
-        percent, left_out = (100.0 * (value / r.measured - 1.0) for value in (r.computed, r.left_out))
+        percent = 100.0 * (r.computed / r.measured - 1.0)
+        left_out = "" if r.left_out is None else f"{100.0 * (r.left_out / r.measured - 1.0):+.2f}"
         exact = not r.bound
         rows.append(
             (
@@ -481,7 +486,7 @@ def residual_rows(result: CalibrationResult) -> list[tuple[str, ...]]:
                 f"{r.measured:g} {QUANTITIES[r.quantity].unit}",
                 f"{r.computed:.2f}",
                 f"{percent:+.2f}" if exact else "",
-                f"{left_out:+.2f}" if exact else "",
+                left_out if exact else "",
                 "" if exact or r.met else "not met",
             )
         )

@@ -68,6 +68,20 @@ def test_standard_input():
     assert process("simulate", "-", text="= 3").stderr.startswith("standard input: must be valid TOML")
 
 
+def test_bytes_that_are_no_text():
+    done = subprocess.run([sys.executable, "-m", "armour", "simulate", "-"], input=b'a = "\xff"', capture_output=True)
+    assert (done.returncode, done.stderr) == (2, b"standard input: must be UTF-8 text, found the byte 0xff at 5\n")
+
+
+def test_a_value_nested_too_deeply(cli):
+    assert cli.fails(2, "simulate", WILKINS, "--set", "a=" + "[" * 3000 + "]" * 3000)
+
+
+def test_two_outputs_of_one_name(cli, folder: Path):
+    told = cli.fails(2, "optimise", WILKINS, "--csv", "same.svg", "--plot", "same.svg")
+    assert told == [f"{folder / 'same.svg'}: must not be written twice; choose another name"]
+
+
 def test_mistakes_are_told_with_their_lines(cli, folder: Path):
     text = WILKINS.read_text().replace("velocity_m_s = 800.0", "velocity_m_s = -800.0")
     (folder / "a.toml").write_text(text)

@@ -22,3 +22,9 @@ def test_json(cli):
 
 def test_wrong_input(cli):
     assert cli.fails(2, "sensitivity", "missing.toml")[0].startswith("missing.toml: cannot be read")
+
+
+def test_nothing_to_compare(cli):
+    case = SCENARIOS / "uncertain.toml"
+    told = cli.fails(1, "sensitivity", case, "--set", "ballistic_limit.velocity_max_m_s=500")
+    assert told[0].startswith("nothing to compare")

@@ -32,4 +32,4 @@ def test_wrong_input(cli):
 
 def test_a_whole_range_without_a_limit_is_no_answer(cli, folder: Path):
     (folder / "u.toml").write_text(UNCERTAIN.read_text() + "\n[ballistic_limit]\nvelocity_max_m_s = 100.0\n")
-    assert cli.fails(1, "uncertainty", "u.toml", "--samples", "64")[0].startswith("no ballistic limit of 64 of 64")
+    assert cli.fails(1, "uncertainty", "u.toml", "--samples", "128")[0].startswith("no ballistic limit of 128 of 128")

@@ -48,6 +48,10 @@ def test_wrong_input(cli, folder: Path, text: str, message: str):
     assert message in cli.fails(2, "v50", "s.csv")[0]
 
 
+def test_a_change_needs_a_scenario(cli):
+    assert cli.fails(2, "v50", SHOTS, "--set", "a=1") == ["v50: --set: changes a scenario, which is not given"]
+
+
 def test_no_answer(cli, folder: Path):
     (folder / "s.csv").write_text("velocity_m_s,result\n700,complete\n730,partial\n")
     assert cli.fails(1, "v50", "s.csv")[0].startswith("no V50")

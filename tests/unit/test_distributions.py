@@ -77,7 +77,7 @@ def test_samples_have_the_correlation_and_the_distributions(method: str):
 
 def test_the_seed_tells_the_samples():
     def points(seed: int) -> np.ndarray:
-        return points_of(Uncertainty.model_validate({**TWO, "samples": 64, "seed": seed}))
+        return points_of(Uncertainty.model_validate({**TWO, "samples": 128, "seed": seed}))
 
     np.testing.assert_array_equal(points(1), points(1))
     assert (points(1) != points(2)).any()

@@ -82,6 +82,18 @@ def test_shots_that_touch():
     assert fit.log_likelihood == pytest.approx(2 * log(0.5))
 
 
+def test_shots_that_touch_unevenly():
+    """Two partial and one complete at one velocity: a step with a third there is likelier than one with a half."""
+    shots = Shots((800, 820, 820, 820, 840, 850), (False, False, False, True, True, True))
+    fit = fitted(shots, "logit")
+    assert fit.log_likelihood == pytest.approx(log(4.0 / 27.0))
+    places, scales = np.linspace(740.0, 900.0, 3201), np.geomspace(1e-2, 1e3, 400)
+    all_of_them = brute(shots, "logit", places, scales)
+    assert all_of_them.max() == pytest.approx(fit.log_likelihood, abs=1e-3)
+    inside = places[(all_of_them >= fit.log_likelihood - 0.5 * chi2.ppf(0.95, 1)).any(axis=1)]
+    assert interval(fit) == pytest.approx((inside[0], inside[-1]), abs=0.06)
+
+
 def test_few_shots_do_not_bound():
     fit = fitted(Shots((700.0, 710.0), (False, True)), "logit")
     assert fit.v50_interval_m_s == (None, None)
@@ -139,8 +151,8 @@ def test_faster_shots_that_perforate_less_often():
         ("700,partial", "result: must have at least one partial and one complete penetration, found only partial ones"),
         ("700,complete\n710,complete", "found only complete ones"),
         ("700,part\n710,complete", 'line 2: result: must be "partial" or "complete", found "part"'),
-        (",partial\n710,complete", "line 2: velocity_m_s: must be greater than 0"),
-        ("-700,partial\n710,complete", "line 2: velocity_m_s: must be greater than 0"),
+        (",partial\n710,complete", "line 2: velocity_m_s: must be at least 1 and at most 10000"),
+        ("-700,partial\n710,complete", "line 2: velocity_m_s: must be at least 1 and at most 10000"),
     ],
 )
 def test_wrong_shots(tmp_path: Path, rows: str, message: str):

@@ -45,6 +45,15 @@ def test_the_values_are_those_of_the_scenario():
     assert not any(name.startswith("ceramic.") for name in inputs_of(CASES[3]))
 
 
+def test_a_flow_stress_of_another_role_does_not_stop_the_backings_from_following():
+    case = CASES[1]
+    columns = {"backing.dynamic_yield_strength_MPa": np.array([312.0]), "ceramic.flow_stress_GPa": np.array([6.0])}
+    rows, _ = rows_of(case, columns, 1)
+    changed = with_inputs(case, {name: float(values[0]) for name, values in columns.items()})
+    assert rows[0] == pytest.approx(batch.packed([changed.core_armour()])[0], rel=1e-14)
+    assert pytest.approx(2.7 * 312e6) == changed.core_armour().YB
+
+
 def test_a_strength_given_is_no_longer_derived():
     case = scenario()
     both = with_inputs(case, {"backing.dynamic_yield_strength_MPa": 400.0, "backing.shear_strength_MPa": 250.0})

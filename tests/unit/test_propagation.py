@@ -101,7 +101,7 @@ def test_indices_of_ishigamis_function():
 
 def test_one_input_has_all_of_the_variance():
     result = uncertainty(
-        with_section(ceramic={"flow_stress_GPa": {"distribution": "normal", "standard_deviation": 0.2}}, samples=64)
+        with_section(ceramic={"flow_stress_GPa": {"distribution": "normal", "standard_deviation": 0.2}}, samples=128)
     )
     [index] = result.inputs
     assert index.first == index.total == Estimate(1.0, 1.0, 1.0)
@@ -140,7 +140,7 @@ NORMAL = {"distribution": "normal", "standard_deviation_percent": 10.0}
     ("case", "message"),
     [
         (scenario(), "scenario: uncertainty: is missing and must be given"),
-        (with_section(samples=64), "scenario: uncertainty: is missing and must be given"),
+        (with_section(samples=128), "scenario: uncertainty: is missing and must be given"),
         (
             with_section(ceramic={"flow_stress_GPa": {**NORMAL, "standard_deviation_percent": 60.0}}),
             "; give it a min or max",
@@ -157,12 +157,36 @@ def test_wrong_sections(case, message: str):
     assert message in str(error.value)
 
 
+@pytest.mark.parametrize(
+    ("distribution", "message"),
+    [
+        ({"distribution": "lognormal", "standard_deviation": 10.0, "mean": 0.0}, "must have a mean greater than 0"),
+        ({"distribution": "lognormal", "standard_deviation": 1.0, "mean": -5.0}, "must have a mean greater than 0"),
+        ({"distribution": "normal", "standard_deviation_percent": 1.0, "mean": 0.0}, "in place of one in per cent"),
+        ({"distribution": "lognormal", "standard_deviation": 1e300}, "must be at most 1e+09"),
+    ],
+)
+def test_distributions_that_are_none(distribution: Any, message: str):
+    with pytest.raises(InputError) as error:
+        uncertainty(with_section(backing={"shear_strength_MPa": distribution}))
+    assert message in str(error.value)
+
+
+def test_indices_are_of_values_that_are_allowed():
+    """The points for the indices reach farther than the samples: no thickness below zero gets into the engine."""
+    wide = {"distribution": "normal", "standard_deviation": 2.3}
+    strength = {"distribution": "normal", "standard_deviation_percent": 5.0}
+    case = with_section(samples=128, armour={"ceramic_thickness_mm": wide}, ceramic={"flow_stress_GPa": strength})
+    with pytest.raises(InputError, match="must not reach values that are not allowed"):
+        uncertainty(case)
+
+
 def test_samples_without_a_limit():
     case = scenario(
-        uncertainty={"ceramic": {"flow_stress_GPa": NORMAL}, "samples": 64},
+        uncertainty={"ceramic": {"flow_stress_GPa": NORMAL}, "samples": 128},
         ballistic_limit={"velocity_max_m_s": 740.0},
     )
-    with pytest.raises(NoLimitError, match="of 64 samples from 20 to 740 m/s"):
+    with pytest.raises(NoLimitError, match="of 128 samples from 20 to 740 m/s"):
         uncertainty(case)
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from armour.core import batch
 from armour.core.state import Outcome
+from armour.dossier import dossier_of
 from armour.errors import InputError, NoDesignError
 from armour.limit import ballistic_limit
 from armour.optimisation import optimise
@@ -239,6 +240,74 @@ def test_a_bound_on_the_probability_of_perforation():
             assert uncertainty(own).probability_of_perforation.high > 0.02
 
 
+def test_the_probability_is_at_the_threats_own_velocity():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "probability_of_perforation": 0.02}
+    plain, with_margin = (study(asked([{**threat, "margin_m_s": margin}], UNCERTAIN)).best for margin in (0.0, 20.0))
+    assert plain.margins_m_s["7.62 mm AP at 800 m/s"] > 20.0
+    assert plain == with_margin
+
+
+@pytest.mark.parametrize(
+    "uncertain",
+    [
+        {"impact": {"velocity_m_s": {"distribution": "uniform", "min": 100.0, "max": 110.0}}},
+        {"armour": {"ceramic_thickness_mm": {"distribution": "normal", "mean": 12.0, "standard_deviation": 0.1}}},
+        {"ceramic": {"flow_stress_GPa": {"distribution": "normal", "mean": 9.0, "standard_deviation": 0.1}}},
+    ],
+)
+def test_distributions_must_follow_the_designs(uncertain: Any):
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "probability_of_perforation": 0.05}
+    with pytest.raises(InputError, match="must be about the value of each design or threat"):
+        study(asked([threat], uncertain))
+
+
+def test_samples_that_are_not_allowed():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 500.0, "probability_of_perforation": 0.4}
+    wide = {"armour": {"ceramic_thickness_mm": {"distribution": "normal", "standard_deviation": 10.0}}}
+    with pytest.raises(InputError, match="must not reach values that are not allowed"):
+        study(asked([threat], wide))
+
+
+def test_margins_do_not_depend_on_the_range_of_the_search():
+    wide = study(asked())
+    for search in ({"velocity_max_m_s": 500.0}, {"velocity_min_m_s": 1500.0}):
+        narrow = study(asked().replaced({"ballistic_limit": search}))
+        assert narrow.best.margins_m_s == pytest.approx(wide.best.margins_m_s, abs=0.02)
+        assert narrow.best.governing == wide.best.governing
+
+
+def test_a_material_twice_with_two_densities():
+    """The dossier is of the design that won."""
+    ceramics = [
+        {"material": "AD85", "thickness_mm": [9.0]},
+        {"material": "AD85", "thickness_mm": [11.0], "density_kg_m3": 5000.0},
+    ]
+    case = asked(ceramic=ceramics)
+    found = dossier_of(case)
+    assert found.impact.areal_density_kg_m2 == pytest.approx(study(case).best.areal_density_kg_m2)
+
+
+def test_equal_sums_are_equal_on_the_front():
+    steps = {"min": 4.0, "max": 12.0, "step": 0.1}
+    layers = {
+        "ceramic": [{"material": "AD99.5", "thickness_mm": steps}],
+        "backing": [{"material": "7075-T6", "thickness_mm": {"min": 2.0, "max": 8.0, "step": 0.3}}],
+    }
+    front = study(asked(THREATS[:1], **layers, pareto=["thickness_mm", "areal_density_kg_m2"])).pareto
+    thicknesses = [round(item.thickness_mm, 6) for item in front]
+    assert len(set(thicknesses)) == len(thicknesses)
+
+
+def test_what_costs_nothing():
+    free = [
+        {"material": "AD85", "thickness_mm": [12.0]},
+        {"material": "AD99.5", "thickness_mm": [12.0], "cost_per_kg": 9.0},
+    ]
+    metal = [{"material": "6061-T6", "thickness_mm": [10.0]}]
+    result = study(asked(ceramic=free, backing=metal, minimise="cost_per_m2"))
+    assert [(pair.ceramic, pair.reason) for pair in result.pairs] == [("AD85", ""), ("AD99.5", "dearer")]
+
+
 def test_a_big_catalogue_is_exact():
     """6 ceramics, 6 metals, 40 by 40 thicknesses and 3 threats against all 57,600 at once."""
     thick = {"min": 2.0, "max": 21.5, "step": 0.5}
@@ -298,6 +367,9 @@ def test_a_pair_that_cannot():
     ("case", "message"),
     [
         (lambda: scenario(design={}), "optimise: is missing and must be given"),
+        (lambda: asked([{**THREATS[0], "margin_m_s": 9500.0}]), "must be at most 10000 together, found 800 and 9500"),
+        (lambda: asked([{**THREATS[0], "name": "a\x1b[31m"}]), "must be one line of printable text"),
+        (lambda: asked(pareto=["thickness_mm"]), "must have at least 2 of them"),
         (
             lambda: asked([THREATS[1], THREATS[1]]),
             'threat[1].name: must tell the threat from the others, found "M2" twice',

@@ -56,7 +56,7 @@ def calibrate(
     )
 
     check_outputs(library, plot=plot, source=tests)
-    check_outputs(library, source=scenario)
+    check_outputs(library, plot=plot, source=scenario)
     loaded = read_scenario(scenario, changes)
     read = read_tests(tests, loaded)
     tell_of_compiling()

@@ -91,13 +91,14 @@ def read_scenario(
     InputError
         With every mistake in it.
     """
-    from armour.files import parse_toml
+    from armour.files import decoded, parse_toml
     from armour.scenario import changed, load_scenario, parse_scenario
 
     changes = changed(changes_of(assignments or ()), more or {})
     if str(path) != "-":
         return load_scenario(path, changes)
-    return parse_scenario(changed(parse_toml(sys.stdin.read(), STANDARD_INPUT), changes), file=STANDARD_INPUT)
+    data = parse_toml(decoded(sys.stdin.buffer, STANDARD_INPUT), STANDARD_INPUT)
+    return parse_scenario(changed(data, changes), file=STANDARD_INPUT)
 
 
 def check_outputs(*paths: Path | None, plot: Path | None = None, source: Path | None = None) -> None:
@@ -123,6 +124,10 @@ def check_outputs(*paths: Path | None, plot: Path | None = None, source: Path | 
                     problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
         except InputError as error:
             problems.extend(error.problems)
+    asked = [path.resolve() for path in (*paths, plot) if path is not None]
+    twice = dict.fromkeys(str(path) for path in asked if asked.count(path) > 1)
+    if not problems:
+        problems += (Problem(path, "", "must not be written twice; choose another name") for path in twice)
     if problems:
         raise InputError(problems)
 
@@ -179,7 +184,7 @@ def _assignment(text: str) -> dict[str, Any] | None:
     for line in (text, f"{key}{equals}{json.dumps(value.strip())}"):
         try:
             return tomllib.loads(line) if equals and "\n" not in line else None
-        except tomllib.TOMLDecodeError:
+        except (tomllib.TOMLDecodeError, RecursionError):
             continue
     return None
 

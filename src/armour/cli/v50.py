@@ -16,6 +16,7 @@ from armour.cli.common import (
     read_scenario,
     write_plot,
 )
+from armour.errors import InputError, Problem
 
 
 def v50(
@@ -37,7 +38,9 @@ def v50(
     ] = None,
     span_m_s: Annotated[
         float | None,
-        typer.Option("--span-m-s", min=0.0, help="Their greatest span; left out: MIL-STD-662F's.", show_default=False),
+        typer.Option(
+            "--span-m-s", min=0.0, max=1e4, help="Their greatest span; left out: MIL-STD-662F's.", show_default=False
+        ),
     ] = None,
     confidence: Annotated[float, typer.Option(min=0.5, max=0.9999, help="Of the intervals.")] = 0.95,
     plot: PlotFile = None,
@@ -50,6 +53,8 @@ def v50(
     from armour.tables import FIRING_COLUMNS, firing_fit_rows, firing_rows
 
     check_outputs(plot=plot, source=shots)
+    if changes and scenario is None:
+        raise InputError([Problem("v50", "--set", "changes a scenario, which is not given")])
     read = read_shots(shots)
     loaded = None if scenario is None else read_scenario(scenario, changes)
     result = evaluate(read, loaded, pairs=pairs, span_m_s=span_m_s, confidence=confidence)

@@ -102,6 +102,8 @@ def _computed(
 ) -> tuple[Ints, Floats]:
     """What a kernel says of the rows: (n, 2) integers and (n, width) numbers."""
     rows = np.ascontiguousarray(rows, dtype=np.float64)
+    if rows.ndim != 2 or rows.shape[1] != len(Armour._fields):
+        raise ValueError(f"rows must be of the shape (n, {len(Armour._fields)}), found {rows.shape}")
     count = len(rows)
     counts, ends = np.empty((count, 2), np.int64), np.empty((count, width))
     inputs = [rows]

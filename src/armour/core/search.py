@@ -5,7 +5,7 @@ thickness of the ceramic.  The next run is therefore put where a polynomial thro
 a little on the perforated side; where that is outside the bracket, the bracket is bisected.
 """
 
-from math import inf, sqrt
+from math import inf, isfinite, sqrt
 from typing import NamedTuple
 
 from armour.core.run import run
@@ -119,7 +119,8 @@ def limit_of(
 ) -> Found:
     """Ballistic limit between two impact velocities, m/s, where the outcome changes once between them."""
     b = opened(low, high)
-    V = min(max(first_guess(a), low), high)
+    guess = first_guess(a)
+    V = min(max(guess, low), high) if isfinite(guess) else low
     while True:
         end = run(a, V, time_step(a, V, given), V_arrest, max_steps)
         if end.outcome == Outcome.UNRESOLVED:
@@ -185,4 +186,4 @@ def first_guess(a: Armour) -> float:
     rod = a.rho_p * a.L0
     sheared = 3.4 * a.Hb + (13.0 * a.Hc0 if a.conoid else 0.0)
     work = 0.86 * a.Yc0 * a.Hc0 + 0.56 * a.YB * a.Hb + a.tau * a.Hb * sheared / a.D0
-    return sqrt(work / rod) * (1.0 + 0.3 * a.rho_c * a.Hc0 / rod + 0.6 * a.rho_B * a.Hb / rod)
+    return sqrt(max(work / rod, 0.0)) * (1.0 + 0.3 * a.rho_c * a.Hc0 / rod + 0.6 * a.rho_B * a.Hb / rod)

@@ -50,6 +50,19 @@ def test_neither_threads_nor_order_count():
         np.testing.assert_array_equal(there[order], here)
 
 
+def test_rows_of_another_shape():
+    for rows in (ROWS[:, :12], ROWS[0]):
+        with pytest.raises(ValueError, match="rows must be of the shape"):
+            batch.impacts(rows, VELOCITIES[: len(rows)])
+
+
+def test_numbers_that_are_none_end():
+    """Nothing is promised of them but that the search ends."""
+    rows = ROWS[:3].copy()
+    rows[0, 4], rows[1, 4], rows[2, 7] = np.nan, -0.01, np.nan
+    assert len(batch.limits(rows, 20.0, 4000.0, 1e-2, batch.Told(max_steps=2000)).perforated) == 3
+
+
 def test_an_empty_batch():
     assert len(batch.impacts(ROWS[:0], VELOCITIES[:0]).V) == 0
 
