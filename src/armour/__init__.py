@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from armour.calibration import CalibrationResult, calibrate, read_tests
+    from armour.catalogue import StudyResult, study
     from armour.comparison import Comparison, compare
     from armour.elasticities import SensitivityResult, sensitivity
     from armour.errors import ArmourError, InputError, NoAnswerError, NoDesignError, NoLimitError, Problem
@@ -54,6 +55,7 @@ _HOMES = {
     "SensitivityResult": "elasticities",
     "Shots": "firing",
     "StageRecord": "simulation",
+    "StudyResult": "catalogue",
     "Suite": "suite",
     "SuiteResult": "validation",
     "UncertaintyResult": "propagation",
@@ -73,6 +75,7 @@ _HOMES = {
     "sensitivity": "elasticities",
     "shipped_library": "library",
     "simulate": "simulation",
+    "study": "catalogue",
     "uncertainty": "propagation",
     "v50": "firing",
     "validate": "validation",
@@ -103,6 +106,7 @@ __all__ = [
     "SensitivityResult",
     "Shots",
     "StageRecord",
+    "StudyResult",
     "Suite",
     "SuiteResult",
     "UncertaintyResult",
@@ -122,6 +126,7 @@ __all__ = [
     "sensitivity",
     "shipped_library",
     "simulate",
+    "study",
     "uncertainty",
     "v50",
     "validate",

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import pi
 from typing import TYPE_CHECKING
 
+from armour.catalogue import StudyResult, asks_for_study, study
 from armour.elasticities import SensitivityResult, sensitivity
 from armour.errors import NoLimitError
 from armour.inputs import BACKING, CERAMIC, ROLES, entry_of, inputs_of, with_inputs
@@ -13,7 +14,6 @@ from armour.optimisation import OptimumResult, optimise, with_thicknesses
 from armour.propagation import UncertaintyResult, uncertainty
 from armour.scenario import Scenario
 from armour.simulation import ImpactResult, simulate
-from armour.study import StudyResult, asks_for_study, study
 from armour.units import MM, G
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from armour import MODEL_VERSION, __version__
+from armour.catalogue import StudyResult
 from armour.dossier import Dossier, rod_mm
 from armour.optimisation import OptimumResult
-from armour.study import StudyResult
 from armour.tables import (
     BEST_COLUMNS,
     CHECK_COLUMNS,

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from armour.calibration import CalibrationResult
+from armour.catalogue import StudyResult
 from armour.comparison import Comparison
 from armour.elasticities import SensitivityResult
 from armour.figures import Chart
@@ -24,7 +25,6 @@ from armour.peers import residual_velocity
 from armour.propagation import UncertaintyResult
 from armour.scenario import Scenario
 from armour.simulation import History, ImpactResult, StageRecord
-from armour.study import StudyResult
 from armour.sweep import words_of
 from armour.units import words_and_unit
 from armour.validation import SuiteResult

@@ -8,6 +8,7 @@ from math import floor, log10
 from typing import Any
 
 from armour.calibration import CalibrationResult
+from armour.catalogue import Compromise, StudyResult
 from armour.comparison import Comparison, FlorenceResult
 from armour.elasticities import SensitivityResult
 from armour.figures import Chart
@@ -19,7 +20,6 @@ from armour.propagation import UncertaintyResult
 from armour.quantities import QUANTITIES
 from armour.requirement import Design
 from armour.simulation import History, ImpactResult
-from armour.study import Compromise, StudyResult
 from armour.suite import Case
 from armour.validation import Check, SuiteResult, Update
 

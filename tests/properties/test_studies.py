@@ -5,11 +5,11 @@ from typing import Any
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from armour.catalogue import study
 from armour.errors import NoDesignError
 from armour.inputs import with_inputs
 from armour.scenario import Scenario
 from armour.simulation import simulate
-from armour.study import study
 from tests.cases import scenario
 
 THICKNESSES = st.lists(st.floats(3.0, 14.0).map(lambda t: round(t, 1)), min_size=1, max_size=4)

@@ -6,12 +6,12 @@ from typing import Any
 
 import pytest
 
+from armour.catalogue import study
 from armour.dossier import dossier_of
 from armour.limit import ballistic_limit
 from armour.optimisation import optimise
 from armour.pages import scenario_page, suite_page
 from armour.scenario import Scenario, load_scenario
-from armour.study import study
 from armour.suite import load_suite
 from armour.validation import paper_suite, validate
 from armour.validity import MODEL_ERROR_PERCENT

@@ -2,11 +2,11 @@
 
 import pytest
 
+from armour.catalogue import study
 from armour.limit import ballistic_limit
 from armour.optimisation import optimise
 from armour.reports import suite_markdown
 from armour.scenario import load_scenario
-from armour.study import study
 from armour.suite import Case, Suite, load_suite
 from armour.validation import SuiteResult, paper_suite, validate
 from tests.cases import SCENARIOS, scenario

@@ -48,9 +48,9 @@ def optimise(
     as_json: AsJson = False,
 ) -> None:
     """Find the best design: the lightest of the grid, or what the scenario's threats and catalogue ask for."""
+    from armour.catalogue import asks_for_study
     from armour.optimisation import frontier_of
     from armour.optimisation import optimise as find_optimum
-    from armour.study import asks_for_study
     from armour.tables import BEST_COLUMNS, DESIGN_COLUMNS, best_rows, design_rows, frontier_csv
 
     check_outputs(csv, plot=plot, source=scenario)
@@ -92,7 +92,7 @@ def optimise(
 
 def _study(loaded: "Scenario", csv: Path | None, plot: Path | None, *, as_json: bool, asked: bool) -> None:
     """Answer what the scenario's threats and catalogue ask for."""
-    from armour.study import study
+    from armour.catalogue import study
     from armour.tables import MARGIN_COLUMNS, PAIR_COLUMNS, margin_rows, pair_rows, pareto_table, study_csv, study_rows
 
     if asked:

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from armour.catalogue import StudyResult, asks_for_study, study, undominated
 from armour.core import batch
 from armour.core.state import Outcome
 from armour.dossier import dossier_of
@@ -14,7 +15,6 @@ from armour.optimisation import optimise
 from armour.propagation import uncertainty
 from armour.scenario import Scenario, load_scenario
 from armour.simulation import simulate
-from armour.study import StudyResult, asks_for_study, study, undominated
 from tests.cases import SCENARIOS, scenario
 
 RANGE = {"min": 4.0, "max": 12.0, "step": 1.0}
