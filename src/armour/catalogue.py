@@ -250,8 +250,7 @@ def _check_distributions(offers: Sequence[_Offer]) -> None:
     problems = []
     for name, found in inputs.items():
         values = {inputs_of(scenario).get(name) for scenario in scenarios}
-        placed = (found.mean, found.min, found.max) != (None, None, None)
-        if placed and (len(values) > 1 or name in (VELOCITY, CERAMIC, BACKING)):
+        if found.placed and (len(values) > 1 or name in (VELOCITY, CERAMIC, BACKING)):
             message = "must be about the value of each design or threat: normal or lognormal, without mean, min and max"
             problems.append(Problem(scenarios[0].file, f"uncertainty.{name}", message))
     if problems:

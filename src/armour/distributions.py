@@ -45,6 +45,11 @@ class Distribution(Section):
             raise ValueError(f"min must be below max, found {self.min:g} and {self.max:g}")
         return self
 
+    @property
+    def placed(self) -> bool:
+        """Whether it has a place of its own, and is not about whatever value the scenario has."""
+        return (self.mean, self.min, self.max) != (None, None, None)
+
     def lacks(self, own: float) -> str:
         """What the mean must be and is not, where it is the scenario's own value if none is given; else empty."""
         mean = own if self.mean is None else self.mean

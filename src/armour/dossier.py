@@ -122,6 +122,7 @@ def dossier_of(scenario: Scenario) -> Dossier:
         answer = with_thicknesses(scenario, optimum.best)
     impact = simulate(answer, history=True)
     sampled = scenario.uncertainty is not None and scenario.uncertainty.inputs()
+    elsewhere = _elsewhere(scenario, answer)
     return Dossier(
         scenario=scenario,
         answer=answer,
@@ -130,9 +131,21 @@ def dossier_of(scenario: Scenario) -> Dossier:
         limit=_limit(answer),
         ledger=ledger_of(answer, impact),
         sensitivity=sensitivity(answer),
-        uncertainty=uncertainty(answer) if sampled else None,
+        uncertainty=uncertainty(answer) if sampled and not elsewhere else None,
         entries=tuple(entry for role in ROLES if (entry := entry_of(answer, role)) is not None),
-        warnings=impact.warnings,
+        warnings=(*impact.warnings, *elsewhere),
+    )
+
+
+def _elsewhere(scenario: Scenario, answer: Scenario) -> tuple[str, ...]:
+    """Which distributions have a place of their own that is not the answer's."""
+    if scenario.uncertainty is None:
+        return ()
+    own, found = inputs_of(scenario), inputs_of(answer)
+    return tuple(
+        f"uncertainty.{name}: is about a value of its own, not the design's {found[name]:g}; no probability is told"
+        for name, distribution in scenario.uncertainty.inputs().items()
+        if distribution.placed and name in found and own.get(name) != found[name]
     )
 
 

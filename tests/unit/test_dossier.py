@@ -60,6 +60,19 @@ def test_the_answer_is_the_optimum_against_the_governing_threat():
     assert catalogue.margin_m_s == pytest.approx(chosen.margins_m_s[chosen.governing], abs=0.03)
 
 
+def test_distributions_of_another_thickness_than_the_designs_are_left_out():
+    """A range of thicknesses about the scenario's own says nothing of the design that the report is about."""
+    grid = {"ceramic_thickness_mm": {"min": 5.0, "max": 12.0, "step": 0.5}}
+    grid["backing_thickness_mm"] = {"min": 4.0, "max": 10.0, "step": 1.0}
+    case = load_scenario(SCENARIOS / "uncertain.toml", {"optimise": grid})
+    found = dossier_of(case)
+    assert found.uncertainty is None
+    assert any("uncertainty.armour.ceramic_thickness_mm: is about a value of its own" in w for w in found.warnings)
+    thickness = {"distribution": "normal", "standard_deviation_percent": 1.0}
+    about = load_scenario(SCENARIOS / "wilkins.toml", {"uncertainty.armour.ceramic_thickness_mm": thickness})
+    assert dossier_of(about).uncertainty is not None
+
+
 def test_the_models_error_is_that_of_the_suite():
     result = validate(load_suite(paper_suite()))
     [own] = [error for error in result.errors if error.predictor == "this model"]
