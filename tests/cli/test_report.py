@@ -48,6 +48,12 @@ def test_changes_and_standard_input(folder: Path):
     assert "<h1>Changed</h1>" in (folder / "r.html").read_text()
 
 
+def test_an_impact_without_energy(cli, folder: Path):
+    change = ("--set", "impact.velocity_m_s=1e-300")
+    assert cli("report", SCENARIOS / "bare_plate.toml", *change, "-o", "r.html").exit_code == 0
+    assert "projectile stopped" in (folder / "r.html").read_text()
+
+
 WATCH = """<script>
   const said = [];
   addEventListener("error", e => said.push(e.message));

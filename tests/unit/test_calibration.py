@@ -211,6 +211,13 @@ def test_a_library_with_what_it_was_calibrated_to(tmp_path: Path):
             {},
             "uncertainties must be given for every measurement and outcome, or for none",
         ),
+        (f"{C},ballistic_limit_m_s", ["6,1e-300", "7,700"], {}, "line 2: ballistic_limit_m_s: must be at least 0.001"),
+        (
+            "impact.projectile,ballistic_limit_m_s",
+            ["xx,700", "yy,720"],
+            {},
+            't.csv: line 3: impact.projectile: must name a projectile of the library, found "yy"',
+        ),
         (
             f"{C},{V},outcome,ballistic_limit_m_s,ballistic_limit_uncertainty_m_s",
             ["6,,,700,5", "6,750,defeated,,"],

@@ -369,6 +369,7 @@ def test_a_pair_that_cannot():
         (lambda: scenario(design={}), "optimise: is missing and must be given"),
         (lambda: asked([{**THREATS[0], "margin_m_s": 9500.0}]), "must be at most 10000 together, found 800 and 9500"),
         (lambda: asked([{**THREATS[0], "name": "a\x1b[31m"}]), "must be one line of printable text"),
+        (lambda: asked(added_cost_per_m2=1e308), "design.added_cost_per_m2: must be at most 1e+09"),
         (lambda: asked(pareto=["thickness_mm"]), "must have at least 2 of them"),
         (
             lambda: asked([THREATS[1], THREATS[1]]),
