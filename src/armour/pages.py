@@ -1,6 +1,7 @@
-"""Reports as one self-contained HTML file: the words in a template, the charts as data for plotly.js."""
+"""Reports as one self-contained HTML file, the charts as data for plotly.js, or as Markdown without charts."""
 
 import json
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
@@ -11,6 +12,7 @@ from armour import MODEL_VERSION, __version__
 from armour.catalogue import StudyResult
 from armour.dossier import Dossier, rod_mm
 from armour.optimisation import OptimumResult
+from armour.reports import markdown_table, markdown_text
 from armour.tables import (
     BEST_COLUMNS,
     CHECK_COLUMNS,
@@ -62,21 +64,56 @@ def scenario_page(dossier: Dossier, command: str) -> str:
         "energy": _energy_chart(dossier),
         "sensitivity": _sensitivity_chart(dossier),
     }
-    return _rendered(
-        "scenario.html",
-        {name: chart for name, chart in charts.items() if chart is not None},
-        title=dossier.scenario.title or dossier.scenario.file,
-        question=_question(dossier),
-        cards=_cards(dossier),
-        section=_cross_section(dossier),
-        tables=_tables(dossier),
-        ledger=_ledger(dossier),
-        warnings=dossier.warnings,
-        entries=[(f"{entry.kind}: {entry.name}", entry_rows(entry)) for entry in dossier.entries],
-        entry_columns=ENTRY_COLUMNS,
-        scenario=dossier.scenario.to_toml(),
+    drawn = {name: chart for name, chart in charts.items() if chart is not None}
+    return _rendered("scenario.html", drawn, section=_cross_section(dossier), **_content(dossier, command))
+
+
+def scenario_markdown(dossier: Dossier, command: str) -> str:
+    """A report on a scenario without its charts, as Markdown."""
+    content = _content(dossier, command)
+    ledger = content["ledger"]
+    parts = [f"# {markdown_text(content['title'])}", markdown_text(content["question"])]
+    parts += [
+        "\n".join(
+            f"* {name}: **{markdown_text(large)}**; {markdown_text(small)}" for name, large, small in content["cards"]
+        ),
+        *(f"Mind: {markdown_text(warning)}" for warning in content["warnings"]),
+        "## Where the projectile's energy went",
+        markdown_table(ledger["columns"], [*ledger["rows"], ledger["sum"]], numbers=range(1, 5)),
+        f"{ledger['before']} J at impact, {ledger['left']} J left; the books close to {ledger['difference']} J.",
+    ]
+    for heading, columns, rows in content["tables"]:
+        parts += [f"## {heading}", markdown_table(columns, rows)]
+    for name, rows in content["entries"]:
+        parts += [f"## {markdown_text(name)}", markdown_table(content["entry_columns"], rows)]
+    parts += ["## Scenario", *_fenced(content["scenario"], "toml"), "## Where this comes from"]
+    parts += [
+        f"The model is that of one published paper, “{MODEL}”. Nobody's protection may depend on this report alone."
+    ]
+    parts += _fenced(command, "console")
+    return "\n\n".join([*parts, markdown_table(("program", "version"), content["versions"])]) + "\n"
+
+
+def _fenced(text: str, language: str) -> list[str]:
+    """Text as it stands, within a fence longer than any in it."""
+    fence = "`" * max(3, 1 + max((len(run) for run in re.findall("`+", text)), default=0))
+    return [f"{fence}{language}\n{text.rstrip()}\n{fence}"]
+
+
+def _content(dossier: Dossier, command: str) -> dict[str, Any]:
+    """What a report says, but for its drawings."""
+    return {
+        "title": dossier.scenario.title or dossier.scenario.file,
+        "question": _question(dossier),
+        "cards": _cards(dossier),
+        "tables": _tables(dossier),
+        "ledger": _ledger(dossier),
+        "warnings": dossier.warnings,
+        "entries": [(f"{entry.kind}: {entry.name}", entry_rows(entry)) for entry in dossier.entries],
+        "entry_columns": ENTRY_COLUMNS,
+        "scenario": dossier.scenario.to_toml(),
         **_provenance(command),
-    )
+    }
 
 
 def suite_page(result: SuiteResult, command: str) -> str:

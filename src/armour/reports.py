@@ -20,14 +20,17 @@ from armour.validation import FAILED, Check, Status, SuiteResult
 
 def suite_markdown(result: SuiteResult) -> str:
     """The outcome as Markdown: verdict, cases, tables, errors, and the reasons for the bands."""
-    parts = [f"# {_cell(result.title or result.file)}", f"armour {__version__}: {verdict(result)}."]
+    parts = [f"# {markdown_text(result.title or result.file)}", f"armour {__version__}: {verdict(result)}."]
     for name, checks in check_groups(result):
-        parts += [f"## {_cell(name[:1].upper() + name[1:])}", *_about(checks)]
-        parts.append(_table(CHECK_COLUMNS, check_rows(checks), numbers=range(2, 7)))
+        parts += [f"## {markdown_text(name[:1].upper() + name[1:])}", *_about(checks)]
+        parts.append(markdown_table(CHECK_COLUMNS, check_rows(checks), numbers=range(2, 7)))
     if result.summaries:
-        parts += ["## Tables as a whole", _table(SUMMARY_COLUMNS, summary_rows(result), numbers=(1, 3, 4, 5, 6))]
+        parts += [
+            "## Tables as a whole",
+            markdown_table(SUMMARY_COLUMNS, summary_rows(result), numbers=(1, 3, 4, 5, 6)),
+        ]
     if result.errors:
-        parts += ["## Errors, per cent", _table(ERROR_COLUMNS, error_rows(result), numbers=(2, 3, 4))]
+        parts += ["## Errors, per cent", markdown_table(ERROR_COLUMNS, error_rows(result), numbers=(2, 3, 4))]
     own = [check for check in result.checks if not check.case.group]
     notes = note_rows([check for check in own if check.status != "not scored"])
     if notes:
@@ -44,20 +47,21 @@ def _about(checks: Sequence[Check]) -> list[str]:
     if not case.group:
         return []
     about = [text for text in (case.source, f"band: {case.reason}" if case.reason else "") if text]
-    return [_cell("; ".join(about)) + "."] if about else []
+    return [markdown_text("; ".join(about)) + "."] if about else []
 
 
 def _list(notes: Sequence[tuple[str, str]]) -> str:
-    return "\n".join(f"* {_cell(name)}: {_cell(note)}." for name, note in notes)
+    return "\n".join(f"* {markdown_text(name)}: {markdown_text(note)}." for name, note in notes)
 
 
-def _table(columns: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> str:
+def markdown_table(columns: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[int] = ()) -> str:
+    """A table in Markdown, columns of numbers to the right."""
     rule = ["---:" if index in numbers else "---" for index in range(len(columns))]
-    lines = [columns, rule, *([_cell(cell) for cell in row] for row in rows)]
+    lines = [columns, rule, *([markdown_text(cell) for cell in row] for row in rows)]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
-def _cell(text: str) -> str:
+def markdown_text(text: str) -> str:
     """Text in which nothing is taken for markup."""
     for mark in "\\|*_<`[":
         text = text.replace(mark, "\\" + mark)

@@ -33,6 +33,21 @@ def test_a_report(cli, folder: Path):
         assert words in page
 
 
+def test_markdown(cli, folder: Path):
+    assert cli("report", SCENARIOS / "catalogue.toml", "-o", "r.md").stderr == "wrote r.md\n"
+    page = (folder / "r.md").read_text()
+    assert page.startswith("# Two threats, three ceramics")
+    assert "* Build: **5 mm Al-N on 5 mm 7075-T6**; 10.5 mm thick" in page
+    assert "## Pareto front" in page
+    assert "```toml\ntitle = " in page
+    assert cli("report", SCENARIOS.parent / "suites" / "paper.toml", "-o", "s.md").exit_code == 0
+    assert "74 of 74 within their bands" in (folder / "s.md").read_text()
+
+
+def test_another_ending(cli):
+    assert cli.fails(2, "report", OPTIMUM, "-o", "r.docx") == ["r.docx: must end in .html or .md, found .docx"]
+
+
 def test_changes_and_standard_input(folder: Path):
     command = ["python", "-m", "armour", "report", "-", "-o", "r.html", "--set", "title=Changed"]
 

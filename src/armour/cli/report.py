@@ -7,22 +7,28 @@ from typing import Annotated
 import typer
 
 from armour.cli.common import Changes, changes_of, check_outputs, counting, read_scenario, tell_of_compiling, write
+from armour.errors import InputError, Problem
 
 
 def report(
     source: Annotated[
         Path, typer.Argument(metavar="SCENARIO|SUITE", help="Scenario or suite file (TOML).", show_default=False)
     ],
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="HTML file to write.")] = Path(
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write, .html or .md.")] = Path(
         "report.html"
     ),
     changes: Changes = None,
 ) -> None:
-    """Write a report to hand over: one HTML file with the answer, charts, how sure it is and where it comes from."""
+    """Write a report to hand over: the answer, charts, how sure it is and where it comes from, in one HTML file."""
     from armour.files import read_toml
-    from armour.pages import scenario_page, suite_page
+    from armour.pages import scenario_markdown, scenario_page, suite_page
+    from armour.reports import suite_markdown
 
     check_outputs(output, source=source)
+    as_markdown = output.suffix.lower() == ".md"
+    if not as_markdown and output.suffix.lower() != ".html":
+        found = output.suffix or "no ending"
+        raise InputError([Problem(str(output), "", f"must end in .html or .md, found {found}")])
     options = [word for change in changes or () for word in ("--set", change)]
     command = shlex.join(["armour", "report", str(source), "--output", str(output), *options])
     tell_of_compiling()
@@ -32,9 +38,10 @@ def report(
 
         with counting("cases") as show:
             result = validate(load_suite(source, changes_of(changes or ())), on_check=lambda _check, total: show(total))
-        page = suite_page(result, command)
+        page = suite_markdown(result) if as_markdown else suite_page(result, command)
     else:
         from armour.dossier import dossier_of
 
-        page = scenario_page(dossier_of(read_scenario(source, changes)), command)
+        dossier = dossier_of(read_scenario(source, changes))
+        page = scenario_markdown(dossier, command) if as_markdown else scenario_page(dossier, command)
     write(output, page)
