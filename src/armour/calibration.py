@@ -5,18 +5,20 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from armour.core.state import Armour, Outcome
+from armour.core.equations import cross_section
+from armour.core.state import Outcome
 from armour.errors import InputError, NoAnswerError, Problem
 from armour.inputs import (
     BACKING,
     CERAMIC,
     INPUTS,
-    ROLES,
+    NAMES,
     VELOCITY,
     check_names,
     check_ranges,
     entry_of,
     inputs_of,
+    name_of,
     rows_of,
 )
 from armour.library import library_toml
@@ -41,7 +43,6 @@ MEASURED = {
 }
 # Of anything measured and of uncertainties, whatever the unit.
 RANGE = 1e-3, 1e6
-NAMES = ("impact.projectile", "armour.ceramic", "armour.backing")
 
 Law = Literal["constant", "linear", "proportional", "thicknesses"]
 # What the ceramic's flow stress is made of: 1, its thickness and the backing's.
@@ -199,7 +200,7 @@ def read_tests(path: Path, scenario: Scenario) -> Tests:
         With every mistake in it.
     """
     numbers = (*INPUTS, *MEASURED, *MEASURED.values())
-    rows = read_rows(path, numbers=numbers, texts=("test", OUTCOME, *NAMES), needed=())
+    rows = read_rows(path, numbers=numbers, texts=("test", OUTCOME, *NAMES.values()), needed=())
     names = [str(row["test"] or row.place) for row in rows]
     problems = [problem for row in rows for problem in _wrong(row, names, str(path))]
     widths = {row[width] is None for row in rows for name, width in MEASURED.items() if row[name] is not None}
@@ -212,7 +213,7 @@ def read_tests(path: Path, scenario: Scenario) -> Tests:
         raise InputError(problems)
     groups: dict[tuple[Any, ...], list[int]] = {}
     for i, row in enumerate(rows):
-        groups.setdefault(tuple(row[name] for name in NAMES), []).append(i)
+        groups.setdefault(tuple(row[name] for name in NAMES.values()), []).append(i)
     made = []
     for where in groups.values():
         try:
@@ -240,7 +241,7 @@ def _group(rows: Sequence[Row], where: Sequence[int], scenario: Scenario, file: 
     """
     import numpy as np
 
-    texts = {name: rows[where[0]][name] for name in NAMES if rows[where[0]][name] is not None}
+    texts = {name: rows[where[0]][name] for name in NAMES.values() if rows[where[0]][name] is not None}
     changed = scenario.replaced(texts) if texts else scenario
     own = inputs_of(changed)
     given = [name for name in INPUTS if any(rows[i][name] is not None for i in where)]
@@ -430,8 +431,8 @@ def _check(tests: Tests, scenario: Scenario, fit: Sequence[str], law: Law) -> No
             problems.append(Problem(tests.file, name, "must not be a column where it is what is fitted"))
         if name in (VELOCITY, CERAMIC, BACKING):
             problems.append(Problem(scenario.file, "--fit", f'must be of a material or projectile, found "{name}"'))
-    for key, role in zip(NAMES, ROLES, strict=True):
-        kinds = {getattr(getattr(group.scenario, key.split(".")[0]), key.split(".")[1]) for group in tests.groups}
+    for role, key in NAMES.items():
+        kinds = {name_of(group.scenario, role) for group in tests.groups}
         if len(kinds) > 1 and any(name.startswith(role + ".") for name in fit):
             message = (
                 f"must be the same in all tests where the {role} is fitted, found {', '.join(sorted(map(str, kinds)))}"
@@ -532,17 +533,16 @@ def _answers(
     shots = np.flatnonzero(asked[RESIDUAL] | asked[MASS])
     if len(shots):
         ends = batch.impacts(rows[shots], velocities[shots], told)
-        field = {name: rows[shots, i] for i, name in enumerate(Armour._fields)}
+        a = batch.fields(rows[shots])
         found[RESIDUAL][shots] = ends.V
-        found[MASS][shots] = field["rho_p"] * 0.25 * np.pi * field["D0"] ** 2 * ends.L / G
+        found[MASS][shots] = a.rho_p * cross_section(a.D0) * ends.L / G
         needs_limit[shots] |= (ends.outcome != Outcome.PERFORATED) & asked[RESIDUAL][shots]
     search = group.scenario.ballistic_limit
     low, high = search.velocity_min_m_s, search.velocity_max_m_s
     where = np.flatnonzero(needs_limit)
     if len(where):
         places = batch.limits(rows[where], low, high, LIMIT_TOLERANCE_M_S, told)
-        limits = np.where(np.isfinite(places.perforated), places.perforated, high)
-        found[LIMIT][where] = np.where(np.isfinite(places.defeated), limits, low)
+        found[LIMIT][where] = places.within(low, high)
         below = needs_limit & asked[RESIDUAL] & (found[LIMIT] > velocities)
         found[RESIDUAL][below] = velocities[below] - found[LIMIT][below]
     return found
@@ -684,9 +684,8 @@ def _told(tests: Tests, test: int, role: str) -> dict[str, float | str]:
     group = next(group for group in tests.groups if test in group.where)
     scenario = group.scenario
     told: dict[str, float | str] = {}
-    for key, of in zip(NAMES, ROLES, strict=True):
-        section, field = key.split(".")
-        name = getattr(getattr(scenario, section), field)
+    for of, key in NAMES.items():
+        name = name_of(scenario, of)
         if of != role and name is not None:
             told[key] = name
     told[CERAMIC] = scenario.armour.ceramic_thickness_mm
@@ -694,4 +693,4 @@ def _told(tests: Tests, test: int, role: str) -> dict[str, float | str]:
     cells = tests.cells[test]
     if LIMIT not in cells:
         told[VELOCITY] = scenario.impact.velocity_m_s
-    return {**told, **{name: value for name, value in cells.items() if name not in ("test", *NAMES)}}
+    return {**told, **{name: value for name, value in cells.items() if name not in ("test", *NAMES.values())}}

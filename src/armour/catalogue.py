@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from math import inf
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from armour.core.state import Armour, Outcome
+from armour.core.state import Outcome
 from armour.distributions import columns_of, points_of
 from armour.errors import InputError, NoDesignError, Problem
 from armour.inputs import BACKING, CERAMIC, VELOCITY, inputs_of, with_inputs
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from armour.core.batch import Told
+
     Floats = NDArray[np.float64]
     Ints = NDArray[np.int64]
     Bools = NDArray[np.bool_]
@@ -27,6 +29,13 @@ if TYPE_CHECKING:
 ROUNDING = 1e-12
 # Decimals of what designs weigh, measure and cost: sums of equal parts in another order are equal.
 DIGITS = 9
+# What designs can be compared in, in words with the unit.
+CRITERIA = {
+    "areal_density_kg_m2": "areal density, kg/m²",
+    "thickness_mm": "thickness, mm",
+    "cost_per_m2": "cost per m²",
+    "margin_m_s": "margin, m/s",
+}
 # Designs that are computed at a time.
 CHUNK = 4096
 # Width to which thicknesses that are free are found, mm, and values of a free backing that are tried at a time.
@@ -156,8 +165,7 @@ class _Offer(NamedTuple):
 
     ceramic: CeramicLayer
     backing: BackingLayer
-    against: tuple[Scenario, ...]  # the pair in the scenario of each threat, its margin added to its velocity
-    bare: tuple[Scenario, ...]  # the same without the margin
+    against: tuple[Scenario, ...]  # the pair in the scenario of each threat
     rows: "Floats"  # the core's armour of each, (threats, 13)
     density: tuple[float, float]
 
@@ -206,7 +214,7 @@ def study(scenario: Scenario) -> StudyResult:
         for backing in backings_of(scenario)
     ]
     if any(threat.probability_of_perforation is not None for threat in threats):
-        _check_distributions(offers)
+        _check_distributions(offers, threats)
     table = _table(offers, section, threats)
     order = getattr(table, section.minimise).argsort(kind="stable")
     table = table.at(order)
@@ -237,22 +245,28 @@ def threats_of(scenario: Scenario) -> tuple[Threat, ...]:
     return threats
 
 
-def _check_distributions(offers: Sequence[_Offer]) -> None:
-    """Make sure that the distributions follow designs, materials and threats.
+def _check_distributions(offers: Sequence[_Offer], threats: Sequence[Threat]) -> None:
+    """Make sure that the distributions follow designs, materials and threats, and that the samples suffice.
 
     Raises
     ------
     InputError
-        If there are none, or one has a place of its own where the values that it must be about differ.
+        If there are none, one has a place of its own where the values that it must be about differ, or the samples are
+        too few to show so small a probability.
     """
-    scenarios = [scenario for offer in offers for scenario in offer.bare]
-    inputs = section_of(scenarios[0]).inputs()
+    scenarios = [scenario for offer in offers for scenario in offer.against]
+    section, file = section_of(scenarios[0]), scenarios[0].file
+    owns = [inputs_of(scenario) for scenario in scenarios]
     problems = []
-    for name, found in inputs.items():
-        values = {inputs_of(scenario).get(name) for scenario in scenarios}
+    for name, found in section.inputs().items():
+        values = {own.get(name) for own in owns}
         if found.placed and (len(values) > 1 or name in (VELOCITY, CERAMIC, BACKING)):
             message = "must be about the value of each design or threat: normal or lognormal, without mean, min and max"
-            problems.append(Problem(scenarios[0].file, f"uncertainty.{name}", message))
+            problems.append(Problem(file, f"uncertainty.{name}", message))
+    bound = min(threat.probability_of_perforation or inf for threat in threats)
+    if proportion(0, section.samples).high > bound:
+        message = f"must be more to show a probability of perforation of {bound:g}, found {section.samples}"
+        problems.append(Problem(file, "uncertainty.samples", message))
     if problems:
         raise InputError(problems)
 
@@ -275,21 +289,19 @@ def backings_of(scenario: Scenario) -> list[BackingLayer]:
 
 
 def _offer(scenario: Scenario, ceramic: CeramicLayer, backing: BackingLayer, threats: Sequence[Threat]) -> _Offer:
-    import numpy as np
+    from armour.core import batch
 
     changes: dict[str, object] = {"armour.backing": backing.material}
     if ceramic.material:
         changes["armour.ceramic"] = ceramic.material
     densities = {"ceramic.density_kg_m3": ceramic.density_kg_m3, "backing.density_kg_m3": backing.density_kg_m3}
     given = {name: value for name, value in densities.items() if value is not None}
-    bare, against = [], []
+    against = []
     for threat in threats:
         made = scenario.replaced({**changes, "impact.projectile": threat.projectile, VELOCITY: threat.velocity_m_s})
-        bare.append(with_inputs(made, given) if given else made)
-        against.append(bare[-1].replaced({VELOCITY: threat.velocity_m_s + threat.margin_m_s}))
-    rows = np.array([made.core_armour() for made in against], dtype=np.float64)
-    density = tuple(float(rows[0, Armour._fields.index(name)]) for name in ("rho_c", "rho_B"))
-    return _Offer(ceramic, backing, tuple(against), tuple(bare), rows, (density[0], density[1]))
+        against.append(with_inputs(made, given) if given else made)
+    armours = [made.core_armour() for made in against]
+    return _Offer(ceramic, backing, tuple(against), batch.packed(armours), (armours[0].rho_c, armours[0].rho_B))
 
 
 def _table(offers: Sequence[_Offer], section: DesignSection, threats: Sequence[Threat]) -> _Table:
@@ -390,11 +402,13 @@ def _least(offer: _Offer, threats: Sequence[Threat], layer: str, other: "Floats"
     free: Layer = offer.ceramic if layer == "Hc0" else offer.backing
     low, high = (np.full(len(other), end) for end in free.thicknesses())
 
+    told = told_of(offer.against[0])
+
     def enough(values: "Floats") -> "Bools":
         ceramic, backing = (values, other) if layer == "Hc0" else (other, values)
         all_of_them = np.ones(len(other), dtype=bool)
-        for i in range(len(threats)):
-            all_of_them &= _defeated(offer.rows[[i]], offer.against[i], ceramic, backing)
+        for row, threat in zip(offer.rows, threats, strict=True):
+            all_of_them &= _defeated(row, threat, told, ceramic, backing)
         return all_of_them
 
     at_most, at_least = enough(high), enough(low)
@@ -407,23 +421,26 @@ def _least(offer: _Offer, threats: Sequence[Threat], layer: str, other: "Floats"
 
 
 def _with_thicknesses(rows: "Floats", ceramic_mm: "Floats", backing_mm: "Floats") -> "Floats":
-    import numpy as np
-
-    made = np.broadcast_to(rows, (len(ceramic_mm), rows.shape[1])).copy()
-    made[:, Armour._fields.index("Hc0")] = ceramic_mm * MM
-    made[:, Armour._fields.index("Hb")] = backing_mm * MM
-    return made
-
-
-def _defeated(rows: "Floats", scenario: Scenario, ceramic_mm: "Floats", backing_mm: "Floats") -> "Bools":
-    """Whether armours of these thicknesses defeat the scenario's impact."""
+    """A row for each pair of thicknesses, of one armour or one each."""
     import numpy as np
 
     from armour.core import batch
 
-    velocities = np.full(len(ceramic_mm), scenario.impact.velocity_m_s)
+    made = np.broadcast_to(rows, (len(ceramic_mm), rows.shape[-1])).copy()
+    a = batch.fields(made)
+    a.Hc0[:], a.Hb[:] = ceramic_mm * MM, backing_mm * MM
+    return made
+
+
+def _defeated(rows: "Floats", threat: Threat, told: "Told", ceramic_mm: "Floats", backing_mm: "Floats") -> "Bools":
+    """Whether armours of these thicknesses defeat a threat with its margin."""
+    import numpy as np
+
+    from armour.core import batch
+
+    velocities = np.full(len(ceramic_mm), threat.required_m_s)
     made = _with_thicknesses(rows, ceramic_mm, backing_mm)
-    found: Bools = batch.impacts(made, velocities, told_of(scenario)).outcome == Outcome.DEFEATED
+    found: Bools = batch.impacts(made, velocities, told).outcome == Outcome.DEFEATED
     return found
 
 
@@ -437,21 +454,22 @@ class _Search:
 
         self.offers, self.section, self.threats, self.table = offers, section, threats, table
         self.rows = np.array([offer.rows for offer in offers])
+        self.told = told_of(offers[0].against[0])
         self.known = np.zeros(len(table.pair), dtype=bool)
         self.good = np.zeros(len(table.pair), dtype=bool)
         self.values: Floats = getattr(table, section.minimise)
         self.sampled: dict[int, dict[str, Estimate] | None] = {}
         self.bounded = any(threat.probability_of_perforation is not None for threat in threats)
+        self.points = points_of(section_of(offers[0].against[0])) if self.bounded else np.empty((0, 0))
 
     def examine(self, where: "Ints") -> None:
         """Find out which designs defeat every threat with the inputs as they stand."""
         where = where[~self.known[where]]
         alive = where
-        for i in range(len(self.threats)):
+        for i, threat in enumerate(self.threats):
             if len(alive):
                 table = self.table.at(alive)
-                scenario = self.offers[0].against[i]
-                good = _defeated(self.rows[table.pair, i], scenario, table.ceramic_mm, table.backing_mm)
+                good = _defeated(self.rows[table.pair, i], threat, self.told, table.ceramic_mm, table.backing_mm)
                 alive = alive[good]
         self.known[where] = True
         self.good[alive] = True
@@ -484,7 +502,8 @@ class _Search:
             if threat.probability_of_perforation is not None:
                 offer = self.offers[self.table.pair[place]]
                 estimate = reliability(
-                    offer.bare[i],
+                    offer.against[i],
+                    self.points,
                     float(self.table.ceramic_mm[place]),
                     float(self.table.backing_mm[place]),
                     threat.probability_of_perforation,
@@ -495,36 +514,43 @@ class _Search:
         return found
 
 
-def reliability(scenario: Scenario, ceramic_mm: float, backing_mm: float, bound: float) -> Estimate | None:
+def reliability(
+    scenario: Scenario, points: "Floats", ceramic_mm: float, backing_mm: float, bound: float
+) -> Estimate | None:
     """Probability of perforation of a design where the upper end of its interval is within a bound; else None.
 
     The samples are taken in parts, and no more of them than it takes to see that the bound is passed.
 
+    Parameters
+    ----------
+    scenario : Scenario
+        The design's materials and the threat, with distributions.
+    points : array, (samples, inputs)
+        Of the unit cube, see `armour.distributions.points_of`.
+    ceramic_mm, backing_mm, bound : float
+
     Raises
     ------
     InputError
-        If the samples are too few to show so small a probability.
+        If a distribution reaches values that are not allowed.
     """
-    section = section_of(scenario)
-    if proportion(0, section.samples).high > bound:
-        message = f"must be more to show a probability of perforation of {bound:g}, found {section.samples}"
-        raise InputError([Problem(scenario.file, "uncertainty.samples", message)])
     import numpy as np
 
+    section = section_of(scenario)
     own = {**inputs_of(scenario), CERAMIC: ceramic_mm, BACKING: backing_mm}
-    points = points_of(section)
     hits, start, end = 0, 0, FIRST_SAMPLES
-    while start < section.samples:
+    while start < len(points):
         columns = columns_of(section, own, points[start:end])
         if any(not np.isfinite(values).all() or values.min() <= 0.0 for values in columns.values()):
             check_samples(scenario, columns)
         for name in (CERAMIC, BACKING):
             columns.setdefault(name, np.full(len(points[start:end]), own[name]))
         hits += int(perforations(scenario, columns).sum())
-        if proportion(hits, section.samples).high > bound:
+        estimate = proportion(hits, len(points))
+        if estimate.high > bound:
             return None
         start, end = end, 2 * end
-    return proportion(hits, section.samples)
+    return estimate
 
 
 def _result(search: _Search, best: int) -> StudyResult:
@@ -547,13 +573,9 @@ def _result(search: _Search, best: int) -> StudyResult:
     chosen = _made(search, best)
     along = _frontier(search, winner)
     pareto = _pareto(search) if section.pareto is not None else ()
-    names = {"armour.backing": chosen.backing, **({"armour.ceramic": chosen.ceramic} if chosen.ceramic else {})}
-    threat = next(threat for threat in search.threats if threat.title == chosen.governing)
-    governed = (
-        offers[winner]
-        .against[search.threats.index(threat)]
-        .replaced({**names, CERAMIC: chosen.ceramic_thickness_mm, BACKING: chosen.backing_thickness_mm})
-    )
+    governing = [threat.title for threat in search.threats].index(chosen.governing)
+    thicknesses = {CERAMIC: chosen.ceramic_thickness_mm, BACKING: chosen.backing_thickness_mm}
+    governed = offers[winner].against[governing].replaced(thicknesses)
     return StudyResult(
         minimised=section.minimise,
         threats=tuple(threat.title for threat in search.threats),
@@ -565,7 +587,7 @@ def _result(search: _Search, best: int) -> StudyResult:
         pareto=pareto,
         designs=len(table.pair),
         examined=int(search.known.sum()),
-        warnings=warnings_of(governed, threat.velocity_m_s),
+        warnings=warnings_of(governed, governed.impact.velocity_m_s),
     )
 
 
@@ -589,8 +611,8 @@ def _pair(search: _Search, pair: int, place: int | None, least: float) -> Pair:
         return Pair(*names, None, None, f"none within {search.section.runners_up_percent:g} % of the best")
     lost = [
         threat.title
-        for i, threat in enumerate(search.threats)
-        if not _defeated(offer.rows[[i]], offer.against[i], own.ceramic_mm, own.backing_mm).any()
+        for row, threat in zip(offer.rows, search.threats, strict=True)
+        if not _defeated(row, threat, search.told, own.ceramic_mm, own.backing_mm).any()
     ]
     return Pair(*names, None, None, f"nothing on offer defeats {' or '.join(lost) if lost else 'all threats at once'}")
 
@@ -602,14 +624,13 @@ def _margins(search: _Search, where: "Ints") -> "Floats":
     from armour.core import batch
 
     table = search.table.at(where)
+    section = search.offers[0].against[0].ballistic_limit
+    low, high = min(section.velocity_min_m_s, SLOWEST_M_S), FASTEST_M_S
     found = np.empty((len(where), len(search.threats)))
     for i, threat in enumerate(search.threats):
-        scenario = search.offers[0].against[i]
-        low, high = min(scenario.ballistic_limit.velocity_min_m_s, SLOWEST_M_S), FASTEST_M_S
         rows = _with_thicknesses(search.rows[table.pair, i], table.ceramic_mm, table.backing_mm)
-        places = batch.limits(rows, low, high, scenario.ballistic_limit.tolerance_m_s, told_of(scenario))
-        limits = np.where(np.isfinite(places.perforated), places.perforated, high)
-        found[:, i] = np.where(np.isfinite(places.defeated), limits, low) - threat.velocity_m_s
+        places = batch.limits(rows, low, high, section.tolerance_m_s, search.told)
+        found[:, i] = places.within(low, high) - threat.velocity_m_s
     return found
 
 

@@ -72,9 +72,9 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
         elif detail["type"] == "value_error":
             message = str(context["error"])
         else:
-            must = _MUST.get(detail["type"])
+            one = detail["type"] == "too_short" and context["min_length"] == 1
+            must = _MUST.get("string_too_short" if one else detail["type"])
             must = must.format(**context) if must else detail["msg"]
-            must = must.replace("must have at least 1 of them", "must not be empty")
             message = f"{must}, found {describe(detail['input'])}"
         problems.append(Problem(file, key_name(parts), message))
     return problems

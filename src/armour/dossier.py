@@ -1,20 +1,20 @@
 """All that a report on a scenario says: the answer, how it comes about and how sure it is."""
 
 from dataclasses import dataclass
-from math import pi
 from typing import TYPE_CHECKING
 
 from armour.catalogue import StudyResult, asks_for_study, study
+from armour.core.equations import cross_section
 from armour.elasticities import SensitivityResult, sensitivity
 from armour.errors import NoLimitError
 from armour.inputs import BACKING, CERAMIC, ROLES, entry_of, inputs_of, with_inputs
-from armour.library import LibraryEntry, penetrator_length_mm
+from armour.library import LibraryEntry
 from armour.limit import LimitResult, ballistic_limit
 from armour.optimisation import OptimumResult, optimise, with_thicknesses
 from armour.propagation import UncertaintyResult, uncertainty
 from armour.scenario import Scenario
 from armour.simulation import ImpactResult, simulate
-from armour.units import MM, G
+from armour.units import MM
 
 if TYPE_CHECKING:
     import numpy as np
@@ -186,9 +186,8 @@ def ledger_of(scenario: Scenario, impact: ImpactResult) -> Ledger:
     """
     history = impact.history
     assert history is not None
-    projectile = scenario.entry("projectile", scenario.impact.projectile)
-    diameter = projectile["penetrator_diameter_mm"] * MM
-    per_length = projectile["density_kg_m3"] * pi * diameter**2 / 4.0
+    a = scenario.core_armour()
+    per_length = a.rho_p * cross_section(a.D0)
     length, velocity, time = history.length_mm * MM, history.velocity_m_s, history.time_us
     squares = (velocity[:-1] ** 2 + velocity[:-1] * velocity[1:] + velocity[1:] ** 2) / 3.0
     eroded = 0.5 * per_length * squares * (length[:-1] - length[1:])
@@ -197,12 +196,12 @@ def ledger_of(scenario: Scenario, impact: ImpactResult) -> Ledger:
         inside = (time[:-1] >= record.start_us) & (time[1:] <= record.end_us) & (time[1:] > time[:-1])
         with_material = float(eroded[inside].sum())
         rows.append(LedgerRow(record.stage, with_material, record.energy_lost_J - with_material))
-    before = 0.5 * projectile["penetrator_mass_g"] * G * impact.impact_velocity_m_s**2
+    before = 0.5 * per_length * a.L0 * impact.impact_velocity_m_s**2
     left = 0.5 * per_length * float(length[-1]) * float(velocity[-1]) ** 2
     return Ledger(before, tuple(rows), left)
 
 
 def rod_mm(scenario: Scenario) -> tuple[float, float]:
     """Length and diameter of the penetrator, mm."""
-    projectile = scenario.entry("projectile", scenario.impact.projectile)
-    return penetrator_length_mm(projectile), projectile["penetrator_diameter_mm"]
+    a = scenario.core_armour()
+    return a.L0 / MM, a.D0 / MM

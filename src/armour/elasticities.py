@@ -83,12 +83,13 @@ def sensitivity(scenario: Scenario) -> SensitivityResult:
     import numpy as np
 
     own = {name: value for name, value in inputs_of(scenario).items() if value > 0.0}
-    count = 2 * len(own) + 1
-    columns = {}
-    for index, (name, value) in enumerate(own.items()):
-        columns[name] = np.full(count, value)
-        columns[name][2 * index + 1 : 2 * index + 3] *= 1.0 + CHANGE, 1.0 - CHANGE
-    answers = _answers(scenario, *_rows(scenario, columns, count))
+    # Of each input alone, so that what follows from it follows it.
+    changes: list[dict[str, Floats]] = [{}]
+    changes += (
+        {name: np.array([value * part])} for name, value in own.items() for part in (1.0 + CHANGE, 1.0 - CHANGE)
+    )
+    rows, velocities = zip(*(rows_of(scenario, change, 1) for change in changes), strict=True)
+    answers = _answers(scenario, np.concatenate(rows), np.concatenate(velocities))
     if all(isnan(values[0]) for values in answers.values()):
         raise NoAnswerError(
             "nothing to compare: no ballistic limit in the range of its search, no residual velocity and no design"
@@ -110,17 +111,6 @@ def sensitivity(scenario: Scenario) -> SensitivityResult:
     )
 
 
-def _rows(scenario: Scenario, columns: Mapping[str, "Floats"], count: int) -> tuple["Floats", "Floats"]:
-    """Rows in which what follows from an input follows it, where that input alone is changed."""
-    import numpy as np
-
-    rows, velocities = np.empty((count, 13)), np.empty(count)
-    for i in range(count):
-        changed = {name: values[i : i + 1] for name, values in columns.items() if values[i] != values[0]}
-        rows[i : i + 1], velocities[i : i + 1] = rows_of(scenario, changed, 1)
-    return rows, velocities
-
-
 def _answers(scenario: Scenario, rows: "Floats", velocities: "Floats") -> dict[str, "Floats"]:
     """The answers of every row; NaN where there is none."""
     import numpy as np
@@ -129,10 +119,9 @@ def _answers(scenario: Scenario, rows: "Floats", velocities: "Floats") -> dict[s
 
     search, told = scenario.ballistic_limit, told_of(scenario)
     places = batch.limits(rows, search.velocity_min_m_s, search.velocity_max_m_s, LIMIT_TOLERANCE_M_S, told)
-    bounded = np.isfinite(places.defeated) & np.isfinite(places.perforated)
     ends = batch.impacts(rows, velocities, told)
     answers = {
-        LIMIT: np.where(bounded, places.perforated, np.nan),
+        LIMIT: np.where(places.bounded, places.perforated, np.nan),
         RESIDUAL: np.where(ends.outcome == Outcome.PERFORATED, ends.V, np.nan),
     }
     if scenario.optimise is not None:

@@ -3,6 +3,7 @@
 import os
 import tempfile
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -85,6 +86,14 @@ def parse_toml(text: str, file: str) -> dict[str, Any]:
     except RecursionError:
         message = "must be valid TOML, found values nested too deeply"
     raise InputError([Problem(file, "", message)])
+
+
+def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:
+    """What is wrong with the ending of a file to write; nothing where it is one of those."""
+    if path.suffix.lower() in endings:
+        return []
+    listed = f"{', '.join(endings[:-1])} or {endings[-1]}"
+    return [Problem(str(path), "", f"must end in {listed}, found {path.suffix or 'no ending'}")]
 
 
 def check_writable(path: Path) -> None:

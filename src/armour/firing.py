@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from math import exp, log, nan, pi, sqrt
+from math import erf, exp, log, nan, pi, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -153,7 +153,7 @@ def read_shots(path: Path) -> Shots:
     if not problems:
         kinds = {words[str(row["result"])] for row in rows}
         if kinds != {True, False}:
-            only = "none" if not kinds else "only complete ones" if True in kinds else "only partial ones"
+            only = "only complete ones" if True in kinds else "only partial ones"
             message = f"must have at least one partial and one complete penetration, found {only}"
             problems.append(Problem(str(path), "result", message))
     if problems:
@@ -266,14 +266,18 @@ def fitted(shots: Shots, curve: Curve, confidence: float = CONFIDENCE) -> Fit:
     else:
         place, scale, top = _peak(curve, signs, x)
     least_likely = top - 0.5 * float(chi2.ppf(confidence, 1))
-    ends = (
-        _crossing(lambda place: at_place(place) - least_likely, min(low, place) if scale == 0.0 else place, -1.0),
-        _crossing(lambda place: at_place(place) - least_likely, max(high, place) if scale == 0.0 else place, 1.0),
-    )
-    narrowest = (
-        _crossing(lambda log_scale: at_scale(exp(log_scale)) - least_likely, log(scale), -1.0) if scale else None
-    )
-    widest = _crossing(lambda log_scale: at_scale(exp(log_scale)) - least_likely, log(scale or NARROWEST), 1.0)
+
+    def place_likely(place: float) -> float:
+        return at_place(place) - least_likely
+
+    def scale_likely(log_scale: float) -> float:
+        return at_scale(exp(log_scale)) - least_likely
+
+    # Where the shots separate any place between them is as likely.
+    starts = (low, high) if scale == 0.0 else (place, place)
+    ends = _crossing(place_likely, starts[0], -1.0), _crossing(place_likely, starts[1], 1.0)
+    narrowest = _crossing(scale_likely, log(scale), -1.0) if scale else None
+    widest = _crossing(scale_likely, log(scale or NARROWEST), 1.0)
     return Fit(
         curve=curve,
         v50_m_s=middle + spread * place,
@@ -292,8 +296,6 @@ def fitted(shots: Shots, curve: Curve, confidence: float = CONFIDENCE) -> Fit:
 
 def probability(fit: Fit, velocity_m_s: float) -> float:
     """Probability of complete penetration by a fitted curve."""
-    from math import erf
-
     if fit.scale_m_s == 0.0:
         return 0.5 * (1.0 + (velocity_m_s > fit.v50_m_s) - (velocity_m_s < fit.v50_m_s))
     z = (velocity_m_s - fit.v50_m_s) / fit.scale_m_s

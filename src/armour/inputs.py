@@ -7,7 +7,6 @@ backing has in the library, such as "ceramic.flow_stress_GPa", whichever entry t
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from armour.core.state import Armour
 from armour.errors import InputError, Problem, nearest
 from armour.library import DEFAULTS, Kind, LibraryEntry, length_mm
 from armour.scenario import Scenario, changed
@@ -43,16 +42,20 @@ FIELDS: dict[str, tuple[str, float] | None] = {
 }
 INPUTS = tuple(FIELDS)
 ROLES: dict[str, Kind] = {"projectile": "projectile", "ceramic": "ceramic", "backing": "metal"}
+# Keys of the scenario that name the entries of its library.
+NAMES = {"projectile": "impact.projectile", "ceramic": "armour.ceramic", "backing": "armour.backing"}
+
+
+def name_of(scenario: Scenario, role: str) -> str | None:
+    """Name of what a scenario has as its projectile, ceramic or backing; None where it names no ceramic."""
+    section, key = NAMES[role].split(".")
+    name: str | None = getattr(getattr(scenario, section), key)
+    return name
 
 
 def entry_of(scenario: Scenario, role: str) -> LibraryEntry | None:
     """What a scenario has as its projectile, ceramic or backing; None where it names no ceramic."""
-    names = {
-        "projectile": scenario.impact.projectile,
-        "ceramic": scenario.armour.ceramic,
-        "backing": scenario.armour.backing,
-    }
-    name = names[role]
+    name = name_of(scenario, role)
     return None if name is None else scenario.entry(ROLES[role], name)
 
 
@@ -137,16 +140,18 @@ def rows_of(scenario: Scenario, columns: Mapping[str, "Floats"], count: int) -> 
     """
     import numpy as np
 
-    rows = np.tile(np.array(scenario.core_armour(), dtype=np.float64), (count, 1))
-    field = {name: rows[:, i] for i, name in enumerate(Armour._fields)}
+    from armour.core import batch
+
+    rows = np.tile(batch.packed([scenario.core_armour()]), (count, 1))
+    field = batch.fields(rows)
     for name, values in columns.items():
         place = FIELDS[name]
         if place is not None:
-            field[place[0]][:] = values * place[1]
+            getattr(field, place[0])[:] = values * place[1]
     rod = {key: f"projectile.{key}" for key in ROD}
     if any(name in columns for name in rod.values()):
         own = inputs_of(scenario)
-        field["L0"][:] = length_mm(*(columns.get(name, own[name]) for name in rod.values())) * MM
+        field.L0[:] = length_mm(*(columns.get(name, own[name]) for name in rod.values())) * MM
     if YIELD in columns:
         entry = entry_of(scenario, "backing")
         assert entry is not None
@@ -155,6 +160,6 @@ def rows_of(scenario: Scenario, columns: Mapping[str, "Floats"], count: int) -> 
                 continue
             place = FIELDS[f"backing.{key}"]
             assert place is not None
-            field[place[0]][:] = DEFAULTS[key][0] * columns[YIELD] * place[1]
+            getattr(field, place[0])[:] = DEFAULTS[key][0] * columns[YIELD] * place[1]
     velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
     return rows, velocities

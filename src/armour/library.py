@@ -41,28 +41,14 @@ def _table(value: object) -> object:
     return value if isinstance(value, dict | Value) else {NUMBER: value}
 
 
+_NumberOrTable = BeforeValidator(_table, json_schema_input_type=float | Value[float])
 # The bounds are wide; they are there to catch a value given in the wrong unit.
-Length = Annotated[
-    Value[Annotated[float, Field(gt=0.0, le=1e4)]], BeforeValidator(_table, json_schema_input_type=float | Value[float])
-]
-Mass = Annotated[
-    Value[Annotated[float, Field(gt=0.0, le=1e9)]], BeforeValidator(_table, json_schema_input_type=float | Value[float])
-]
-Density = Annotated[
-    Value[Annotated[float, Field(ge=100.0, le=30000.0)]],
-    BeforeValidator(_table, json_schema_input_type=float | Value[float]),
-]
-StressGPa = Annotated[
-    Value[Annotated[float, Field(ge=0.001, le=1000.0)]],
-    BeforeValidator(_table, json_schema_input_type=float | Value[float]),
-]
-StressMPa = Annotated[
-    Value[Annotated[float, Field(ge=1.0, le=1e6)]], BeforeValidator(_table, json_schema_input_type=float | Value[float])
-]
-Strain = Annotated[
-    Value[Annotated[float, Field(gt=0.0, le=10.0)]],
-    BeforeValidator(_table, json_schema_input_type=float | Value[float]),
-]
+Length = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e4)]], _NumberOrTable]
+Mass = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e9)]], _NumberOrTable]
+Density = Annotated[Value[Annotated[float, Field(ge=100.0, le=30000.0)]], _NumberOrTable]
+StressGPa = Annotated[Value[Annotated[float, Field(ge=0.001, le=1000.0)]], _NumberOrTable]
+StressMPa = Annotated[Value[Annotated[float, Field(ge=1.0, le=1e6)]], _NumberOrTable]
+Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0)]], _NumberOrTable]
 
 
 class Entry(Section):

@@ -6,7 +6,6 @@ from itertools import pairwise
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from armour.core.state import Armour
 from armour.errors import NoDesignError, NoLimitError
 from armour.limit import ballistic_limit
 from armour.requirement import Design, defeats_threat, design, grid, least_ceramics_mm
@@ -254,8 +253,11 @@ def lightest_of_rows(scenario: Scenario, rows: "Floats", velocities: "Floats") -
     """
     import numpy as np
 
+    from armour.core import batch
+
     section = grid(scenario).backing_thickness_mm
-    rho_c, rho_B = (rows[:, [Armour._fields.index(name)]] * MM for name in ("rho_c", "rho_B"))
+    a = batch.fields(rows)
+    rho_c, rho_B = a.rho_c[:, None] * MM, a.rho_B[:, None] * MM
     here = np.arange(len(rows))
     backings = np.tile(np.array(section.values()), (len(rows), 1))
     width = section.step

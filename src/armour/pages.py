@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from armour import MODEL_VERSION, __version__
-from armour.catalogue import StudyResult
+from armour.catalogue import CRITERIA, StudyResult
 from armour.dossier import Dossier, rod_mm
 from armour.optimisation import OptimumResult
 from armour.reports import markdown_table, markdown_text
@@ -340,12 +340,7 @@ def _pareto_chart(optimum: OptimumResult | StudyResult | None) -> Chart | None:
                 "name": " on ".join(pair),
             }
         )
-    return {"heading": "Pareto front", "data": traces, "layout": _axes(_criterion(x), _criterion(y))}
-
-
-def _criterion(name: str) -> str:
-    words, unit = words_and_unit(name)
-    return "cost per m²" if name == "cost_per_m2" else f"{words}, {unit}"
+    return {"heading": "Pareto front", "data": traces, "layout": _axes(CRITERIA[x], CRITERIA[y])}
 
 
 def _probability_chart(dossier: Dossier) -> Chart | None:

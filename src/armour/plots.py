@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from armour.calibration import CalibrationResult
-from armour.catalogue import StudyResult
+from armour.catalogue import CRITERIA, StudyResult
 from armour.comparison import Comparison
 from armour.elasticities import SensitivityResult
 from armour.figures import Chart
@@ -225,16 +225,12 @@ def study_figure(result: StudyResult, title: str) -> Figure:
             x, y = result.criteria[:2]
             values = [[getattr(item, name) for item in result.pareto] for name in (x, y)]
             panels[1].plot(*values, "o", markersize=4.0, color=BLUE)
-            panels[1].set_xlabel(_criterion(x))
-            panels[1].set_ylabel(_criterion(y))
+            panels[1].set_xlabel(CRITERIA[x])
+            panels[1].set_ylabel(CRITERIA[y])
             panels[1].set_title("Pareto front", fontsize=9)
         figure.legend(loc="outside lower center")
         figure.suptitle(_wrapped(title), fontsize=10)
     return figure
-
-
-def _criterion(name: str) -> str:
-    return "cost per m²" if name == "cost_per_m2" else words_of(name)
 
 
 def chart_figure(chart: Chart) -> Figure:
@@ -383,11 +379,9 @@ def sensitivity_figure(result: SensitivityResult, title: str) -> Figure:
 def _tornado(axes: Axes, names: Sequence[str], ends: Sequence[tuple[float, float]], centre: float) -> None:
     """Bars from one value to another, the first on top; blue beyond the centre, red below it."""
     places = range(len(names))
-    for low, high, colour in ((0, 1, RED), (1, 1, BLUE)):
-        lefts = [min(pair[low], centre) if colour == RED else centre for pair in ends]
-        rights = [centre if colour == RED else max(pair[high], centre) for pair in ends]
-        widths = [right - left for left, right in zip(lefts, rights, strict=True)]
-        axes.barh(places, widths, left=lefts, color=colour, height=0.7)
+    below, beyond = [min(low - centre, 0.0) for low, _ in ends], [max(high - centre, 0.0) for _, high in ends]
+    for widths, colour in ((below, RED), (beyond, BLUE)):
+        axes.barh(places, widths, left=centre, color=colour, height=0.7)
     axes.axvline(centre, color=BLACK, linewidth=0.8)
     axes.set_yticks(places, names)
     axes.set_ylim(len(names) - 0.5, -0.5)

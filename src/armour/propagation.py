@@ -225,19 +225,14 @@ def limits_of(scenario: Scenario, columns: Mapping[str, "Floats"]) -> "Floats":
     ------
     NoLimitError
         If one has none in the range of the search.
-    InputError
-        If the scenario does not allow a value.
     """
-    import numpy as np
-
     from armour.core import batch
 
     search = scenario.ballistic_limit
     low, high = search.velocity_min_m_s, search.velocity_max_m_s
-    check_samples(scenario, columns)
     rows, _ = rows_of(scenario, columns, len(next(iter(columns.values()))))
     places = batch.limits(rows, low, high, search.tolerance_m_s, told_of(scenario))
-    unbounded = int((~(np.isfinite(places.defeated) & np.isfinite(places.perforated))).sum())
+    unbounded = int((~places.bounded).sum())
     if unbounded:
         raise NoLimitError(
             f"no ballistic limit of {unbounded} of {len(rows)} samples from {low:g} to {high:g} m/s; "
@@ -292,6 +287,7 @@ def indices_of(scenario: Scenario, section: Uncertainty) -> tuple[Index, ...]:
     ends = {name: np.full(2 * len(names), own[name]) for name in names}
     for i, (name, distribution) in enumerate(distributions.items()):
         ends[name][2 * i : 2 * i + 2] = distribution.quantiles(np.array([0.05, 0.95]), own[name])
+    check_samples(scenario, ends)
     swings = limits_of(scenario, ends).reshape(-1, 2).tolist()
 
     def limits(points: "Floats") -> "Floats":
@@ -299,6 +295,7 @@ def indices_of(scenario: Scenario, section: Uncertainty) -> tuple[Index, ...]:
             name: distribution.quantiles(points[i], own[name])
             for i, (name, distribution) in enumerate(distributions.items())
         }
+        check_samples(scenario, columns)
         return limits_of(scenario, columns)
 
     pairs: list[tuple[Estimate | None, Estimate | None]] = [(None, None)] * len(names)

@@ -4,12 +4,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from armour.core.state import Armour, Outcome
+from armour.core.state import Outcome
 from armour.errors import InputError, Problem
 from armour.limit import bisect
 from armour.scenario import Optimise, Scenario
 from armour.simulation import MOST_STEPS, unresolved
-from armour.units import MM, US
+from armour.units import MM
 
 if TYPE_CHECKING:
     import numpy as np
@@ -69,12 +69,11 @@ def defeats_threat(scenario: Scenario, ceramic_thickness_mm: float, backing_thic
     return bool(outcome == Outcome.DEFEATED)
 
 
-def told_of(scenario: Scenario, threads: int | None = None) -> "Told":
+def told_of(scenario: Scenario) -> "Told":
     """What the engine is told of the scenario's solver."""
     from armour.core.batch import Told
 
-    given = scenario.solver.time_step_us
-    return Told(scenario.solver.arrest_velocity_m_s, 0.0 if given is None else given * US, MOST_STEPS, threads)
+    return Told(scenario.solver.arrest_velocity_m_s, scenario.solver.time_step, MOST_STEPS)
 
 
 def least_ceramics_mm(scenario: Scenario, rows: "Floats", velocities: "Floats", backings_mm: "Floats") -> "Floats":
@@ -95,7 +94,7 @@ def least_ceramics_mm(scenario: Scenario, rows: "Floats", velocities: "Floats", 
     section = grid(scenario).ceramic_thickness_mm
     each = backings_mm.shape[1]
     many = np.repeat(rows, each, axis=0)
-    many[:, Armour._fields.index("Hb")] = backings_mm.ravel() * MM
+    batch.fields(many).Hb[:] = backings_mm.ravel() * MM
     thin, thick, tolerance = section.min * MM, section.max * MM, THICKNESS_TOLERANCE_MM * MM
     found = batch.thinnest(many, np.repeat(velocities, each), thin, thick, tolerance, told_of(scenario)).defeated
     return np.where(np.isfinite(found), found / MM, np.nan).reshape(backings_mm.shape)

@@ -33,7 +33,7 @@ from armour.library import (
     read_library,
     shipped_library,
 )
-from armour.units import GPA, MM, MPA
+from armour.units import GPA, MM, MPA, US
 
 # More values on an axis, or designs on a grid, than anyone means.
 MOST_VALUES = 100_000
@@ -112,6 +112,11 @@ class Solver(Section):
 
     time_step_us: Positive | None = None
     arrest_velocity_m_s: Velocity = 1.0
+
+    @property
+    def time_step(self) -> float:
+        """The time step given, s; 0 where it is left to the core."""
+        return 0.0 if self.time_step_us is None else self.time_step_us * US
 
 
 class BallisticLimitSection(Section):
@@ -197,10 +202,15 @@ class Threat(Section):
 
     @model_validator(mode="after")
     def _within_reach(self) -> "Threat":
-        if self.velocity_m_s + self.margin_m_s > FASTEST_M_S:
+        if self.required_m_s > FASTEST_M_S:
             found = f"{self.velocity_m_s:g} and {self.margin_m_s:g}"
             raise ValueError(f"velocity_m_s and margin_m_s must be at most {FASTEST_M_S:g} together, found {found}")
         return self
+
+    @property
+    def required_m_s(self) -> float:
+        """What the ballistic limit must be above."""
+        return self.velocity_m_s + self.margin_m_s
 
     @property
     def title(self) -> str:

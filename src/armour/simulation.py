@@ -205,8 +205,7 @@ def unresolved(scenario: Scenario, armour: Armour, velocity: float) -> InputErro
 
 def time_step(scenario: Scenario, armour: Armour, velocity: float) -> float:
     """Time step for an impact at the velocity, s: the scenario's, or the default."""
-    given = scenario.solver.time_step_us
-    return search.time_step(armour, velocity, 0.0 if given is None else given * US)
+    return search.time_step(armour, velocity, scenario.solver.time_step)
 
 
 def stage_records(trace: Sequence[Instant], armour: Armour) -> tuple[StageRecord, ...]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from armour.errors import InputError, Problem
-from armour.files import check_writable, write_whole
+from armour.files import check_writable, write_whole, wrong_ending
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -36,9 +36,8 @@ class Store:
     """
 
     def __init__(self, output: Path, job: str) -> None:
-        if output.suffix.lower() not in FORMATS:
-            found = output.suffix or "no ending"
-            raise InputError([Problem(str(output), "", f"must end in .csv or .parquet, found {found}")])
+        if problems := wrong_ending(output, FORMATS):
+            raise InputError(problems)
         check_writable(output)
         self.output = output
         self.folder = output.with_name(output.name + ".parts")

@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from armour.core.equations import cross_section
-from armour.core.state import Armour, Outcome
+from armour.core.state import Outcome
 from armour.errors import InputError, Problem, nearest
 from armour.files import reason
 from armour.inputs import INPUTS, check_ranges, rows_of
 from armour.quantities import QUANTITIES
+from armour.requirement import THICKNESS_TOLERANCE_MM, told_of
 from armour.scenario import MOST_VALUES, Range, Scenario
-from armour.simulation import MOST_STEPS
 from armour.store import Store
 from armour.units import MM, US, G, words_and_unit
 
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from armour.core.batch import Told
+
     Floats = NDArray[np.float64]
 
 # Rows that are computed, written and, on a cluster, sent at a time.
 CHUNK = 50_000
-# Tolerance of required thicknesses, mm.
-THICKNESS_TOLERANCE_MM = 1e-6
 
 IMPACT_QUANTITIES = (
     "outcome",
@@ -49,8 +49,7 @@ SWEPT = (*IMPACT_QUANTITIES, "areal_density_kg_m2", "ballistic_limit_m_s", *THIC
 class Settings(NamedTuple):
     """What the engine is told beside armours and velocities, SI."""
 
-    V_arrest: float
-    time_step: float  # 0 for the default
+    told: "Told"
     limit_low: float
     limit_high: float
     limit_tolerance: float
@@ -260,10 +259,9 @@ def groups_of(scenario: Scenario, columns: Mapping[str, "Floats"]) -> list[Group
 
 def settings_of(scenario: Scenario) -> Settings:
     """What the engine is told beside armours and velocities."""
-    solver, limit, grid = scenario.solver, scenario.ballistic_limit, scenario.optimise
+    limit, grid = scenario.ballistic_limit, scenario.optimise
     return Settings(
-        V_arrest=solver.arrest_velocity_m_s,
-        time_step=0.0 if solver.time_step_us is None else solver.time_step_us * US,
+        told=told_of(scenario),
         limit_low=limit.velocity_min_m_s,
         limit_high=limit.velocity_max_m_s,
         limit_tolerance=limit.tolerance_m_s,
@@ -292,24 +290,22 @@ def _of_group(group: Group, quantities: Sequence[str], threads: int | None) -> d
 
     from armour.core import batch
 
-    column = {name: group.armours[:, i] for i, name in enumerate(Armour._fields)}
+    a = batch.fields(group.armours)
     found: dict[str, Any] = {}
     s = group.settings
-    told = batch.Told(s.V_arrest, s.time_step, MOST_STEPS, threads)
-    areal_density = column["rho_c"] * column["Hc0"] + column["rho_B"] * column["Hb"]
+    told = s.told._replace(threads=threads)
     if "areal_density_kg_m2" in quantities:
-        found["areal_density_kg_m2"] = areal_density
+        found["areal_density_kg_m2"] = a.rho_c * a.Hc0 + a.rho_B * a.Hb
     if any(name in IMPACT_QUANTITIES for name in quantities):
         end = batch.impacts(group.armours, group.velocities, told)
         perforated, resolved = end.outcome == Outcome.PERFORATED, end.outcome != Outcome.UNRESOLVED
         residual = np.where(perforated, end.V, 0.0)
-        area = cross_section(1.0) * column["D0"] ** 2
         everything = {
             "residual_velocity_m_s": residual,
-            "residual_mass_g": column["rho_p"] * area * end.L / G,
+            "residual_mass_g": a.rho_p * cross_section(a.D0) * end.L / G,
             "residual_length_mm": end.L / MM,
             "velocity_lost_percent": 100.0 * (1.0 - residual / group.velocities),
-            "mass_lost_percent": 100.0 * (1.0 - end.L / column["L0"]),
+            "mass_lost_percent": 100.0 * (1.0 - end.L / a.L0),
             "penetration_depth_mm": end.Z / MM,
             "bulge_height_mm": end.h / MM,
             "plug_velocity_m_s": np.where(perforated, end.W, 0.0),
@@ -320,8 +316,7 @@ def _of_group(group: Group, quantities: Sequence[str], threads: int | None) -> d
             found["outcome"] = np.where(resolved, np.where(perforated, "perforated", "defeated"), "")
     if "ballistic_limit_m_s" in quantities:
         places = batch.limits(group.armours, s.limit_low, s.limit_high, s.limit_tolerance, told)
-        bounded = np.isfinite(places.defeated) & np.isfinite(places.perforated)
-        found["ballistic_limit_m_s"] = np.where(bounded, places.perforated, np.nan)
+        found["ballistic_limit_m_s"] = np.where(places.bounded, places.perforated, np.nan)
     if any(name in THICKNESS_QUANTITIES for name in quantities):
         tolerance = THICKNESS_TOLERANCE_MM * MM
         places = batch.thinnest(group.armours, group.velocities, s.thin, s.thick, tolerance, told)
@@ -329,7 +324,7 @@ def _of_group(group: Group, quantities: Sequence[str], threads: int | None) -> d
         if "required_ceramic_thickness_mm" in quantities:
             found["required_ceramic_thickness_mm"] = least / MM
         if "required_areal_density_kg_m2" in quantities:
-            found["required_areal_density_kg_m2"] = column["rho_c"] * least + column["rho_B"] * column["Hb"]
+            found["required_areal_density_kg_m2"] = a.rho_c * least + a.rho_B * a.Hb
     return found
 
 

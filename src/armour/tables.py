@@ -462,13 +462,9 @@ COEFFICIENT_COLUMNS = ("coefficient", "estimate", "95 % interval")
 
 def correlation_table(result: CalibrationResult) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Columns and rows of the correlations of the coefficients."""
-    names = [c.name for c in result.coefficients]
-    rows = [
-        (name, *(f"{value:+.3f}" for value in values)) for name, values in zip(names, result.correlation, strict=True)
-    ]
-    return ("correlation", *(str(i + 1) for i in range(len(names)))), [
-        (f"{i + 1} {name}", *values) for i, (name, *values) in enumerate(rows)
-    ]
+    numbered = list(enumerate(zip(result.coefficients, result.correlation, strict=True), start=1))
+    columns = ("correlation", *(str(number) for number, _ in numbered))
+    return columns, [(f"{number} {c.name}", *(f"{value:+.3f}" for value in values)) for number, (c, values) in numbered]
 
 
 def residual_rows(result: CalibrationResult) -> list[tuple[str, ...]]:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 from armour.comparison import BODIES, bodies_of, florence_ballistic_limit, missing_for_florence
 from armour.errors import NoAnswerError
 from armour.files import shipped
-from armour.inputs import ROLES, entry_of, inputs_of
+from armour.inputs import NAMES, entry_of, inputs_of, name_of
 from armour.quantities import QUANTITIES, Answers, answers_of
 from armour.suite import Case, Group, Suite
 
@@ -217,18 +217,16 @@ def check(case: Case, answers: dict[str, Answers]) -> Check:
 def calibrated_to(case: Case) -> str:
     """Which value of the case's materials was calibrated to this very test; empty where none was."""
     inputs = inputs_of(case.scenario)
-    names = {
-        "impact.projectile": case.scenario.impact.projectile,
-        "armour.ceramic": case.scenario.armour.ceramic,
-        "armour.backing": case.scenario.armour.backing,
-    }
+    names = {key: name_of(case.scenario, role) for role, key in NAMES.items()}
     known: Mapping[str, object] = {**inputs, **names, case.quantity: case.expected}
-    for role in ROLES:
+    for role in NAMES:
         entry = entry_of(case.scenario, role)
-        for key, value in entry.values.items() if entry is not None else ():
+        if entry is None:
+            continue
+        for key, value in entry.values.items():
             for test in value.tests:
                 if case.quantity in test and all(_same(told, known.get(name)) for name, told in test.items()):
-                    return f"not scored: {key} of {entry.name} was calibrated to this test" if entry else ""
+                    return f"not scored: {key} of {entry.name} was calibrated to this test"
     return ""
 
 

@@ -12,7 +12,7 @@ import typer
 from typer.core import TyperGroup
 
 from armour.errors import ArmourError, InputError, NoAnswerError, Problem
-from armour.files import check_writable, write_whole
+from armour.files import check_writable, write_whole, wrong_ending
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -111,11 +111,7 @@ def check_outputs(*paths: Path | None, plot: Path | None = None, source: Path | 
     """
     problems: list[Problem] = []
     if plot is not None:
-        formats = (".png", ".svg", ".pdf")
-        if plot.suffix.lower() not in formats:
-            found = plot.suffix or "no ending"
-            message = f"must end in {', '.join(formats[:-1])} or {formats[-1]}, found {found}"
-            problems.append(Problem(str(plot), "", message))
+        problems += wrong_ending(plot, (".png", ".svg", ".pdf"))
     for path in (*paths, plot):
         try:
             if path is not None:

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from armour.cli.common import Changes, changes_of, check_outputs, counting, read_scenario, tell_of_compiling, write
-from armour.errors import InputError, Problem
+from armour.errors import InputError
 
 
 def report(
@@ -20,15 +20,14 @@ def report(
     changes: Changes = None,
 ) -> None:
     """Write a report to hand over: the answer, charts, how sure it is and where it comes from, in one HTML file."""
-    from armour.files import read_toml
+    from armour.files import read_toml, wrong_ending
     from armour.pages import scenario_markdown, scenario_page, suite_page
     from armour.reports import suite_markdown
 
     check_outputs(output, source=source)
+    if problems := wrong_ending(output, (".html", ".md")):
+        raise InputError(problems)
     as_markdown = output.suffix.lower() == ".md"
-    if not as_markdown and output.suffix.lower() != ".html":
-        found = output.suffix or "no ending"
-        raise InputError([Problem(str(output), "", f"must end in .html or .md, found {found}")])
     options = [word for change in changes or () for word in ("--set", change)]
     command = shlex.join(["armour", "report", str(source), "--output", str(output), *options])
     tell_of_compiling()

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,16 @@ class Places(NamedTuple):
     runs: Ints
     resolved: NDArray[np.bool_]
 
+    @property
+    def bounded(self) -> NDArray[np.bool_]:
+        """Whether the outcome changes within the range searched."""
+        return np.isfinite(self.defeated) & np.isfinite(self.perforated)
+
+    def within(self, low: float, high: float) -> Floats:
+        """The lowest places that perforate or, where there is none or nothing is defeated, the end of the range."""
+        highest = np.where(np.isfinite(self.perforated), self.perforated, high)
+        return np.where(np.isfinite(self.defeated), highest, low)
+
 
 class Told(NamedTuple):
     """How to compute."""
@@ -55,6 +65,11 @@ USUAL = Told()
 def packed(armours: Sequence[Armour]) -> Floats:
     """Armours as rows of numbers, in the order of the fields of `Armour`."""
     return np.array(armours, dtype=np.float64).reshape(len(armours), len(Armour._fields))
+
+
+def fields(rows: Floats) -> Any:
+    """The columns of rows as an `Armour` of arrays; they are views, which write through."""
+    return Armour(*rows.T)
 
 
 def impacts(rows: Floats, velocities: Floats, told: Told = USUAL) -> Impacts:
