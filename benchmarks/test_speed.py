@@ -18,35 +18,35 @@ from typing import Any
 import numpy as np
 import pytest
 
-from armour.core import batch
+from armour.analysis.ballistic_limit import bisect
 from armour.core.run import run
 from armour.core.stages import default_time_step
-from armour.core.state import Armour, Outcome
-from armour.limit import bisect
+from armour.core.state import Outcome, Parameters
+from armour.engine import batch
 from tests.numerics.test_independent import Reference, random_designs
 
 ALLOWED = 1e-3  # m/s
 COUNT = 1000
 DESIGNS = random_designs(COUNT)
 ROWS = batch.packed(DESIGNS)
-ONE = batch.Told(threads=1)
-ALL = batch.Told()
+ONE = batch.SolverOptions(threads=1)
+ALL = batch.SolverOptions()
 TOLERANCE = 3.5e-4
 # The rivals are slow: they get every so many-th design.
 SOME = range(0, COUNT, 100)
 SCENARIO = Path(__file__).parent.parent / "scenarios" / "wilkins.toml"
 
 
-def plain(a: Armour, velocity: float, part: float = 1.0) -> bool:
+def plain(a: Parameters, velocity: float, part: float = 1.0) -> bool:
     dt = part * default_time_step(a, velocity)
     return run(a, velocity, dt, 1.0, 5_000_000).outcome == Outcome.PERFORATED
 
 
-def scipys(method: str, rtol: float, longest: float) -> Callable[[Armour, float], bool]:
+def scipys(method: str, rtol: float, longest: float) -> Callable[[Parameters, float], bool]:
     return lambda a, velocity: Reference(a, velocity, method, rtol, longest).perforated
 
 
-def error(perforates: Callable[[Armour, float], bool], designs: Any) -> float:
+def error(perforates: Callable[[Parameters, float], bool], designs: Any) -> float:
     """Largest error of the ballistic limit, m/s, of a power of ten that bounds it."""
     worst = 0.0
     for i in designs:
@@ -62,7 +62,7 @@ def error(perforates: Callable[[Armour, float], bool], designs: Any) -> float:
 
 def fine_limits() -> np.ndarray:
     """Limits to 1e-6 m/s with steps 20 times shorter."""
-    coarse = batch.limits(ROWS, 20.0, 4000.0, 1e-3).perforated
+    coarse = batch.ballistic_limits(ROWS, 20.0, 4000.0, 1e-3).perforated
     found = np.empty(COUNT)
     low, high = coarse - 0.01, coarse + 0.01
     for _ in range(15):
@@ -70,7 +70,9 @@ def fine_limits() -> np.ndarray:
         steps = np.array([default_time_step(a, v) / 20.0 for a, v in zip(DESIGNS, middle, strict=True)])
         outcomes = np.array(
             [
-                batch.impacts(ROWS[i : i + 1], middle[i : i + 1], batch.Told(time_step=steps[i], threads=1)).outcome[0]
+                batch.impacts(
+                    ROWS[i : i + 1], middle[i : i + 1], batch.SolverOptions(time_step=steps[i], threads=1)
+                ).outcome[0]
                 for i in range(COUNT)
             ]
         )
@@ -116,19 +118,19 @@ def test_impact_scipy(benchmark: Any, method: str):
 
 
 def limit_error() -> float:
-    found = batch.limits(ROWS, 20.0, 4000.0, TOLERANCE).perforated
+    found = batch.ballistic_limits(ROWS, 20.0, 4000.0, TOLERANCE).perforated
     return float(np.abs(found - FINE).max())
 
 
 def test_limit_engine(benchmark: Any):
     benchmark.extra_info.update(name="engine, one core", what="limit", each=COUNT, error_m_s=limit_error())
-    benchmark(batch.limits, ROWS, 20.0, 4000.0, TOLERANCE, ONE)
+    benchmark(batch.ballistic_limits, ROWS, 20.0, 4000.0, TOLERANCE, ONE)
 
 
 def test_limit_engine_on_all_cores(benchmark: Any):
     many = np.tile(ROWS, (10, 1))
     benchmark.extra_info.update(name="engine, all cores", what="limit", each=len(many), error_m_s=limit_error())
-    benchmark(batch.limits, many, 20.0, 4000.0, TOLERANCE, ALL)
+    benchmark(batch.ballistic_limits, many, 20.0, 4000.0, TOLERANCE, ALL)
 
 
 def test_limit_plain(benchmark: Any):
@@ -177,7 +179,7 @@ def test_engine_ready(benchmark: Any):
     code = (
         "from armour import load_scenario; from armour.core import batch; import numpy as np;"
         f"rows = batch.packed([load_scenario({str(SCENARIO)!r}).core_armour()]);"
-        "batch.impacts(rows, np.array([800.0])); batch.limits(rows, 20.0, 4000.0, 1e-3)"
+        "batch.impacts(rows, np.array([800.0])); batch.ballistic_limits(rows, 20.0, 4000.0, 1e-3)"
     )
     benchmark.pedantic(lambda: subprocess.run([sys.executable, "-c", code], check=True), rounds=5, warmup_rounds=1)
 

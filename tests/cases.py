@@ -5,8 +5,8 @@ from typing import Any
 
 from armour.core.run import Instant, Run, run
 from armour.core.stages import default_time_step
-from armour.core.state import Armour
-from armour.scenario import Scenario, parse_scenario
+from armour.core.state import Parameters
+from armour.scenario.loading import Scenario, parse_scenario
 
 SCENARIOS = Path(__file__).parent.parent / "scenarios"
 
@@ -43,12 +43,12 @@ def scenario(*args: Any, **kwargs: Any) -> Scenario:
     return parse_scenario(data(*args, **kwargs))
 
 
-def armour(*args: Any, **kwargs: Any) -> Armour:
+def armour(*args: Any, **kwargs: Any) -> Parameters:
     """A scenario's armour in the core's terms."""
     return scenario(*args, **kwargs).core_armour()
 
 
-def traced(a: Armour, velocity: float, dt: float | None = None) -> tuple[Run, list[Instant]]:
+def traced(a: Parameters, velocity: float, dt: float | None = None) -> tuple[Run, list[Instant]]:
     """A run with all its instants."""
     trace: list[Instant] = []
     step = default_time_step(a, velocity) if dt is None else dt

@@ -9,21 +9,21 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from armour.calibration import CalibrationResult, calibrate, read_tests
-    from armour.catalogue import StudyResult, study
-    from armour.comparison import Comparison, compare
-    from armour.elasticities import SensitivityResult, sensitivity
+    from armour.analysis.ballistic_limit import Crossing, LimitResult, ballistic_limit
+    from armour.analysis.comparison import Comparison, compare
+    from armour.analysis.impact import History, ImpactResult, StageRecord, simulate
+    from armour.analysis.least_thickness import Design
+    from armour.design.catalogue import StudyResult, study
+    from armour.design.optimisation import BestDesign, OptimumResult, optimise
     from armour.errors import ArmourError, InputError, NoAnswerError, NoDesignError, NoLimitError, Problem
-    from armour.firing import FiringResult, Shots, read_shots, v50
-    from armour.library import Library, LibraryEntry, Value, read_library, shipped_library
-    from armour.limit import Crossing, LimitResult, ballistic_limit
-    from armour.optimisation import BestDesign, OptimumResult, optimise
-    from armour.propagation import UncertaintyResult, uncertainty
-    from armour.requirement import Design
-    from armour.scenario import Scenario, load_scenario, parse_scenario, save_scenario
-    from armour.simulation import History, ImpactResult, StageRecord, simulate
-    from armour.suite import Case, Suite, load_suite
-    from armour.validation import Check, SuiteResult, paper_suite, validate
+    from armour.scenario.library import Library, LibraryEntry, Value, read_library, shipped_library
+    from armour.scenario.loading import Scenario, load_scenario, parse_scenario, save_scenario
+    from armour.statistics.calibration import CalibrationResult, calibrate, read_tests
+    from armour.statistics.sensitivity import SensitivityResult, sensitivity
+    from armour.statistics.uncertainty import UncertaintyResult, uncertainty
+    from armour.statistics.v50 import FiringResult, Shots, read_shots, v50
+    from armour.validation.suite import Case, Suite, load_suite
+    from armour.validation.validate import Check, SuiteResult, paper_suite, validate
 
 __version__ = "0.1.0"
 # Of the equations and their readings (first number), and of the numbers that they give to all their digits (second).
@@ -32,53 +32,53 @@ MODEL_VERSION = "1.1"
 # Where the public names are; each is imported when it is first asked for, so that a command starts with what it needs.
 _HOMES = {
     "ArmourError": "errors",
-    "BestDesign": "optimisation",
-    "CalibrationResult": "calibration",
-    "Case": "suite",
-    "Check": "validation",
-    "Comparison": "comparison",
-    "Crossing": "limit",
-    "Design": "requirement",
-    "FiringResult": "firing",
-    "History": "simulation",
-    "ImpactResult": "simulation",
+    "BestDesign": "design.optimisation",
+    "CalibrationResult": "statistics.calibration",
+    "Case": "validation.suite",
+    "Check": "validation.validate",
+    "Comparison": "analysis.comparison",
+    "Crossing": "analysis.ballistic_limit",
+    "Design": "analysis.least_thickness",
+    "FiringResult": "statistics.v50",
+    "History": "analysis.impact",
+    "ImpactResult": "analysis.impact",
     "InputError": "errors",
-    "Library": "library",
-    "LibraryEntry": "library",
-    "LimitResult": "limit",
+    "Library": "scenario.library",
+    "LibraryEntry": "scenario.library",
+    "LimitResult": "analysis.ballistic_limit",
     "NoAnswerError": "errors",
     "NoDesignError": "errors",
     "NoLimitError": "errors",
-    "OptimumResult": "optimisation",
+    "OptimumResult": "design.optimisation",
     "Problem": "errors",
-    "Scenario": "scenario",
-    "SensitivityResult": "elasticities",
-    "Shots": "firing",
-    "StageRecord": "simulation",
-    "StudyResult": "catalogue",
-    "Suite": "suite",
-    "SuiteResult": "validation",
-    "UncertaintyResult": "propagation",
-    "Value": "library",
-    "ballistic_limit": "limit",
-    "calibrate": "calibration",
-    "compare": "comparison",
-    "load_scenario": "scenario",
-    "load_suite": "suite",
-    "optimise": "optimisation",
-    "paper_suite": "validation",
-    "parse_scenario": "scenario",
-    "read_library": "library",
-    "read_shots": "firing",
-    "read_tests": "calibration",
-    "save_scenario": "scenario",
-    "sensitivity": "elasticities",
-    "shipped_library": "library",
-    "simulate": "simulation",
-    "study": "catalogue",
-    "uncertainty": "propagation",
-    "v50": "firing",
-    "validate": "validation",
+    "Scenario": "scenario.loading",
+    "SensitivityResult": "statistics.sensitivity",
+    "Shots": "statistics.v50",
+    "StageRecord": "analysis.impact",
+    "StudyResult": "design.catalogue",
+    "Suite": "validation.suite",
+    "SuiteResult": "validation.validate",
+    "UncertaintyResult": "statistics.uncertainty",
+    "Value": "scenario.library",
+    "ballistic_limit": "analysis.ballistic_limit",
+    "calibrate": "statistics.calibration",
+    "compare": "analysis.comparison",
+    "load_scenario": "scenario.loading",
+    "load_suite": "validation.suite",
+    "optimise": "design.optimisation",
+    "paper_suite": "validation.validate",
+    "parse_scenario": "scenario.loading",
+    "read_library": "scenario.library",
+    "read_shots": "statistics.v50",
+    "read_tests": "statistics.calibration",
+    "save_scenario": "scenario.loading",
+    "sensitivity": "statistics.sensitivity",
+    "shipped_library": "scenario.library",
+    "simulate": "analysis.impact",
+    "study": "design.catalogue",
+    "uncertainty": "statistics.uncertainty",
+    "v50": "statistics.v50",
+    "validate": "validation.validate",
 }
 
 __all__ = [

@@ -55,7 +55,7 @@ class NoDesignError(NoAnswerError):
     """No design of the grid defeats the threat."""
 
 
-def nearest(word: str, known: Sequence[str]) -> str:
+def suggestion(word: str, known: Sequence[str]) -> str:
     """A hint at the known word that is most like the one given; empty where none is."""
     by_lower = {name.lower(): name for name in known}
     found = get_close_matches(word.lower(), list(by_lower), n=1, cutoff=0.5)

@@ -10,7 +10,7 @@ from typing import Any, BinaryIO
 from armour.errors import InputError, Problem
 
 # No scenario or library is longer; a device can be without end.
-LARGEST_BYTES = 10_000_000
+MAX_BYTES = 10_000_000
 
 _PACKAGE = Path(__file__).resolve().parent
 _CHECKOUT = _PACKAGE.parent.parent
@@ -51,10 +51,10 @@ def decoded(stream: BinaryIO, file: str) -> str:
         If it is too long or is not UTF-8 text.
     """
     try:
-        content = stream.read(LARGEST_BYTES + 1)
-        if len(content) <= LARGEST_BYTES:
+        content = stream.read(MAX_BYTES + 1)
+        if len(content) <= MAX_BYTES:
             return content.decode("utf-8-sig")
-        message = f"must be at most {LARGEST_BYTES} bytes long"
+        message = f"must be at most {MAX_BYTES} bytes long"
     except UnicodeDecodeError as error:
         message = f"must be UTF-8 text, found the byte {error.object[error.start]:#04x} at {error.start}"
     raise InputError([Problem(file, "", message)])
@@ -115,7 +115,7 @@ def check_writable(path: Path) -> None:
         raise InputError([Problem(str(path), "", f"cannot be written: {problem}")])
 
 
-def write_whole(path: Path, content: bytes) -> None:
+def write_atomic(path: Path, content: bytes) -> None:
     """Write a file whole or not at all; a device or a pipe is written to as it is.
 
     Raises

@@ -4,7 +4,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from armour.cli.app import app
-from armour.core.compiled import kernel
+from armour.engine.compiled import kernel
 
 
 class Cli:

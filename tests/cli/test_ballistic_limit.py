@@ -45,7 +45,9 @@ def test_no_limit_in_the_range_is_exit_code_1(cli, folder: Path):
 
 
 def test_all_crossings_are_shown(cli, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(sys.modules["armour.limit"], "perforates", lambda _s, _a, v: 300 < v < 800 or v > 1500)
+    monkeypatch.setattr(
+        sys.modules["armour.analysis.ballistic_limit"], "perforates", lambda _s, _a, v: 300 < v < 800 or v > 1500
+    )
     result = cli("ballistic-limit", WILKINS)
     assert result.exit_code == 0
     assert "not monotonic" in result.stderr

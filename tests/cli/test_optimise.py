@@ -71,7 +71,7 @@ def test_a_scenario_without_a_grid(cli, folder: Path):
 
 
 def test_an_interrupted_search_keeps_what_it_has(cli, small: Path, folder: Path, monkeypatch: pytest.MonkeyPatch):
-    module = sys.modules["armour.optimisation"]
+    module = sys.modules["armour.design.optimisation"]
     columns = module.frontier_columns
 
     def interrupted(*args, **kwargs):

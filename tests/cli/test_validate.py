@@ -145,9 +145,9 @@ def test_a_suite_that_is_not_there(cli):
 
 
 def test_interrupted_it_shows_what_it_has(cli, suite: Path, monkeypatch: pytest.MonkeyPatch):
-    import armour.validation
+    import armour.validation.validate
 
-    check = armour.validation.check
+    check = armour.validation.validate.check
 
     def interrupted(case, answers):
         if case.name == "speed":

@@ -16,7 +16,7 @@ from armour.core.stages import (
     rates,
     shear_force,
 )
-from armour.core.state import Armour, Medium, Stage
+from armour.core.state import Medium, Parameters, Stage
 from tests.cases import armour, traced
 from tests.numerics.test_order import PATHS
 
@@ -25,7 +25,7 @@ METHOD = STEPS_PER_CHANGE**-4
 RUNS = [(a, velocity) for a, velocity, _ in PATHS.values()]
 
 
-def instants(a: Armour, velocity: float, holds: Callable[[Stage], bool], dt: float | None = None) -> list[Instant]:
+def instants(a: Parameters, velocity: float, holds: Callable[[Stage], bool], dt: float | None = None) -> list[Instant]:
     """Instants of the first unbroken stretch of a run in which a stage holds."""
     found: list[Instant] = []
     for instant in traced(a, velocity, dt)[1]:
@@ -40,16 +40,16 @@ def drift(values: list[float]) -> float:
     return max(abs(value / values[0] - 1.0) for value in values)
 
 
-def dwell(a: Armour, stretch: list[Instant]) -> list[float]:
+def dwell(a: Parameters, stretch: list[Instant]) -> list[float]:
     return [i.y.V**2 / 2 - a.Yp / a.rho_p * log(i.y.L / a.L0) for i in stretch]
 
 
-def held_plate(a: Armour, stretch: list[Instant]) -> list[float]:
+def held_plate(a: Parameters, stretch: list[Instant]) -> list[float]:
     rate = 2 * a.rho_B / (a.rho_p * stretch[0].y.L)
     return [(i.y.V**2 + a.YB / a.rho_B) * exp(rate * i.y.Z) for i in stretch]
 
 
-def held_rubble(a: Armour, stretch: list[Instant]) -> list[float]:
+def held_rubble(a: Parameters, stretch: list[Instant]) -> list[float]:
     rate = (a.Yc0 / stretch[0].s.Vs1 ** 2 + a.rho_c) / (a.rho_p * stretch[0].y.L)
     return [i.y.V * exp(rate * i.y.Z) for i in stretch]
 
@@ -109,7 +109,7 @@ def test_a_carried_plate_slows_evenly_to_rounding():
         assert pytest.approx(first.V**2 - 2 * forces[0] / mass * (i.y.Z - first.Z), rel=1e-10) == i.y.V**2
 
 
-def every_instant() -> Iterator[tuple[Armour, Instant]]:
+def every_instant() -> Iterator[tuple[Parameters, Instant]]:
     for a, velocity in RUNS:
         for instant in traced(a, velocity)[1]:
             yield a, instant

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from armour.analysis.ballistic_limit import bisect
 from armour.core.run import run
 from armour.core.stages import default_time_step
-from armour.core.state import Armour, Outcome
-from armour.limit import bisect
+from armour.core.state import Outcome, Parameters
 from tests.cases import armour, path, traced
 
 ARREST = 1.0
@@ -27,7 +27,7 @@ class Reference:
     """
 
     def __init__(
-        self, a: Armour, velocity: float, method: Any = "DOP853", rtol: float = 1e-11, longest: float = 0.002
+        self, a: Parameters, velocity: float, method: Any = "DOP853", rtol: float = 1e-11, longest: float = 0.002
     ) -> None:
         self.a = a
         self.method, self.rtol, self.longest = method, rtol, longest
@@ -157,7 +157,7 @@ class Reference:
         return events
 
 
-def random_designs(count: int) -> list[Armour]:
+def random_designs(count: int) -> list[Parameters]:
     rng = np.random.default_rng(20)
     designs = []
     for _ in range(count):
@@ -178,7 +178,7 @@ def random_designs(count: int) -> list[Armour]:
 DESIGNS = random_designs(60)
 
 
-def core(a: Armour, velocity: float):
+def core(a: Parameters, velocity: float):
     return run(a, velocity, default_time_step(a, velocity), ARREST, 100_000)
 
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 import pytest
 
 from armour.core.run import run
-from armour.core.state import Armour
+from armour.core.state import Parameters
 from tests.cases import armour, path, traced
 
 # Armour, impact velocity, and the path the run takes: medium, projectile, target ahead, motion, a letter each.
@@ -52,7 +52,7 @@ HALVINGS = 6
 ROUNDING = 2e-10
 
 
-def residual(a: Armour, velocity: float, dt: float) -> float:
+def residual(a: Parameters, velocity: float, dt: float) -> float:
     return run(a, velocity, dt, 1.0, 1_000_000).y.V
 
 

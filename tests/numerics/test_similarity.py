@@ -2,9 +2,9 @@
 
 import pytest
 
-from armour.limit import ballistic_limit
-from armour.scenario import Scenario, parse_scenario
-from armour.simulation import simulate
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.impact import simulate
+from armour.scenario.loading import Scenario, parse_scenario
 from tests.cases import data
 
 CASES = [

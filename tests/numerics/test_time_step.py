@@ -2,22 +2,22 @@
 
 import pytest
 
+from armour.analysis.ballistic_limit import bisect
 from armour.core.run import run
 from armour.core.stages import default_time_step
-from armour.core.state import Armour, Outcome
-from armour.limit import bisect
-from armour.scenario import load_scenario
+from armour.core.state import Outcome, Parameters
+from armour.scenario.loading import load_scenario
 from tests.cases import SCENARIOS
 from tests.numerics.test_independent import random_designs
 
 
-def perforates(a: Armour, velocity: float, part: float) -> bool:
+def perforates(a: Parameters, velocity: float, part: float) -> bool:
     """Whether the velocity perforates, with a part of the default step."""
     dt = part * default_time_step(a, velocity)
     return run(a, velocity, dt, 1.0, 1_000_000).outcome == Outcome.PERFORATED
 
 
-def is_near(a: Armour, part: float, distance: float) -> bool:
+def is_near(a: Parameters, part: float, distance: float) -> bool:
     """Whether the ballistic limit of a part of the default step is within a distance, m/s, of that of the default."""
     found = bisect(lambda velocity: perforates(a, velocity, 1.0), 50.0, 4000.0, 1e-5)[1]
     return perforates(a, found + distance, part) and not perforates(a, found - distance, part)

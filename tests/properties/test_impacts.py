@@ -6,13 +6,13 @@ from typing import Any
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.impact import perforates, simulate
 from armour.core.run import run
 from armour.core.stages import default_time_step
-from armour.core.state import Armour, Outcome
+from armour.core.state import Outcome, Parameters
 from armour.errors import NoLimitError
-from armour.limit import ballistic_limit
-from armour.scenario import parse_scenario
-from armour.simulation import perforates, simulate
+from armour.scenario.loading import parse_scenario
 
 PROJECTILES = {"7.62 mm AP": 6.5, "25 mm APDS": 14.25, "7.62 mm APM2": 6.25}
 
@@ -111,7 +111,7 @@ def test_any_materials_end_with_an_outcome(
 ):
     Yp, Yc0, YB, tau = strengths
     rho_p, rho_c, rho_B = densities
-    a = Armour(
+    a = Parameters(
         size * slenderness, size, rho_p, Yp, size * thicknesses[0], rho_c, 300e9, Yc0,
         size * thicknesses[1], rho_B, YB, tau, conoid,
     )  # fmt: skip

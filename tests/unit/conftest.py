@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from armour.scenario import save_scenario
+from armour.scenario.loading import save_scenario
 from tests.cases import scenario
 
 

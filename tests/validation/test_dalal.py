@@ -6,7 +6,7 @@ No shots, but the likelihood is the same, with the temperature turned round to m
 
 import pytest
 
-from armour.firing import Shots, fitted
+from armour.statistics.v50 import Shots, fitted
 
 FLIGHTS = {
     False: (66, 69, 68, 67, 72, 73, 70, 78, 67, 67, 75, 70, 81, 76, 79, 76),

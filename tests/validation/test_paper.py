@@ -2,13 +2,13 @@
 
 import pytest
 
-from armour.catalogue import study
-from armour.limit import ballistic_limit
-from armour.optimisation import optimise
-from armour.reports import suite_markdown
-from armour.scenario import load_scenario
-from armour.suite import Case, Suite, load_suite
-from armour.validation import SuiteResult, paper_suite, validate
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.design.catalogue import study
+from armour.design.optimisation import optimise
+from armour.reporting.markdown import suite_markdown
+from armour.scenario.loading import load_scenario
+from armour.validation.suite import Case, Suite, load_suite
+from armour.validation.validate import SuiteResult, paper_suite, validate
 from tests.cases import SCENARIOS, scenario
 
 # Table 3: ceramic and backing, mm; limits, m/s: measured, predicted with 3.8 GPa and with 5.2 GPa.

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from armour.library import KINDS, OPTIONAL, Kind, shipped_library
-from armour.simulation import perforates
-from armour.suite import Case, load_suite
-from armour.validation import validate
+from armour.analysis.impact import perforates
+from armour.scenario.library import KINDS, OPTIONAL, Kind, shipped_library
+from armour.validation.suite import Case, load_suite
+from armour.validation.validate import validate
 
 SUITE = Path(__file__).parent / "regression.toml"
 CASES = load_suite(SUITE).cases

@@ -23,7 +23,7 @@ from armour.cli import (
     v50,
     validate,
 )
-from armour.cli.common import Reporting
+from armour.cli.runner import Reporting
 
 app = typer.Typer(
     cls=Reporting,

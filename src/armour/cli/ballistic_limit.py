@@ -2,7 +2,7 @@
 
 import sys
 
-from armour.cli.common import (
+from armour.cli.runner import (
     AsJson,
     Changes,
     PlotFile,
@@ -21,9 +21,9 @@ def ballistic_limit(
     scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = None, as_json: AsJson = False
 ) -> None:
     """Find the lowest impact velocity that perforates."""
-    from armour.limit import ballistic_limit as find_limit
-    from armour.limit import residual_curve, velocities_round
-    from armour.tables import CROSSING_COLUMNS, crossing_rows, limit_rows
+    from armour.analysis.ballistic_limit import ballistic_limit as find_limit
+    from armour.analysis.ballistic_limit import residual_curve, velocities_round
+    from armour.reporting.tables import CROSSING_COLUMNS, crossing_rows, limit_rows
 
     check_outputs(plot=plot, source=scenario)
     loaded = read_scenario(scenario, changes)
@@ -39,7 +39,7 @@ def ballistic_limit(
             print_table(CROSSING_COLUMNS, crossing_rows(result), numbers=(0, 1))
     warn(loaded, result.warnings)
     if plot is not None:
-        from armour.plots import limit_figure
+        from armour.reporting.plots import limit_figure
 
         curve = residual_curve(loaded, velocities_round(result, loaded))
         write_plot(plot, limit_figure(result, curve, loaded.title))

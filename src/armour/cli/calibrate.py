@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from armour.cli.common import (
+from armour.cli.runner import (
     AsJson,
     Changes,
     PlotFile,
@@ -44,9 +44,7 @@ def calibrate(
     as_json: AsJson = False,
 ) -> None:
     """Fit parameters of a material or projectile to tests, and say how well they are known."""
-    from armour.calibration import FLOW_STRESS, library_text, read_tests
-    from armour.calibration import calibrate as find
-    from armour.tables import (
+    from armour.reporting.tables import (
         COEFFICIENT_COLUMNS,
         RESIDUAL_COLUMNS,
         calibration_rows,
@@ -54,6 +52,8 @@ def calibrate(
         correlation_table,
         residual_rows,
     )
+    from armour.statistics.calibration import FLOW_STRESS, library_text, read_tests
+    from armour.statistics.calibration import calibrate as find
 
     check_outputs(library, plot=plot, source=tests)
     check_outputs(library, plot=plot, source=scenario)
@@ -76,6 +76,6 @@ def calibrate(
     if library is not None:
         write(library, library_text(result, read, loaded))
     if plot is not None:
-        from armour.plots import calibration_figure
+        from armour.reporting.plots import calibration_figure
 
         write_plot(plot, calibration_figure(result, loaded.title))

@@ -1,6 +1,6 @@
 """``armour compare``."""
 
-from armour.cli.common import (
+from armour.cli.runner import (
     AsJson,
     Changes,
     PlotFile,
@@ -17,8 +17,8 @@ from armour.cli.common import (
 
 def compare(scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = None, as_json: AsJson = False) -> None:
     """Put the model next to the closed forms of others: Florence's limit, Lambert-Jonas and Recht-Ipson fits."""
-    from armour.comparison import compare as put_side_by_side
-    from armour.tables import COMPARISON_COLUMNS, FIT_COLUMNS, comparison_rows, fit_rows
+    from armour.analysis.comparison import compare as put_side_by_side
+    from armour.reporting.tables import COMPARISON_COLUMNS, FIT_COLUMNS, comparison_rows, fit_rows
 
     check_outputs(plot=plot, source=scenario)
     loaded = read_scenario(scenario, changes)
@@ -35,6 +35,6 @@ def compare(scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = No
         print(f"fitted to the model's residual velocities of {low:.1f} to {high:.1f} m/s")
     warn(loaded, result.limit.warnings)
     if plot is not None:
-        from armour.plots import comparison_figure
+        from armour.reporting.plots import comparison_figure
 
         write_plot(plot, comparison_figure(result, loaded.title))

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.common import check_outputs, counting, tell_of_compiling, write, write_plot
+from armour.cli.runner import check_outputs, counting, tell_of_compiling, write, write_plot
 from armour.errors import InputError, Problem
 
 
@@ -25,9 +25,9 @@ def figures(
     image: Annotated[Format, typer.Option("--format", help="Format of the figures.")] = Format.PNG,
 ) -> None:
     """Draw the paper's figs. 3 to 14 and the parity of its table 3, each with its curves as CSV."""
-    from armour.figures import PARITY, charts, paper_figures, parity_of_table_3, read_figures
-    from armour.plots import chart_figure, parity_figure
-    from armour.tables import chart_csv, parity_csv
+    from armour.reporting.plots import chart_figure, parity_figure
+    from armour.reporting.tables import chart_csv, parity_csv
+    from armour.validation.figures import PARITY, charts, paper_figures, parity_of_table_3, read_figures
 
     path = paper_figures()
     chosen = [section for section in read_figures(path) if only in section.name]

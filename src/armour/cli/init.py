@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.common import check_outputs, write
-from armour.errors import InputError, Problem, nearest
+from armour.cli.runner import check_outputs, write
+from armour.errors import InputError, Problem, suggestion
 from armour.files import shipped
 
 TEMPLATE = "template"
@@ -31,7 +31,7 @@ def init(
         print("\n".join(known))
         return
     if source not in known:
-        hint = nearest(source, list(known)) or f"; there are {', '.join(known)}"
+        hint = suggestion(source, list(known)) or f"; there are {', '.join(known)}"
         message = f'must name a shipped scenario, found "{source}"{hint}'
         raise InputError([Problem("init", "--from", message)])
     check_outputs(file)

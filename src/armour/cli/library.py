@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.common import AsJson, print_json, print_table
+from armour.cli.runner import AsJson, print_json, print_table
 from armour.errors import InputError, Problem
 
 app = typer.Typer(invoke_without_command=True, no_args_is_help=False)
@@ -15,8 +15,8 @@ def list_library(ctx: typer.Context, as_json: AsJson = False) -> None:
     """List the projectiles and materials that come with armour."""
     if ctx.invoked_subcommand is not None:
         return
-    from armour.library import KINDS, shipped_library
-    from armour.tables import library_table
+    from armour.reporting.tables import library_table
+    from armour.scenario.library import KINDS, shipped_library
 
     library = shipped_library()
     if as_json:
@@ -34,8 +34,8 @@ def show(
     as_json: AsJson = False,
 ) -> None:
     """Show an entry with the source of every value."""
-    from armour.library import shipped_library
-    from armour.tables import ENTRY_COLUMNS, entry_rows
+    from armour.reporting.tables import ENTRY_COLUMNS, entry_rows
+    from armour.scenario.library import shipped_library
 
     try:
         entries = shipped_library().find(name)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from armour.cli.common import (
+from armour.cli.runner import (
     AsJson,
     Changes,
     PlotFile,
@@ -25,8 +25,8 @@ from armour.cli.common import (
 from armour.errors import InputError, Problem
 
 if TYPE_CHECKING:
-    from armour.optimisation import Column
-    from armour.scenario import Scenario
+    from armour.design.optimisation import Column
+    from armour.scenario.loading import Scenario
 
 
 def optimise(
@@ -48,10 +48,10 @@ def optimise(
     as_json: AsJson = False,
 ) -> None:
     """Find the best design: the lightest of the grid, or what the scenario's threats and catalogue ask for."""
-    from armour.catalogue import asks_for_study
-    from armour.optimisation import frontier_of
-    from armour.optimisation import optimise as find_optimum
-    from armour.tables import BEST_COLUMNS, DESIGN_COLUMNS, best_rows, design_rows, frontier_csv
+    from armour.design.catalogue import asks_for_study
+    from armour.design.optimisation import frontier_of
+    from armour.design.optimisation import optimise as find_optimum
+    from armour.reporting.tables import BEST_COLUMNS, DESIGN_COLUMNS, best_rows, design_rows, frontier_csv
 
     check_outputs(csv, plot=plot, source=scenario)
     loaded = read_scenario(scenario, changes)
@@ -85,15 +85,23 @@ def optimise(
     if csv is not None:
         write(csv, frontier_csv(result.frontier))
     if plot is not None:
-        from armour.plots import optimum_figure
+        from armour.reporting.plots import optimum_figure
 
         write_plot(plot, optimum_figure(result, loaded.title))
 
 
 def _study(loaded: "Scenario", csv: Path | None, plot: Path | None, *, as_json: bool, asked: bool) -> None:
     """Answer what the scenario's threats and catalogue ask for."""
-    from armour.catalogue import study
-    from armour.tables import MARGIN_COLUMNS, PAIR_COLUMNS, margin_rows, pair_rows, pareto_table, study_csv, study_rows
+    from armour.design.catalogue import study
+    from armour.reporting.tables import (
+        MARGIN_COLUMNS,
+        PAIR_COLUMNS,
+        margin_rows,
+        pair_rows,
+        pareto_table,
+        study_csv,
+        study_rows,
+    )
 
     if asked:
         message = "searches the grid of a scenario without threats and catalogue; leave it out"
@@ -116,6 +124,6 @@ def _study(loaded: "Scenario", csv: Path | None, plot: Path | None, *, as_json: 
     if csv is not None:
         write(csv, study_csv(result))
     if plot is not None:
-        from armour.plots import study_figure
+        from armour.reporting.plots import study_figure
 
         write_plot(plot, study_figure(result, loaded.title))

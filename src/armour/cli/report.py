@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.common import Changes, changes_of, check_outputs, counting, read_scenario, tell_of_compiling, write
+from armour.cli.runner import Changes, changes_of, check_outputs, counting, read_scenario, tell_of_compiling, write
 from armour.errors import InputError
 
 
@@ -21,8 +21,8 @@ def report(
 ) -> None:
     """Write a report to hand over: the answer, charts, how sure it is and where it comes from, in one HTML file."""
     from armour.files import read_toml, wrong_ending
-    from armour.pages import scenario_markdown, scenario_page, suite_page
-    from armour.reports import suite_markdown
+    from armour.reporting.html import scenario_markdown, scenario_page, suite_page
+    from armour.reporting.markdown import suite_markdown
 
     check_outputs(output, source=source)
     if problems := wrong_ending(output, (".html", ".md")):
@@ -32,15 +32,15 @@ def report(
     command = shlex.join(["armour", "report", str(source), "--output", str(output), *options])
     tell_of_compiling()
     if str(source) != "-" and {"case", "table"} & read_toml(source).keys():
-        from armour.suite import load_suite
-        from armour.validation import validate
+        from armour.validation.suite import load_suite
+        from armour.validation.validate import validate
 
         with counting("cases") as show:
             result = validate(load_suite(source, changes_of(changes or ())), on_check=lambda _check, total: show(total))
         page = suite_markdown(result) if as_markdown else suite_page(result, command)
     else:
-        from armour.dossier import dossier_of
+        from armour.reporting.contents import contents_of
 
-        dossier = dossier_of(read_scenario(source, changes))
-        page = scenario_markdown(dossier, command) if as_markdown else scenario_page(dossier, command)
+        contents = contents_of(read_scenario(source, changes))
+        page = scenario_markdown(contents, command) if as_markdown else scenario_page(contents, command)
     write(output, page)

@@ -1,6 +1,6 @@
 """``armour sensitivity``."""
 
-from armour.cli.common import (
+from armour.cli.runner import (
     AsJson,
     Changes,
     PlotFile,
@@ -19,8 +19,8 @@ def sensitivity(
     scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = None, as_json: AsJson = False
 ) -> None:
     """Tell by how many per cent limit, residual velocity and least areal density change when an input grows by one."""
-    from armour.elasticities import sensitivity as find
-    from armour.tables import elasticity_columns, elasticity_rows, sensitivity_rows
+    from armour.reporting.tables import elasticity_columns, elasticity_rows, sensitivity_rows
+    from armour.statistics.sensitivity import sensitivity as find
 
     check_outputs(plot=plot, source=scenario)
     loaded = read_scenario(scenario, changes)
@@ -34,6 +34,6 @@ def sensitivity(
         columns = elasticity_columns(result)
         print_table(columns, elasticity_rows(result), numbers=range(1, len(columns)))
     if plot is not None:
-        from armour.plots import sensitivity_figure
+        from armour.reporting.plots import sensitivity_figure
 
         write_plot(plot, sensitivity_figure(result, loaded.title))

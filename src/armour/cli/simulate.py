@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.common import (
+from armour.cli.runner import (
     AsJson,
     Changes,
     PlotFile,
@@ -36,8 +36,8 @@ def simulate(
     as_json: AsJson = False,
 ) -> None:
     """Run one impact: outcome, what is left of the projectile, and the stages passed through."""
-    from armour.simulation import simulate as run_simulation
-    from armour.tables import STAGE_COLUMNS, history_csv, impact_rows, stage_rows
+    from armour.analysis.impact import simulate as run_simulation
+    from armour.reporting.tables import STAGE_COLUMNS, history_csv, impact_rows, stage_rows
 
     check_outputs(history, plot=plot, source=scenario)
     more = {} if velocity is None else {"impact.velocity_m_s": velocity}
@@ -53,6 +53,6 @@ def simulate(
     if history is not None and result.history is not None:
         write(history, history_csv(result.history))
     if plot is not None:
-        from armour.plots import impact_figure
+        from armour.reporting.plots import impact_figure
 
         write_plot(plot, impact_figure(result, loaded.title))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from armour.cli.common import (
+from armour.cli.runner import (
     AsJson,
     Changes,
     PlotFile,
@@ -23,7 +23,7 @@ from armour.cli.common import (
 from armour.errors import InputError, Problem
 
 if TYPE_CHECKING:
-    from armour.sweep import Cases, Grid, OnChunk
+    from armour.sweeps.sweep import Cases, Grid, OnChunk
 
 
 def sweep(
@@ -56,9 +56,9 @@ def sweep(
     as_json: AsJson = False,
 ) -> None:
     """Compute quantities over grids of values, or a table of cases; interrupted, it goes on where it stopped."""
-    from armour.cluster import connected, on
-    from armour.sweep import here
-    from armour.sweep import sweep as run_sweep
+    from armour.sweeps.dask import connected, on
+    from armour.sweeps.sweep import here
+    from armour.sweeps.sweep import sweep as run_sweep
 
     check_outputs(output, plot=plot, source=scenario)
     loaded = read_scenario(scenario, changes)
@@ -74,15 +74,15 @@ def sweep(
         print_json({"rows": rows, "output": str(output)})
     print(f"wrote {output}: {rows} rows", file=sys.stderr)
     if plot is not None:
-        from armour.plots import sweep_figure
-        from armour.store import read_table
+        from armour.reporting.plots import sweep_figure
+        from armour.sweeps.checkpoint import read_table
 
         write_plot(plot, sweep_figure(read_table(output), source.keys, names[0], loaded))
 
 
 def _source(over: list[str], cases: Path | None) -> "Grid | Cases":
     """The rows asked for."""
-    from armour.sweep import Cases, Grid, axis_of
+    from armour.sweeps.sweep import Cases, Grid, axis_of
 
     if (cases is None) == (not over):
         raise InputError([Problem("sweep", "--over", "must be given, or --cases, and not both")])
@@ -90,7 +90,7 @@ def _source(over: list[str], cases: Path | None) -> "Grid | Cases":
 
 
 def _check_plot(source: "Grid | Cases", names: list[str]) -> None:
-    from armour.sweep import Grid
+    from armour.sweeps.sweep import Grid
 
     if not isinstance(source, Grid) or len(source.axes) not in (1, 2) or names[0] == "outcome":
         message = "draws the first quantity, a number, over one or two --over"

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.common import (
+from armour.cli.runner import (
     AsJson,
     Changes,
     PlotFile,
@@ -30,8 +30,8 @@ def uncertainty(
     as_json: AsJson = False,
 ) -> None:
     """Tell how sure the outcome and the ballistic limit are, under the scenario's distributions of inputs."""
-    from armour.propagation import uncertainty as propagate
-    from armour.tables import ESTIMATE_COLUMNS, INDEX_COLUMNS, estimate_rows, index_rows, uncertainty_rows
+    from armour.reporting.tables import ESTIMATE_COLUMNS, INDEX_COLUMNS, estimate_rows, index_rows, uncertainty_rows
+    from armour.statistics.uncertainty import uncertainty as propagate
 
     check_outputs(plot=plot, source=scenario)
     loaded = read_scenario(scenario, changes, {} if samples is None else {"uncertainty.samples": samples})
@@ -49,6 +49,6 @@ def uncertainty(
             print("Sobol' indices are not defined for correlated inputs")
     warn(loaded, result.warnings)
     if plot is not None:
-        from armour.plots import uncertainty_figure
+        from armour.reporting.plots import uncertainty_figure
 
         write_plot(plot, uncertainty_figure(result, loaded))

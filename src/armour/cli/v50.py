@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.common import (
+from armour.cli.runner import (
     AsJson,
     Changes,
     PlotFile,
@@ -48,9 +48,9 @@ def v50(
     as_json: AsJson = False,
 ) -> None:
     """Find the velocity that perforates every other time, from firing results."""
-    from armour.firing import read_shots
-    from armour.firing import v50 as evaluate
-    from armour.tables import FIRING_COLUMNS, firing_fit_rows, firing_rows
+    from armour.reporting.tables import FIRING_COLUMNS, firing_fit_rows, firing_rows
+    from armour.statistics.v50 import read_shots
+    from armour.statistics.v50 import v50 as evaluate
 
     check_outputs(plot=plot, source=shots)
     if changes and scenario is None:
@@ -71,6 +71,6 @@ def v50(
                 "the model's limit is deterministic: one velocity for one set of inputs, without the scatter of tests"
             )
     if plot is not None:
-        from armour.plots import firing_figure
+        from armour.reporting.plots import firing_figure
 
         write_plot(plot, firing_figure(read, result))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from armour.cli.common import (
+from armour.cli.runner import (
     CHECK_FAILED,
     AsJson,
     changes_of,
@@ -20,8 +20,8 @@ from armour.cli.common import (
 from armour.errors import InputError, Problem
 
 if TYPE_CHECKING:
-    from armour.suite import Suite
-    from armour.validation import Check, SuiteResult
+    from armour.validation.suite import Suite
+    from armour.validation.validate import Check, SuiteResult
 
 
 def validate(
@@ -54,8 +54,8 @@ def validate(
     as_json: AsJson = False,
 ) -> None:
     """Hold a suite of cases, or what the paper publishes, against the model; exit code 3 where a band is left."""
-    from armour.suite import load_suite
-    from armour.validation import paper_suite
+    from armour.validation.suite import load_suite
+    from armour.validation.validate import paper_suite
 
     check_outputs(suite if update else None)
     check_outputs(markdown, junit, source=suite)
@@ -90,8 +90,8 @@ def _check_update(suite: Path | None, changes: Any) -> None:
 
 def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":
     """The outcome; interrupted, what there is of it is printed first."""
-    from armour.validation import result_of
-    from armour.validation import validate as run_suite
+    from armour.validation.validate import result_of
+    from armour.validation.validate import validate as run_suite
 
     done: list[Check] = []
     try:
@@ -109,7 +109,7 @@ def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":
 
 
 def _print(result: "SuiteResult") -> None:
-    from armour.tables import (
+    from armour.reporting.tables import (
         CHECK_COLUMNS,
         ERROR_COLUMNS,
         SUMMARY_COLUMNS,
@@ -137,7 +137,7 @@ def _print(result: "SuiteResult") -> None:
 
 
 def _write(result: "SuiteResult", markdown: Path | None, junit: Path | None) -> None:
-    from armour.reports import suite_junit, suite_markdown
+    from armour.reporting.markdown import suite_junit, suite_markdown
 
     if markdown is not None:
         write(markdown, suite_markdown(result))
@@ -146,8 +146,8 @@ def _write(result: "SuiteResult", markdown: Path | None, junit: Path | None) -> 
 
 
 def _update(suite: Path, result: "SuiteResult") -> None:
-    from armour.tables import UPDATE_COLUMNS, update_rows
-    from armour.validation import updated_text, updates_of
+    from armour.reporting.tables import UPDATE_COLUMNS, update_rows
+    from armour.validation.validate import updated_text, updates_of
 
     updates = updates_of(result)
     if not updates:

@@ -1,7 +1,7 @@
 """One step of the classical fourth-order Runge-Kutta method."""
 
 from armour.core.stages import rates
-from armour.core.state import Armour, Stage, State
+from armour.core.state import Parameters, Stage, State
 
 
 def advance(y: State, k: State, dt: float) -> State:
@@ -9,11 +9,11 @@ def advance(y: State, k: State, dt: float) -> State:
     return State(y.Z + dt * k.Z, y.L + dt * k.L, y.V + dt * k.V, y.W + dt * k.W, y.h + dt * k.h)
 
 
-def step(y: State, k1: State, s: Stage, a: Armour, dt: float) -> State:
+def step(y: State, k1: State, s: Stage, p: Parameters, dt: float) -> State:
     """State a time dt later, all in the same stage; k1 are the rates now."""
-    k2 = rates(advance(y, k1, dt / 2.0), s, a)
-    k3 = rates(advance(y, k2, dt / 2.0), s, a)
-    k4 = rates(advance(y, k3, dt), s, a)
+    k2 = rates(advance(y, k1, dt / 2.0), s, p)
+    k3 = rates(advance(y, k2, dt / 2.0), s, p)
+    k4 = rates(advance(y, k3, dt), s, p)
     c = dt / 6.0
     return State(
         y.Z + c * (k1.Z + 2.0 * (k2.Z + k3.Z) + k4.Z),

@@ -4,8 +4,8 @@ from math import isfinite
 from typing import NamedTuple
 
 from armour.core.rk4 import step
-from armour.core.stages import EVENTS, first_stage, follow, margins, rates, step_length
-from armour.core.state import Armour, Outcome, Stage, State
+from armour.core.stages import EVENTS, after_event, event_functions, first_stage, rates, step_length
+from armour.core.state import Outcome, Parameters, Stage, State
 
 # An event is located to this fraction of a step.
 EVENT_TOLERANCE = 1e-12
@@ -29,7 +29,7 @@ class Run(NamedTuple):
 
 
 def run(
-    a: Armour,
+    p: Parameters,
     Vi: float,
     dt: float,
     V_arrest: float,
@@ -59,8 +59,8 @@ def run(
     Run
     """
     t = 0.0
-    y = State(Z=0.0, L=a.L0, V=Vi, W=0.0, h=0.0)
-    s = first_stage(y, a)
+    y = State(Z=0.0, L=p.L0, V=Vi, W=0.0, h=0.0)
+    s = first_stage(y, p)
     steps = 0
     rest = 0.0  # what an event has left of a step
     outcome = Outcome.RUNNING if Vi >= V_arrest else Outcome.DEFEATED
@@ -69,16 +69,16 @@ def run(
     while outcome == Outcome.RUNNING:
         if steps == max_steps:
             return Run(Outcome.UNRESOLVED, t, y, steps)
-        k = rates(y, s, a)
-        longest = step_length(y, k, s, a, dt)
+        k = rates(y, s, p)
+        longest = step_length(y, k, s, p, dt)
         whole = min(rest, longest) if rest > 0.0 else longest
-        event, taken, y = land(t, y, k, s, a, whole, V_arrest)
+        event, taken, y = step_to_event(t, y, k, s, p, whole, V_arrest)
         t += taken
         rest = whole - taken
         steps += 1
         ended = s
         if event >= 0:
-            y, s, outcome = follow(event, y, s, a)
+            y, s, outcome = after_event(event, y, s, p)
         if trace is not None:
             trace.append(Instant(t, y, ended))
             if s != ended:
@@ -86,32 +86,34 @@ def run(
     return Run(outcome, t, y, steps)
 
 
-def land(t: float, y: State, k1: State, s: Stage, a: Armour, dt: float, V_arrest: float) -> tuple[int, float, State]:
+def step_to_event(
+    t: float, y: State, k1: State, s: Stage, p: Parameters, dt: float, V_arrest: float
+) -> tuple[int, float, State]:
     """Take a step, or the part of it up to the earliest event in it; k1 are the rates now.
 
     Returns the event (-1 for none), the time taken and the state there.
     """
-    start = margins(t, y, s, a, V_arrest)
-    y_end = step(y, k1, s, a, dt)
-    end = margins(t + dt, y_end, s, a, V_arrest)
+    start = event_functions(t, y, s, p, V_arrest)
+    y_end = step(y, k1, s, p, dt)
+    end = event_functions(t + dt, y_end, s, p, V_arrest)
     event, fraction = -1, 1.0
     # Each event found shortens what the others are looked for in, and can lay bare one that came and went before it.
     for i in range(2 * EVENTS):
         k = i % EVENTS
         if k != event and not end[k] >= 0.0:
             event = k
-            fraction, y_end = crossing(k, t, y, k1, s, a, dt, V_arrest, start[k], end[k], fraction, y_end)
-            end = margins(t + fraction * dt, y_end, s, a, V_arrest)
+            fraction, y_end = locate_event(k, t, y, k1, s, p, dt, V_arrest, start[k], end[k], fraction, y_end)
+            end = event_functions(t + fraction * dt, y_end, s, p, V_arrest)
     return event, fraction * dt, y_end
 
 
-def crossing(
+def locate_event(
     k: int,
     t: float,
     y: State,
     k1: State,
     s: Stage,
-    a: Armour,
+    p: Parameters,
     dt: float,
     V_arrest: float,
     g_lo: float,
@@ -135,8 +137,8 @@ def crossing(
         part = min(max(part, nearest), 1.0 - nearest)
         last, g_last = x, g
         x += part * (other - x)
-        y_x = step(y, k1, s, a, x * dt)
-        g = margins(t + x * dt, y_x, s, a, V_arrest)[k]
+        y_x = step(y, k1, s, p, x * dt)
+        g = event_functions(t + x * dt, y_x, s, p, V_arrest)[k]
         if (g >= 0.0) != (g_last >= 0.0):
             last, g_last, other, g_other = other, g_other, last, g_last
         if not g >= 0.0:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from armour.core.run import run
 from armour.core.stages import default_time_step
-from armour.core.state import Armour, Outcome
+from armour.core.state import Outcome, Parameters
 
 # Part of the impact's energy, above that of the limit, that a first perforation leaves; a guess.
 ENERGY_LEFT = 0.85
@@ -52,9 +52,9 @@ class Found(NamedTuple):
     resolved: bool  # whether every run has ended within the steps allowed
 
 
-def time_step(a: Armour, Vi: float, given: float) -> float:
+def time_step(p: Parameters, Vi: float, given: float) -> float:
     """Time step of an impact, s: the given one, within reason, or the default where 0 is given."""
-    default = default_time_step(a, Vi)
+    default = default_time_step(p, Vi)
     return min(given, COARSEST_STEP * default) if given > 0.0 else default
 
 
@@ -73,13 +73,13 @@ def perforated(b: Bracket, x: float, f: float, first: float) -> Bracket:
     if b.places == 0:
         estimate, error = first, 0.25 * abs(x - first)
     else:
-        estimate = vanishing(b.places, x, f, b.x1, b.f1, b.x2, b.f2)
+        estimate = extrapolated_root(b.places, x, f, b.x1, b.f1, b.x2, b.f2)
         error = abs(estimate - b.estimate)
     places = min(b.places + 1, 3)
     return Bracket(b.low, x, b.low_known, True, places, x, f, b.x1, b.f1, estimate, error, b.runs + 1)
 
 
-def vanishing(earlier: int, x1: float, f1: float, x2: float, f2: float, x3: float, f3: float) -> float:
+def extrapolated_root(earlier: int, x1: float, f1: float, x2: float, f2: float, x3: float, f3: float) -> float:
     """Where the polynomial through a place and one or two earlier ones vanishes (Neville)."""
     if f1 == f2:
         return x1
@@ -114,15 +114,15 @@ def proposed(b: Bracket, tolerance: float) -> float:
     return x if b.low < x < b.high else middle
 
 
-def limit_of(
-    a: Armour, low: float, high: float, tolerance: float, V_arrest: float, given: float, max_steps: int
+def ballistic_limit_of(
+    p: Parameters, low: float, high: float, tolerance: float, V_arrest: float, given: float, max_steps: int
 ) -> Found:
     """Ballistic limit between two impact velocities, m/s, where the outcome changes once between them."""
     b = opened(low, high)
-    guess = first_guess(a)
+    guess = first_guess(p)
     V = min(max(guess, low), high) if isfinite(guess) else low
     while True:
-        end = run(a, V, time_step(a, V, given), V_arrest, max_steps)
+        end = run(p, V, time_step(p, V, given), V_arrest, max_steps)
         if end.outcome == Outcome.UNRESOLVED:
             return Found(-inf, inf, b.runs + 1, False)
         if end.outcome == Outcome.PERFORATED:
@@ -144,14 +144,14 @@ def limit_of(
             V = proposed(b, tolerance)
 
 
-def thinnest_of(
-    a: Armour, Vi: float, thin: float, thick: float, tolerance: float, V_arrest: float, given: float, max_steps: int
+def least_ceramic_thickness(
+    p: Parameters, Vi: float, thin: float, thick: float, tolerance: float, V_arrest: float, given: float, max_steps: int
 ) -> Found:
     """Ceramic thickness, m, at which an impact is just defeated; ``low`` and ``high`` are its negatives."""
     b = opened(-thick, -thin)
     Hc0 = thin
     while True:
-        tried = with_ceramic(a, Hc0)
+        tried = with_ceramic(p, Hc0)
         end = run(tried, Vi, time_step(tried, Vi, given), V_arrest, max_steps)
         if end.outcome == Outcome.UNRESOLVED:
             return Found(-inf, inf, b.runs + 1, False)
@@ -159,7 +159,7 @@ def thinnest_of(
             f = end.y.V * end.y.V - V_arrest * V_arrest
             # The limit grows about as the thickness.
             limit = sqrt(max(Vi * Vi - f / ENERGY_LEFT, 0.01 * Vi * Vi))
-            b = perforated(b, -Hc0, f, -max(Hc0, 0.1 * a.D0) * Vi / limit)
+            b = perforated(b, -Hc0, f, -max(Hc0, 0.1 * p.D0) * Vi / limit)
             if Hc0 >= thick:
                 return Found(-inf, -Hc0, b.runs, True)
         else:
@@ -173,17 +173,17 @@ def thinnest_of(
             Hc0 = thick
 
 
-def with_ceramic(a: Armour, Hc0: float) -> Armour:
+def with_ceramic(p: Parameters, Hc0: float) -> Parameters:
     """The armour with another ceramic thickness."""
-    return Armour(a.L0, a.D0, a.rho_p, a.Yp, Hc0, a.rho_c, a.Ec, a.Yc0, a.Hb, a.rho_B, a.YB, a.tau, a.conoid)
+    return Parameters(p.L0, p.D0, p.rho_p, p.Yp, Hc0, p.rho_c, p.Ec, p.Yc0, p.Hb, p.rho_B, p.YB, p.tau, p.conoid)
 
 
-def first_guess(a: Armour) -> float:
+def first_guess(p: Parameters) -> float:
     """Ballistic limit, m/s, within about a tenth: work of strengths and shear over the mass of the rod.
 
     The numbers are a fit to 1,000 random designs of both rounds of the paper; they cost or save a run and nothing else.
     """
-    rod = a.rho_p * a.L0
-    sheared = 3.4 * a.Hb + (13.0 * a.Hc0 if a.conoid else 0.0)
-    work = 0.86 * a.Yc0 * a.Hc0 + 0.56 * a.YB * a.Hb + a.tau * a.Hb * sheared / a.D0
-    return sqrt(max(work / rod, 0.0)) * (1.0 + 0.3 * a.rho_c * a.Hc0 / rod + 0.6 * a.rho_B * a.Hb / rod)
+    rod = p.rho_p * p.L0
+    sheared = 3.4 * p.Hb + (13.0 * p.Hc0 if p.conoid else 0.0)
+    work = 0.86 * p.Yc0 * p.Hc0 + 0.56 * p.YB * p.Hb + p.tau * p.Hb * sheared / p.D0
+    return sqrt(max(work / rod, 0.0)) * (1.0 + 0.3 * p.rho_c * p.Hc0 / rod + 0.6 * p.rho_B * p.Hb / rod)

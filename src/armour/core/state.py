@@ -21,7 +21,7 @@ class Outcome(IntEnum):
     UNRESOLVED = 3  # the allowed number of steps was used up
 
 
-class Armour(NamedTuple):
+class Parameters(NamedTuple):
     """A projectile and the armour that it strikes: all that stays constant in a run."""
 
     # projectile

@@ -1,0 +1,357 @@
+"""Projectiles and materials: the shipped library, and what files and scenarios add to it.
+
+Every value carries its status (measured, fitted or assumed) and its source.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache
+from math import pi
+from pathlib import Path
+from typing import Annotated, Any, Generic, Literal, TypeVar
+
+from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, ValidationError, model_serializer
+
+from armour.errors import InputError, Problem, suggestion
+from armour.files import read_toml, shipped
+from armour.scenario.messages import NUMBER, Section, key_name, problems_of
+from armour.units import GPA, MM, MPA, G
+
+Status = Literal["measured", "fitted", "assumed"]
+Number = TypeVar("Number", bound=float)
+
+
+class Value(Section, Generic[Number]):
+    """A number with where it comes from, and the tests that it was calibrated to."""
+
+    value: Number
+    status: Status = "assumed"
+    source: str = ""
+    tests: list[dict[str, float | str]] = []
+
+    @model_serializer(mode="wrap")
+    def _short(self, whole: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Plain data, without an empty list of tests."""
+        data: dict[str, Any] = whole(self)
+        return {key: value for key, value in data.items() if key != "tests" or value}
+
+
+def _table(value: object) -> object:
+    """A plain number as the table that it stands for."""
+    return value if isinstance(value, dict | Value) else {NUMBER: value}
+
+
+_NumberOrTable = BeforeValidator(_table, json_schema_input_type=float | Value[float])
+# The bounds are wide; they are there to catch a value given in the wrong unit.
+Length = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e4)]], _NumberOrTable]
+Mass = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e9)]], _NumberOrTable]
+Density = Annotated[Value[Annotated[float, Field(ge=100.0, le=30000.0)]], _NumberOrTable]
+StressGPa = Annotated[Value[Annotated[float, Field(ge=0.001, le=1000.0)]], _NumberOrTable]
+StressMPa = Annotated[Value[Annotated[float, Field(ge=1.0, le=1e6)]], _NumberOrTable]
+Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0)]], _NumberOrTable]
+
+
+class Entry(Section):
+    """An entry as a file has it: what it does not give comes from the entry it is based on."""
+
+    description: str = ""
+    based_on: str | None = None
+
+    def values(self) -> dict[str, Value[float]]:
+        """Values that the entry has, by key."""
+        found = {name: getattr(self, name) for name in type(self).model_fields}
+        return {name: value for name, value in found.items() if isinstance(value, Value)}
+
+
+class Projectile(Entry):
+    """A projectile's penetrator, taken as a cylinder."""
+
+    caliber_mm: Length | None = None
+    projectile_mass_g: Mass | None = None
+    penetrator_diameter_mm: Length | None = None
+    penetrator_mass_g: Mass | None = None
+    density_kg_m3: Density | None = None
+    flow_stress_GPa: StressGPa | None = None
+
+
+class Ceramic(Entry):
+    """A ceramic."""
+
+    density_kg_m3: Density | None = None
+    youngs_modulus_GPa: StressGPa | None = None
+    flow_stress_GPa: StressGPa | None = None
+
+
+class Metal(Entry):
+    """A metal for back plates."""
+
+    density_kg_m3: Density | None = None
+    dynamic_yield_strength_MPa: StressMPa | None = None
+    flow_stress_GPa: StressGPa | None = None
+    shear_strength_MPa: StressMPa | None = None
+    ultimate_tensile_strength_MPa: StressMPa | None = None
+    strain_to_fracture: Strain | None = None
+
+
+Kind = Literal["projectile", "ceramic", "metal"]
+KINDS: dict[Kind, type[Entry]] = {"projectile": Projectile, "ceramic": Ceramic, "metal": Metal}
+# What the model does not use: the whole projectile, and what the closed forms of others need.
+OPTIONAL = ("caliber_mm", "projectile_mass_g", "ultimate_tensile_strength_MPa", "strain_to_fracture")
+
+# What a metal that does not give it has: a multiple of its dynamic yield strength, in MPa, and why.
+DEFAULTS = {
+    "flow_stress_GPa": (
+        2.7 * MPA / GPA,
+        "2.7 times the dynamic yield strength, the constraint that the paper uses",
+    ),
+    "shear_strength_MPa": (
+        0.7,
+        "0.7 times the dynamic yield strength, which fits the paper's 6061-T6 and 5083-H3",
+    ),
+}
+# A penetrator outside this range of length over diameter is no rod; most likely its mass has the wrong unit.
+SLENDERNESS = (0.1, 100.0)
+
+
+class LibraryTables(Section):
+    """The tables of a library file, and of the library section of a scenario."""
+
+    projectile: dict[str, Projectile] = {}
+    ceramic: dict[str, Ceramic] = {}
+    metal: dict[str, Metal] = {}
+
+
+@dataclass(frozen=True)
+class LibraryEntry:
+    """An entry with every value that its kind needs.
+
+    Attributes
+    ----------
+    kind : str
+        "projectile", "ceramic" or "metal".
+    name : str
+    description : str
+    values : mapping of str to Value
+        Number, status and source by key; the unit ends the key.
+    derived : frozenset of str
+        Keys whose value follows from another's.
+    """
+
+    kind: Kind
+    name: str
+    description: str
+    values: Mapping[str, Value[float]]
+    derived: frozenset[str] = frozenset()
+
+    def __getitem__(self, key: str) -> float:
+        """The number of a key."""
+        return self.values[key].value
+
+    def to_dict(self) -> dict[str, Any]:
+        """The entry as plain data."""
+        values = {key: value.model_dump() for key, value in self.values.items()}
+        return {"kind": self.kind, "name": self.name, "description": self.description, **values}
+
+
+def penetrator_length_mm(projectile: LibraryEntry) -> float:
+    """Length of the penetrator, mm."""
+    values = (projectile[key] for key in ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3"))
+    return float(length_mm(*values))
+
+
+def length_mm(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
+    """Length of the cylinder that has this diameter, mass and density, mm; of numbers or arrays."""
+    area = pi * (diameter_mm * MM) ** 2 / 4.0
+    return mass_g * G / (density_kg_m3 * area) / MM
+
+
+@dataclass(frozen=True)
+class Library:
+    """Entries by kind and name."""
+
+    entries: Mapping[Kind, Mapping[str, LibraryEntry]] = field(default_factory=lambda: {kind: {} for kind in KINDS})
+
+    def names(self, kind: Kind) -> list[str]:
+        """Names of a kind, in the order of the files."""
+        return list(self.entries[kind])
+
+    def to_dict(self) -> dict[str, dict[str, dict[str, Any]]]:
+        """The entries as plain data, by kind and name."""
+        return {kind: {name: entry.to_dict() for name, entry in self.entries[kind].items()} for kind in KINDS}
+
+    def find(self, name: str) -> list[LibraryEntry]:
+        """Entries of this name, of whatever kind.
+
+        Raises
+        ------
+        KeyError
+            If there is none; the message names the nearest.
+        """
+        found = [entries[name] for entries in self.entries.values() if name in entries]
+        if not found:
+            known = [known for kind in KINDS for known in self.names(kind)]
+            raise KeyError(f'no entry of the library is called "{name}"{suggestion(name, known)}')
+        return found
+
+    def extended(self, tables: LibraryTables, file: str, prefix: str = "") -> "Library":
+        """The library with more entries, which may be based on those it has.
+
+        Parameters
+        ----------
+        tables : LibraryTables
+            The entries to add; one that has the name of an earlier one takes its place.
+        file : str
+            Where they come from, for messages and as the source of values that name none.
+        prefix : str
+            Key of the tables in that file.
+
+        Raises
+        ------
+        InputError
+            If an entry is based on one that is not there or on itself, or lacks a value.
+        """
+        entries: dict[Kind, dict[str, LibraryEntry]] = {kind: dict(self.entries[kind]) for kind in KINDS}
+        problems = []
+        for kind in KINDS:
+            added: Mapping[str, Entry] = getattr(tables, kind)
+            for name in added:
+                try:
+                    entries[kind][name] = _resolve(kind, name, added, self.entries[kind], file)
+                except _EntryError as error:
+                    for key, message in error.mistakes:
+                        where = key_name([part for part in (prefix, kind, name, key) if part])
+                        problems.append(Problem(file, where, message))
+        if problems:
+            raise InputError(problems)
+        return Library(entries)
+
+
+class _EntryError(Exception):
+    """An entry that cannot be completed; no mistakes where they are those of the entry it is based on."""
+
+    def __init__(self, *mistakes: tuple[str, str]) -> None:
+        self.mistakes = mistakes
+
+
+def _resolve(
+    kind: Kind,
+    name: str,
+    added: Mapping[str, Entry],
+    known: Mapping[str, LibraryEntry],
+    file: str,
+) -> LibraryEntry:
+    """The entry with what it takes from the one that it is based on.
+
+    Raises
+    ------
+    _EntryError
+        With the keys at fault.
+    """
+    entry = added[name]
+    base = entry.based_on
+    description, values = entry.description, {}
+    if base is not None:
+        if _leads_back(name, added):
+            raise _EntryError(("based_on", f'must not lead back to the entry itself, found "{base}"'))
+        if base in added and base != name:
+            try:
+                inherited = _resolve(kind, base, added, known, file)
+            except _EntryError:
+                raise _EntryError from None
+        elif base in known:
+            inherited = known[base]
+        else:
+            hint = suggestion(base, [*known, *(other for other in added if other != name)])
+            raise _EntryError(("based_on", f'must name a {kind} of the library, found "{base}"{hint}'))
+        description = description or inherited.description
+        values = {key: inherited.values[key] for key in inherited.values if key not in inherited.derived}
+    for key, value in entry.values().items():
+        values[key] = value if value.source else value.model_copy(update={"source": file})
+    return _completed(LibraryEntry(kind, name, description, values))
+
+
+def _leads_back(name: str, added: Mapping[str, Entry]) -> bool:
+    """Whether the chain of bases ends in a loop; an entry based on its own name means the earlier one."""
+    seen = [name]
+    base = added[name].based_on
+    while base is not None and base in added and base != seen[-1]:
+        if base in seen:
+            return True
+        seen.append(base)
+        base = added[base].based_on
+    return False
+
+
+def _completed(entry: LibraryEntry) -> LibraryEntry:
+    """The entry with the values that follow from others, and nothing missing."""
+    values = dict(entry.values)
+    derived = []
+    if entry.kind == "metal" and "dynamic_yield_strength_MPa" in values:
+        strength = values["dynamic_yield_strength_MPa"].value
+        derived = [key for key in DEFAULTS if key not in values]
+        for key in derived:
+            factor, source = DEFAULTS[key]
+            values[key] = Value[float](value=factor * strength, source=source)
+    order = [key for key in KINDS[entry.kind].model_fields if key in values]
+    complete = replace(entry, values={key: values[key] for key in order}, derived=frozenset(derived))
+    needed = [key for key in KINDS[entry.kind].model_fields if key not in (*OPTIONAL, *Entry.model_fields)]
+    missing = [key for key in needed if key not in values]
+    if missing:
+        raise _EntryError(*((key, "is missing and must be given, or based_on an entry that has it") for key in missing))
+    if entry.kind == "projectile":
+        ratio = penetrator_length_mm(complete) / complete["penetrator_diameter_mm"]
+        if not SLENDERNESS[0] <= ratio <= SLENDERNESS[1]:
+            message = (
+                f"must make a rod {SLENDERNESS[0]:g} to {SLENDERNESS[1]:g} diameters long with the "
+                f"diameter and density given, found {ratio:.3g} diameters; is it in g?"
+            )
+            raise _EntryError(("penetrator_mass_g", message))
+    return complete
+
+
+def validated_tables(data: object, file: str) -> LibraryTables:
+    """Tables of a library file.
+
+    Raises
+    ------
+    InputError
+        With every mistake in them.
+    """
+    try:
+        return LibraryTables.model_validate(data)
+    except ValidationError as error:
+        raise InputError(problems_of(error, LibraryTables, file)) from None
+
+
+def read_library(path: Path, onto: Library) -> Library:
+    """A library with the entries of a file added.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or with every mistake in it.
+    """
+    return onto.extended(validated_tables(read_toml(path), str(path)), str(path))
+
+
+def library_toml(tables: Mapping[str, Any]) -> str:
+    """Entries as the text of a library file.
+
+    Raises
+    ------
+    InputError
+        With every mistake in them.
+    """
+    import tomli_w
+
+    validated_tables(tables, "library")
+    return tomli_w.dumps(tables)
+
+
+@cache
+def shipped_library() -> Library:
+    """The library that comes with the package."""
+    library = Library()
+    for path in sorted(shipped("configs").glob("*.toml")):
+        library = read_library(path, library)
+    return library

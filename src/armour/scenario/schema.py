@@ -1,0 +1,308 @@
+"""The sections of a scenario file: their keys, types, bounds and defaults."""
+
+from math import floor
+from typing import Annotated, Literal
+
+from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
+
+from armour.errors import suggestion
+from armour.scenario.library import Kind, LibraryTables
+from armour.scenario.messages import Section
+from armour.units import US
+
+# More values on an axis, or designs on a grid, than anyone means.
+MAX_VALUES = 100_000
+MAX_DESIGNS = 1_000_000
+
+Thickness = Annotated[float, Field(gt=0.0, le=1e5)]
+ThicknessOrNone = Annotated[float, Field(ge=0.0, le=1e5)]
+FASTEST_M_S = 1e4
+Velocity = Annotated[float, Field(gt=0.0, le=FASTEST_M_S)]
+Positive = Annotated[float, Field(gt=0.0)]
+# Costs and masses per area; the bound is there to catch mistakes.
+Amount = Annotated[float, Field(ge=0.0, le=1e9)]
+
+
+def _named(kind: Kind, name: str, info: ValidationInfo) -> str:
+    """The name, which must be in the library."""
+    known: list[str] = info.context["names"][kind] if info.context else [name]
+    if name not in known:
+        raise ValueError(f'must name a {kind} of the library, found "{name}"{suggestion(name, known)}')
+    return name
+
+
+def printable(text: str) -> str:
+    """The text, which must be fit to print."""
+    if not text.isprintable():
+        raise ValueError(f"must be one line of printable text, found {text!r}")
+    return text
+
+
+class Impact(Section):
+    """What strikes the armour, and how fast."""
+
+    projectile: str
+    velocity_m_s: Velocity
+
+    @field_validator("projectile")
+    @classmethod
+    def _projectile(cls, name: str, info: ValidationInfo) -> str:
+        return _named("projectile", name, info)
+
+
+class ArmourSection(Section):
+    """The armour: a ceramic tile, or none, on a metal back plate."""
+
+    ceramic: str | None = None
+    ceramic_thickness_mm: ThicknessOrNone
+    backing: str
+    backing_thickness_mm: Thickness
+
+    @field_validator("ceramic")
+    @classmethod
+    def _ceramic(cls, name: str | None, info: ValidationInfo) -> str | None:
+        return None if name is None else _named("ceramic", name, info)
+
+    @field_validator("backing")
+    @classmethod
+    def _backing(cls, name: str, info: ValidationInfo) -> str:
+        return _named("metal", name, info)
+
+    @field_validator("ceramic_thickness_mm")
+    @classmethod
+    def _thickness(cls, thickness: float, info: ValidationInfo) -> float:
+        if thickness > 0.0 and info.data.get("ceramic", "") is None:
+            raise ValueError(f"must be 0 where no ceramic is named, found {thickness:g}; name one as armour.ceramic")
+        return thickness
+
+
+class Model(Section):
+    """Readings of the paper that can be chosen."""
+
+    shear_perimeter: Literal["conoid", "projectile"] = "conoid"
+
+
+class Solver(Section):
+    """Numerics."""
+
+    time_step_us: Positive | None = None
+    arrest_velocity_m_s: Velocity = 1.0
+
+    @property
+    def time_step(self) -> float:
+        """The time step given, s; 0 where it is left to the core."""
+        return 0.0 if self.time_step_us is None else self.time_step_us * US
+
+
+class BallisticLimitSection(Section):
+    """Range and tolerance of the search for the ballistic limit."""
+
+    velocity_min_m_s: Velocity = 20.0
+    velocity_max_m_s: Velocity = 4000.0
+    tolerance_m_s: Annotated[float, Field(ge=1e-9)] = 0.01
+
+    @model_validator(mode="after")
+    def _ordered(self) -> "BallisticLimitSection":
+        if self.velocity_min_m_s >= self.velocity_max_m_s:
+            raise ValueError(
+                "velocity_min_m_s must be below velocity_max_m_s, "
+                f"found {self.velocity_min_m_s:g} and {self.velocity_max_m_s:g}"
+            )
+        return self
+
+
+class Range(Section):
+    """Evenly spaced values, the ends included where the step meets them."""
+
+    min: ThicknessOrNone
+    max: ThicknessOrNone
+    step: Positive
+
+    @model_validator(mode="after")
+    def _countable(self) -> "Range":
+        if self.min > self.max:
+            raise ValueError(f"min must not be above max, found {self.min:g} and {self.max:g}")
+        if self.count() > MAX_VALUES:
+            raise ValueError(f"must hold at most {MAX_VALUES} values, found {self.count():.7g}; widen the step")
+        return self
+
+    def count(self) -> float:
+        """How many values the range holds."""
+        return floor(min((self.max - self.min) / self.step, 1e18) + 1e-9) + 1
+
+    def values(self) -> tuple[float, ...]:
+        """The values, rounded to what the file's own digits would give."""
+        return tuple(round(self.min + i * self.step, 9) for i in range(int(self.count())))
+
+
+class Optimise(Section):
+    """The grid of designs."""
+
+    ceramic_thickness_mm: Range
+    backing_thickness_mm: Range
+
+    @field_validator("backing_thickness_mm")
+    @classmethod
+    def _some_backing(cls, backing: Range) -> Range:
+        if backing.min <= 0.0:
+            raise ValueError(f"min must be greater than 0, found {backing.min:g}")
+        return backing
+
+    @model_validator(mode="after")
+    def _not_absurd(self) -> "Optimise":
+        designs = self.ceramic_thickness_mm.count() * self.backing_thickness_mm.count()
+        if designs > MAX_DESIGNS:
+            raise ValueError(f"must hold at most {MAX_DESIGNS} designs, found {designs:.3g}; widen the steps")
+        return self
+
+
+class Threat(Section):
+    """A projectile and a velocity that a design must defeat, with what it must have in reserve."""
+
+    name: str = ""
+    projectile: str
+    velocity_m_s: Velocity
+    margin_m_s: Annotated[float, Field(ge=0.0, le=1e4)] = 0.0
+    probability_of_perforation: Annotated[float, Field(gt=0.0, lt=0.5)] | None = None
+
+    @field_validator("projectile")
+    @classmethod
+    def _projectile(cls, name: str, info: ValidationInfo) -> str:
+        return _named("projectile", name, info)
+
+    @field_validator("name")
+    @classmethod
+    def _name(cls, name: str) -> str:
+        return printable(name)
+
+    @model_validator(mode="after")
+    def _within_reach(self) -> "Threat":
+        if self.required_m_s > FASTEST_M_S:
+            found = f"{self.velocity_m_s:g} and {self.margin_m_s:g}"
+            raise ValueError(f"velocity_m_s and margin_m_s must be at most {FASTEST_M_S:g} together, found {found}")
+        return self
+
+    @property
+    def required_m_s(self) -> float:
+        """What the ballistic limit must be above."""
+        return self.velocity_m_s + self.margin_m_s
+
+    @property
+    def title(self) -> str:
+        """Its name, or projectile and velocity."""
+        return self.name or f"{self.projectile} at {self.velocity_m_s:g} m/s"
+
+
+class FreeRange(Section):
+    """Any value between two."""
+
+    min: ThicknessOrNone
+    max: Thickness
+
+    @model_validator(mode="after")
+    def _ordered(self) -> "FreeRange":
+        if self.min >= self.max:
+            raise ValueError(f"min must be below max, found {self.min:g} and {self.max:g}")
+        return self
+
+
+def _kind_of_range(value: object) -> str:
+    """Which of the kinds of thicknesses a value is meant to be."""
+    if isinstance(value, list):
+        return "<list>"
+    stepped = isinstance(value, Range) or (isinstance(value, dict) and "step" in value)
+    return "<range>" if stepped else "<free>"
+
+
+Thicknesses = Annotated[
+    Annotated[Annotated[list[ThicknessOrNone], Field(min_length=1)], Tag("<list>")]
+    | Annotated[Range, Tag("<range>")]
+    | Annotated[FreeRange, Tag("<free>")],
+    Discriminator(_kind_of_range),
+]
+
+
+class Layer(Section):
+    """A material to choose, and the thicknesses in which it is to be had."""
+
+    material: str
+    thickness_mm: Thicknesses
+    cost_per_kg: Amount = 0.0
+    cost_per_m2: Amount = 0.0
+    density_kg_m3: Annotated[float, Field(ge=100.0, le=30000.0)] | None = None
+
+    @property
+    def free(self) -> bool:
+        """Whether any thickness of its range is to be had."""
+        return isinstance(self.thickness_mm, FreeRange)
+
+    def thicknesses(self) -> tuple[float, ...]:
+        """Thicknesses to be had, mm; the ends of a free range."""
+        if isinstance(self.thickness_mm, Range):
+            return self.thickness_mm.values()
+        if isinstance(self.thickness_mm, FreeRange):
+            return (self.thickness_mm.min, self.thickness_mm.max)
+        return tuple(sorted(set(self.thickness_mm)))
+
+
+class CeramicLayer(Layer):
+    """A ceramic to choose."""
+
+    @field_validator("material")
+    @classmethod
+    def _material(cls, name: str, info: ValidationInfo) -> str:
+        return _named("ceramic", name, info)
+
+
+class BackingLayer(Layer):
+    """A metal to choose for the back plate."""
+
+    @field_validator("material")
+    @classmethod
+    def _material(cls, name: str, info: ValidationInfo) -> str:
+        return _named("metal", name, info)
+
+    @field_validator("thickness_mm")
+    @classmethod
+    def _some(cls, thickness: object) -> object:
+        least = min(thickness) if isinstance(thickness, list) else getattr(thickness, "min", 1.0)
+        if least <= 0.0:
+            raise ValueError(f"must be greater than 0, found {least:g}")
+        return thickness
+
+
+Objective = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
+Criterion = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2", "margin_m_s"]
+
+
+class DesignSection(Section):
+    """What a design is made of, what it must keep to and what makes one better than another."""
+
+    minimise: Objective = "areal_density_kg_m2"
+    pareto: Annotated[list[Criterion], Field(min_length=2, max_length=3)] | None = None
+    runners_up_percent: Annotated[float, Field(ge=0.0, le=100.0)] = 5.0
+    thickness_max_mm: Thickness | None = None
+    areal_density_max_kg_m2: Positive | None = None
+    cost_max_per_m2: Positive | None = None
+    added_thickness_mm: ThicknessOrNone = 0.0
+    added_areal_density_kg_m2: Amount = 0.0
+    added_cost_per_m2: Amount = 0.0
+    ceramic: list[CeramicLayer] = []
+    backing: list[BackingLayer] = []
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "DesignSection":
+        if self.pareto is not None and len(set(self.pareto)) < len(self.pareto):
+            raise ValueError("pareto must not name a criterion twice")
+        counts = [
+            sum(len(layer.thicknesses()) for layer in layers) for layers in (self.ceramic, self.backing) if layers
+        ]
+        if len(counts) == 2 and counts[0] * counts[1] > MAX_DESIGNS:
+            raise ValueError(f"must hold at most {MAX_DESIGNS} designs, found {counts[0] * counts[1]}")
+        return self
+
+
+class LibrarySection(LibraryTables):
+    """Entries that the scenario adds to the library."""
+
+    files: list[str] = []

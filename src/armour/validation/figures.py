@@ -1,0 +1,180 @@
+"""The paper's figures: which curves they show, and the curves computed."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, ValidationError, field_validator
+
+from armour.analysis.quantities import QUANTITIES, Answers, answers_of
+from armour.errors import InputError, NoAnswerError
+from armour.files import read_toml, shipped
+from armour.scenario.loading import load_scenario
+from armour.scenario.messages import Section, problems_of
+from armour.scenario.schema import Range
+from armour.validation.suite import load_suite
+from armour.validation.validate import SuiteResult, paper_suite, validate
+
+PARITY = "parity_table3"
+
+
+class CurveSection(Section):
+    """A curve: its name and what it changes in the scenario."""
+
+    label: str = ""
+    set: dict[str, Any] = {}
+
+
+class MarkSection(Section):
+    """Numbers that the paper's text states, drawn in the colour of the curve that they belong to."""
+
+    label: str
+    of: str = ""
+    points: Annotated[list[list[float]], Field(min_length=1)]
+
+
+class LevelSection(Section):
+    """A value at which the text compares."""
+
+    label: str
+    value: float
+
+
+class FigureSection(Section):
+    """A figure: quantities of a scenario over one or more of its keys, all given the same value."""
+
+    name: str
+    title: str
+    scenario: str
+    over: Annotated[list[str], Field(min_length=1)]
+    range: Range
+    quantities: Annotated[list[str], Field(min_length=1)]
+    x_label: str
+    y_label: str
+    curve: list[CurveSection] = [CurveSection()]
+    mark: list[MarkSection] = []
+    level: list[LevelSection] = []
+
+    @field_validator("quantities")
+    @classmethod
+    def _known(cls, names: list[str]) -> list[str]:
+        unknown = [name for name in names if name not in QUANTITIES]
+        if unknown:
+            raise ValueError(f"must name quantities, found {', '.join(unknown)}")
+        return names
+
+
+class FigureFile(Section):
+    """A file of figures."""
+
+    figure: list[FigureSection]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A quantity over the values of the abscissa; None where the question has no answer."""
+
+    label: str
+    values: tuple[float | None, ...]
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Points that the paper's text states."""
+
+    label: str
+    of: str
+    points: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class Level:
+    """A horizontal line."""
+
+    label: str
+    value: float
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A figure's data."""
+
+    name: str
+    title: str
+    x_label: str
+    y_label: str
+    x: tuple[float, ...]
+    curves: tuple[Curve, ...]
+    marks: tuple[Mark, ...]
+    levels: tuple[Level, ...]
+
+
+def paper_figures() -> Path:
+    """The file that says what the paper's figures show."""
+    return shipped("suites") / "figures.toml"
+
+
+def read_figures(path: Path) -> list[FigureSection]:
+    """Read a file of figures.
+
+    Raises
+    ------
+    InputError
+        With every mistake in it.
+    """
+    try:
+        return FigureFile.model_validate(read_toml(path)).figure
+    except ValidationError as error:
+        raise InputError(problems_of(error, FigureFile, str(path))) from None
+
+
+def charts(sections: list[FigureSection], folder: Path) -> Iterator[Chart]:
+    """Compute figures one after the other; what two of them share is computed once.
+
+    Parameters
+    ----------
+    sections : list of FigureSection
+    folder : Path
+        Where the scenarios that they name are looked for from.
+    """
+    answers: dict[str, Answers] = {}
+    for section in sections:
+        yield chart(section, folder, answers)
+
+
+def chart(section: FigureSection, folder: Path, answers: dict[str, Answers]) -> Chart:
+    """Compute a figure; scenarios that were asked before give what they have."""
+    base = load_scenario(folder / section.scenario)
+    x = section.range.values()
+    curves = []
+    for curve in section.curve:
+        scenario = base.replaced(curve.set)
+        asked = [answers_of(answers, scenario.replaced(dict.fromkeys(section.over, value))) for value in x]
+        for name in section.quantities:
+            label = ", ".join(part for part in (curve.label, QUANTITIES[name].words) if part)
+            shown = curve.label if len(section.quantities) == 1 and curve.label else label
+            curves.append(Curve(shown, tuple(_value(name, one) for one in asked)))
+    return Chart(
+        name=section.name,
+        title=section.title,
+        x_label=section.x_label,
+        y_label=section.y_label,
+        x=x,
+        curves=tuple(curves),
+        marks=tuple(Mark(mark.label, mark.of, tuple((x, y) for x, y in mark.points)) for mark in section.mark),
+        levels=tuple(Level(level.label, level.value) for level in section.level),
+    )
+
+
+def _value(name: str, answers: Answers) -> float | None:
+    try:
+        value = QUANTITIES[name].of(answers)
+    except NoAnswerError:
+        return None
+    return None if isinstance(value, str) else value
+
+
+def parity_of_table_3() -> SuiteResult:
+    """Table 3 of the paper, computed."""
+    return validate(load_suite(paper_suite()).only("table 3"))

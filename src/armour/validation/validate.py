@@ -1,0 +1,336 @@
+"""A suite against the model: every case's computed value, its deviation and whether that is within the band."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import sqrt
+from pathlib import Path
+from typing import Any, Literal
+
+from armour.analysis.comparison import BODIES, bodies_of, florence_ballistic_limit, missing_for_florence
+from armour.analysis.quantities import QUANTITIES, Answers, answers_of
+from armour.errors import NoAnswerError
+from armour.files import shipped
+from armour.scenario.parameters import NAMES, entry_of, inputs_of, name_of
+from armour.validation.suite import Case, Group, Suite
+
+# Significant digits of the values that an update writes.
+DIGITS = 8
+
+Status = Literal["within", "outside", "no answer", "not scored"]
+FAILED: tuple[Status, ...] = ("outside", "no answer")
+THIS_MODEL = "this model"
+
+
+@dataclass(frozen=True)
+class Check:
+    """A case and what came out of it.
+
+    Attributes
+    ----------
+    case : Case
+    computed : float or str or None
+        None where the question has no answer.
+    status : {"within", "outside", "no answer", "not scored"}
+    message : str
+        Why there is no answer.
+    """
+
+    case: Case
+    computed: float | str | None
+    status: Status
+    message: str = ""
+
+    @property
+    def deviation(self) -> float | None:
+        """Computed less expected; None where either is no number."""
+        if isinstance(self.computed, float) and not isinstance(self.case.expected, str):
+            return self.computed - self.case.expected
+        return None
+
+    @property
+    def deviation_percent(self) -> float | None:
+        """The deviation as a part of the expected value, in per cent."""
+        if self.deviation is None or not self.case.expected:
+            return None
+        return 100.0 * self.deviation / abs(float(self.case.expected))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The check as plain data."""
+        return {
+            "table": self.case.group,
+            "name": self.case.name,
+            "scenario": self.case.scenario.file,
+            "quantity": self.case.quantity,
+            "expected": self.case.expected,
+            "computed": self.computed,
+            "deviation": self.deviation,
+            "deviation_percent": self.deviation_percent,
+            "band": self.case.band,
+            "status": self.status,
+            "message": self.message or self.case.not_scored,
+            "reason": self.case.reason,
+            "source": self.case.source,
+        }
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The rows of a table together, in the unit of their quantity or, where the band is so given, in per cent.
+
+    Attributes
+    ----------
+    name : str
+    count : int
+    unit : str
+    mean, rms, largest : float
+        Mean, root mean square and largest magnitude of the deviations.
+    rms_band : float or None
+        What the root mean square is held to.
+    status : {"within", "outside", "no answer", "not scored"}
+    """
+
+    name: str
+    count: int
+    unit: str
+    mean: float
+    rms: float
+    largest: float
+    rms_band: float | None
+    status: Status
+
+
+@dataclass(frozen=True)
+class Error:
+    """How far a way of prediction is off the expected values of a table.
+
+    Attributes
+    ----------
+    table, predictor : str
+    count : int
+    mean_percent, largest_percent : float
+        Of the magnitudes.
+    """
+
+    table: str
+    predictor: str
+    count: int
+    mean_percent: float
+    largest_percent: float
+
+
+@dataclass(frozen=True)
+class SuiteResult:
+    """A suite's outcome.
+
+    Attributes
+    ----------
+    title, file : str
+    checks : tuple of Check
+    summaries : tuple of Summary
+        One per table.
+    errors : tuple of Error
+        For each table with rivals: of this model, of the rivals and of Florence's limit.
+    """
+
+    title: str
+    file: str
+    checks: tuple[Check, ...]
+    summaries: tuple[Summary, ...]
+    errors: tuple[Error, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every case and table is within its band."""
+        return self.count(*FAILED) == 0
+
+    def count(self, *statuses: Status) -> int:
+        """How many cases and scored tables have one of the statuses."""
+        found = [*(check.status for check in self.checks), *(summary.status for summary in self.summaries)]
+        return sum(status in statuses for status in found)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The outcome as plain data."""
+        return {
+            "title": self.title,
+            "suite": self.file,
+            "passed": self.passed,
+            "cases": [check.to_dict() for check in self.checks],
+            "tables": [vars(summary) for summary in self.summaries],
+            "errors": [vars(error) for error in self.errors],
+        }
+
+
+OnCheck = Callable[[Check, int], None]
+
+
+def paper_suite() -> Path:
+    """The suite of everything that the paper publishes."""
+    return shipped("suites") / "paper.toml"
+
+
+def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
+    """Compute every case of a suite.
+
+    Parameters
+    ----------
+    suite : Suite
+    on_check : callable, optional
+        Called with each check as it is done, and the number of cases in all.
+
+    Raises
+    ------
+    InputError
+        If the time step of a scenario is too short for its run to end.
+    """
+    answers: dict[str, Answers] = {}
+    checks = []
+    for case in suite.cases:
+        checks.append(check(case, answers))
+        if on_check is not None:
+            on_check(checks[-1], len(suite.cases))
+    return result_of(suite, checks)
+
+
+def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
+    """The outcome of as many cases as have been checked."""
+    groups = [(group, [check for check in checks if check.case.group == group.name]) for group in suite.groups]
+    return SuiteResult(
+        title=suite.title,
+        file=str(suite.file),
+        checks=tuple(checks),
+        summaries=tuple(summary_of(group, rows) for group, rows in groups if rows),
+        errors=tuple(error for _, rows in groups if rows for error in errors_of(rows)),
+    )
+
+
+def check(case: Case, answers: dict[str, Answers]) -> Check:
+    """Compute a case; scenarios that were asked before give what they have."""
+    calibrated = calibrated_to(case)
+    unscored = bool(case.not_scored or calibrated)
+    try:
+        computed = QUANTITIES[case.quantity].of(answers_of(answers, case.scenario, case.replacement))
+    except NoAnswerError as error:
+        return Check(case, None, "not scored" if unscored else "no answer", str(error))
+    return Check(case, computed, "not scored" if unscored else _status(case, computed), calibrated)
+
+
+def calibrated_to(case: Case) -> str:
+    """Which value of the case's materials was calibrated to this very test; empty where none was."""
+    inputs = inputs_of(case.scenario)
+    names = {key: name_of(case.scenario, role) for role, key in NAMES.items()}
+    known: Mapping[str, object] = {**inputs, **names, case.quantity: case.expected}
+    for role in NAMES:
+        entry = entry_of(case.scenario, role)
+        if entry is None:
+            continue
+        for key, value in entry.values.items():
+            for test in value.tests:
+                if case.quantity in test and all(_same(told, known.get(name)) for name, told in test.items()):
+                    return f"not scored: {key} of {entry.name} was calibrated to this test"
+    return ""
+
+
+def _same(told: float | str, found: object) -> bool:
+    """Whether a test and a case have the same value."""
+    if isinstance(told, str) or not isinstance(found, int | float):
+        return told == found
+    return abs(found - told) <= 1e-6 * abs(told)
+
+
+def _status(case: Case, computed: float | str) -> Status:
+    if isinstance(computed, str) or isinstance(case.expected, str):
+        return "within" if computed == case.expected else "outside"
+    assert case.band is not None
+    return "within" if abs(computed - case.expected) <= case.band else "outside"
+
+
+def summary_of(group: Group, rows: Sequence[Check]) -> Summary:
+    """The rows of a table together."""
+    percent = group.rms_band_percent is not None
+    deviations = [row.deviation_percent if percent else row.deviation for row in rows]
+    numbers = [deviation for deviation in deviations if deviation is not None]
+    count = len(numbers)
+    rms = sqrt(sum(d * d for d in numbers) / count) if count else 0.0
+    band = group.rms_band_percent if percent else group.rms_band
+    status: Status = "not scored"
+    if band is not None:
+        status = "within" if count and rms <= band else "outside"
+    return Summary(
+        name=group.name,
+        count=count,
+        unit="%" if percent else QUANTITIES[rows[0].case.quantity].unit,
+        mean=sum(numbers) / count if count else 0.0,
+        rms=rms,
+        largest=max((abs(d) for d in numbers), default=0.0),
+        rms_band=band,
+        status=status,
+    )
+
+
+def errors_of(rows: Sequence[Check]) -> tuple[Error, ...]:
+    """Errors of this model, of the rivals that a table has and of Florence's limit; none for a table without rivals."""
+    predictions: dict[str, list[tuple[float, float]]] = {}
+    for row in rows:
+        expected = row.case.expected
+        if not row.case.rivals or isinstance(expected, str) or not expected:
+            continue
+        for name, predicted in {**row.case.rivals, **_own(row), **_florence(row.case)}.items():
+            predictions.setdefault(name, []).append((predicted, expected))
+    return tuple(_error(rows[0].case.group, name, pairs) for name, pairs in predictions.items())
+
+
+def _own(row: Check) -> Mapping[str, float]:
+    return {THIS_MODEL: row.computed} if isinstance(row.computed, float) else {}
+
+
+def _florence(case: Case) -> Mapping[str, float]:
+    """Florence's limits of a case, by what is taken as the projectile."""
+    scenario = case.scenario
+    if case.quantity != "ballistic_limit_m_s" or missing_for_florence(scenario):
+        return {}
+    named = {}
+    for body in bodies_of(scenario):
+        projectile = scenario.entry("projectile", scenario.impact.projectile)
+        mass, diameter = (projectile[key] for key in BODIES[body])
+        named[f"Florence, {body} ({mass:g} g, {diameter:g} mm)"] = florence_ballistic_limit(scenario, body)
+    return named
+
+
+def _error(table: str, predictor: str, pairs: Sequence[tuple[float, float]]) -> Error:
+    percents = [100.0 * abs(predicted / expected - 1.0) for predicted, expected in pairs]
+    return Error(table, predictor, len(pairs), sum(percents) / len(percents), max(percents))
+
+
+@dataclass(frozen=True)
+class Update:
+    """An expected value that a suite's update changes."""
+
+    case: Case
+    old: float | str
+    new: float | str
+
+
+def updates_of(result: SuiteResult) -> list[Update]:
+    """Expected values that are not the computed ones, to as many digits as an update writes."""
+    updates = []
+    for item in result.checks:
+        if item.computed is None or item.case.not_scored:
+            continue
+        new = float(f"{item.computed:.{DIGITS}g}") if isinstance(item.computed, float) else item.computed
+        if new != item.case.expected:
+            updates.append(Update(item.case, item.case.expected, new))
+    return updates
+
+
+def updated_text(text: str, updates: Sequence[Update]) -> str:
+    """The text of a suite file with other expected values, its comments and layout kept."""
+    import tomlkit
+
+    document = tomlkit.parse(text)
+    for update in updates:
+        table: Any = document
+        *path, last = update.case.place.keys
+        for key in path:
+            table = table[key]
+        table[last] = update.new
+    return tomlkit.dumps(document)

@@ -1,0 +1,68 @@
+import json
+
+import pytest
+
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.closed_forms import residual_velocity
+from armour.analysis.comparison import compare, florence_ballistic_limit
+from armour.errors import InputError
+from tests.cases import scenario
+
+
+def test_the_wilkins_case():
+    result = compare(scenario())
+    assert result.limit == ballistic_limit(scenario())
+    penetrator, whole = result.florence
+    assert (penetrator.mass_g, penetrator.diameter_mm) == (5.46, 6.5)
+    assert (whole.mass_g, whole.diameter_mm) == (8.32, 7.62)
+    assert penetrator.ballistic_limit_m_s == florence_ballistic_limit(scenario())
+    assert whole.ballistic_limit_m_s == pytest.approx(436.72, abs=0.01)
+
+
+def test_the_best_split_keeps_the_areal_density_and_is_better():
+    for florence in compare(scenario()).florence:
+        mass = 3.43 * florence.best_ceramic_thickness_mm + 2.75 * florence.best_backing_thickness_mm
+        assert mass == pytest.approx(scenario().areal_density_kg_m2())
+        assert florence.best_ballistic_limit_m_s > florence.ballistic_limit_m_s
+        ratio = florence.best_ceramic_thickness_mm / florence.best_backing_thickness_mm
+        assert florence.best_thickness_ratio == pytest.approx(ratio)
+        there = scenario(ceramic_mm=florence.best_ceramic_thickness_mm, backing_mm=florence.best_backing_thickness_mm)
+        assert florence.model_ballistic_limit_m_s == ballistic_limit(there).ballistic_limit_m_s
+
+
+def test_the_fits_leave_what_they_say():
+    result = compare(scenario())
+    limit = result.limit.ballistic_limit_m_s
+    above = [impact for impact in result.curve if impact.impact_velocity_m_s > limit]
+    assert result.fitted_m_s == (above[0].impact_velocity_m_s, above[-1].impact_velocity_m_s)
+    assert [fit.name for fit in result.fits] == ["Lambert-Jonas", "Recht-Ipson"]
+    for fit in result.fits:
+        left = [
+            impact.residual_velocity_m_s - residual_velocity(impact.impact_velocity_m_s, limit, fit.ratio, fit.exponent)
+            for impact in above
+        ]
+        assert fit.rms_m_s == pytest.approx((sum(d * d for d in left) / len(left)) ** 0.5)
+    assert result.fits[0].rms_m_s <= result.fits[1].rms_m_s
+
+
+def test_plain_data():
+    data = json.loads(json.dumps(compare(scenario()).to_dict()))
+    assert data["ballistic_limit_m_s"] == pytest.approx(723.7716, abs=1e-3)
+    assert data["florence"][0]["projectile"] == "penetrator"
+
+
+def test_a_round_of_which_only_the_penetrator_is_known():
+    thick = scenario(projectile="25 mm APDS", ceramic_mm=20.0, backing_mm=30.0)
+    assert [florence.projectile for florence in compare(thick).florence] == ["penetrator"]
+
+
+def test_all_that_is_missing_is_named():
+    own = {"metal": {"m": {"density_kg_m3": 2700.0, "dynamic_yield_strength_MPa": 300.0}}}
+    case = scenario(backing="m", ceramic=None, ceramic_mm=0.0, library=own)
+    with pytest.raises(InputError) as error:
+        compare(case)
+    assert [problem.key for problem in error.value.problems] == [
+        "armour.ceramic_thickness_mm",
+        "armour.backing",
+        "armour.backing",
+    ]

@@ -1,0 +1,141 @@
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from armour.errors import InputError
+from armour.scenario.library import (
+    KINDS,
+    Library,
+    penetrator_length_mm,
+    read_library,
+    shipped_library,
+    validated_tables,
+)
+
+
+def extended(tables: dict[str, Any]) -> Library:
+    return shipped_library().extended(validated_tables(tables, "f.toml"), "f.toml")
+
+
+def messages(tables: dict[str, Any]) -> list[str]:
+    with pytest.raises(InputError) as caught:
+        extended(tables)
+    return [str(problem) for problem in caught.value.problems]
+
+
+def test_the_papers_table_2_is_there():
+    library = shipped_library()
+    assert {"7.62 mm AP", "25 mm APDS", "7.62 mm APM2"} <= set(library.names("projectile"))
+    assert {"AD85", "AD99.5", "Al-N"} <= set(library.names("ceramic"))
+    assert {"6061-T6", "7075-T6", "5083-H3", "AA6082-T651"} <= set(library.names("metal"))
+    [ceramic] = library.find("AD99.5")
+    assert (ceramic["density_kg_m3"], ceramic["youngs_modulus_GPa"], ceramic["flow_stress_GPa"]) == (
+        3840,
+        350,
+        6.2,
+    )
+    [metal] = library.find("7075-T6")
+    assert (metal["dynamic_yield_strength_MPa"], metal["flow_stress_GPa"]) == (588, 1.587)
+    [core] = library.find("7.62 mm APM2")
+    assert (core["penetrator_mass_g"], core["penetrator_diameter_mm"]) == (5.3, 6.25)
+
+
+def test_every_shipped_value_says_where_it_comes_from():
+    for kind in KINDS:
+        for entry in shipped_library().entries[kind].values():
+            assert entry.description
+            for key, value in entry.values.items():
+                assert value.source, (entry.name, key)
+                assert value.status in ("measured", "fitted", "assumed")
+
+
+def test_the_rod_is_as_long_as_its_mass_makes_it():
+    assert penetrator_length_mm(shipped_library().find("7.62 mm AP")[0]) == pytest.approx(20.96, abs=0.01)
+
+
+def test_a_metal_without_them_has_the_default_strengths():
+    [metal] = extended({"metal": {"m": {"density_kg_m3": 7850, "dynamic_yield_strength_MPa": 1000}}}).find("m")
+    assert metal["flow_stress_GPa"] == pytest.approx(2.7)
+    assert metal["shear_strength_MPa"] == pytest.approx(700)
+    assert metal.derived == {"flow_stress_GPa", "shear_strength_MPa"}
+
+
+def test_derived_strengths_follow_a_yield_strength_that_is_changed():
+    tables = {"metal": {"m": {"based_on": "6061-T6", "dynamic_yield_strength_MPa": 500}}}
+    [metal] = extended(tables).find("m")
+    assert metal["shear_strength_MPa"] == pytest.approx(350)
+    assert metal["flow_stress_GPa"] == 1.05
+
+
+def test_an_entry_takes_what_it_does_not_give_from_its_base():
+    tables = {"ceramic": {"b": {"based_on": "a"}, "a": {"based_on": "AD85", "flow_stress_GPa": 3.8}}}
+    [entry] = extended(tables).find("b")
+    assert (entry["flow_stress_GPa"], entry["density_kg_m3"]) == (3.8, 3430)
+    assert entry.values["flow_stress_GPa"].source == "f.toml"
+    assert entry.values["density_kg_m3"].source == "the paper, table 2"
+    assert entry.description == "alumina, 85 %"
+
+
+def test_an_entry_can_take_the_place_of_the_shipped_one_that_it_is_based_on():
+    [entry] = extended({"ceramic": {"AD85": {"based_on": "AD85", "flow_stress_GPa": 4}}}).find("AD85")
+    assert entry["flow_stress_GPa"] == 4
+    assert shipped_library().find("AD85")[0]["flow_stress_GPa"] == 5.2
+
+
+def test_every_mistake_in_the_tables_is_reported():
+    found = messages(
+        {
+            "ceramic": {"X": {"densty_kg_m3": 3, "flow_stress_GPa": "x"}},
+            "metal": {"Y": {"density_kg_m3": 7.85}},
+            "metall": {},
+        }
+    )
+    assert found == [
+        'f.toml: ceramic.X.flow_stress_GPa: must be a number, found the text "x"',
+        "f.toml: ceramic.X.densty_kg_m3: unknown key; did you mean 'density_kg_m3'?",
+        "f.toml: metal.Y.density_kg_m3: must be at least 100, found 7.85",
+        "f.toml: metall: unknown key; did you mean 'metal'?",
+    ]
+
+
+def test_bases_that_are_not_there_or_lead_back():
+    assert messages({"ceramic": {"a": {"based_on": "AD86"}}}) == [
+        "f.toml: ceramic.a.based_on: must name a ceramic of the library, found \"AD86\"; did you mean 'AD85'?"
+    ]
+    found = messages({"metal": {"a": {"based_on": "b"}, "b": {"based_on": "a"}}})
+    assert len(found) == 2
+    assert all("must not lead back" in message for message in found)
+
+
+def test_a_loop_further_down_is_found():
+    tables = {"a": {"based_on": "b"}, "b": {"based_on": "a"}, "c": {"based_on": "a"}}
+    found = messages({"metal": tables})
+    assert len(found) == 3
+    assert all("must not lead back" in message for message in found)
+
+
+def test_values_that_are_missing_are_all_named_once():
+    tables = {"a": {"density_kg_m3": 3000}, "b": {"based_on": "a"}}
+    missing = "is missing and must be given, or based_on an entry that has it"
+    assert messages({"ceramic": tables}) == [
+        f"f.toml: ceramic.a.youngs_modulus_GPa: {missing}",
+        f"f.toml: ceramic.a.flow_stress_GPa: {missing}",
+    ]
+
+
+def test_a_mass_in_the_wrong_unit_is_noticed():
+    tables = {"projectile": {"p": {"based_on": "7.62 mm AP", "penetrator_mass_g": 5460}}}
+    assert "is it in g?" in messages(tables)[0]
+
+
+def test_a_name_that_is_not_there_is_an_error_with_the_nearest():
+    with pytest.raises(KeyError, match="AD85"):
+        shipped_library().find("AD8")
+
+
+def test_a_library_file(tmp_path: Path):
+    path = tmp_path / "mine.toml"
+    path.write_text("[ceramic.X]\nbased_on = 'AD85'\nflow_stress_GPa = {value = 4, status = 'fitted', source = 'us'}\n")
+    value = read_library(path, shipped_library()).find("X")[0].values["flow_stress_GPa"]
+    assert (value.value, value.status, value.source) == (4, "fitted", "us")

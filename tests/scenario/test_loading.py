@@ -1,0 +1,229 @@
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from armour.errors import InputError
+from armour.scenario.loading import load_scenario, parse_scenario, save_scenario
+from armour.scenario.schema import Range
+from tests.cases import SCENARIOS, data, scenario
+
+
+def messages(content: dict[str, Any]) -> list[str]:
+    with pytest.raises(InputError) as caught:
+        parse_scenario(content)
+    return [f"{problem.key}: {problem.message}" for problem in caught.value.problems]
+
+
+def changed(key: str, value: object) -> dict[str, Any]:
+    content: dict[str, Any] = data()
+    *sections, last = key.split(".")
+    table = content
+    for section in sections:
+        table = table.setdefault(section, {})
+    table[last] = value
+    return content
+
+
+@pytest.mark.parametrize("path", sorted(SCENARIOS.rglob("*.toml")), ids=lambda path: path.stem)
+def test_every_shipped_scenario_is_valid(path: Path):
+    assert load_scenario(path).title
+
+
+def test_the_wilkins_case_in_the_cores_terms():
+    a = scenario().core_armour()
+    assert pytest.approx(6.5e-3) == a.D0
+    assert pytest.approx(5.46e-3 / (7850 * pi / 4 * 6.5e-3**2)) == a.L0
+    assert (a.rho_p, a.Yp) == (7850, 2.35e9)
+    assert (a.Hc0, a.Hb) == (6.35e-3, 6.35e-3)
+    assert (a.rho_c, a.Ec, a.Yc0) == (3430, 267e9, 5.2e9)
+    assert (a.rho_B, a.YB) == (2750, 1.05e9)
+    assert a.tau == pytest.approx(0.7 * 372e6)
+    assert a.conoid
+
+
+def test_other_thicknesses():
+    a = scenario().core_armour(5.0, 4.0)
+    assert (a.Hc0, a.Hb) == pytest.approx((5e-3, 4e-3))
+    assert scenario().areal_density_kg_m2(5.0, 4.0) == pytest.approx(3.43 * 5 + 2.75 * 4)
+
+
+def test_areal_density():
+    assert scenario().areal_density_kg_m2() == pytest.approx(39.243)
+
+
+@pytest.mark.parametrize("ceramic", [None, "AD85"])
+def test_a_bare_plate_with_or_without_a_ceramic_named(ceramic: str | None):
+    bare = scenario(ceramic=ceramic, ceramic_mm=0.0)
+    assert bare.core_armour().Hc0 == 0.0
+    assert bare.areal_density_kg_m2() == pytest.approx(17.4625)
+
+
+def test_defaults():
+    case = scenario()
+    assert case.solver.time_step_us is None
+    assert case.solver.arrest_velocity_m_s == 1.0
+    assert (case.ballistic_limit.velocity_min_m_s, case.ballistic_limit.velocity_max_m_s) == (20, 4000)
+    assert case.ballistic_limit.tolerance_m_s == 0.01
+    assert case.optimise is None
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("impact.velocity_m_s", -3, "must be greater than 0, found -3"),
+        ("impact.velocity_m_s", 0, "must be greater than 0, found 0"),
+        ("impact.velocity_m_s", float("inf"), "must be a finite number, found inf"),
+        ("impact.velocity_m_s", float("nan"), "must be a finite number, found nan"),
+        ("impact.velocity_m_s", "800", 'must be a number, found the text "800"'),
+        ("impact.velocity_m_s", True, "must be a number, found true"),
+        ("impact.velocity_m_s", [1], "must be a number, found a list"),
+        ("impact.velocity_m_s", 1e6, "must be at most 10000, found 1000000.0"),
+        ("impact.projectile", 7, "must be a text in quotes, found 7"),
+        (
+            "impact.projectile",
+            "7.62 mm",
+            'must name a projectile of the library, found "7.62 mm"; did you mean',
+        ),
+        (
+            "armour.ceramic",
+            "AD86",
+            "must name a ceramic of the library, found \"AD86\"; did you mean 'AD85'?",
+        ),
+        (
+            "armour.backing",
+            "6061",
+            "must name a metal of the library, found \"6061\"; did you mean '6061-T6'?",
+        ),
+        ("armour.ceramic_thickness_mm", -1.0, "must be at least 0, found -1.0"),
+        ("armour.backing_thickness_mm", 0.0, "must be greater than 0, found 0.0"),
+        ("armour.thickness_mm", 1.0, "unknown key; did you mean"),
+        ("model.shear_perimeter", "cone", "must be 'conoid' or 'projectile', found the text \"cone\""),
+        ("solver.time_step_us", 0, "must be greater than 0, found 0"),
+        ("solver.arrest_velocity_m_s", -1, "must be greater than 0, found -1"),
+        (
+            "ballistic_limit",
+            {"velocity_min_m_s": 50, "velocity_max_m_s": 20},
+            "velocity_min_m_s must be below",
+        ),
+        ("ballistic_limit.tolerance_m_s", 0, "must be at least 1e-09, found 0"),
+        ("title", "a\x1b[31m", "must be one line of printable text"),
+        ("impct", {}, "unknown key; did you mean 'impact'?"),
+        ("impact", 3, "must be a table, found 3"),
+        ("library", [], "must be a table, found a list"),
+        ("library.files", "a.toml", 'must be a list, found the text "a.toml"'),
+    ],
+)
+def test_a_mistake_is_named(key: str, value: object, message: str):
+    found = messages(changed(key, value))
+    assert len(found) == 1
+    assert found[0].startswith(f"{key}: {message}")
+
+
+@pytest.mark.parametrize(
+    ("axis", "message"),
+    [
+        ({"min": 3, "max": 2, "step": 0.1}, "min must not be above max, found 3 and 2"),
+        ({"min": 2, "max": 3, "step": 0}, "step: must be greater than 0, found 0"),
+        ({"min": 2, "max": 3, "step": 1e-9}, "must hold at most 100000 values, found 1e+09; widen the step"),
+        ({"min": 2, "max": 3}, "step: is missing and must be given"),
+        ({"min": -2, "max": 3, "step": 1}, "min: must be at least 0, found -2"),
+        (
+            {"min": 0, "max": 3, "step": 5e-324},
+            "must hold at most 100000 values, found 1e+18; widen the step",
+        ),
+    ],
+)
+def test_a_wrong_axis_is_named(axis: dict[str, float], message: str):
+    fine = {"min": 2, "max": 3, "step": 0.5}
+    content = data(optimise={"ceramic_thickness_mm": axis, "backing_thickness_mm": fine})
+    [found] = messages(content)
+    assert message in found
+    assert found.startswith("optimise.ceramic_thickness_mm")
+
+
+def test_a_grid_without_backing_and_an_absurd_one():
+    axis = {"min": 0, "max": 3, "step": 0.5}
+    [found] = messages(data(optimise={"ceramic_thickness_mm": axis, "backing_thickness_mm": axis}))
+    assert found == "optimise.backing_thickness_mm: min must be greater than 0, found 0"
+    fine = {"min": 1, "max": 3, "step": 1e-4}
+    [found] = messages(data(optimise={"ceramic_thickness_mm": fine, "backing_thickness_mm": fine}))
+    assert "must hold at most 1000000 designs, found 4e+08" in found
+
+
+def test_missing_sections_are_all_named():
+    assert messages({}) == [
+        "impact: is missing and must be given",
+        "armour: is missing and must be given",
+    ]
+
+
+def test_all_mistakes_are_reported_at_once():
+    content = data(projectile="x", ceramic="y", backing="z", velocity=-1.0)
+    content["solver"] = {"time_step_us": -1, "step": 2}
+    content["library"] = {"files": ["nothing.toml"], "ceramic": {"a": {"density_kg_m3": -1}}}
+    assert len(messages(content)) == 8
+
+
+def test_a_ceramic_thickness_needs_a_ceramic():
+    [found] = messages(data(ceramic=None))
+    assert found.startswith("armour.ceramic_thickness_mm: must be 0 where no ceramic is named, found 6.35")
+
+
+def test_a_name_whose_entry_is_wrong_is_known():
+    content = data(ceramic="mine", library={"ceramic": {"mine": {"based_on": "AD85", "flow_stress_GPa": -1}}})
+    [found] = messages(content)
+    assert found == "library.ceramic.mine.flow_stress_GPa: must be at least 0.001, found -1"
+
+
+def test_an_entry_of_ones_own():
+    content = data(ceramic="mine", library={"ceramic": {"mine": {"based_on": "AD85", "flow_stress_GPa": 3.8}}})
+    assert parse_scenario(content).core_armour().Yc0 == 3.8e9
+
+
+def test_library_files_are_found_beside_the_scenario(tmp_path: Path):
+    (tmp_path / "mine.toml").write_text("[ceramic.mine]\nbased_on = 'AD85'\nflow_stress_GPa = 4.0\n")
+    case = parse_scenario(data(ceramic="mine", library={"files": ["mine.toml"]}), folder=tmp_path)
+    assert case.core_armour().Yc0 == 4e9
+
+
+def test_mistakes_in_a_library_file_name_that_file(tmp_path: Path):
+    (tmp_path / "mine.toml").write_text("[ceramic.mine]\nbased_on = 'AD86'\n")
+    with pytest.raises(InputError) as caught:
+        parse_scenario(data(library={"files": ["mine.toml"]}), folder=tmp_path)
+    [problem] = caught.value.problems
+    assert problem.file == str(tmp_path / "mine.toml")
+    assert problem.key == "ceramic.mine.based_on"
+
+
+def test_values_can_be_replaced():
+    faster = scenario().replaced({"impact.velocity_m_s": 900.0, "solver.time_step_us": 0.1})
+    assert faster.impact.velocity_m_s == 900.0
+    assert faster.solver.time_step_us == 0.1
+    assert scenario().impact.velocity_m_s == 800.0
+    with pytest.raises(InputError):
+        scenario().replaced({"impact.velocity_m_s": -1.0})
+
+
+def test_a_scenario_does_not_change():
+    with pytest.raises(ValueError, match="frozen"):
+        scenario().impact.velocity_m_s = 3.0  # type: ignore[misc]
+
+
+def test_a_saved_scenario_is_the_same(tmp_path: Path):
+    path = tmp_path / "a.toml"
+    save_scenario(scenario(), path)
+    again = load_scenario(path)
+    assert again.core_armour() == scenario().core_armour()
+    assert again.to_toml() == scenario().to_toml()
+
+
+def test_a_range_has_its_ends_and_the_digits_of_the_file():
+    values = Range(min=2.0, max=20.0, step=0.1).values()
+    assert len(values) == 181
+    assert values[0] == 2.0
+    assert values[83] == 10.3
+    assert values[-1] == 20.0
+    assert Range(min=1.0, max=1.0, step=5.0).values() == (1.0,)
+    assert Range(min=1.0, max=2.0, step=0.4).values() == (1.0, 1.4, 1.8)

@@ -1,0 +1,74 @@
+"""Elasticities against what similarity demands and against runs of changed scenarios."""
+
+from math import log
+
+import pytest
+
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.impact import simulate
+from armour.design.optimisation import optimise
+from armour.scenario.loading import load_scenario
+from armour.scenario.parameters import inputs_of, with_inputs
+from armour.statistics.sensitivity import CHANGE, LIMIT, OPTIMUM, RESIDUAL, sensitivity
+from tests.cases import SCENARIOS, scenario
+
+CASES = [scenario(), scenario("25 mm APDS", "AD99.5", "5083-H3", 30.0, 20.0, 1250.0)]
+
+
+def of(case, answer: str) -> dict[str, float]:
+    return {item.input: item.elasticities[answer] or 0.0 for item in sensitivity(case).inputs}
+
+
+@pytest.mark.parametrize("case", CASES, ids=["7.62 mm", "25 mm"])
+def test_similar_cases_have_the_same_limit(case):
+    """Lengths times k, stresses times k^2 with velocities times k, densities times k with velocities over k^(1/2)."""
+    e = of(case, LIMIT)
+    mass = e["projectile.penetrator_mass_g"]
+    lengths = sum(e[name] for name in e if name.endswith(("thickness_mm", "diameter_mm")))
+    assert lengths + 3.0 * mass == pytest.approx(0.0, abs=1e-3)
+    stresses = sum(e[name] for name in e if name.endswith(("_GPa", "backing.shear_strength_MPa")))
+    assert stresses == pytest.approx(0.5, abs=1e-3)
+    assert sum(e[name] for name in e if "density" in name) + mass == pytest.approx(-0.5, abs=1e-3)
+
+
+def test_they_are_what_changed_scenarios_give():
+    case = load_scenario(SCENARIOS / "wilkins.toml")
+    result = sensitivity(case)
+    own = inputs_of(case)
+    step = log((1.0 + CHANGE) / (1.0 - CHANGE))
+    for item in result.inputs:
+        up, down = (with_inputs(case, {item.input: own[item.input] * (1.0 + s * CHANGE)}) for s in (1.0, -1.0))
+        residual = log(simulate(up).residual_velocity_m_s / simulate(down).residual_velocity_m_s) / step
+        assert item.elasticities[RESIDUAL] == pytest.approx(residual, abs=1e-9)
+    strength = next(item for item in result.inputs if item.input == "ceramic.flow_stress_GPa")
+    up, down = (with_inputs(case, {strength.input: 5.2 * (1.0 + s * CHANGE)}) for s in (1.0, -1.0))
+    limits = [ballistic_limit(c.replaced({"ballistic_limit.tolerance_m_s": 1e-7})) for c in (up, down)]
+    assert strength.elasticities[LIMIT] == pytest.approx(
+        log(limits[0].ballistic_limit_m_s / limits[1].ballistic_limit_m_s) / step, abs=1e-6
+    )
+    best = [refined for c in (up, down) if (refined := optimise(c, refine=True).refined) is not None]
+    assert strength.elasticities[OPTIMUM] == pytest.approx(
+        log(best[0].areal_density_kg_m2 / best[1].areal_density_kg_m2) / step, abs=1e-3
+    )
+
+
+def test_answers_that_are_not_there():
+    defeated = sensitivity(scenario(velocity=500.0))
+    assert defeated.answers[RESIDUAL] is None
+    assert OPTIMUM not in defeated.answers
+    assert all(item.elasticities[RESIDUAL] is None for item in defeated.inputs)
+    velocity = next(item for item in defeated.inputs if item.input == "impact.velocity_m_s")
+    assert velocity.elasticities[LIMIT] is None
+
+
+def test_the_largest_comes_first():
+    found = [abs(item.elasticities[LIMIT] or 0.0) for item in sensitivity(scenario()).inputs]
+    assert found == sorted(found, reverse=True)
+
+
+def test_a_bare_plate():
+    result = sensitivity(scenario(ceramic=None, ceramic_mm=0.0))
+    assert not any(item.input.startswith("ceramic.") for item in result.inputs)
+    assert sum(i.elasticities[LIMIT] or 0.0 for i in result.inputs if "flow" in i.input or "shear" in i.input) == (
+        pytest.approx(0.5, abs=1e-3)
+    )

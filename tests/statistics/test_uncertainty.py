@@ -1,0 +1,207 @@
+"""Uncertainty against brute force, an analytic function and distributions that are known."""
+
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.errors import InputError, NoLimitError
+from armour.scenario.distributions import Uncertainty
+from armour.scenario.loading import load_scenario
+from armour.scenario.parameters import with_inputs
+from armour.statistics.uncertainty import (
+    Estimate,
+    curve_of,
+    limits_of,
+    perforations,
+    proportion,
+    quantile,
+    sobol,
+    uncertainty,
+)
+from tests.cases import SCENARIOS, scenario
+
+UNCERTAIN = load_scenario(SCENARIOS / "uncertain.toml")
+
+
+def with_section(**section: Any):
+    return scenario(uncertainty=section)
+
+
+def brute(samples: int, seed: int) -> dict[str, np.ndarray]:
+    """Independent samples by scipy's own distributions, not by this project's."""
+    rng = np.random.default_rng(seed)
+    shape = np.sqrt(np.log(1.0 + 0.06**2))
+    strength = stats.truncnorm((300.0 - 372.0) / 14.88, np.inf, 372.0, 14.88)
+    return {
+        "impact.velocity_m_s": rng.normal(700.0, 5.0, samples),
+        "armour.ceramic_thickness_mm": rng.uniform(6.25, 6.45, samples),
+        "projectile.penetrator_mass_g": rng.normal(5.46, 0.0546, samples),
+        "ceramic.flow_stress_GPa": rng.lognormal(np.log(5.2) - 0.5 * shape**2, shape, samples),
+        "backing.dynamic_yield_strength_MPa": strength.rvs(samples, random_state=rng),
+    }
+
+
+@pytest.mark.parametrize("method", ["sobol", "latin hypercube"])
+def test_brute_force_agrees_within_the_interval(method: str):
+    result = uncertainty(UNCERTAIN.replaced({"uncertainty.method": method}))
+    columns = brute(200_000, 1)
+    p = float(perforations(UNCERTAIN, columns).mean())
+    assert result.probability_of_perforation.low < p < result.probability_of_perforation.high
+    limits = limits_of(UNCERTAIN, {name: values[:50_000] for name, values in columns.items()})
+    for name, part in (("V05", 0.05), ("V50", 0.5), ("V95", 0.95)):
+        estimate = result.ballistic_limit_m_s[name]
+        assert estimate.low < np.quantile(limits, part) < estimate.high
+    assert result.standard_deviation_m_s == pytest.approx(limits.std(), rel=0.02)
+
+
+def test_the_same_seed_gives_the_same_numbers():
+    assert uncertainty(UNCERTAIN) == uncertainty(UNCERTAIN)
+    assert uncertainty(UNCERTAIN) != uncertainty(UNCERTAIN.replaced({"uncertainty.seed": 2}))
+
+
+def test_the_limits_are_those_of_changed_scenarios():
+    columns = {name: values[:5] for name, values in brute(5, 2).items()}
+    for i, found in enumerate(limits_of(UNCERTAIN, columns)):
+        changed = with_inputs(UNCERTAIN, {name: float(values[i]) for name, values in columns.items()})
+        assert found == pytest.approx(ballistic_limit(changed).ballistic_limit_m_s, abs=0.02)
+
+
+def test_only_the_velocity():
+    result = uncertainty(
+        with_section(impact={"velocity_m_s": {"distribution": "uniform", "min": 713.77, "max": 743.77}}, samples=1024)
+    )
+    assert result.inputs == ()
+    assert result.probability_of_perforation.value == pytest.approx(2.0 / 3.0, abs=0.003)
+    assert result.standard_deviation_m_s == 0.0
+
+
+def test_correlated_inputs_have_no_indices_but_swings():
+    normal = {"distribution": "normal", "standard_deviation_percent": 3.0}
+    names = ["ceramic.density_kg_m3", "ceramic.flow_stress_GPa"]
+    section = {"ceramic": {"density_kg_m3": normal, "flow_stress_GPa": normal}, "samples": 256}
+    alone = uncertainty(with_section(**section))
+    together = uncertainty(with_section(**section, correlation=[{"between": names, "coefficient": 0.8}]))
+    assert [index.input for index in together.inputs] == names[::-1]
+    assert all(index.first is None and index.total is None for index in together.inputs)
+    assert together.standard_deviation_m_s > alone.standard_deviation_m_s
+
+
+def test_indices_of_ishigamis_function():
+    """Its indices are known in closed form: Saltelli et al., Global Sensitivity Analysis, 2008."""
+
+    def ishigami(x: np.ndarray) -> np.ndarray:
+        a, b, c = pi * (2.0 * x - 1.0)
+        found: np.ndarray = np.sin(a) + 7.0 * np.sin(b) ** 2 + 0.1 * c**4 * np.sin(a)
+        return found
+
+    v1, v2, v13 = 0.5 * (1.0 + 0.1 * pi**4 / 5.0) ** 2, 7.0**2 / 8.0, 0.1**2 * pi**8 * 8.0 / 225.0
+    whole = v1 + v2 + v13
+    found = sobol(ishigami, 3, 4096, 1)
+    for (first, total), true_first, true_total in zip(found, (v1, v2, 0.0), (v1 + v13, v2, v13), strict=True):
+        assert first.value == pytest.approx(true_first / whole, abs=0.02)
+        assert total.value == pytest.approx(true_total / whole, abs=0.02)
+        assert first.low <= true_first / whole <= first.high
+        assert total.low <= true_total / whole <= total.high
+
+
+def test_one_input_has_all_of_the_variance():
+    result = uncertainty(
+        with_section(ceramic={"flow_stress_GPa": {"distribution": "normal", "standard_deviation": 0.2}}, samples=128)
+    )
+    [index] = result.inputs
+    assert index.first == index.total == Estimate(1.0, 1.0, 1.0)
+
+
+def test_intervals_of_a_proportion_and_of_a_quantile():
+    assert proportion(0, 100).low == 0.0
+    assert proportion(0, 100).high == pytest.approx(1.0 - 0.025 ** (1 / 100))
+    assert proportion(100, 100).high == 1.0
+    ordered = np.arange(1.0, 101.0)
+    half = quantile(ordered, 0.5)
+    # Between the 40th and the 61st of a hundred: the binomial distribution's 2.5 % on both sides.
+    assert (half.low, half.high) == (40.0, 61.0)
+
+
+def test_the_band_of_the_curve():
+    curve = curve_of(np.sort(np.random.default_rng(1).normal(700.0, 20.0, 2000)))
+    truth = stats.norm(700.0, 20.0).cdf(curve.velocity_m_s)
+    inside = (np.array(curve.low) <= truth) & (truth <= np.array(curve.high))
+    assert inside.mean() > 0.9
+    assert (curve.probability[0], curve.probability[-1]) == (0.0, 1.0)
+    assert curve.low[0] == 0.0
+    assert curve.high[-1] == 1.0
+
+
+def test_samples_for_a_last_digit():
+    estimate = Estimate(0.2, 0.19, 0.21)
+    assert estimate.samples_for(0.001, 1000) == 400_000
+    assert estimate.samples_for(0.1, 1000) == 1000
+
+
+NORMAL = {"distribution": "normal", "standard_deviation_percent": 10.0}
+
+
+@pytest.mark.parametrize(
+    ("case", "message"),
+    [
+        (scenario(), "scenario: uncertainty: is missing and must be given"),
+        (with_section(samples=128), "scenario: uncertainty: is missing and must be given"),
+        (
+            with_section(ceramic={"flow_stress_GPa": {**NORMAL, "standard_deviation_percent": 60.0}}),
+            "; give it a min or max",
+        ),
+        (
+            scenario(ceramic=None, ceramic_mm=0.0, uncertainty={"ceramic": {"flow_stress_GPa": NORMAL}}),
+            'found "ceramic.flow_stress_GPa"',
+        ),
+    ],
+)
+def test_wrong_sections(case, message: str):
+    with pytest.raises(InputError) as error:
+        uncertainty(case)
+    assert message in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("distribution", "message"),
+    [
+        ({"distribution": "lognormal", "standard_deviation": 10.0, "mean": 0.0}, "must have a mean greater than 0"),
+        ({"distribution": "lognormal", "standard_deviation": 1.0, "mean": -5.0}, "must have a mean greater than 0"),
+        ({"distribution": "normal", "standard_deviation_percent": 1.0, "mean": 0.0}, "in place of one in per cent"),
+        ({"distribution": "lognormal", "standard_deviation": 1e300}, "must be at most 1e+09"),
+    ],
+)
+def test_distributions_that_are_none(distribution: Any, message: str):
+    with pytest.raises(InputError) as error:
+        uncertainty(with_section(backing={"shear_strength_MPa": distribution}))
+    assert message in str(error.value)
+
+
+def test_indices_are_of_values_that_are_allowed():
+    """The points for the indices reach farther than the samples: no thickness below zero gets into the engine."""
+    wide = {"distribution": "normal", "standard_deviation": 2.3}
+    strength = {"distribution": "normal", "standard_deviation_percent": 5.0}
+    case = with_section(samples=128, armour={"ceramic_thickness_mm": wide}, ceramic={"flow_stress_GPa": strength})
+    with pytest.raises(InputError, match="must not reach values that are not allowed"):
+        uncertainty(case)
+
+
+def test_samples_without_a_limit():
+    case = scenario(
+        uncertainty={"ceramic": {"flow_stress_GPa": NORMAL}, "samples": 128},
+        ballistic_limit={"velocity_max_m_s": 740.0},
+    )
+    with pytest.raises(NoLimitError, match="of 128 samples from 20 to 740 m/s"):
+        uncertainty(case)
+
+
+def test_the_section_is_checked_with_the_scenario():
+    with pytest.raises(InputError) as error:
+        scenario(uncertainty={"ceramic": {"flow_stres_GPa": NORMAL}, "samples": 100})
+    told = str(error.value)
+    assert "uncertainty.ceramic.flow_stres_GPa: unknown key; did you mean 'flow_stress_GPa'?" in told
+    assert isinstance(UNCERTAIN.uncertainty, Uncertainty)

@@ -1,0 +1,22 @@
+from armour.errors import InputError, NoDesignError, NoLimitError, Problem, suggestion
+
+
+def test_a_problem_reads_file_key_message():
+    assert str(Problem("a.toml", "impact.x", "must be y")) == "a.toml: impact.x: must be y"
+    assert str(Problem("a.toml", "", "cannot be read")) == "a.toml: cannot be read"
+
+
+def test_an_input_error_shows_every_problem():
+    error = InputError([Problem("a", "b", "c"), Problem("d", "e", "f")])
+    assert str(error) == "a: b: c\nd: e: f"
+
+
+def test_no_answer_is_not_wrong_input():
+    assert not issubclass(NoLimitError, InputError)
+    assert not issubclass(NoDesignError, InputError)
+
+
+def test_nearest():
+    assert suggestion("AD86", ["AD85", "Al-N"]) == "; did you mean 'AD85'?"
+    assert suggestion("ad85", ["AD85"]) == "; did you mean 'AD85'?"
+    assert suggestion("qqq", ["AD85"]) == ""
