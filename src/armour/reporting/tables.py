@@ -19,7 +19,7 @@ from armour.statistics.calibration import CalibrationResult
 from armour.statistics.sensitivity import SensitivityResult
 from armour.statistics.uncertainty import UncertaintyResult
 from armour.statistics.v50 import FiringResult
-from armour.validation.figures import Chart
+from armour.validation.figures import Figure
 from armour.validation.suite import Case
 from armour.validation.validate import Check, SuiteResult, Update
 
@@ -627,7 +627,7 @@ def frontier_csv(frontier: Sequence[Design]) -> str:
     return csv_text(names, ([getattr(design, name) for name in names] for design in frontier))
 
 
-def chart_csv(chart: Chart) -> str:
+def chart_csv(chart: Figure) -> str:
     """The curves of a figure as a CSV file, a column each; empty where there is no answer."""
     columns = [curve.values for curve in chart.curves]
     header = [chart.x_label, *(f"{curve.label}: {chart.y_label}" for curve in chart.curves)]
