@@ -5,18 +5,21 @@ place of its coordinates.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any
+
+from armour.reporting.text import printable
 
 # Palette of Okabe and Ito, which colour-blind readers can tell apart.
 BLUE, VERMILION, GREEN, ORANGE, PURPLE = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7"
 # Text and reference lines; a page replaces them by the colours of its theme.
 INK, SOFT = "#16191c", "#80868c"
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, INK)
+Style = str | tuple[int, tuple[int, ...]]
 # Line styles and markers that go with the colours, so that series differ in more than colour.
-STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
+STYLES: tuple[Style, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
 MARKERS = ("o", "s", "^", "D", "v", "P")
 
-Style = str | tuple[int, tuple[int, ...]]
 Numbers = Sequence[float | None]
 
 
@@ -122,7 +125,7 @@ class Map:
     x: Sequence[float]
     y: Sequence[float]
     z: Sequence[Numbers]
-    label: str = ""
+    heading: str = ""
 
 
 @dataclass(frozen=True)
@@ -132,7 +135,6 @@ class Contours:
     x: Sequence[float]
     y: Sequence[float]
     z: Sequence[Numbers]
-    unit: str = ""
     colour: str = INK
     style: str = "solid"
     levels: int = 6
@@ -187,3 +189,19 @@ class Chart:
     panels: tuple[Panel, ...]
     note: str = ""
     width: float = 5.2
+
+
+def printable_chart(chart: Chart) -> Chart:
+    """Return a chart with the control characters of its texts escaped; line ends stay."""
+    found: Chart = _printable(chart)
+    return found
+
+
+def _printable(value: Any) -> Any:
+    if isinstance(value, str):
+        return "\n".join(printable(line) for line in value.split("\n"))
+    if isinstance(value, tuple):
+        return tuple(_printable(item) for item in value)
+    if is_dataclass(value) and not isinstance(value, type):
+        return replace(value, **{field.name: _printable(getattr(value, field.name)) for field in fields(value)})
+    return value

@@ -1,6 +1,7 @@
 """Charts of results: what each shows, as descriptions that are drawn to files and into reports."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,7 +33,7 @@ from armour.reporting.chart import (
     Series,
     Spans,
 )
-from armour.reporting.tables import STAGES
+from armour.reporting.tables.impact import STAGES
 from armour.scenario.parameters import BACKING, CERAMIC, INPUTS
 from armour.statistics.v50 import probability
 from armour.units import words_and_unit
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
     from armour.analysis.comparison import Comparison
     from armour.analysis.energy import EnergyBalance
     from armour.analysis.impact import ImpactResult
-    from armour.design.optimise import Design, DesignResult
+    from armour.design.optimise import Design, DesignResult, Pair
     from armour.scenario.loading import Scenario
     from armour.statistics.calibration import CalibrationResult, Residual
     from armour.statistics.sensitivity import SensitivityResult
@@ -59,6 +60,8 @@ SLOW = 0.05
 MOSTLY_FROM_ZERO = 0.3
 # Width of a column of a two-column page, inches.
 COLUMN_INCHES = 3.45
+# Look of the best design.
+BEST: dict[str, Any] = {"marker": "*", "size": 11.0, "colour": VERMILION}
 # Pairs of materials beside the best that are marked, and rows of bars.
 MAX_PAIRS, MAX_ROWS = 4, 40
 # Probabilities between which the curve of a chart is shown whole.
@@ -141,7 +144,8 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
             Panel(axis, Axis("rod length", "mm", from_zero=True), (shading, *lengths), height=0.65, shares_x=True),
             Panel(axis, Axis("depth, bulge", "mm"), (shading, *depths), height=0.75, shares_x=True),
         ),
-        note="Stages: " + "; ".join(f"{name} {STAGES[name]}" for name in dict.fromkeys(names)).replace("; rod", ", rod"),
+        note="Stages: "
+        + "; ".join(f"{name} {STAGES[name]}" for name in dict.fromkeys(names)).replace("; rod", ", rod"),
         width=6.0,
     )
 
@@ -170,63 +174,75 @@ def limit_chart(limit: "LimitResult", curve: Sequence["ImpactResult"], title: st
 
 def design_chart(result: "DesignResult", title: str) -> Chart:
     """Describe the designs of a search: what each back plate needs, other pairs, the best, and the Pareto front."""
-    best = result.best
-    backing = [design.backing_thickness_mm for design in result.frontier]
-    governed = result.frontier_governed_by or ("",) * len(result.frontier)
-    text = tuple(
-        _design_text(design) + (f"\ngoverned by {name}" if name and len(result.threats) > 1 else "")
-        for design, name in zip(result.frontier, governed, strict=True)
+    frontier = frontier_chart(result, title)
+    if not result.pareto:
+        return frontier
+    named = {_pair(item) for item in (result.best, *_others(result))}
+    [front] = pareto_chart(result, "").panels
+    series = tuple(
+        replace(item, label="") if isinstance(item, Points) and item.label in named else item for item in front.series
     )
-    marked: list[tuple[Design, dict[str, Any]]] = [(best, {"marker": "*", "size": 11.0, "colour": VERMILION})]
-    labels = [f"best: {_thicknesses(best)}, {best.areal_density_kg_m2:.2f} kg/m²"]
-    if result.refined is not None:
-        marked.append((result.refined, {"marker": "D", "size": 5.0, "colour": ORANGE}))
-        labels.append(
-            f"refined: {_thicknesses(result.refined)}, {result.refined.areal_density_kg_m2:.2f} kg/m²"
-        )
-    line: dict[str, Any] = {"colour": BLUE, "marker": "o", "text": text}
+    return replace(frontier, panels=(*frontier.panels, replace(front, series=series, title="Pareto front")))
+
+
+def _others(result: "DesignResult") -> list["Pair"]:
+    """Return the pairs of materials beside the best that are marked."""
+    return [pair for pair in result.pairs if pair.best is not None and pair.reason][:MAX_PAIRS]
+
+
+def _looks(result: "DesignResult") -> dict[str, tuple[str, str]]:
+    """Return colour and marker of every pair of materials."""
+    names = dict.fromkeys(_pair(item) for item in (result.best, *_others(result), *result.pareto))
+    return {name: (COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)]) for index, name in enumerate(names)}
+
+
+def frontier_chart(result: "DesignResult", title: str) -> Chart:
+    """Describe what each back plate of the best pair needs, with the best designs of other pairs."""
+    best, looks = result.best, _looks(result)
+    backing = [design.backing_thickness_mm for design in result.frontier]
+    governed = result.frontier_governed_by if len(result.threats) > 1 else ("",) * len(result.frontier)
+    text = tuple(
+        _design_text(design) + (f"\ngoverned by {threat}" if threat else "")
+        for design, threat in zip(result.frontier, governed, strict=True)
+    )
+    line: dict[str, Any] = {"colour": looks[_pair(best)][0], "marker": "o", "text": text}
     areal: list[Series] = [
         Line(backing, [design.areal_density_kg_m2 for design in result.frontier], _pair(best), **line)
     ]
-    others = [pair for pair in result.pairs if pair.best is not None and pair.reason][:MAX_PAIRS]
-    for pair, colour, marker in zip(others, COLOURS[1:], MARKERS[1:], strict=False):
+    required: list[Series] = [Line(backing, [design.ceramic_thickness_mm for design in result.frontier], **line)]
+    for pair in _others(result):
         assert pair.best is not None
         place = [pair.best.backing_thickness_mm], [pair.best.areal_density_kg_m2]
-        label = f"{_pair(pair)}: {pair.reason}"
-        areal.append(
-            Points(*place, label, colour, marker, filled=False, text=(f"{_pair(pair)}\n{_design_text(pair.best)}",))
-        )
-    required: list[Series] = [Line(backing, [design.ceramic_thickness_mm for design in result.frontier], **line)]
-    for (design, style), label in zip(marked, labels, strict=True):
-        words = (_design_text(design),)
-        areal.append(
-            Points([design.backing_thickness_mm], [design.areal_density_kg_m2], label, **style, text=words)
-        )
-        required.append(Points([design.backing_thickness_mm], [design.ceramic_thickness_mm], **style, text=words))
-    x = Axis("back plate thickness", "mm")
-    panels = [
-        Panel(x, Axis("areal density", "kg/m²"), tuple(areal)),
-        Panel(x, Axis("required ceramic thickness", "mm"), tuple(required), shares_x=True),
-    ]
-    if result.pareto:
-        panels.append(_pareto_panel(result))
-    return Chart(title, tuple(panels))
+        words = (f"{_pair(pair)}\n{_design_text(pair.best)}",)
+        areal.append(Points(*place, f"{_pair(pair)}: {pair.reason}", *looks[_pair(pair)], filled=False, text=words))
+    marked: list[tuple[str, Design, dict[str, Any]]] = [("best", best, BEST)]
+    if result.refined is not None:
+        marked.append(("refined", result.refined, {"marker": "D", "colour": ORANGE}))
+    for name, design, style in marked:
+        label = f"{name}: {_thicknesses(design)}, {design.areal_density_kg_m2:.2f} kg/m²"
+        x, words = [design.backing_thickness_mm], (f"{name}\n{_design_text(design)}",)
+        areal.append(Points(x, [design.areal_density_kg_m2], label, **style, text=words))
+        required.append(Points(x, [design.ceramic_thickness_mm], **style, text=words))
+    axis = Axis("back plate thickness", "mm")
+    panels = (
+        Panel(axis, Axis("areal density", "kg/m²"), tuple(areal)),
+        Panel(axis, Axis("required ceramic thickness", "mm"), tuple(required), shares_x=True),
+    )
+    return Chart(title, panels)
 
 
-def _pareto_panel(result: "DesignResult") -> Panel:
+def pareto_chart(result: "DesignResult", title: str) -> Chart:
     """Describe the Pareto front over its first two criteria, a series for each pair of materials."""
-    x, y = (*result.criteria, "areal_density_kg_m2")[:2]
+    looks = _looks(result)
+    x, y = result.criteria[:2]
     series: list[Series] = []
-    for index, name in enumerate(dict.fromkeys(_pair(design) for design in result.pareto)):
-        designs = [design for design in result.pareto if _pair(design) == name]
-        shown = [[getattr(design, key) for design in designs] for key in (x, y)]
+    for name, designs in _grouped(result.pareto, _pair).items():
         text = tuple(f"{name}\n{_design_text(design)}" for design in designs)
-        colour, marker = COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)]
-        series.append(Points(shown[0], shown[1], f"front: {name}", colour, marker, filled=False, text=text))
-    best = [[getattr(result.best, key, None)] for key in (x, y)]
-    if None not in best[0] + best[1]:
-        series.append(Points(*best, colour=VERMILION, marker="*", size=11.0, text=(_design_text(result.best),)))
-    return Panel(quantity_axis(x), quantity_axis(y), tuple(series), title="Pareto front")
+        xs, ys = ([getattr(design, key) for design in designs] for key in (x, y))
+        series.append(Points(xs, ys, name, *looks[name], filled=False, text=text))
+    best = [getattr(result.best, x)], [getattr(result.best, y)]
+    series.append(Points(*best, **BEST, text=(f"best\n{_design_text(result.best)}",)))
+    return Chart(title, (Panel(quantity_axis(x), quantity_axis(y), tuple(series)),))
 
 
 def _pair(item: Any) -> str:
@@ -281,7 +297,7 @@ def _parity_panel(quantity: str, checks: Sequence["Check"]) -> Panel:
             for c in found
         )
         colour, marker = COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)]
-        series.append(Points(expected, computed, group or "cases", colour, marker, filled=False, text=text))  # type: ignore[arg-type]
+        series.append(Points(expected, computed, group or "cases", colour, marker, filled=False, text=text))
     span = _span(value for item in series if isinstance(item, Points) for value in (*item.x, *item.y))
     series += _agreement(span, 0.1)
     x, y = (Axis(f"{word} {axis.label}", axis.unit, limits=span) for word in ("expected", "computed"))
@@ -348,9 +364,7 @@ def _measured_panel(quantity: str, residuals: Sequence["Residual"]) -> Panel:
         found = [residual for residual in residuals if residual.bound == bound]
         if found:
             measured, computed = [r.measured for r in found], [r.computed for r in found]
-            text = tuple(
-                f"{r.test}\n{label} {axis.text(r.measured)}, computed {axis.text(r.computed)}" for r in found
-            )
+            text = tuple(f"{r.test}\n{label} {axis.text(r.measured)}, computed {axis.text(r.computed)}" for r in found)
             series.append(Points(measured, computed, label, colour, marker, filled=False, text=text))
     span = _span(value for r in residuals for value in (r.measured, r.computed))
     x, y = (Axis(f"{word} {axis.label}", axis.unit, limits=span) for word in ("measured", "computed"))
@@ -365,7 +379,7 @@ def _deviation_panel(quantity: str, residuals: Sequence["Residual"]) -> Panel:
         shown = sorted(shown, key=lambda r: -abs(_percent(r.computed, r.measured) or 0.0))[:MAX_ROWS]
         title += f", the {MAX_ROWS} largest of {len(residuals)}"
     series: list[Series] = [Rule(0.0)]
-    for slot, (name, colour, label) in enumerate((("computed", BLUE, "fitted"), ("left_out", ORANGE, "left out"))):
+    for slot, (name, colour, label) in enumerate((("computed", BLUE, "fitted"), ("left_out", ORANGE, "leave-one-out"))):
         values = [_percent(getattr(residual, name), residual.measured) for residual in shown]
         text = tuple(
             f"{r.test}, {label}\n{v or 0.0:+.2f} % of {r.measured:g}" for r, v in zip(shown, values, strict=True)
@@ -440,9 +454,7 @@ def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Char
     found, percent = result.deterministic_m_s, f"{100.0 * result.confidence:g} %"
     text = tuple(
         f"perforated in {100.0 * value:.1f} % at {velocity:.1f} m/s\n{percent} interval {low:.3f} to {high:.3f}"
-        for velocity, value, low, high in zip(
-            curve.velocity_m_s, curve.probability, curve.low, curve.high, strict=True
-        )
+        for velocity, value, low, high in zip(curve.velocity_m_s, curve.probability, curve.low, curve.high, strict=True)
     )
     label = f"at {at:g} m/s: {p.value:.3f}, {p.low:.3f} to {p.high:.3f}"
     series: list[Series] = [
@@ -453,9 +465,7 @@ def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Char
     for name, style in (("V05", "-."), ("V50", "-"), ("V95", "--")):
         place = result.ballistic_limit_m_s[name].value
         series.append(Rule(place, f"{name} {place:.1f} m/s", SOFT, style))
-    series.append(
-        Points([at], [p.value], label, VERMILION, y_ends=((p.low, p.high),), text=(f"perforated {label}",))
-    )
+    series.append(Points([at], [p.value], label, VERMILION, y_ends=((p.low, p.high),), text=(f"perforated {label}",)))
     swings = [limit for index in result.inputs for limit in index.limits_m_s]
     uncertain = [
         velocity
@@ -561,7 +571,7 @@ def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, sce
     if set(keys) == {CERAMIC, BACKING} and min(z.shape) > 1:
         ceramic, backing = np.meshgrid(x, y) if keys[0] == CERAMIC else np.meshgrid(x, y)[::-1]
         areal = scenario.areal_density_kg_m2(1.0, 0.0) * ceramic + scenario.areal_density_kg_m2(0.0, 1.0) * backing
-        series.append(Contours(x.tolist(), y.tolist(), areal.tolist(), "kg/m²", VERMILION, "dashed", 5, 0.8))
+        series.append(Contours(x.tolist(), y.tolist(), areal.tolist(), VERMILION, "dashed", 5, 0.8))
         note = "Dashed lines: equal areal density, kg/m²."
     return Chart(scenario.title, (Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
 

@@ -4,22 +4,39 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from math import dist
-from typing import NamedTuple
+from textwrap import wrap
+from typing import TYPE_CHECKING, NamedTuple
 from xml.etree import ElementTree
 
-from armour.reporting.chart import BLUE, INK, SOFT, Axis, Bars, Chart, Line, Panel, Points, Spans
+from armour.reporting.chart import (
+    BLUE,
+    INK,
+    SOFT,
+    Axis,
+    Bars,
+    Chart,
+    Line,
+    Panel,
+    Points,
+    Series,
+    Spans,
+    printable_chart,
+)
 from armour.reporting.plots import bar_places, draw, saved
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
-WIDTH_INCHES, POINTS_PER_INCH = 4.6, 72
+WIDTH_INCHES, POINTS_PER_INCH = 4.2, 72
 # Colours that follow the theme of the page.
 THEME = {INK: "var(--ink)", SOFT: "var(--soft)", BLUE: "var(--blue)"}
 # Points of a series with a tooltip, and their least distance on a curve and radius, points of 1/72 inch.
 MAX_POINTS, SPACING, RADIUS = 200, 4.0, 6.0
 # Height of a line of a tooltip and its distance from the point, points.
 LINE_HEIGHT, ABOVE = 10.5, 8.0
-# Part of the width near an edge in which a tooltip is aligned with the edge.
-EDGE = 0.3
+# Width of a character of a tooltip, points, and characters in a line of it.
+CHARACTER, LINE_CHARACTERS = 5.0, 54
 
 
 class _Place(NamedTuple):
@@ -39,10 +56,10 @@ def inline_svg(chart: Chart, name: str) -> str:
     name : str
         Prefix of the element's identifiers, different for every chart of a page.
     """
+    chart = printable_chart(chart)
     figure = draw(replace(chart, title="", note=""), WIDTH_INCHES)
     figure.set_dpi(POINTS_PER_INCH)
-    content = saved(figure, ".svg", dpi=POINTS_PER_INCH, transparent=True)
-    root = ElementTree.fromstring(content)
+    root = ElementTree.fromstring(saved(figure, ".svg", dpi=POINTS_PER_INCH, transparent=True))
     for part in root.findall(f"{{{SVG}}}metadata") + root.findall(f"{{{SVG}}}defs[{{{SVG}}}style]"):
         root.remove(part)
     for element in root.iter():
@@ -50,25 +67,29 @@ def inline_svg(chart: Chart, name: str) -> str:
             element.set(key, _attribute(key, value, name))
     for size in ("width", "height"):
         del root.attrib[size]
-    root.attrib |= {"role": "img", "aria-label": chart.title.partition("\n")[0]}
-    height = POINTS_PER_INCH * float(figure.get_figheight())
+    root.attrib |= {"role": "group", "aria-label": " ".join(chart.title.splitlines())}
     for axes, panel in zip(figure.axes, chart.panels, strict=False):
-        window = axes.bbox.padded(1.0)
-        for number, item in enumerate(panel.series):
-            kept = 0
-            last: tuple[float, float] | None = None
-            for x, y, text in _values(panel, number):
-                at = tuple(axes.transData.transform((x, y)).tolist())
-                if isinstance(item, Spans):
-                    at = at[0], axes.bbox.y1 - SPACING
-                too_near = isinstance(item, Line) and not item.marker and last is not None and dist(at, last) < SPACING
-                if too_near or not window.contains(*at) or kept >= MAX_POINTS:
-                    continue
-                kept, last = kept + 1, at
-                root.append(_point(_Place(at[0], height - at[1], text), POINTS_PER_INCH * WIDTH_INCHES))
+        for item in panel.series:
+            root.extend(_point(place) for place in _places(axes, panel, item, float(figure.bbox.height)))
     ElementTree.register_namespace("", SVG)
     ElementTree.register_namespace("xlink", XLINK)
     return ElementTree.tostring(root, encoding="unicode")
+
+
+def _places(axes: "Axes", panel: Panel, item: Series, height: float) -> list[_Place]:
+    """Return the points of a series that have words, at a distance from each other on a curve."""
+    found: list[_Place] = []
+    curve = isinstance(item, Line) and not item.marker
+    window = axes.bbox.padded(1.0)
+    for x, y, text in _values(panel, item):
+        across, up = axes.transData.transform((x, y)).tolist()
+        if isinstance(item, Spans):
+            up = axes.bbox.y1 - SPACING
+        place = _Place(across, height - up, text)
+        near = curve and found and dist(place[:2], found[-1][:2]) < SPACING
+        if window.contains(across, up) and not near:
+            found.append(place)
+    return found[:MAX_POINTS]
 
 
 def _attribute(key: str, value: str, name: str) -> str:
@@ -85,9 +106,8 @@ def _attribute(key: str, value: str, name: str) -> str:
     return value
 
 
-def _values(panel: Panel, number: int) -> Iterator[tuple[float, float, str]]:
+def _values(panel: Panel, item: Series) -> Iterator[tuple[float, float, str]]:
     """Give the points of a series in data coordinates, with their words."""
-    item = panel.series[number]
     if isinstance(item, Line | Points):
         for index, (x, y) in enumerate(zip(item.x, item.y, strict=True)):
             words = item.text[index] if item.text else _coordinates(panel.x, panel.y, x, y, item.label)
@@ -108,19 +128,16 @@ def _coordinates(x: Axis, y: Axis, at: float | None, value: float | None, label:
     return f"{label or y.label}: {y.text(value)}\n{x.label} {x.text(at)}"
 
 
-def _point(place: _Place, width: float) -> ElementTree.Element:
+def _point(place: _Place) -> ElementTree.Element:
     """Return a transparent circle with its words, which the page shows on hover and focus."""
     group = ElementTree.Element("g", {"class": "point", "tabindex": "-1"})
     ElementTree.SubElement(group, "circle", {"cx": f"{place.x:.1f}", "cy": f"{place.y:.1f}", "r": f"{RADIUS:g}"})
-    anchor, x = "middle", place.x
-    if place.x < EDGE * width:
-        anchor, x = "start", max(2.0, place.x - EDGE * place.x)
-    elif place.x > (1.0 - EDGE) * width:
-        anchor, x = "end", min(width - 2.0, place.x + EDGE * (width - place.x))
-    lines = place.text.splitlines()
+    lines = [line for paragraph in place.text.splitlines() for line in wrap(paragraph, LINE_CHARACTERS)]
+    reach = CHARACTER * max(len(line) for line in lines)
+    x = max(2.0, min(place.x - 0.5 * reach, POINTS_PER_INCH * WIDTH_INCHES - reach))
     above = ABOVE + LINE_HEIGHT * (len(lines) - 1)
     y = place.y - above if place.y > above + LINE_HEIGHT else place.y + ABOVE + LINE_HEIGHT
-    text = ElementTree.SubElement(group, "text", {"x": f"{x:.1f}", "y": f"{y:.1f}", "text-anchor": anchor})
+    text = ElementTree.SubElement(group, "text", {"x": f"{x:.1f}", "y": f"{y:.1f}"})
     for index, line in enumerate(lines):
         moved = {"x": f"{x:.1f}", "dy": f"{LINE_HEIGHT:g}"} if index else {}
         ElementTree.SubElement(text, "tspan", moved).text = line

@@ -10,9 +10,10 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
+from matplotlib.ticker import MaxNLocator
 
 from armour.reporting.chart import (
     INK,
@@ -30,10 +31,13 @@ from armour.reporting.chart import (
     Rule,
     Series,
     Spans,
+    printable_chart,
 )
 
 FORMATS = (".png", ".svg", ".pdf")
-FONT = 9.0
+FONT, TITLE = 9.0, 10.0
+# A narrower chart has a smaller title.
+NARROW_INCHES = 4.0
 STYLE: Any = {
     "axes.axisbelow": True,
     "axes.edgecolor": INK,
@@ -61,6 +65,8 @@ PANEL_INCHES, ROW_INCHES, BAR_INCHES, LABELS_INCHES, LINE_INCHES = 2.6, 0.08, 0.
 CHARACTER, CATEGORY_CHARACTERS = 0.56, 22
 # Width that axis labels take beside a panel, inches.
 SIDE_INCHES = 0.8
+# Distance from its place within which a contour has its label, and width of edges without labels, as parts of an axis.
+NEAR, EDGE = 0.3, 0.05
 
 
 def draw(chart: Chart, width: float | None = None) -> Figure:
@@ -77,10 +83,17 @@ def draw(chart: Chart, width: float | None = None) -> Figure:
     Figure
         The first axes are those of the panels, in their order.
     """
+    chart = printable_chart(chart)
     width = width or chart.width
-    labels = [item.label for panel in chart.panels for item in panel.series if getattr(item, "label", "")]
+    size = TITLE if width > NARROW_INCHES else FONT
+    labels = [
+        item.label
+        for panel in chart.panels
+        for item in panel.series
+        if not isinstance(item, Spans | Map | Contours) and item.label
+    ]
     columns = _legend_columns(labels, width)
-    title = "\n".join(line for part in chart.title.splitlines() for line in wrap(part, _characters(width, 10.0)))
+    title = "\n".join(line for part in chart.title.splitlines() for line in wrap(part, _characters(width, size)))
     note = "\n".join(wrap(chart.note, _characters(width - SIDE_INCHES, 8.0)))
     heights = [_height(panel, width) for panel in chart.panels]
     texts = title.count("\n") + note.count("\n") + 2 * bool(title) + bool(note) + -(-len(labels) // columns)
@@ -99,7 +112,7 @@ def draw(chart: Chart, width: float | None = None) -> Figure:
         if labels:
             figure.legend(loc="outside lower center", ncols=columns)
         if title:
-            figure.suptitle(title, fontsize=10.0)
+            figure.suptitle(title, fontsize=size)
     return figure
 
 
@@ -120,8 +133,9 @@ def _height(panel: Panel, width: float) -> float:
         return width - SIDE_INCHES + LABELS_INCHES
     if panel.y.categories:
         slots = max((item.slots for item in panel.series if isinstance(item, Bars)), default=1)
-        rows = [max(BAR_INCHES * (slots + 0.2), 0.145 * _category(name).count("\n")) for name in panel.y.categories]
-        return LABELS_INCHES + sum(rows) + ROW_INCHES * len(rows)
+        lines = max(_category(name).count("\n") + 1 for name in panel.y.categories)
+        row = max(BAR_INCHES * slots + ROW_INCHES, LINE_INCHES * lines)
+        return LABELS_INCHES + row * len(panel.y.categories)
     return PANEL_INCHES * panel.height
 
 
@@ -173,7 +187,7 @@ def _floats(values: Numbers) -> list[float]:
 
 
 @singledispatch
-def _draw_series(item: Series, axes: Axes) -> None:
+def _draw_series(item: Series, _axes: Axes) -> None:
     """Draw a series into axes."""
     raise TypeError(f"must be a series, found {type(item).__name__}")
 
@@ -203,9 +217,7 @@ def _(item: Points, axes: Axes) -> None:
 @_draw_series.register
 def _(item: Band, axes: Axes) -> None:
     low, high = _floats(item.low), _floats(item.high)
-    axes.fill_between(
-        _floats(item.x), low, high, color=item.colour, alpha=0.3, linewidth=0, label=item.label or None
-    )
+    axes.fill_between(_floats(item.x), low, high, color=item.colour, alpha=0.3, linewidth=0, label=item.label or None)
 
 
 @_draw_series.register
@@ -233,34 +245,37 @@ def _(item: Spans, axes: Axes) -> None:
 @_draw_series.register
 def _(item: Map, axes: Axes) -> None:
     z = np.ma.masked_invalid([_floats(row) for row in item.z])
+    # The light part of the scale alone, on which lines and labels are legible.
+    colours = ListedColormap(mpl.colormaps["Blues"](np.linspace(0.05, 0.65, 256)))
     axes.grid(visible=False)
-    drawn = axes.pcolormesh(item.x, item.y, z, cmap="cividis_r", shading="nearest", rasterized=True)
-    axes.figure.colorbar(drawn, ax=axes, label=item.label)
+    drawn = axes.pcolormesh(item.x, item.y, z, cmap=colours, shading="nearest", rasterized=True)
+    axes.figure.colorbar(drawn, ax=axes, label=item.heading)
 
 
 @_draw_series.register
 def _(item: Contours, axes: Axes) -> None:
-    z = np.array([_floats(row) for row in item.z])
+    z = np.ma.masked_invalid([_floats(row) for row in item.z])
+    levels = MaxNLocator(item.levels).tick_values(z.min(), z.max())
+    inside = levels[(levels > z.min()) & (levels < z.max())]
     style: Any = {"colors": item.colour, "linewidths": 0.8, "linestyles": item.style}
-    lines = axes.contour(item.x, item.y, z, levels=item.levels, **style)
-    low, high = axes.get_xlim()
-    places = _label_places(lines, low + item.at * (high - low))
-    axes.clabel(lines, fontsize=7.0, fmt="%g", manual=places)
+    lines = axes.contour(item.x, item.y, z, levels=inside, **style)
+    axes.clabel(lines, fontsize=7.0, fmt="%g", manual=_label_places(lines, axes, item.at))
 
 
-def _label_places(lines: ContourSet, x: float) -> list[tuple[float, float]]:
-    """Return for each contour the place nearest to an x."""
+def _label_places(lines: ContourSet, axes: Axes, at: float) -> list[tuple[float, float]]:
+    """Return for each contour that comes near a part of the x axis, away from the edges, the place where it does."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     places = []
     for segments in lines.allsegs:
-        vertices: list[NDArray[np.float64]] = [segment for segment in segments if len(segment) > 1]
-        if vertices:
-            found = np.concatenate(vertices)
-            nearest = found[np.abs(found[:, 0] - x).argmin()]
-            places.append((float(nearest[0]), float(nearest[1])))
+        found = np.concatenate([np.reshape(segment, (-1, 2)) for segment in segments])
+        parts = (found - (left, bottom)) / (right - left, top - bottom)
+        distances = np.where((np.abs(parts - 0.5) < 0.5 - EDGE).all(axis=1), np.abs(parts[:, 0] - at), np.inf)
+        if len(found) and distances.min() < NEAR:
+            places.append(tuple(found[distances.argmin()].tolist()))
     return places
 
 
-def bar_places(item: Bars) -> NDArray[np.float64]:
+def bar_places(item: Bars) -> Any:
     """Return where the bars of a series are on the y axis."""
     return np.arange(len(item.ends)) + 0.8 * ((item.slot + 0.5) / item.slots - 0.5)
 
