@@ -5,9 +5,9 @@ from dataclasses import asdict, dataclass
 from math import ceil, log2
 from typing import TYPE_CHECKING, Any
 
-from armour.analysis.impact import unresolved
+from armour.analysis.impact import unresolved_error
 from armour.analysis.least_thickness import solver_options
-from armour.core.state import Outcome, Parameters
+from armour.core.state import Outcome
 from armour.errors import InputError, NoLimitError, Problem
 from armour.scenario.applicability import warnings_of
 from armour.scenario.distributions import Uncertainty, columns_of, points_of
@@ -213,7 +213,7 @@ def perforations(scenario: Scenario, columns: Mapping[str, "Floats"]) -> "NDArra
     rows, velocities = rows_of(scenario, columns, len(next(iter(columns.values()))))
     outcomes = batch.impacts(rows, velocities, solver_options(scenario)).outcome
     for i in (outcomes == Outcome.UNRESOLVED).nonzero()[0][:1]:
-        raise unresolved(scenario, Parameters(*rows[i].tolist()), float(velocities[i]))
+        raise unresolved_error(scenario, float(velocities[i]))
     perforated: NDArray[np.bool_] = outcomes == Outcome.PERFORATED
     return perforated
 
