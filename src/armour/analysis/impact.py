@@ -12,6 +12,7 @@ from armour.core.state import Outcome, Parameters
 from armour.errors import InputError, Problem
 from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
+from armour.scenario.schema import Solver
 from armour.units import MM, US, G
 
 if TYPE_CHECKING:
@@ -218,28 +219,30 @@ def run_impact(scenario: Scenario, armour: Parameters, velocity: float, trace: l
     dt = time_step(scenario, armour, velocity)
     end = run(armour, velocity, dt, scenario.solver.arrest_velocity_m_s, MAX_STEPS, trace)
     if end.outcome == Outcome.UNRESOLVED:
-        raise unresolved_error(scenario, velocity)
+        raise unresolved_error(scenario.solver, scenario.file, velocity)
     return end
 
 
-def unresolved_error(scenario: Scenario, velocity: float) -> InputError:
+def unresolved_error(solver: Solver, file: str, velocity: float) -> InputError:
     """Return the error for a run that does not end within the maximum number of steps.
 
-    It names the time step if the scenario gives one, and the arrest velocity otherwise.
+    It names the time step if one is given, and the arrest velocity otherwise.
 
     Parameters
     ----------
-    scenario : Scenario
+    solver : Solver
+        The solver's settings.
+    file : str
+        File that holds them.
     velocity : float
         Impact velocity of the run, m/s.
     """
-    solver = scenario.solver
     if solver.time_step_us is not None:
         key, found, advice = "solver.time_step_us", solver.time_step_us, "leave it out or raise it"
     else:
         key, found, advice = "solver.arrest_velocity_m_s", solver.arrest_velocity_m_s, "raise it"
     message = f"must let the run at {velocity:g} m/s end within {MAX_STEPS} steps, found {found:g}; {advice}"
-    return InputError([Problem(scenario.file, key, message)])
+    return InputError([Problem(file, key, message)])
 
 
 def time_step(scenario: Scenario, armour: Parameters, velocity: float) -> float:

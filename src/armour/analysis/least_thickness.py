@@ -66,7 +66,7 @@ def defeats_threat(scenario: Scenario, ceramic_thickness_mm: float, backing_thic
     armour, velocity = scenario.core_armour(ceramic_thickness_mm, backing_thickness_mm), scenario.impact.velocity_m_s
     outcome = batch.impacts(batch.packed([armour]), np.array([velocity]), solver_options(scenario)).outcome[0]
     if outcome == Outcome.UNRESOLVED:
-        raise unresolved_error(scenario, velocity)
+        raise unresolved_error(scenario.solver, scenario.file, velocity)
     return bool(outcome == Outcome.DEFEATED)
 
 
