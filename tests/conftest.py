@@ -4,7 +4,7 @@ import os
 
 from hypothesis import settings
 
-# In CI the same examples every time: a run that fails must be one that the change made fail.
+# CI uses the same examples in every run, so that only a change of the code can make it fail.
 settings.register_profile("ci", derandomize=True)
 if os.environ.get("CI"):
     settings.load_profile("ci")

@@ -1,4 +1,4 @@
-"""Conversion factors between SI and the units of files and tables: multiply to convert to SI, divide to convert back."""
+"""Conversion factors from the units of files and tables to SI: multiply to convert to SI, divide to convert back."""
 
 from collections.abc import Iterable
 

@@ -73,7 +73,7 @@ def test_an_outcome_that_is_not_monotonic_is_reported(monkeypatch: pytest.Monkey
 
 def test_a_lowest_velocity_that_perforates_is_no_limit(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("armour.analysis.ballistic_limit.perforates", lambda _s, _a, v: v < 800 or v > 1500)
-    with pytest.raises(NoLimitError, match=r"perforates already, though not .*defeated above 800"):
+    with pytest.raises(NoLimitError, match=r"perforates, but some higher velocities do not .*defeated above 800"):
         ballistic_limit(scenario())
 
 

@@ -238,7 +238,7 @@ def unresolved_error(solver: Solver, file: str, velocity: float) -> InputError:
         Impact velocity of the run, m/s.
     """
     if solver.time_step_us is not None:
-        key, found, advice = "solver.time_step_us", solver.time_step_us, "leave it out or raise it"
+        key, found, advice = "solver.time_step_us", solver.time_step_us, "raise it or leave it out"
     else:
         key, found, advice = "solver.arrest_velocity_m_s", solver.arrest_velocity_m_s, "raise it"
     message = f"must let the run at {velocity:g} m/s end within {MAX_STEPS} steps, found {found:g}; {advice}"

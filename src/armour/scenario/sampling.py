@@ -86,7 +86,8 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, own: float) 
     low = -np.inf if distribution.min is None else distribution.min
     high = np.inf if distribution.max is None else distribution.max
     below, above = float(whole.cdf(low)), float(whole.cdf(high))
-    return np.clip(whole.ppf(below + np.asarray(probabilities) * (above - below)), low, high)
+    found: Floats = np.clip(whole.ppf(below + np.asarray(probabilities) * (above - below)), low, high)
+    return found
 
 
 def _untruncated(distribution: Distribution, own: float) -> Any:
