@@ -1,4 +1,4 @@
-"""What a suite may ask of a scenario: any quantity, its lightest design, and what a replacement of one material saves."""
+"""Questions a suite may ask: any quantity, the lightest design, and what replacing one material saves."""
 
 from collections.abc import Callable
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""Check the model against a suite: the computed value of every case, its deviation and whether it is within the band."""
+"""Check the model against a suite: computed values, their deviations and whether these lie within the bands."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
