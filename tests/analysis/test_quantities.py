@@ -25,6 +25,7 @@ GRID = {
     "ceramic_thickness_mm": {"min": 0.0, "max": 60.0, "step": 0.5},
     "backing_thickness_mm": {"min": 1.0, "max": 60.0, "step": 0.5},
 }
+THIN = {layer: {"min": 0.5, "max": 2.0, "step": 0.5} for layer in GRID}
 
 
 def value(name: str, of: Scenario) -> float | str:
@@ -79,7 +80,7 @@ def test_the_required_total_thickness_keeps_the_proportions():
 
 @pytest.mark.parametrize("name", [name for name, quantity in QUANTITIES.items() if quantity.on_grid])
 def test_no_thickness_of_the_range_is_enough(name: str):
-    assert np.isnan(number(name, scenario(velocity=9000.0, optimise=GRID)))
+    assert np.isnan(number(name, scenario(ceramic_mm=1.0, backing_mm=1.0, optimise=THIN)))
 
 
 @pytest.mark.parametrize("name", [name for name, quantity in QUANTITIES.items() if quantity.on_grid])

@@ -13,7 +13,7 @@ GRID = {
     "ceramic_thickness_mm": {"min": 0.0, "max": 60.0, "step": 1.0},
     "backing_thickness_mm": {"min": 1.0, "max": 60.0, "step": 1.0},
 }
-LAYERS = ["ceramic", "backing"]
+THIN = {layer: {"min": 0.5, "max": 2.0, "step": 0.5} for layer in GRID}
 
 
 @pytest.fixture(scope="module")
@@ -44,14 +44,14 @@ def test_what_a_replacement_saves(wilkins: Scenario, layer: str, material: str):
 
 @pytest.mark.parametrize("name", [name for name, question in QUESTIONS.items() if question.on_grid])
 def test_no_design_is_enough(name: str):
-    fast = scenario(velocity=9000.0, optimise=GRID)
+    fast = scenario(ceramic_mm=1.0, backing_mm=1.0, optimise=THIN)
     with pytest.raises(NoDesignError, match="no design"):
         answer(name, Asked(fast, fast.replaced({"armour.backing": "7075-T6"})))
 
 
 def test_no_limit_says_why():
     narrow = scenario(ballistic_limit={"velocity_min_m_s": 1000.0})
-    with pytest.raises(NoLimitError, match="lower ballistic_limit.velocity_min_m_s"):
+    with pytest.raises(NoLimitError, match="lower ballistic_limit"):
         answer("ballistic_limit_m_s", Asked(narrow))
 
 
