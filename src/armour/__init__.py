@@ -18,8 +18,9 @@ if TYPE_CHECKING:
     from armour.errors import ArmourError, InputError, NoAnswerError, NoDesignError, NoLimitError, Problem
     from armour.scenario.library import Library, LibraryEntry, Value, read_library, shipped_library
     from armour.scenario.loading import Scenario, load_scenario, parse_scenario, save_scenario
-    from armour.statistics.calibration import CalibrationResult, calibrate, read_tests
+    from armour.statistics.calibration import CalibrationResult, calibrate
     from armour.statistics.sensitivity import SensitivityResult, sensitivity
+    from armour.statistics.test_data import read_tests
     from armour.statistics.uncertainty import UncertaintyResult, uncertainty
     from armour.statistics.v50 import FiringResult, Shots, read_shots, v50
     from armour.validation.suite import Case, Suite, load_suite
@@ -70,7 +71,7 @@ _HOMES = {
     "parse_scenario": "scenario.loading",
     "read_library": "scenario.library",
     "read_shots": "statistics.v50",
-    "read_tests": "statistics.calibration",
+    "read_tests": "statistics.test_data",
     "save_scenario": "scenario.loading",
     "sensitivity": "statistics.sensitivity",
     "shipped_library": "scenario.library",

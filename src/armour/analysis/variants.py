@@ -1,6 +1,6 @@
 """Variants of a scenario as rows for the compiled engine, and the engine's answers to them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -90,6 +90,20 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
                 getattr(field, target[0])[:] = DEFAULTS[key][0] * columns[YIELD] * target[1]
     velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
     return Variants(rows, velocities, settings_of(scenario))
+
+
+def concatenated(parts: Sequence[Variants]) -> Variants:
+    """Concatenate variants with equal settings.
+
+    Raises
+    ------
+    ValueError
+        If their settings differ.
+    """
+    if any(part.settings != parts[0].settings for part in parts):
+        raise ValueError("variants with different settings cannot be concatenated")
+    parameters = np.concatenate([part.parameters for part in parts])
+    return Variants(parameters, np.concatenate([part.velocities for part in parts]), parts[0].settings)
 
 
 def grid_of(scenario: Scenario) -> Optimise:

@@ -16,6 +16,7 @@ from armour.analysis.ballistic_limit import LimitResult
 from armour.analysis.closed_forms import residual_velocity
 from armour.analysis.comparison import Comparison
 from armour.analysis.impact import History, ImpactResult, StageRecord
+from armour.analysis.quantities import heading
 from armour.design.catalogue import CRITERIA, StudyResult
 from armour.design.optimisation import OptimumResult
 from armour.scenario.loading import Scenario
@@ -24,7 +25,6 @@ from armour.statistics.calibration import CalibrationResult
 from armour.statistics.sensitivity import SensitivityResult
 from armour.statistics.uncertainty import UncertaintyResult
 from armour.statistics.v50 import FiringResult, Shots, probability
-from armour.sweeps.sweep import words_of
 from armour.units import words_and_unit
 from armour.validation.figures import Chart
 from armour.validation.validate import SuiteResult
@@ -340,7 +340,7 @@ def calibration_figure(result: CalibrationResult, title: str) -> Figure:
             margin = 0.05 * (max(ends) - min(ends)) or 1.0
             span = min(ends) - margin, max(ends) + margin
             parity.plot(span, span, color=BLACK, linewidth=0.8, label="agreement")
-            parity.set(xlim=span, ylim=span, aspect="equal", xlabel=f"measured {words_of(quantity)}", ylabel="computed")
+            parity.set(xlim=span, ylim=span, aspect="equal", xlabel=f"measured {heading(quantity)}", ylabel="computed")
             parity.legend(fontsize=7)
             exact = [residual for residual in found if not residual.bound]
             places = np.arange(len(exact))
@@ -473,13 +473,13 @@ def sweep_figure(table: Mapping[str, Floats], keys: Sequence[str], name: str, sc
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.2, 4.2))
         axes = figure.subplots()
-        axes.set_xlabel(words_of(keys[0]))
+        axes.set_xlabel(heading(keys[0]))
         if len(keys) == 1:
             axes.plot(table[keys[0]], table[name], color=BLUE)
-            axes.set_ylabel(words_of(name))
+            axes.set_ylabel(heading(name))
         else:
             _map(figure, axes, table, keys, name)
-            axes.set_ylabel(words_of(keys[1]))
+            axes.set_ylabel(heading(keys[1]))
             if set(keys) == {CERAMIC, BACKING}:
                 _equal_areal_densities(axes, scenario, ceramic_first=keys[0] == CERAMIC)
         figure.suptitle(_wrapped(scenario.title), fontsize=10)
@@ -492,7 +492,7 @@ def _map(figure: Figure, axes: Axes, table: Mapping[str, Floats], keys: Sequence
     z[np.searchsorted(y, table[keys[1]]), np.searchsorted(x, table[keys[0]])] = table[name]
     axes.grid(visible=False)
     shown = axes.pcolormesh(x, y, np.ma.masked_invalid(z), cmap="cividis", shading="nearest", rasterized=True)
-    figure.colorbar(shown, label=words_of(name))
+    figure.colorbar(shown, label=heading(name))
     if min(z.shape) > 1 and np.isfinite(z).any() and np.nanmin(z) < np.nanmax(z):
         lines = axes.contour(x, y, z, levels=8, colors="white", linewidths=0.8)
         axes.clabel(lines, fontsize=7, fmt="%g")
