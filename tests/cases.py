@@ -1,14 +1,17 @@
 """Scenarios and armours that several tests use."""
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from armour.core.run import Instant, Run, run
 from armour.core.stages import default_time_step
 from armour.core.state import Parameters
-from armour.scenario.loading import Scenario, parse_scenario
+from armour.scenario.loading import Scenario, load_scenario, parse_scenario
+from armour.sweeps.cases import Grid, axis_of
 
 SCENARIOS = Path(__file__).parent.parent / "scenarios"
+TESTS = SCENARIOS / "tests" / "wilkins.csv"
 
 
 def data(
@@ -64,3 +67,27 @@ def path(trace: list[Instant]) -> list[str]:
         if not names or names[-1] != name:
             names.append(name)
     return names
+
+
+@cache
+def shipped_scenario(name: str) -> Scenario:
+    """A scenario of the folder of shipped scenarios."""
+    return load_scenario(SCENARIOS / f"{name}.toml")
+
+
+def sweep_scenario(**sections: Any) -> Scenario:
+    """The Wilkins case with a grid, and ballistic limits to 0.1 mm/s."""
+    thicknesses = {"min": 1.0, "max": 20.0, "step": 1.0}
+    grid = {"ceramic_thickness_mm": thicknesses, "backing_thickness_mm": thicknesses}
+    return scenario(optimise=grid, ballistic_limit={"tolerance_m_s": 1e-4}, **sections)
+
+
+def sweep_grid(*texts: str) -> Grid:
+    """A grid from the texts of its axes."""
+    return Grid(tuple(axis_of(text) for text in texts))
+
+
+def csv_file(path: Path, *lines: str) -> Path:
+    """A file of lines."""
+    path.write_text("\n".join(lines) + "\n")
+    return path

@@ -116,8 +116,8 @@ def calibrate(
     Raises
     ------
     InputError
-        If a name is not an input, the tests differ in the material that is fitted or are fewer than the coefficients, or
-        a run does not end.
+        If a name is not an input, the tests differ in the material that is fitted, there are too few of them, or a run
+        does not end.
     """
     done = fit_inputs(tests, scenario, fit, law)
     computed, left_out = predicted(tests, done.fitted, done.x), _left_out(tests, done, law)
