@@ -12,9 +12,10 @@ from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
 from armour.analysis.variants import Floats, Ints, Variants, ballistic_limits, perforated, variants_of
 from armour.errors import InputError, NoLimitError, Problem
 from armour.scenario.applicability import warnings_of
-from armour.scenario.distributions import Uncertainty, columns_of, points_of
+from armour.scenario.distributions import Uncertainty
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import VELOCITY, check_names, check_ranges, inputs_of
+from armour.scenario.sampling import columns_of, points_of, quantiles
 
 # Quantiles of the ballistic limit.
 QUANTILES = {"V05": 0.05, "V50": 0.5, "V95": 0.95}
@@ -167,7 +168,7 @@ def section_of(scenario: Scenario) -> Uncertainty:
     problems = [
         Problem(scenario.file, f"uncertainty.{name}", lacking)
         for name, distribution in section.inputs().items()
-        if (lacking := distribution.lacks(own[name]))
+        if (lacking := distribution.mean_problem(own[name]))
     ]
     if problems:
         raise InputError(problems)
@@ -253,11 +254,11 @@ def influence_indices(scenario: Scenario, section: Uncertainty) -> tuple[Index, 
         return sample_limits(variants_of(scenario, columns, len(columns[names[0]])))
 
     def limits_at(points: Floats) -> Floats:
-        return limits({name: distributions[name].quantiles(points[i], own[name]) for i, name in enumerate(names)})
+        return limits({name: quantiles(distributions[name], points[i], own[name]) for i, name in enumerate(names)})
 
     ends = {name: np.full(2 * len(names), own[name]) for name in names}
     for i, (name, distribution) in enumerate(distributions.items()):
-        ends[name][2 * i : 2 * i + 2] = distribution.quantiles(np.array([0.05, 0.95]), own[name])
+        ends[name][2 * i : 2 * i + 2] = quantiles(distribution, np.array([0.05, 0.95]), own[name])
     limits_at_ends = limits(ends).reshape(-1, 2).tolist()
     pairs: list[tuple[Estimate | None, Estimate | None]] = [(None, None)] * len(names)
     if not section.correlation:
