@@ -71,7 +71,7 @@ class Search:
         self.examined = np.zeros(len(candidates.pair), dtype=bool)
         self.defeating = np.zeros(len(candidates.pair), dtype=bool)  # at the velocities required
         self._limits: dict[int, Floats] = {}
-        self._probabilities: "dict[int, dict[str, Estimate] | None]" = {}
+        self._probabilities: dict[int, dict[str, Estimate] | None] = {}
 
     def of_pair(self, pair: int) -> Ints:
         """Return the designs of a pair."""
