@@ -9,12 +9,10 @@ from .analysis.history import History as History
 from .analysis.impact import ImpactResult as ImpactResult
 from .analysis.impact import StageRecord as StageRecord
 from .analysis.impact import simulate as simulate
-from .analysis.least_thickness import Design as Design
-from .design.catalogue import StudyResult as StudyResult
-from .design.catalogue import study as study
-from .design.optimisation import BestDesign as BestDesign
-from .design.optimisation import OptimumResult as OptimumResult
-from .design.optimisation import optimise as optimise
+from .design.optimise import BestDesign as BestDesign
+from .design.optimise import Design as Design
+from .design.optimise import DesignResult as DesignResult
+from .design.optimise import optimise as optimise
 from .errors import ArmourError as ArmourError
 from .errors import InputError as InputError
 from .errors import NoAnswerError as NoAnswerError

@@ -6,7 +6,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import simulate
-from armour.design.optimisation import optimise
+from armour.design.optimise import optimise
 from armour.errors import InputError
 from armour.scenario.parameters import inputs_of, with_inputs
 from armour.statistics.sensitivity import CHANGE, LIMIT, OPTIMUM, RESIDUAL, sensitivity

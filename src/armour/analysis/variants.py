@@ -199,6 +199,58 @@ def ballistic_limits(variants: Variants, tolerance: float | None = None, threads
     return limits
 
 
+class Limits(NamedTuple):
+    """Ballistic limits and what they took to find."""
+
+    values: Floats  # m/s, (n,)
+    runs: int  # impacts computed
+
+
+def lowest_limits(variants: Variants, low: float, high: float, threads: int | None = None) -> Limits:
+    """Find the lowest ballistic limit of each row between two velocities by scan and bisection.
+
+    Nothing is taken for monotonic: these are the numbers, to the last bit, of
+    `armour.analysis.ballistic_limit.ballistic_limit` with this range.
+
+    Parameters
+    ----------
+    variants : Variants
+    low, high : float
+        Range of velocities, m/s.
+    threads : int, optional
+
+    Returns
+    -------
+    Limits
+        -inf where already the lowest velocity perforates, inf where none does.
+
+    Raises
+    ------
+    InputError
+        If a run does not end, naming the key at fault.
+    """
+    velocities = np.array(scan(low, high, SCAN_POINTS))
+    count = len(variants.velocities)
+    scanned = variants.at(np.repeat(np.arange(count), len(velocities)))
+    scanned = scanned._replace(velocities=np.tile(velocities, count))
+    outcomes = perforated(scanned, threads).reshape(count, len(velocities))
+    runs = outcomes.size
+
+    limits = np.where(outcomes[:, 0], -np.inf, np.inf)
+    where = np.flatnonzero(outcomes.any(axis=1) & ~outcomes[:, 0])
+    bounded = variants.at(where)
+
+    def holds(values: Floats, rows: Ints) -> Bools:
+        nonlocal runs
+        runs += len(values)
+        return perforated(bounded.at(rows)._replace(velocities=values), threads)
+
+    first = outcomes[where].argmax(axis=1)
+    tolerance = variants.settings.ballistic_limit.tolerance_m_s
+    limits[where] = bisect_rows(holds, velocities[first - 1], velocities[first], tolerance)
+    return Limits(limits, runs)
+
+
 def _scan_interval(
     holds: Callable[[Floats, Ints], Bools], values: Floats, below: Floats, above: Floats
 ) -> tuple[Floats, Floats, Floats, Floats]:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from armour.analysis.quantities import Answers
-from armour.analysis.variants import Floats, Variants, ballistic_limits, concatenated, variants_of
-from armour.design.optimisation import lightest_of_rows
+from armour.analysis.variants import Floats, Variants, ballistic_limits, concatenated, grid_of, variants_of
+from armour.design.free import least_areal_densities
 from armour.errors import NoAnswerError
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of
@@ -112,7 +112,8 @@ def _answers(scenario: Scenario, variants: Variants) -> dict[str, Floats]:
         RESIDUAL: np.where(impacts.perforated, impacts.residual_velocities, np.nan),
     }
     if scenario.optimise is not None:
-        answers[OPTIMUM] = lightest_of_rows(scenario, variants.parameters, variants.velocities)[2]
+        grid_of(scenario)
+        answers[OPTIMUM] = least_areal_densities(variants)
     return answers
 
 

@@ -9,12 +9,13 @@ import numpy as np
 from scipy.stats import beta, qmc, quantile_test, sobol_indices
 
 from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
+from armour.analysis.uncertain_inputs import check_samples, section_of
 from armour.analysis.variants import Floats, Ints, Variants, ballistic_limits, perforated, variants_of
-from armour.errors import InputError, NoLimitError, Problem
+from armour.errors import NoLimitError
 from armour.scenario.applicability import warnings_of
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import VELOCITY, check_names, check_ranges, inputs_of
+from armour.scenario.parameters import VELOCITY, inputs_of
 from armour.scenario.sampling import columns_of, points_of, quantiles
 
 # Quantiles of the ballistic limit.
@@ -149,49 +150,6 @@ def uncertainty(scenario: Scenario) -> UncertaintyResult:
         inputs=influence_indices(scenario, section),
         warnings=warnings_of(scenario, deterministic),
     )
-
-
-def section_of(scenario: Scenario) -> Uncertainty:
-    """Return the distributions of a scenario.
-
-    Raises
-    ------
-    InputError
-        If it has none, or one of an input that it does not have.
-    """
-    section = scenario.uncertainty
-    if section is None or not section.inputs():
-        message = "is missing and must be given: the distributions of inputs, as in docs/howto/uncertainty.md"
-        raise InputError([Problem(scenario.file, "uncertainty", message)])
-    check_names(section.inputs(), scenario, scenario.file, "uncertainty")
-    own = inputs_of(scenario)
-    problems = [
-        Problem(scenario.file, f"uncertainty.{name}", lacking)
-        for name, distribution in section.inputs().items()
-        if (lacking := distribution.mean_problem(own[name]))
-    ]
-    if problems:
-        raise InputError(problems)
-    return section
-
-
-def check_samples(scenario: Scenario, columns: Mapping[str, Floats]) -> None:
-    """Check that the scenario allows all sampled values.
-
-    Raises
-    ------
-    InputError
-        With every distribution that reaches values that are not allowed.
-    """
-    problems = []
-    for name, values in columns.items():
-        try:
-            check_ranges(scenario, {name: values})
-        except InputError as error:
-            message = f"must not reach values that are not allowed: {error.problems[0].message}; give it a min or max"
-            problems.append(Problem(scenario.file, f"uncertainty.{name}", message))
-    if problems:
-        raise InputError(problems)
 
 
 def sample_limits(samples: Variants) -> Floats:
