@@ -9,7 +9,7 @@ from scipy.special import log_expit, log_ndtr
 from scipy.stats import chi2
 
 from armour.errors import InputError, NoAnswerError
-from armour.statistics.v50 import LINKS, FittedCurve, Link, Shots, fit_curve, mean_v50, probability, read_shots, v50
+from armour.statistics.v50 import LINKS, FittedCurve, Link, Shots, fit_curve, mean_v50, read_shots, v50
 from tests.cases import scenario
 
 MIXED = Shots((700, 710, 715, 720, 725, 730, 722, 735), (False, False, True, False, True, True, False, True))
@@ -75,7 +75,7 @@ def test_shots_apart_have_a_finite_interval_beyond_the_gap():
         assert 690.0 < low < 715.0 < 731.0 < high < 760.0
         assert fit.scale_interval_m_s[0] == 0.0
         assert 5.0 < (fit.scale_interval_m_s[1] or 0.0) < 100.0
-        assert [probability(fit, v) for v in (722.9, 723.0, 723.1)] == [0.0, 0.5, 1.0]
+        assert [fit.probability(v) for v in (722.9, 723.0, 723.1)] == [0.0, 0.5, 1.0]
 
 
 def test_shots_that_touch():

@@ -25,7 +25,7 @@ from armour.scenario.parameters import BACKING, CERAMIC
 from armour.statistics.calibration import CalibrationResult
 from armour.statistics.sensitivity import SensitivityResult
 from armour.statistics.uncertainty import UncertaintyResult
-from armour.statistics.v50 import FiringResult, Shots, probability
+from armour.statistics.v50 import FiringResult, Shots
 from armour.units import words_and_unit
 from armour.validation.figures import Chart
 from armour.validation.validate import SuiteResult
@@ -407,7 +407,7 @@ def firing_figure(shots: Shots, result: FiringResult) -> Figure:
         shown = np.linspace(max(least, min([slowest, *ends]) - margin), min(most, max([fastest, *ends]) + margin), 400)
         for fit, line, colour, height in zip(result.fits, LINES, (BLUE, ORANGE), (0.47, 0.53), strict=False):
             label = f"{fit.curve}: V50 {fit.v50_m_s:.1f} m/s"
-            axes.plot(shown, [probability(fit, v) for v in shown], line, color=colour, label=label)
+            axes.plot(shown, [fit.probability(v) for v in shown], line, color=colour, label=label)
             bar = [s if e is None else e for e, s in zip(fit.v50_interval_m_s, shown[[0, -1]], strict=True)]
             axes.plot(bar, [height, height], color=colour, linewidth=3.0, alpha=0.5, solid_capstyle="butt")
         if result.mean is not None:

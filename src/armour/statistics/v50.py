@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from math import erf, exp, log, nan, pi, sqrt
+from math import exp, log, nan, pi, sqrt
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import brentq, minimize, minimize_scalar
-from scipy.special import expit, log_expit, log_ndtr
+from scipy.special import expit, log_expit, log_ndtr, ndtr
 from scipy.stats import chi2
 
 from armour.analysis.ballistic_limit import ballistic_limit
@@ -96,6 +96,13 @@ class FittedCurve:
     scale_m_s: float
     scale_interval_m_s: tuple[float, float | None]
     log_likelihood: float
+
+    def probability(self, velocity_m_s: float) -> float:
+        """Return the probability of complete penetration at a velocity, m/s."""
+        if self.scale_m_s == 0.0:
+            return 0.5 * (1.0 + (velocity_m_s > self.v50_m_s) - (velocity_m_s < self.v50_m_s))
+        z = (velocity_m_s - self.v50_m_s) / self.scale_m_s
+        return float(ndtr(z) if self.curve == "probit" else expit(z))
 
 
 @dataclass(frozen=True)
@@ -314,16 +321,6 @@ def fit_curve(shots: Shots, link: Link, confidence: float = CONFIDENCE) -> Fitte
         ),
         log_likelihood=maximum,
     )
-
-
-def probability(fit: FittedCurve, velocity_m_s: float) -> float:
-    """Compute the probability of complete penetration at a velocity, m/s."""
-    if fit.scale_m_s == 0.0:
-        return 0.5 * (1.0 + (velocity_m_s > fit.v50_m_s) - (velocity_m_s < fit.v50_m_s))
-    z = (velocity_m_s - fit.v50_m_s) / fit.scale_m_s
-    if fit.curve == "probit":
-        return 0.5 * (1.0 + erf(z / sqrt(2.0)))
-    return 1.0 / (1.0 + exp(-z)) if z > -700.0 else 0.0
 
 
 def _log_cdf(link: Link) -> Callable[[Floats], Floats]:

@@ -14,8 +14,8 @@ from armour.scenario.loading import Scenario
 from armour.sweeps.cases import Cases, Grid
 from armour.sweeps.checkpoint import Store
 
-# Rows that are computed, written and, on a cluster, sent at a time.
-CHUNK = 50_000
+# Rows that are computed, written and, on a cluster, sent at a time; ballistic limits of a chunk take about a second.
+CHUNK = 10_000
 
 # Computes chunks, given by index and groups of rows, in any order.
 Compute = Callable[[Iterator[tuple[int, list[Group]]], Sequence[str]], Iterator[tuple[int, dict[str, Any]]]]
