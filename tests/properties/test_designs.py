@@ -17,7 +17,7 @@ from tests.cases import scenario
 from tests.plain_designs import CRITERIA, defeats, designs, passes, posed
 
 # Exotic catalogues in which the lightest design that defeats the threats at their own velocities has a lower limit.
-LOWER_LIMITS = [52, 705, 857, 925, 1048, 1058]
+LOWER_LIMITS = [52, 705, 756, 925, 1048, 1058]
 
 
 def names(design: Design) -> tuple[str, str, float, float]:
