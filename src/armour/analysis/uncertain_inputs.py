@@ -26,7 +26,7 @@ def section_of(scenario: Scenario) -> Uncertainty:
     problems = [
         Problem(scenario.file, f"uncertainty.{name}", lacking)
         for name, distribution in section.inputs().items()
-        if (lacking := distribution.lacks(own[name]))
+        if (lacking := distribution.mean_problem(own[name]))
     ]
     if problems:
         raise InputError(problems)

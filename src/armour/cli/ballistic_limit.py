@@ -22,7 +22,7 @@ def ballistic_limit(
 ) -> None:
     """Find the lowest impact velocity that perforates."""
     from armour.analysis.ballistic_limit import ballistic_limit as find_limit
-    from armour.analysis.ballistic_limit import residual_curve, velocities_round
+    from armour.analysis.ballistic_limit import curve_velocities, residual_velocity_curve
     from armour.reporting.tables import CROSSING_COLUMNS, crossing_rows, limit_rows
 
     check_outputs(plot=plot, source=scenario)
@@ -41,5 +41,5 @@ def ballistic_limit(
     if plot is not None:
         from armour.reporting.plots import limit_figure
 
-        curve = residual_curve(loaded, velocities_round(result, loaded))
+        curve = residual_velocity_curve(loaded, curve_velocities(result, loaded))
         write_plot(plot, limit_figure(result, curve, loaded.title))

@@ -9,9 +9,10 @@ from armour.analysis.uncertain_inputs import check_samples, section_of
 from armour.analysis.variants import Floats, perforated, variants_of
 from armour.design.catalogue import Catalogue
 from armour.errors import InputError, Problem
-from armour.scenario.distributions import Uncertainty, columns_of, points_of
+from armour.scenario.distributions import Uncertainty
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of
+from armour.scenario.sampling import columns_of, points_of
 
 # Samples of a design after which it is first checked whether it can still pass.
 FIRST_SAMPLES = 256
@@ -86,7 +87,7 @@ def probability_within(
     scenario : Scenario
         Materials of the design and the threat, with distributions.
     points : array, (samples, inputs)
-        Points of the unit cube, see `armour.scenario.distributions.points_of`.
+        Points of the unit cube, see `armour.scenario.sampling.points_of`.
     ceramic_mm, backing_mm : float
         Thicknesses of the design, mm.
     bound : float

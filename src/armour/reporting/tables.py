@@ -5,11 +5,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from io import StringIO
 from math import floor, log10
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from armour.analysis.ballistic_limit import LimitResult
 from armour.analysis.comparison import Comparison, FlorenceResult
-from armour.analysis.impact import History, ImpactResult
+from armour.analysis.impact import ImpactResult
 from armour.analysis.least_thickness import Design
 from armour.analysis.quantities import QUANTITIES
 from armour.design.catalogue import ParetoPoint, StudyResult
@@ -22,6 +22,9 @@ from armour.statistics.v50 import FiringResult
 from armour.validation.figures import Chart
 from armour.validation.suite import Case
 from armour.validation.validate import Check, SuiteResult, Update
+
+if TYPE_CHECKING:
+    from armour.analysis.history import History
 
 # A quantity, its number in words and its unit.
 Row = tuple[str, str, str]
@@ -614,9 +617,9 @@ def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     return text.getvalue()
 
 
-def history_csv(history: History) -> str:
+def history_csv(history: "History") -> str:
     """A run over time as a CSV file."""
-    names = [field.name for field in fields(History)]
+    names = [field.name for field in fields(history)]
     columns = [getattr(history, name).tolist() for name in names]
     return csv_text(names, zip(*columns, strict=True))
 
