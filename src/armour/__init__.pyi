@@ -12,6 +12,7 @@ from .analysis.impact import simulate as simulate
 from .design.optimise import BestDesign as BestDesign
 from .design.optimise import Design as Design
 from .design.optimise import DesignResult as DesignResult
+from .design.optimise import Pair as Pair
 from .design.optimise import optimise as optimise
 from .errors import ArmourError as ArmourError
 from .errors import InputError as InputError

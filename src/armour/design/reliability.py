@@ -87,7 +87,7 @@ def probability_within(
     scenario : Scenario
         Materials of the design and the threat, with distributions.
     points : array, (samples, inputs)
-        Points of the unit cube, see `armour.scenario.distributions.points_of`.
+        Points of the unit cube, see `armour.scenario.sampling.points_of`.
     ceramic_mm, backing_mm : float
         Thicknesses of the design, mm.
     bound : float
