@@ -359,9 +359,9 @@ def here(threads: int | None = None) -> Compute:
 def job_of(scenario: Scenario, source: Source, quantities: Sequence[str], size: int) -> str:
     """What tells a sweep from any other: all that its numbers depend on."""
     rows = source.axes if isinstance(source, Grid) else sha256(source.path.read_bytes()).hexdigest()
-    from armour.engine import compiled
+    from armour.engine import cache
 
-    told = (compiled.digest(), repr(scenario), repr(scenario.core_armour()), rows, tuple(quantities), size)
+    told = (cache.digest(), repr(scenario), repr(scenario.core_armour()), rows, tuple(quantities), size)
     return sha256(repr(told).encode()).hexdigest()
 
 
