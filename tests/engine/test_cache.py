@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -127,10 +128,21 @@ def test_a_directory_of_another_user(archive: Path, compiler: FakeCompiler, monk
     assert archive.read_bytes() == content
 
 
-def test_a_user_without_a_home(compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
-    """Without an entry in the password file, "~" remains as it is."""
+def no_home(*_args: Any, **_kwargs: Any) -> str:
+    raise RuntimeError
+
+
+def unexpanded(*_args: Any, **_kwargs: Any) -> str:
+    return "~/.cache/armour"
+
+
+@pytest.mark.parametrize("user_cache_dir", [no_home, unexpanded])
+def test_a_user_without_a_home(
+    compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, user_cache_dir: Callable[..., str]
+):
+    """Newer and older versions of platformdirs."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(cache, "user_cache_dir", lambda *_args, **_kwargs: "~/.cache/armour")
+    monkeypatch.setattr(cache, "user_cache_dir", user_cache_dir)
     assert cache.archive_path() is None
     assert not cache.is_compiled()
     assert cache.load_kernels() == RESULT

@@ -44,7 +44,10 @@ def digest(package: Path = PACKAGE) -> str:
 
 def archive_path() -> Path | None:
     """Return the path of the archive, or None where the user has no cache directory."""
-    directory = Path(user_cache_dir("armour", appauthor=False))
+    try:
+        directory = Path(user_cache_dir("armour", appauthor=False))
+    except RuntimeError:  # no home; older versions of platformdirs return a relative path
+        return None
     # numba's index also depends on the path of the source.
     name = sha256(f"{digest()} {PACKAGE}".encode()).hexdigest()
     return directory / f"{name}{SUFFIX}" if directory.is_absolute() else None
