@@ -38,7 +38,7 @@ def digest(package: Path = PACKAGE) -> str:
     """Return a hash of the source of the core and the kernels, and of the versions of numba and Python."""
     found = sha256(f"{version('numba')} {sys.version}".encode())
     for path in [*sorted((package / "core").glob("*.py")), package / "engine" / "kernels.py"]:
-        found.update(sha256(path.read_bytes()).digest())
+        found.update(sha256(path.name.encode() + path.read_bytes()).digest())
     return found.hexdigest()
 
 
