@@ -56,7 +56,7 @@ def parameters_at(rows: Any, i: int) -> Parameters:
         rows[i, 9],
         rows[i, 10],
         rows[i, 11],
-        rows[i, 12] > 0.5,
+        int(rows[i, 12]),
     )
 
 
