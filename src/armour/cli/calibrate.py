@@ -52,8 +52,10 @@ def calibrate(
         correlation_table,
         residual_rows,
     )
-    from armour.statistics.calibration import FLOW_STRESS, library_text, read_tests
     from armour.statistics.calibration import calibrate as find
+    from armour.statistics.fitted_library import library_text
+    from armour.statistics.flow_stress_laws import FLOW_STRESS
+    from armour.statistics.test_data import read_tests
 
     check_outputs(library, plot=plot, source=tests)
     check_outputs(library, plot=plot, source=scenario)

@@ -193,9 +193,9 @@ def warn(scenario: "Scenario", warnings: Sequence[str]) -> None:
 
 def tell_of_compiling() -> None:
     """Say on stderr that the first use after an installation takes its time."""
-    from armour.engine import compiled
+    from armour.engine import cache
 
-    if not compiled.is_compiled():
+    if not cache.is_compiled():
         print("compiling, once after an installation: some ten seconds", file=sys.stderr)
 
 

@@ -23,7 +23,8 @@ from armour.cli.runner import (
 from armour.errors import InputError, Problem
 
 if TYPE_CHECKING:
-    from armour.sweeps.sweep import Cases, Grid, OnChunk
+    from armour.sweeps.cases import Cases, Grid
+    from armour.sweeps.sweep import OnChunk
 
 
 def sweep(
@@ -56,8 +57,8 @@ def sweep(
     as_json: AsJson = False,
 ) -> None:
     """Compute quantities over grids of values, or a table of cases; interrupted, it goes on where it stopped."""
-    from armour.sweeps.dask import connected, on
-    from armour.sweeps.sweep import here
+    from armour.sweeps.dask import connected, on_cluster
+    from armour.sweeps.sweep import in_process
     from armour.sweeps.sweep import sweep as run_sweep
 
     check_outputs(output, plot=plot, source=scenario)
@@ -68,7 +69,7 @@ def sweep(
         _check_plot(source, names)
     tell_of_compiling()
     with connected(scheduler) if scheduler else nullcontext() as client, _progress(source.count) as show:
-        compute = here(threads) if client is None else on(client)
+        compute = in_process(threads) if client is None else on_cluster(client)
         rows = run_sweep(loaded, source, names, output, compute=compute, on_chunk=show)
     if as_json:
         print_json({"rows": rows, "output": str(output)})
@@ -82,7 +83,7 @@ def sweep(
 
 def _source(over: list[str], cases: Path | None) -> "Grid | Cases":
     """The rows asked for."""
-    from armour.sweeps.sweep import Cases, Grid, axis_of
+    from armour.sweeps.cases import Cases, Grid, axis_of
 
     if (cases is None) == (not over):
         raise InputError([Problem("sweep", "--over", "must be given, or --cases, and not both")])
@@ -90,7 +91,7 @@ def _source(over: list[str], cases: Path | None) -> "Grid | Cases":
 
 
 def _check_plot(source: "Grid | Cases", names: list[str]) -> None:
-    from armour.sweeps.sweep import Grid
+    from armour.sweeps.cases import Grid
 
     if not isinstance(source, Grid) or len(source.axes) not in (1, 2) or names[0] == "outcome":
         message = "draws the first quantity, a number, over one or two --over"
