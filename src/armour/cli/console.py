@@ -1,0 +1,227 @@
+"""Tables, lines and JSON on standard output; messages and progress on standard error.
+
+A terminal shows every word, name and number whole: a table that is too wide first gets headings of several lines,
+then becomes a block of lines for each row.  In a pipe each row stays on one line.
+"""
+
+import json
+import os
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import IO, TYPE_CHECKING, Any
+
+from armour.reporting.table import Column, Table
+from armour.reporting.text import printable
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.measure import Measurement
+
+# Room between two columns of a table, and between label and value of a block.
+GAP, BLOCK_GAP = 3, 2
+# Least width of a column of prose before the table becomes blocks.
+PROSE_WIDTH = 24
+# Width to measure texts in, and to lay out what goes into a pipe.
+UNLIMITED = 1_000_000
+
+
+def show(*items: Table | str) -> None:
+    """Print tables and lines on standard output; a reader that has closed the pipe is no error."""
+    _write(sys.stdout, rendered(items, _console()))
+
+
+def show_json(data: Mapping[str, Any]) -> None:
+    """Print one JSON object on standard output."""
+    _write(sys.stdout, json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def say(*items: Table | str) -> None:
+    """Print messages on standard error."""
+    if items:
+        _write(sys.stderr, rendered(items, _console(stderr=True)) if _has_tables(items) else _lines(items))
+
+
+def _has_tables(items: Sequence[Table | str]) -> bool:
+    return any(isinstance(item, Table) for item in items)
+
+
+def _lines(items: Sequence[Table | str]) -> str:
+    return "".join(f"{printable(item)}\n" for item in items if isinstance(item, str))
+
+
+def _write(stream: IO[str], text: str) -> None:
+    """Write at once, so that a closed pipe is noticed here and not at the end of the process."""
+    try:
+        stream.write(text)
+        stream.flush()
+    except BrokenPipeError:
+        # What is still in the buffer goes nowhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _console(*, stderr: bool = False) -> "Console":
+    """Return a console as wide as the terminal; in a pipe without a limit."""
+    from rich.console import Console
+
+    console = Console(stderr=stderr, highlight=False, markup=False, emoji=False)
+    if not console.is_terminal:
+        console.width = UNLIMITED
+    return console
+
+
+def rendered(items: Sequence[Table | str], console: "Console") -> str:
+    """Format tables and lines for a console, with an empty line before every table but the first item."""
+    from rich.text import Text
+
+    room = console.width
+    # Rich would fold what does not fit; what is wider than the terminal is left to the terminal.
+    console.width = UNLIMITED
+    with console.capture() as capture:
+        for index, item in enumerate(items):
+            if isinstance(item, str):
+                console.out(printable(item), highlight=False)
+                continue
+            if index:
+                console.out()
+            if item.title:
+                console.print(Text(printable(item.title), style="bold"))
+            _print_table(item, console, room)
+    return "\n".join(line.rstrip(" ") for line in capture.get().split("\n"))
+
+
+def _print_table(table: Table, console: "Console", room: int) -> None:
+    if table.record:
+        _print_blocks(table, console, room)
+        return
+    texts = [[printable(text) for text in row] for row in table.texts()]
+    for stacked in (False, True):
+        headings = [_heading(column, stacked=stacked) for column in table.columns]
+        sizes = [
+            _column_size(console, column.prose, heading, [row[index] for row in texts], stacked=stacked)
+            for index, (column, heading) in enumerate(zip(table.columns, headings, strict=True))
+        ]
+        widths = _widths(sizes, room - GAP * (len(sizes) - 1))
+        if widths is not None:
+            _print_grid(table, headings, texts, widths, console)
+            return
+    _print_blocks(table, console, room)
+
+
+def _heading(column: Column, *, stacked: bool) -> str:
+    """Return a heading; stacked, its words may be wrapped and its unit has a line of its own."""
+    label = printable(column.label)
+    return f"{label},\n{column.unit}" if stacked and column.unit else printable(column.heading)
+
+
+def _measure(console: "Console", text: str) -> "Measurement":
+    """Return the widths of the longest word and the longest line."""
+    from rich.measure import Measurement
+    from rich.text import Text
+
+    return Measurement.get(console, console.options, Text(text))
+
+
+def _column_size(
+    console: "Console", prose: bool, heading: str, texts: Sequence[str], *, stacked: bool
+) -> "Measurement":
+    """Return the least and the greatest width that a column can use."""
+    from rich.measure import Measurement
+
+    head, cells = _measure(console, heading), [_measure(console, text) for text in texts]
+    most = max((cell.maximum for cell in cells), default=0)
+    word = max((cell.minimum for cell in cells), default=0)
+    least = max(word, min(most, PROSE_WIDTH)) if prose else most
+    return Measurement(max(least, head.minimum if stacked else head.maximum), max(most, head.maximum))
+
+
+def _widths(sizes: Sequence["Measurement"], room: int) -> list[int] | None:
+    """Return widths of columns that fill the room, those that lack least first; None where the least are too wide."""
+    widths = [size.minimum for size in sizes]
+    spare = room - sum(widths)
+    if spare < 0:
+        return None
+    order = sorted(range(len(sizes)), key=lambda index: sizes[index].span)
+    for left, index in zip(range(len(order), 0, -1), order, strict=True):
+        more = min(sizes[index].span, spare // left)
+        widths[index] += more
+        spare -= more
+    return widths
+
+
+def _print_grid(
+    table: Table, headings: Sequence[str], texts: Sequence[Sequence[str]], widths: Sequence[int], console: "Console"
+) -> None:
+    from rich import box
+    from rich.table import Table as Grid
+    from rich.text import Text
+
+    grid = Grid(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    for column, heading, width in zip(table.columns, headings, widths, strict=True):
+        grid.add_column(Text(heading), justify=column.alignment, width=width)
+    for row in texts:
+        grid.add_row(*(Text(text) for text in row))
+    console.print(grid)
+
+
+def _print_blocks(table: Table, console: "Console", room: int) -> None:
+    """Print a block for each row: a line for each quantity that it has, with label, value and unit."""
+    from rich.measure import Measurement
+    from rich.table import Table as Grid
+    from rich.text import Text
+
+    for index, row in enumerate(table.texts()):
+        found = [(column, printable(text)) for column, text in zip(table.columns, row, strict=True) if text]
+        number = max((_measure(console, text).maximum for column, text in found if column.numeric), default=0)
+        lines = [
+            (printable(column.label), f"{text:>{number}} {column.unit}".rstrip() if column.numeric else text)
+            for column, text in found
+        ]
+        sizes = []
+        for texts in zip(*lines, strict=True):
+            measured = [_measure(console, text) for text in texts]
+            sizes.append(Measurement(max(m.minimum for m in measured), max(m.maximum for m in measured)))
+        widths = _widths(sizes, room - BLOCK_GAP) or [size.minimum for size in sizes]
+        grid = Grid.grid(padding=(0, BLOCK_GAP, 0, 0))
+        for width in widths:
+            grid.add_column(width=width)
+        for label, value in lines:
+            grid.add_row(Text(label), Text(value))
+        if index:
+            console.out()
+        console.print(grid)
+
+
+@contextmanager
+def progress(what: str) -> Iterator[Callable[[int], None]]:
+    """Give a function that counts one more of a total: a progress bar on a terminal, nothing elsewhere."""
+    if not sys.stderr.isatty():
+        yield lambda _total: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda total: bar.update(task, total=total, advance=1)
+
+
+@contextmanager
+def rate(what: str, total: int) -> Iterator[Callable[[int], None]]:
+    """Give a function that counts some more of a total: a bar with rate and time left on a terminal."""
+    if not sys.stderr.isatty():
+        yield lambda _count: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=total, rate="compiling or reading compiled code")
+
+        def advance(count: int) -> None:
+            bar.advance(task, count)
+            speed = bar.tasks[task].speed
+            bar.update(task, rate=f"{speed:,.0f} {what}/s" if speed else "")
+
+        yield advance
