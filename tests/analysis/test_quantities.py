@@ -1,12 +1,14 @@
+"""Quantities of a scenario, against the results of a single impact and of a single search."""
+
+import numpy as np
 import pytest
 
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
-from armour.analysis.quantities import QUANTITIES, Answers, answerable
-from armour.design.optimisation import optimise
-from armour.errors import InputError, NoDesignError
-from tests.analysis.test_least_thickness import case
+from armour.analysis.quantities import QUANTITIES
+from armour.scenario.loading import Scenario
 from tests.cases import scenario
-from tests.design.test_optimisation import GRID
 
 IMPACT = [
     "outcome",
@@ -19,75 +21,76 @@ IMPACT = [
     "duration_us",
     "areal_density_kg_m2",
 ]
+GRID = {
+    "ceramic_thickness_mm": {"min": 0.0, "max": 60.0, "step": 0.5},
+    "backing_thickness_mm": {"min": 1.0, "max": 60.0, "step": 0.5},
+}
+THIN = {layer: {"min": 0.5, "max": 2.0, "step": 0.5} for layer in GRID}
+
+
+def value(name: str, of: Scenario) -> float | str:
+    found: float | str = evaluate(of, {}, [name])[name][0].item()
+    return found
+
+
+def number(name: str, of: Scenario) -> float:
+    return float(value(name, of))
 
 
 @pytest.mark.parametrize("name", IMPACT)
-def test_quantities_of_an_impact_are_those_of_its_result(name: str):
-    assert QUANTITIES[name].of(Answers(scenario())) == getattr(simulate(scenario()), name)
+@pytest.mark.parametrize("velocity", [800.0, 500.0])
+def test_quantities_of_an_impact_are_those_of_its_result(name: str, velocity: float):
+    of = scenario(velocity=velocity)
+    assert value(name, of) == getattr(simulate(of), name)
 
 
-def test_what_is_lost():
-    result = simulate(scenario())
-    answers = Answers(scenario())
-    velocity = QUANTITIES["velocity_lost_percent"].of(answers)
-    mass = QUANTITIES["mass_lost_percent"].of(answers)
-    assert velocity == pytest.approx(100.0 * (1.0 - result.residual_velocity_m_s / 800.0))
-    assert mass == pytest.approx(100.0 * (1.0 - result.residual_mass_g / 5.46))
+def test_the_ballistic_limit_is_that_of_a_single_search():
+    assert value("ballistic_limit_m_s", scenario()) == ballistic_limit(scenario()).ballistic_limit_m_s
 
 
-def test_the_optimum():
-    best = optimise(case(GRID)).best
-    answers = Answers(case(GRID))
-    for layer, expected in (
-        ("ceramic_thickness_mm", best.ceramic_thickness_mm),
-        ("backing_thickness_mm", best.backing_thickness_mm),
-        ("areal_density_kg_m2", best.areal_density_kg_m2),
-    ):
-        assert QUANTITIES[f"optimum_{layer}"].of(answers) == expected
+def test_losses():
+    found = simulate(scenario())
+    velocity = 100.0 * (1.0 - found.residual_velocity_m_s / 800.0)
+    assert value("velocity_lost_percent", scenario()) == pytest.approx(velocity)
+    assert value("mass_lost_percent", scenario()) == pytest.approx(100.0 * (1.0 - found.residual_mass_g / 5.46))
 
 
-def test_what_is_required():
-    answers = Answers(case())
-    ceramic = QUANTITIES["required_ceramic_thickness_mm"].of(answers)
-    assert QUANTITIES["required_areal_density_kg_m2"].of(answers) == pytest.approx(3.43 * float(ceramic) + 2.75 * 6.35)
-    both = float(QUANTITIES["required_total_thickness_mm"].of(answers))
-    backing = QUANTITIES["required_backing_thickness_mm"].of(answers)
-    assert float(ceramic) > both / 2 > 6.35 < float(backing)
+@pytest.mark.parametrize("layer", ["ceramic", "backing"])
+def test_the_required_thickness_just_defeats_the_impact(layer: str):
+    of = scenario(optimise=GRID)
+    key = f"armour.{layer}_thickness_mm"
+    required = number(f"required_{layer}_thickness_mm", of)
+    assert simulate(of.replaced({key: required})).outcome == "defeated"
+    assert simulate(of.replaced({key: required - 2e-6})).outcome == "perforated"
 
 
-@pytest.mark.parametrize(
-    ("changes", "fixed"), [({"ceramic": "AD99.5"}, "backing"), ({"backing": "7075-T6"}, "ceramic")]
-)
-def test_what_a_replacement_saves(changes: dict[str, str], fixed: str):
-    before = case()
-    after = before.replaced({"armour": changes})
-    answers = Answers(before, after)
-    name = "required_backing_thickness_mm" if fixed == "ceramic" else "required_ceramic_thickness_mm"
-    t1, t2 = (float(QUANTITIES[name].of(Answers(s))) for s in (before, after))
-    saved = float(QUANTITIES["thickness_saved_percent"].of(answers))
-    assert saved == pytest.approx(100.0 * (t1 - t2) / (6.35 + t1))
-    weights = [answers.replaced[i].areal_density_kg_m2 for i in (0, 1)]
-    assert QUANTITIES["weight_saved_percent"].of(answers) == pytest.approx(100.0 * (1.0 - weights[1] / weights[0]))
+def test_the_required_areal_density_is_that_of_the_required_ceramic():
+    of = scenario(optimise=GRID)
+    ceramic = number("required_ceramic_thickness_mm", of)
+    assert number("required_areal_density_kg_m2", of) == pytest.approx(3.43 * ceramic + 2.75 * 6.35)
 
 
-def test_no_design_is_enough():
-    with pytest.raises(NoDesignError):
-        QUANTITIES["required_ceramic_thickness_mm"].of(Answers(case(velocity=4000.0)))
+def test_the_required_total_thickness_keeps_the_proportions():
+    of = scenario(optimise=GRID)
+    total = number("required_total_thickness_mm", of)
+    for thickness, outcome in ((total, "defeated"), (total - 2e-6, "perforated")):
+        layers = {f"armour.{layer}_thickness_mm": 0.5 * thickness for layer in ("ceramic", "backing")}
+        assert simulate(of.replaced(layers)).outcome == outcome
 
 
-def test_what_a_quantity_needs():
-    answerable("ballistic_limit_m_s", scenario())
-    with pytest.raises(InputError, match="optimise: is missing"):
-        answerable("optimum_areal_density_kg_m2", scenario())
-    other = {"armour": {"ceramic": "AD99.5", "backing": "7075-T6"}}
-    for replacement in (None, case(), case().replaced(other)):
-        with pytest.raises(InputError, match="another ceramic or another backing"):
-            answerable("weight_saved_percent", case(), replacement)
-    answerable("weight_saved_percent", case(), case().replaced({"armour.ceramic": "AD99.5"}))
+@pytest.mark.parametrize("name", [name for name, quantity in QUANTITIES.items() if quantity.on_grid])
+def test_no_thickness_of_the_range_is_enough(name: str):
+    assert np.isnan(number(name, scenario(ceramic_mm=1.0, backing_mm=1.0, optimise=THIN)))
 
 
-def test_everything_on_the_grid_says_so():
-    for name, quantity in QUANTITIES.items():
-        needs = name.startswith(("required_", "optimum_")) or quantity.of_two
-        assert quantity.on_grid == needs, name
-        assert name.endswith(("_percent", "outcome")) or quantity.unit, name
+@pytest.mark.parametrize("name", [name for name, quantity in QUANTITIES.items() if quantity.on_grid])
+def test_the_least_thickness_of_the_range_is_enough(name: str):
+    grid = {**GRID, "ceramic_thickness_mm": {"min": 20.0, "max": 30.0, "step": 1.0}}
+    of = scenario(ceramic_mm=20.0, backing_mm=20.0, optimise=grid)
+    least = {
+        "required_ceramic_thickness_mm": 20.0,
+        "required_backing_thickness_mm": 1.0,
+        "required_total_thickness_mm": 40.0,
+        "required_areal_density_kg_m2": 20.0 * (3.43 + 2.75),
+    }
+    assert number(name, of) == pytest.approx(least[name], rel=1e-12)

@@ -5,7 +5,7 @@ import pytest
 
 from armour.reporting.markdown import suite_junit, suite_markdown
 from armour.validation.validate import SuiteResult
-from tests.validation.test_validate import TABLE, case, result
+from tests.suites import TABLE, case, result
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""The format of a suite: what it means, and every mistake at once."""
+"""Suite files: their meaning, and every mistake reported at once."""
 
 from pathlib import Path
 
@@ -83,7 +83,7 @@ band = 1.0
     assert (case.scenario.armour.ceramic, case.replacement.armour.ceramic) == ("AD85", "Al-N")
     assert case.replacement.optimise == case.scenario.optimise
     assert mistakes(folder, text.replace('ceramic = "Al-N"', 'ceramic = "AD85"')) == [
-        "case[0].scenario: must be a scenario that holds: "
+        "case[0].scenario: must be a valid scenario: "
         f"{folder / 'wilkins.toml'}: replaced_by: must name another ceramic or another backing, and not both"
     ]
 
@@ -172,10 +172,10 @@ def test_mistakes_of_a_table(folder: Path, old: str, new: str, message: str):
 def test_mistakes_in_scenarios_say_where_they_are_named(folder: Path):
     found = mistakes(folder, CASE + 'set.armour.ceramic = "AD86"\n' + CASE.replace("wilkins", "missing"))
     assert found == [
-        "case[0].scenario: must be a scenario that holds: "
+        "case[0].scenario: must be a valid scenario: "
         f'{folder / "wilkins.toml"}: armour.ceramic: must name a ceramic of the library, found "AD86"; '
         "did you mean 'AD85'?",
-        "case[1].scenario: must be a scenario that holds: "
+        "case[1].scenario: must be a valid scenario: "
         f"{folder / 'missing.toml'}: cannot be read: no such file or directory",
     ]
 

@@ -1,4 +1,4 @@
-"""Statuses, tables as a whole, errors of rivals, and updates that keep a file's layout."""
+"""Statuses of cases, summaries of tables and errors of predictions."""
 
 from pathlib import Path
 
@@ -6,39 +6,16 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.comparison import florence_ballistic_limit
-from armour.validation.suite import Suite, load_suite
-from armour.validation.validate import Check, SuiteResult, Summary, result_of, updated_text, updates_of, validate
+from armour.validation import questions
+from armour.validation.validate import Check, Summary, result_of, validate
 from tests.cases import scenario
-
-LIMIT = ballistic_limit(scenario()).ballistic_limit_m_s  # 723.77 m/s
-HEAD = 'scenario = "wilkins.toml"\nquantity = "ballistic_limit_m_s"\n'
+from tests.suites import TABLE, case, load, result
 
 
-def case(name: str, expected: float | str, rest: str) -> str:
-    return f'[[case]]\nname = "{name}"\n{HEAD}expected = {expected}\n{rest}\n'
-
-
-TABLE = f"""
-[[table]]
-name = "t"
-{HEAD}columns = ["armour.ceramic_thickness_mm", "expected", "they"]
-rows = [
-    [6.35, 720.0, 756.0],  # as tested
-    [6.35, 730.0, 730.0],
-]
-rivals = ["they"]
-band = 10.0
-rms_band = 5.0
-"""
-
-
-def load(folder: Path, text: str) -> Suite:
-    (folder / "suite.toml").write_text(text)
-    return load_suite(folder / "suite.toml")
-
-
-def result(folder: Path, text: str) -> SuiteResult:
-    return validate(load(folder, text))
+@pytest.fixture(scope="module")
+def limit() -> float:
+    """Ballistic limit of the Wilkins case, m/s."""
+    return ballistic_limit(scenario()).ballistic_limit_m_s
 
 
 def the_check(folder: Path, text: str) -> Check:
@@ -51,13 +28,13 @@ def the_summary(folder: Path, text: str) -> Summary:
     return summary
 
 
-def test_within_and_outside(folder: Path):
+def test_within_and_outside(folder: Path, limit: float):
     found = result(folder, case("in", 724.0, "band = 1.0") + case("out", 725.0, "band = 1.0"))
     inside, outside = found.checks
     assert (inside.status, outside.status) == ("within", "outside")
-    assert inside.computed == LIMIT
-    assert outside.deviation == pytest.approx(LIMIT - 725.0)
-    assert outside.deviation_percent == pytest.approx(100.0 * (LIMIT / 725.0 - 1.0))
+    assert inside.computed == limit
+    assert outside.deviation == pytest.approx(limit - 725.0)
+    assert outside.deviation_percent == pytest.approx(100.0 * (limit / 725.0 - 1.0))
     assert not found.passed
     assert (found.count("within"), found.count("outside")) == (1, 1)
 
@@ -67,10 +44,10 @@ def test_a_band_in_per_cent(folder: Path, percent: float, status: str):
     assert the_check(folder, case("a", 725.0, f"band_percent = {percent}")).status == status
 
 
-def test_what_is_not_scored_fails_nothing(folder: Path):
+def test_what_is_not_scored_fails_nothing(folder: Path, limit: float):
     found = result(folder, case("a", 1.0, 'not_scored = "a slip of the print"'))
     assert found.checks[0].status == "not scored"
-    assert found.checks[0].computed == LIMIT
+    assert found.checks[0].computed == limit
     assert found.passed
 
 
@@ -89,9 +66,9 @@ def test_an_outcome(folder: Path):
     assert the_check(folder, text.replace("perforated", "defeated")).status == "outside"
 
 
-def test_a_table_as_a_whole(folder: Path):
+def test_a_table_as_a_whole(folder: Path, limit: float):
     summary = the_summary(folder, TABLE)
-    first, second = LIMIT - 720.0, LIMIT - 730.0
+    first, second = limit - 720.0, limit - 730.0
     assert (summary.count, summary.unit) == (2, "m/s")
     assert summary.mean == pytest.approx((first + second) / 2)
     assert summary.rms == pytest.approx(((first**2 + second**2) / 2) ** 0.5)
@@ -110,7 +87,7 @@ def test_a_table_left_by_its_root_mean_square_alone_fails(folder: Path):
     assert not found.passed
 
 
-def test_errors_of_every_prediction(folder: Path):
+def test_errors_of_every_prediction(folder: Path, limit: float):
     errors = {error.predictor: error for error in result(folder, TABLE).errors}
     assert list(errors) == [
         "they",
@@ -120,7 +97,7 @@ def test_errors_of_every_prediction(folder: Path):
     ]
     assert errors["they"].mean_percent == pytest.approx(2.5)
     assert errors["they"].largest_percent == pytest.approx(5.0)
-    assert errors["this model"].largest_percent == pytest.approx(100.0 * (1.0 - LIMIT / 730.0))
+    assert errors["this model"].largest_percent == pytest.approx(100.0 * (1.0 - limit / 730.0))
     florence = florence_ballistic_limit(scenario())
     off = [100.0 * (1.0 - florence / expected) for expected in (720.0, 730.0)]
     assert errors["Florence, penetrator (5.46 g, 6.5 mm)"].mean_percent == pytest.approx(sum(off) / 2)
@@ -133,17 +110,16 @@ def test_a_table_without_rivals_compares_nothing(folder: Path):
 
 
 def test_one_scenario_is_computed_once(folder: Path, monkeypatch: pytest.MonkeyPatch):
-    import armour.analysis.quantities
+    made = []
 
-    runs = []
+    def counted(scenario, columns):
+        made.append(scenario)
+        return groups_of(scenario, columns)
 
-    def counted(scenario):
-        runs.append(scenario)
-        return ballistic_limit(scenario)
-
-    monkeypatch.setattr(armour.quantities, "ballistic_limit", counted)
+    groups_of = questions.groups_of
+    monkeypatch.setattr(questions, "groups_of", counted)
     result(folder, TABLE + case("a", 724.0, "band = 1.0"))
-    assert len(runs) == 1
+    assert len(made) == 1
 
 
 def test_as_many_as_have_been_checked(folder: Path):
@@ -153,25 +129,3 @@ def test_as_many_as_have_been_checked(folder: Path):
     part = result_of(suite, done[:1])
     assert [summary.count for summary in part.summaries] == [1]
     assert result_of(suite, []).summaries == ()
-
-
-def test_an_update_writes_what_is_computed_and_nothing_else(folder: Path):
-    text = "# kept\n" + case("a", 725.0, "band = 1.0  # kept too") + case("b", 1.0, 'not_scored = "no"') + TABLE
-    found = result(folder, text)
-    new = float(f"{LIMIT:.8g}")
-    assert [(update.case.full_name, update.old, update.new) for update in updates_of(found)] == [
-        ("t: ceramic thickness 6.35 mm", 720.0, new),
-        ("t: ceramic thickness 6.35 mm", 730.0, new),
-        ("a", 725.0, new),
-    ]
-    changed = updated_text(text, updates_of(found))
-    expected = text.replace("725.0", str(new)).replace("720.0", str(new)).replace("6.35, 730.0", f"6.35, {new}")
-    assert changed == expected
-    again = result(folder, changed)
-    assert updates_of(again) == []
-    assert again.passed
-
-
-def test_an_outcome_is_updated_too(folder: Path):
-    text = case("a", '"defeated"', "").replace("ballistic_limit_m_s", "outcome")
-    assert updated_text(text, updates_of(result(folder, text))) == text.replace("defeated", "perforated")

@@ -12,6 +12,7 @@ from armour.core.state import Outcome, Parameters
 from armour.errors import InputError, Problem
 from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
+from armour.scenario.schema import Solver
 from armour.units import KN, MM, US, G
 
 if TYPE_CHECKING:
@@ -189,18 +190,16 @@ def run_impact(scenario: Scenario, armour: Parameters, velocity: float, trace: l
     dt = time_step(scenario, armour, velocity)
     end = run(armour, velocity, dt, scenario.solver.arrest_velocity_m_s, MAX_STEPS, trace)
     if end.outcome == Outcome.UNRESOLVED:
-        raise unresolved(scenario, armour, velocity)
+        raise unresolved(scenario.solver, scenario.file, velocity)
     return end
 
 
-def unresolved(scenario: Scenario, armour: Parameters, velocity: float) -> InputError:
-    """What to raise of a run that the time step given does not let end."""
-    dt = time_step(scenario, armour, velocity)
-    message = (
-        f"must let the run at {velocity:g} m/s end within {MAX_STEPS} steps, found {dt / US:.3g}; "
-        "leave it out or raise it"
-    )
-    return InputError([Problem(scenario.file, "solver.time_step_us", message)])
+def unresolved(solver: Solver, file: str, velocity: float) -> InputError:
+    """Error of a run that does not end within the steps allowed, naming the key at fault."""
+    key = "arrest_velocity_m_s" if solver.time_step_us is None else "time_step_us"
+    value = getattr(solver, key)
+    message = f"must let the run at {velocity:g} m/s end within {MAX_STEPS} steps, found {value:.3g}; raise it"
+    return InputError([Problem(file, f"solver.{key}", message)])
 
 
 def time_step(scenario: Scenario, armour: Parameters, velocity: float) -> float:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from armour.errors import InputError, Problem, suggestion
-from armour.scenario.library import DEFAULTS, Kind, LibraryEntry, length_mm
+from armour.scenario.library import Kind, LibraryEntry
 from armour.scenario.loading import Scenario, changed
 from armour.units import GPA, MM, MPA, missing_unit
 
@@ -131,35 +131,3 @@ def check_ranges(scenario: Scenario, columns: Mapping[str, "Floats"]) -> None:
         extremes = [values[~np.isfinite(values)][:1], values.min(keepdims=True), values.max(keepdims=True)]
         for value in np.concatenate(extremes).tolist():
             with_inputs(scenario, {name: value})
-
-
-def rows_of(scenario: Scenario, columns: Mapping[str, "Floats"], count: int) -> tuple["Floats", "Floats"]:
-    """Armours, as `armour.engine.batch.packed` has them, and velocities, m/s, with inputs that differ from row to row.
-
-    Each row is what `with_inputs` makes of its values.
-    """
-    import numpy as np
-
-    from armour.engine import batch
-
-    rows = np.tile(batch.packed([scenario.core_armour()]), (count, 1))
-    field = batch.fields(rows)
-    for name, values in columns.items():
-        place = FIELDS[name]
-        if place is not None:
-            getattr(field, place[0])[:] = values * place[1]
-    rod = {key: f"projectile.{key}" for key in ROD}
-    if any(name in columns for name in rod.values()):
-        own = inputs_of(scenario)
-        field.L0[:] = length_mm(*(columns.get(name, own[name]) for name in rod.values())) * MM
-    if YIELD in columns:
-        entry = entry_of(scenario, "backing")
-        assert entry is not None
-        for key in entry.derived:
-            if f"backing.{key}" in columns:
-                continue
-            place = FIELDS[f"backing.{key}"]
-            assert place is not None
-            getattr(field, place[0])[:] = DEFAULTS[key][0] * columns[YIELD] * place[1]
-    velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
-    return rows, velocities

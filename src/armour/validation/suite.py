@@ -1,4 +1,4 @@
-"""The format of a suite: cases with what is expected of them and how far the computed value may be from it."""
+"""Suites: cases with expected values and the bands within which the computed values must lie."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -9,21 +9,21 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
 
-from armour.analysis.quantities import QUANTITIES, answerable
 from armour.errors import InputError, Problem, suggestion
 from armour.files import read_toml
 from armour.scenario.loading import Scenario, changed, parse_scenario
 from armour.scenario.messages import Section, describe, key_name, problems_of
 from armour.units import words_and_unit
+from armour.validation.questions import QUESTIONS, check_answerable
 
-# The column of a table that holds what is expected.
+# Column of a table that holds the expected values.
 EXPECTED = "expected"
-# Quantities that say what a replacement of one material saves.
-SAVINGS = tuple(name for name, quantity in QUANTITIES.items() if quantity.of_two)
+# Questions about the replacement of one material by another.
+SAVINGS = tuple(name for name, question in QUESTIONS.items() if question.of_two)
 
 
 def _number_or_text(value: object) -> object:
-    """Tell what an expected value must be, before a union of types tells it twice."""
+    """Check an expected value before pydantic does, which would report each type of the union."""
     if isinstance(value, str) or (isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)):
         return value
     raise ValueError(f"must be a finite number, or the outcome in quotes, found {describe(value)}")
@@ -34,7 +34,7 @@ Width = Annotated[float, Field(ge=0.0)]
 
 
 class _Expectation(Section):
-    """What a case and a table of cases have in common."""
+    """Keys shared by a case and a table of cases."""
 
     name: Name
     scenario: Name
@@ -49,8 +49,8 @@ class _Expectation(Section):
     @field_validator("quantity")
     @classmethod
     def _known(cls, quantity: str) -> str:
-        if quantity not in QUANTITIES:
-            hint = suggestion(quantity, list(QUANTITIES)) or f"; there are {', '.join(QUANTITIES)}"
+        if quantity not in QUESTIONS:
+            hint = suggestion(quantity, list(QUESTIONS)) or f"; there are {', '.join(QUESTIONS)}"
             raise ValueError(f'must name a quantity, found "{quantity}"{hint}')
         return quantity
 
@@ -67,14 +67,14 @@ class _Expectation(Section):
         return self
 
     def width(self, expected: float | str) -> float | None:
-        """How far the computed value may be from the expected one, in the unit of the quantity."""
+        """Return the half-width of the band around the expected value, in the unit of the quantity."""
         if self.band_percent is not None and not isinstance(expected, str):
             return self.band_percent / 100.0 * abs(expected)
         return self.band
 
 
 class CaseSection(_Expectation):
-    """One case."""
+    """A case."""
 
     expected: Annotated[float | str, BeforeValidator(_number_or_text)]
     replaced_by: dict[str, Any] | None = None
@@ -93,7 +93,7 @@ class CaseSection(_Expectation):
 
 
 class TableSection(_Expectation):
-    """Cases that differ in a few values of the scenario, one a row."""
+    """A table of cases, one per row, that differ in some values of the scenario."""
 
     columns: list[Name]
     rows: Annotated[list[list[float]], Field(min_length=1)]
@@ -123,7 +123,7 @@ class TableSection(_Expectation):
 
 
 class SuiteSection(Section):
-    """A suite as a file has it."""
+    """The contents of a suite file."""
 
     title: str = ""
     source: str = ""
@@ -132,7 +132,7 @@ class SuiteSection(Section):
 
 
 class Place(NamedTuple):
-    """Where an expected value stands in the file."""
+    """Location of an expected value in the file."""
 
     keys: tuple[str | int, ...]
 
@@ -142,31 +142,31 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True)
 class Case:
-    """A scenario and what is expected of it.
+    """A scenario with the expected value of one quantity.
 
     Attributes
     ----------
     group : str
-        Name of the table that the case is a row of; empty for a case of its own.
+        Name of the table to which the case belongs; empty for a single case.
     name : str
     scenario : Scenario
     replacement : Scenario or None
-        The scenario with one material replaced, for what that saves.
+        The scenario with one material replaced, for the saving.
     quantity : str
-        One of `armour.analysis.quantities.QUANTITIES`.
+        One of `armour.validation.questions.QUESTIONS`.
     expected : float or str
     band : float or None
-        How far the computed value may be from the expected, in the unit of the quantity.
+        Largest deviation allowed, in the unit of the quantity.
     reason : str
-        Why the band is as wide as it is.
+        Reason for the width of the band.
     source : str
-        Where the expected value comes from.
+        Source of the expected value.
     not_scored : str
-        Why the case is shown but not scored; empty where it is.
+        Reason why the case is shown but not scored; empty where it is scored.
     rivals : mapping of str to float
-        What others predict for it.
+        Predictions of other methods, by name.
     place : Place
-        Where the expected value stands in the file.
+        Location of the expected value in the file.
     """
 
     group: str
@@ -184,13 +184,13 @@ class Case:
 
     @property
     def full_name(self) -> str:
-        """Name with that of the table."""
+        """Name of the case, preceded by that of its table."""
         return f"{self.group}: {self.name}" if self.group else self.name
 
 
 @dataclass(frozen=True)
-class Group:
-    """A table of a suite: how far its rows may be off together."""
+class TableBand:
+    """A table of a suite with the band of its root mean square deviation."""
 
     name: str
     rms_band: float | None
@@ -199,15 +199,15 @@ class Group:
 
 @dataclass(frozen=True)
 class Suite:
-    """Cases and the tables that they are rows of."""
+    """Cases, and the tables to which they belong."""
 
     title: str
     file: Path
     cases: tuple[Case, ...]
-    groups: tuple[Group, ...]
+    tables: tuple[TableBand, ...]
 
     def only(self, text: str) -> "Suite":
-        """The cases whose name holds the text.
+        """Return the suite with only the cases whose name contains the text.
 
         Raises
         ------
@@ -216,9 +216,11 @@ class Suite:
         """
         cases = tuple(case for case in self.cases if text.lower() in case.full_name.lower())
         if not cases:
-            raise InputError([Problem(str(self.file), "", f'must have a case whose name holds "{text}", found none')])
+            raise InputError(
+                [Problem(str(self.file), "", f'must have a case whose name contains "{text}", found none')]
+            )
         kept = {case.group for case in cases}
-        return Suite(self.title, self.file, cases, tuple(group for group in self.groups if group.name in kept))
+        return Suite(self.title, self.file, cases, tuple(table for table in self.tables if table.name in kept))
 
 
 def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None = None) -> Suite:
@@ -227,9 +229,9 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     Parameters
     ----------
     path : path
-        A TOML file; the scenarios that it names are looked for from its folder.
+        A TOML file; the scenarios that it names are relative to its folder.
     changes : mapping of str to object, optional
-        Values that take the place of those of every scenario, by dotted key; tables are merged into those there.
+        Values that replace those of every scenario, by dotted key; tables are merged.
 
     Raises
     ------
@@ -247,14 +249,14 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     cases = [case for found in _cases(section, path, changes or {}, problems) for case in found]
     if problems:
         raise InputError(list(dict.fromkeys(problems)))
-    groups = (Group(table.name, table.rms_band, table.rms_band_percent) for table in section.table)
-    return Suite(section.title, path, tuple(cases), tuple(groups))
+    tables = (TableBand(table.name, table.rms_band, table.rms_band_percent) for table in section.table)
+    return Suite(section.title, path, tuple(cases), tuple(tables))
 
 
 def _cases(
     suite: SuiteSection, path: Path, changes: Mapping[str, object], problems: list[Problem]
 ) -> Iterator[list[Case]]:
-    """Cases of each table and each case of the file; what is wrong goes to the problems."""
+    """Yield the cases of each table and each single case; mistakes are added to the problems."""
     for index, table in enumerate(suite.table):
         inputs = [name for name in table.columns if name not in (EXPECTED, *table.rivals)]
         column = table.columns.index(EXPECTED)
@@ -277,19 +279,17 @@ def _case(
     problems: list[Problem],
     values: Mapping[str, float] | None = None,
 ) -> list[Case]:
-    """The case of a section, in a list that is empty where its scenario is wrong."""
+    """Return the case of a section in a list, which is empty where its scenario is wrong."""
     file = path.parent / section.scenario
     replacement = None
     try:
         scenario = _scenario(file, changes)
         if isinstance(section, CaseSection) and section.replaced_by is not None:
             replacement = _scenario(file, (*changes[:-1], section.replaced_by, changes[-1]))
-        answerable(section.quantity, scenario, replacement)
+        check_answerable(section.quantity, scenario, replacement)
     except InputError as error:
         where = key_name([*place.keys[:2], "scenario"])
-        problems += (
-            Problem(str(path), where, f"must be a scenario that holds: {problem}") for problem in error.problems
-        )
+        problems += (Problem(str(path), where, f"must be a valid scenario: {problem}") for problem in error.problems)
         return []
     table = section if isinstance(section, TableSection) else None
     expected = section.expected if isinstance(section, CaseSection) else (values or {})[EXPECTED]
@@ -312,7 +312,7 @@ def _case(
 
 
 def _scenario(file: Path, changes: tuple[Mapping[str, object], ...]) -> Scenario:
-    """The scenario of the file with the changes, one after the other."""
+    """Read a scenario and apply the changes one after the other."""
     data = read_toml(file)
     for change in changes:
         data = changed(data, change)
@@ -320,12 +320,12 @@ def _scenario(file: Path, changes: tuple[Mapping[str, object], ...]) -> Scenario
 
 
 def _row_name(table: TableSection, values: Mapping[str, float]) -> str:
-    """Name of a row: its inputs."""
+    """Return the name of a row: its input values."""
     inputs = [name for name in table.columns if name not in (EXPECTED, *table.rivals)]
     return ", ".join(_in_words(name, values[name]) for name in inputs)
 
 
 def _in_words(key: str, value: float) -> str:
-    """A key of the scenario with its value, such as "ceramic thickness 6.35 mm"."""
+    """Return a key and its value in words, such as "ceramic thickness 6.35 mm"."""
     words, unit = words_and_unit(key)
     return f"{words} {value:g} {unit}".rstrip()

@@ -1,4 +1,4 @@
-"""A suite against the model: every case's computed value, its deviation and whether that is within the band."""
+"""Check the model against a suite: computed values, their deviations and whether these lie within the bands."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -7,14 +7,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 from armour.analysis.comparison import BODIES, bodies_of, florence_ballistic_limit, missing_for_florence
-from armour.analysis.quantities import QUANTITIES, Answers, answers_of
 from armour.errors import NoAnswerError
 from armour.files import shipped
 from armour.scenario.parameters import NAMES, entry_of, inputs_of, name_of
-from armour.validation.suite import Case, Group, Suite
-
-# Significant digits of the values that an update writes.
-DIGITS = 8
+from armour.validation.questions import QUESTIONS, Asked, answer
+from armour.validation.suite import Case, Suite, TableBand
 
 Status = Literal["within", "outside", "no answer", "not scored"]
 FAILED: tuple[Status, ...] = ("outside", "no answer")
@@ -23,7 +20,7 @@ THIS_MODEL = "this model"
 
 @dataclass(frozen=True)
 class Check:
-    """A case and what came out of it.
+    """A case and its result.
 
     Attributes
     ----------
@@ -32,7 +29,7 @@ class Check:
         None where the question has no answer.
     status : {"within", "outside", "no answer", "not scored"}
     message : str
-        Why there is no answer.
+        Why there is no answer, or why the case is not scored.
     """
 
     case: Case
@@ -42,20 +39,20 @@ class Check:
 
     @property
     def deviation(self) -> float | None:
-        """Computed less expected; None where either is no number."""
+        """Computed less expected value; None where either is not a number."""
         if isinstance(self.computed, float) and not isinstance(self.case.expected, str):
             return self.computed - self.case.expected
         return None
 
     @property
     def deviation_percent(self) -> float | None:
-        """The deviation as a part of the expected value, in per cent."""
+        """Deviation relative to the expected value, in per cent."""
         if self.deviation is None or not self.case.expected:
             return None
         return 100.0 * self.deviation / abs(float(self.case.expected))
 
     def to_dict(self) -> dict[str, Any]:
-        """The check as plain data."""
+        """Return the check as plain data."""
         return {
             "table": self.case.group,
             "name": self.case.name,
@@ -75,17 +72,18 @@ class Check:
 
 @dataclass(frozen=True)
 class Summary:
-    """The rows of a table together, in the unit of their quantity or, where the band is so given, in per cent.
+    """Deviations of all rows of a table, in the unit of the quantity or, where the band is relative, in per cent.
 
     Attributes
     ----------
     name : str
     count : int
+        Number of rows with a deviation.
     unit : str
     mean, rms, largest : float
         Mean, root mean square and largest magnitude of the deviations.
     rms_band : float or None
-        What the root mean square is held to.
+        Largest root mean square allowed.
     status : {"within", "outside", "no answer", "not scored"}
     """
 
@@ -101,14 +99,15 @@ class Summary:
 
 @dataclass(frozen=True)
 class Error:
-    """How far a way of prediction is off the expected values of a table.
+    """Error of one method of prediction against the expected values of a table.
 
     Attributes
     ----------
     table, predictor : str
     count : int
+        Number of predictions.
     mean_percent, largest_percent : float
-        Of the magnitudes.
+        Mean and largest magnitude of the relative errors.
     """
 
     table: str
@@ -120,7 +119,7 @@ class Error:
 
 @dataclass(frozen=True)
 class SuiteResult:
-    """A suite's outcome.
+    """Result of a suite.
 
     Attributes
     ----------
@@ -129,7 +128,7 @@ class SuiteResult:
     summaries : tuple of Summary
         One per table.
     errors : tuple of Error
-        For each table with rivals: of this model, of the rivals and of Florence's limit.
+        For each table with rival predictions: errors of this model, of the rivals and of Florence's limit.
     """
 
     title: str
@@ -144,12 +143,12 @@ class SuiteResult:
         return self.count(*FAILED) == 0
 
     def count(self, *statuses: Status) -> int:
-        """How many cases and scored tables have one of the statuses."""
+        """Return the number of cases and scored tables with one of the statuses."""
         found = [*(check.status for check in self.checks), *(summary.status for summary in self.summaries)]
         return sum(status in statuses for status in found)
 
     def to_dict(self) -> dict[str, Any]:
-        """The outcome as plain data."""
+        """Return the result as plain data."""
         return {
             "title": self.title,
             "suite": self.file,
@@ -164,7 +163,7 @@ OnCheck = Callable[[Check, int], None]
 
 
 def paper_suite() -> Path:
-    """The suite of everything that the paper publishes."""
+    """Return the path of the suite of everything that the paper publishes."""
     return shipped("suites") / "paper.toml"
 
 
@@ -175,47 +174,53 @@ def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
     ----------
     suite : Suite
     on_check : callable, optional
-        Called with each check as it is done, and the number of cases in all.
+        Called after each case with its check and the number of cases.
 
     Raises
     ------
     InputError
-        If the time step of a scenario is too short for its run to end.
+        If a run of a scenario does not end.
     """
-    answers: dict[str, Answers] = {}
+    known: dict[str, Asked] = {}
     checks = []
     for case in suite.cases:
-        checks.append(check(case, answers))
+        checks.append(check(case, known))
         if on_check is not None:
             on_check(checks[-1], len(suite.cases))
     return result_of(suite, checks)
 
 
 def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
-    """The outcome of as many cases as have been checked."""
-    groups = [(group, [check for check in checks if check.case.group == group.name]) for group in suite.groups]
+    """Return the result of the cases that have been checked."""
+    tables = [(table, [check for check in checks if check.case.group == table.name]) for table in suite.tables]
     return SuiteResult(
         title=suite.title,
         file=str(suite.file),
         checks=tuple(checks),
-        summaries=tuple(summary_of(group, rows) for group, rows in groups if rows),
-        errors=tuple(error for _, rows in groups if rows for error in errors_of(rows)),
+        summaries=tuple(summary_of(table, rows) for table, rows in tables if rows),
+        errors=tuple(error for _, rows in tables if rows for error in errors_of(rows)),
     )
 
 
-def check(case: Case, answers: dict[str, Answers]) -> Check:
-    """Compute a case; scenarios that were asked before give what they have."""
+def check(case: Case, known: dict[str, Asked]) -> Check:
+    """Compute a case; scenarios that several cases share are computed once and kept in ``known``."""
     calibrated = calibrated_to(case)
     unscored = bool(case.not_scored or calibrated)
     try:
-        computed = QUANTITIES[case.quantity].of(answers_of(answers, case.scenario, case.replacement))
+        computed = answer(case.quantity, _asked(case, known))
     except NoAnswerError as error:
         return Check(case, None, "not scored" if unscored else "no answer", str(error))
     return Check(case, computed, "not scored" if unscored else _status(case, computed), calibrated)
 
 
+def _asked(case: Case, known: dict[str, Asked]) -> Asked:
+    scenarios = [scenario for scenario in (case.scenario, case.replacement) if scenario is not None]
+    key = "\n".join(text for scenario in scenarios for text in (scenario.file, scenario.to_toml()))
+    return known.setdefault(key, Asked(case.scenario, case.replacement))
+
+
 def calibrated_to(case: Case) -> str:
-    """Which value of the case's materials was calibrated to this very test; empty where none was."""
+    """Return which value of the case's materials was calibrated to this test; empty where none was."""
     inputs = inputs_of(case.scenario)
     names = {key: name_of(case.scenario, role) for role, key in NAMES.items()}
     known: Mapping[str, object] = {**inputs, **names, case.quantity: case.expected}
@@ -225,16 +230,16 @@ def calibrated_to(case: Case) -> str:
             continue
         for key, value in entry.values.items():
             for test in value.tests:
-                if case.quantity in test and all(_same(told, known.get(name)) for name, told in test.items()):
+                if case.quantity in test and all(_same(given, known.get(name)) for name, given in test.items()):
                     return f"not scored: {key} of {entry.name} was calibrated to this test"
     return ""
 
 
-def _same(told: float | str, found: object) -> bool:
+def _same(given: float | str, found: object) -> bool:
     """Whether a test and a case have the same value."""
-    if isinstance(told, str) or not isinstance(found, int | float):
-        return told == found
-    return abs(found - told) <= 1e-6 * abs(told)
+    if isinstance(given, str) or not isinstance(found, int | float):
+        return given == found
+    return abs(found - given) <= 1e-6 * abs(given)
 
 
 def _status(case: Case, computed: float | str) -> Status:
@@ -244,21 +249,21 @@ def _status(case: Case, computed: float | str) -> Status:
     return "within" if abs(computed - case.expected) <= case.band else "outside"
 
 
-def summary_of(group: Group, rows: Sequence[Check]) -> Summary:
-    """The rows of a table together."""
-    percent = group.rms_band_percent is not None
+def summary_of(table: TableBand, rows: Sequence[Check]) -> Summary:
+    """Summarise the deviations of the rows of a table."""
+    percent = table.rms_band_percent is not None
     deviations = [row.deviation_percent if percent else row.deviation for row in rows]
     numbers = [deviation for deviation in deviations if deviation is not None]
     count = len(numbers)
     rms = sqrt(sum(d * d for d in numbers) / count) if count else 0.0
-    band = group.rms_band_percent if percent else group.rms_band
+    band = table.rms_band_percent if percent else table.rms_band
     status: Status = "not scored"
     if band is not None:
         status = "within" if count and rms <= band else "outside"
     return Summary(
-        name=group.name,
+        name=table.name,
         count=count,
-        unit="%" if percent else QUANTITIES[rows[0].case.quantity].unit,
+        unit="%" if percent else QUESTIONS[rows[0].case.quantity].unit,
         mean=sum(numbers) / count if count else 0.0,
         rms=rms,
         largest=max((abs(d) for d in numbers), default=0.0),
@@ -268,23 +273,20 @@ def summary_of(group: Group, rows: Sequence[Check]) -> Summary:
 
 
 def errors_of(rows: Sequence[Check]) -> tuple[Error, ...]:
-    """Errors of this model, of the rivals that a table has and of Florence's limit; none for a table without rivals."""
+    """Return the errors of this model, of a table's rivals and of Florence's limit; none for a table without rivals."""
     predictions: dict[str, list[tuple[float, float]]] = {}
     for row in rows:
         expected = row.case.expected
         if not row.case.rivals or isinstance(expected, str) or not expected:
             continue
-        for name, predicted in {**row.case.rivals, **_own(row), **_florence(row.case)}.items():
+        own = {THIS_MODEL: row.computed} if isinstance(row.computed, float) else {}
+        for name, predicted in {**row.case.rivals, **own, **_florence(row.case)}.items():
             predictions.setdefault(name, []).append((predicted, expected))
     return tuple(_error(rows[0].case.group, name, pairs) for name, pairs in predictions.items())
 
 
-def _own(row: Check) -> Mapping[str, float]:
-    return {THIS_MODEL: row.computed} if isinstance(row.computed, float) else {}
-
-
 def _florence(case: Case) -> Mapping[str, float]:
-    """Florence's limits of a case, by what is taken as the projectile."""
+    """Florence's limits of a case, for the penetrator and for the whole projectile."""
     scenario = case.scenario
     if case.quantity != "ballistic_limit_m_s" or missing_for_florence(scenario):
         return {}
@@ -299,38 +301,3 @@ def _florence(case: Case) -> Mapping[str, float]:
 def _error(table: str, predictor: str, pairs: Sequence[tuple[float, float]]) -> Error:
     percents = [100.0 * abs(predicted / expected - 1.0) for predicted, expected in pairs]
     return Error(table, predictor, len(pairs), sum(percents) / len(percents), max(percents))
-
-
-@dataclass(frozen=True)
-class Update:
-    """An expected value that a suite's update changes."""
-
-    case: Case
-    old: float | str
-    new: float | str
-
-
-def updates_of(result: SuiteResult) -> list[Update]:
-    """Expected values that are not the computed ones, to as many digits as an update writes."""
-    updates = []
-    for item in result.checks:
-        if item.computed is None or item.case.not_scored:
-            continue
-        new = float(f"{item.computed:.{DIGITS}g}") if isinstance(item.computed, float) else item.computed
-        if new != item.case.expected:
-            updates.append(Update(item.case, item.case.expected, new))
-    return updates
-
-
-def updated_text(text: str, updates: Sequence[Update]) -> str:
-    """The text of a suite file with other expected values, its comments and layout kept."""
-    import tomlkit
-
-    document = tomlkit.parse(text)
-    for update in updates:
-        table: Any = document
-        *path, last = update.case.place.keys
-        for key in path:
-            table = table[key]
-        table[last] = update.new
-    return tomlkit.dumps(document)

@@ -1,0 +1,108 @@
+"""Evaluate quantities of a scenario for many values of its keys at once.
+
+This is the one way from input values to results: sweeps, suites, figures, uncertainty, sensitivity, calibration and
+designs use it or the `Variants` that it is made of.  Policy: a question without an answer gives NaN (an empty text for
+an outcome); a run that does not end is wrong input, and the error names the key at fault.
+"""
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from armour.analysis.quantities import QUANTITIES, Answers
+from armour.analysis.variants import Floats, Ints, Variants, variants_of
+from armour.errors import InputError, Problem
+from armour.scenario.loading import Scenario, changed
+from armour.scenario.parameters import INPUTS, check_ranges
+
+
+class Group(NamedTuple):
+    """Rows of a table with the same settings: all that a worker needs to evaluate them."""
+
+    where: Ints  # their places in the table
+    variants: Variants
+
+
+def evaluate(
+    scenario: Scenario, columns: Mapping[str, Floats], quantities: Sequence[str], threads: int | None = None
+) -> dict[str, Any]:
+    """Evaluate quantities for rows of values.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    columns : mapping of str to array, (n,)
+        Values by key of the scenario or name of input, such as "ceramic.flow_stress_GPa"; empty for the scenario as it
+        stands.
+    quantities : sequence of str
+        Names of `armour.analysis.quantities.QUANTITIES`.
+    threads : int, optional
+        By default one per core; the results do not depend on it.
+
+    Returns
+    -------
+    dict of str to array, (n,)
+        NaN where a question has no answer.
+
+    Raises
+    ------
+    InputError
+        If a value is not allowed, or a run does not end.
+    """
+    return evaluate_groups(groups_of(scenario, columns), quantities, threads)
+
+
+def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:
+    """Rows of values as variants of the scenario.
+
+    Inputs go straight into the engine's arrays; every combination of values of other keys makes a scenario.
+
+    Raises
+    ------
+    InputError
+        If a value is not allowed.
+    """
+    count = len(next(iter(columns.values()))) if columns else 1
+    others = [key for key in columns if key not in INPUTS]
+    inputs = {key: columns[key] for key in columns if key in INPUTS}
+    check_ranges(scenario, inputs)
+    if not others:
+        return [Group(np.arange(count), variants_of(scenario, inputs, count))]
+    table = np.column_stack([columns[key] for key in others])
+    _, first, which = np.unique(table, axis=0, return_index=True, return_inverse=True)
+    groups = []
+    for index, row in enumerate(first):
+        where = np.flatnonzero(which.reshape(-1) == index)
+        made = scenario.replaced(_changes(dict(zip(others, table[row].tolist(), strict=True))))
+        own = {key: values[where] for key, values in inputs.items()}
+        groups.append(Group(where, variants_of(made, own, len(where))))
+    return groups
+
+
+def evaluate_groups(groups: Sequence[Group], quantities: Sequence[str], threads: int | None = None) -> dict[str, Any]:
+    """Evaluate quantities for groups of rows, see `evaluate`."""
+    answers = [Answers(group.variants, threads) for group in groups]
+    order = np.argsort(np.concatenate([group.where for group in groups]), kind="stable")
+    return {name: np.concatenate([QUANTITIES[name].column(answer) for answer in answers])[order] for name in quantities}
+
+
+def _changes(values: Mapping[str, float]) -> dict[str, Any]:
+    """Changes of a scenario, as tables within tables, from values by TOML key.
+
+    Raises
+    ------
+    InputError
+        With every key that is not one.
+    """
+    changes: dict[str, Any] = {}
+    problems = []
+    for key, value in values.items():
+        try:
+            changes = changed(changes, tomllib.loads(f"{key} = {float(value)!r}"))
+        except tomllib.TOMLDecodeError:
+            problems.append(Problem("sweep", key, "must be a key of the scenario"))
+    if problems:
+        raise InputError(problems)
+    return changes

@@ -1,0 +1,73 @@
+"""Evaluation of many rows at once, against scenarios that are made one by one."""
+
+import numpy as np
+import pytest
+
+from armour.analysis.evaluate import evaluate, evaluate_groups, groups_of
+from armour.analysis.impact import MAX_STEPS
+from armour.errors import InputError
+from armour.scenario.parameters import with_inputs
+from tests.cases import scenario
+
+NAMES = ["outcome", "residual_velocity_m_s", "ballistic_limit_m_s"]
+
+
+def test_rows_of_inputs_are_scenarios_made_one_by_one():
+    columns = {
+        "armour.ceramic_thickness_mm": np.array([4.0, 8.0, 12.0]),
+        "ceramic.flow_stress_GPa": np.array([4.0, 5.0, 6.0]),
+        "backing.dynamic_yield_strength_MPa": np.array([300.0, 400.0, 500.0]),
+        "projectile.penetrator_mass_g": np.array([5.0, 6.0, 7.0]),
+        "impact.velocity_m_s": np.array([700.0, 800.0, 900.0]),
+    }
+    found = evaluate(scenario(), columns, NAMES)
+    for row in range(3):
+        made = with_inputs(scenario(), {name: float(values[row]) for name, values in columns.items()})
+        for name in NAMES:
+            assert found[name][row] == evaluate(made, {}, [name])[name][0]
+
+
+def test_other_keys_make_scenarios_and_keep_the_order_of_the_rows():
+    columns = {
+        "ballistic_limit.velocity_min_m_s": np.array([500.0, 900.0, 500.0, 900.0]),
+        "armour.ceramic_thickness_mm": np.array([6.0, 6.0, 8.0, 8.0]),
+    }
+    assert len(groups_of(scenario(), columns)) == 2
+    found = evaluate(scenario(), columns, ["ballistic_limit_m_s", "areal_density_kg_m2"])
+    limits = found["ballistic_limit_m_s"]
+    assert np.isnan(limits[[1, 3]]).all()
+    assert limits[0] < limits[2]
+    assert found["areal_density_kg_m2"].tolist() == pytest.approx([38.0425, 38.0425, 44.9025, 44.9025])
+
+
+def test_results_do_not_depend_on_the_threads():
+    columns = {"armour.ceramic_thickness_mm": np.linspace(2.0, 12.0, 700)}
+    groups = groups_of(scenario(), columns)
+    one, four = (evaluate_groups(groups, NAMES, threads) for threads in (1, 4))
+    for name in NAMES:
+        assert (one[name] == four[name]).all()
+
+
+def test_a_run_that_does_not_end_names_the_arrest_velocity():
+    with pytest.raises(InputError) as error:
+        evaluate(scenario(velocity=600.0, ceramic_mm=30.0, solver={"arrest_velocity_m_s": 1e-9}), {}, ["outcome"])
+    [problem] = error.value.problems
+    assert problem.key == "solver.arrest_velocity_m_s"
+    assert problem.message == f"must let the run at 600 m/s end within {MAX_STEPS} steps, found 1e-09; raise it"
+
+
+@pytest.mark.parametrize("name", ["outcome", "ballistic_limit_m_s"])
+def test_a_run_that_does_not_end_names_a_time_step_that_is_given(monkeypatch: pytest.MonkeyPatch, name: str):
+    monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 30)
+    with pytest.raises(InputError, match=r"solver\.time_step_us: must let the run at .* found 0\.01; raise it"):
+        evaluate(scenario(solver={"time_step_us": 0.01}), {}, [name])
+
+
+def test_a_key_that_is_not_one_is_refused():
+    with pytest.raises(InputError, match="must be a key of the scenario"):
+        evaluate(scenario(), {"a b": np.array([1.0])}, ["outcome"])
+
+
+def test_a_value_that_is_not_allowed_is_refused():
+    with pytest.raises(InputError, match=r"armour\.ceramic_thickness_mm: must be at least 0"):
+        evaluate(scenario(), {"armour.ceramic_thickness_mm": np.array([1.0, -1.0])}, ["outcome"])

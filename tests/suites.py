@@ -1,0 +1,39 @@
+"""Suite files that several tests use."""
+
+from pathlib import Path
+
+from armour.validation.suite import Suite, load_suite
+from armour.validation.validate import SuiteResult, validate
+
+# Ballistic limit of the Wilkins case, m/s, to the tolerance of its search.
+WILKINS_LIMIT = 723.7716
+HEAD = 'scenario = "wilkins.toml"\nquantity = "ballistic_limit_m_s"\n'
+TABLE = f"""
+[[table]]
+name = "t"
+{HEAD}columns = ["armour.ceramic_thickness_mm", "expected", "they"]
+rows = [
+    [6.35, 720.0, 756.0],  # as tested
+    [6.35, 730.0, 730.0],
+]
+rivals = ["they"]
+band = 10.0
+rms_band = 5.0
+"""
+
+
+def case(name: str, expected: float | str, rest: str) -> str:
+    """A case of the Wilkins scenario's ballistic limit."""
+    return f'[[case]]\nname = "{name}"\n{HEAD}expected = {expected}\n{rest}\n'
+
+
+def load(folder: Path, text: str) -> Suite:
+    """The suite of a text, as a file of the folder."""
+    path = folder / "suite.toml"
+    path.write_text(text)
+    return load_suite(path)
+
+
+def result(folder: Path, text: str) -> SuiteResult:
+    """The result of the suite of a text."""
+    return validate(load(folder, text))

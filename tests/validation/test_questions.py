@@ -1,0 +1,65 @@
+"""Questions that compare designs; those of one row are tested with the quantities."""
+
+import pytest
+from armour.design.optimise import optimise
+
+from armour.analysis.evaluate import evaluate
+from armour.errors import InputError, NoDesignError, NoLimitError
+from armour.scenario.loading import Scenario
+from armour.validation.questions import QUESTIONS, Asked, answer, check_answerable
+from tests.cases import scenario
+
+GRID = {
+    "ceramic_thickness_mm": {"min": 0.0, "max": 60.0, "step": 1.0},
+    "backing_thickness_mm": {"min": 1.0, "max": 60.0, "step": 1.0},
+}
+THIN = {layer: {"min": 0.5, "max": 2.0, "step": 0.5} for layer in GRID}
+
+
+@pytest.fixture(scope="module")
+def wilkins() -> Scenario:
+    """The Wilkins case with a grid of designs."""
+    return scenario(optimise=GRID)
+
+
+def test_the_lightest_design(wilkins: Scenario):
+    best, asked = optimise(wilkins).best, Asked(wilkins)
+    assert answer("optimum_ceramic_thickness_mm", asked) == best.ceramic_thickness_mm
+    assert answer("optimum_backing_thickness_mm", asked) == best.backing_thickness_mm
+    assert answer("optimum_areal_density_kg_m2", asked) == best.areal_density_kg_m2
+
+
+@pytest.mark.parametrize(("layer", "material"), [("ceramic", "AD99.5"), ("backing", "7075-T6")])
+def test_what_a_replacement_saves(wilkins: Scenario, layer: str, material: str):
+    after = wilkins.replaced({f"armour.{layer}": material})
+    asked = Asked(wilkins, after)
+    name = f"required_{layer}_thickness_mm"
+    thick, thin = (float(evaluate(s, {}, [name])[name][0]) for s in (wilkins, after))
+    assert answer("thickness_saved_percent", asked) == pytest.approx(100.0 * (thick - thin) / (6.35 + thick))
+    key = f"armour.{layer}_thickness_mm"
+    heavy = wilkins.replaced({key: thick}).areal_density_kg_m2()
+    light = after.replaced({key: thin}).areal_density_kg_m2()
+    assert answer("weight_saved_percent", asked) == pytest.approx(100.0 * (1.0 - light / heavy))
+
+
+@pytest.mark.parametrize("name", [name for name, question in QUESTIONS.items() if question.on_grid])
+def test_no_design_is_enough(name: str):
+    fast = scenario(ceramic_mm=1.0, backing_mm=1.0, optimise=THIN)
+    with pytest.raises(NoDesignError, match="no design"):
+        answer(name, Asked(fast, fast.replaced({"armour.backing": "7075-T6"})))
+
+
+def test_no_limit_says_why():
+    narrow = scenario(ballistic_limit={"velocity_min_m_s": 1000.0})
+    with pytest.raises(NoLimitError, match="lower ballistic_limit"):
+        answer("ballistic_limit_m_s", Asked(narrow))
+
+
+def test_what_a_question_needs(wilkins: Scenario):
+    check_answerable("ballistic_limit_m_s", scenario())
+    with pytest.raises(InputError, match="optimise: is missing"):
+        check_answerable("optimum_areal_density_kg_m2", scenario())
+    both = {"armour.ceramic": "AD99.5", "armour.backing": "7075-T6"}
+    for replacement in (None, wilkins, wilkins.replaced(both)):
+        with pytest.raises(InputError, match="must name another ceramic or another backing, and not both"):
+            check_answerable("weight_saved_percent", wilkins, replacement)

@@ -1,0 +1,30 @@
+"""Updates of a suite's expected values keep the file's layout."""
+
+from pathlib import Path
+
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.validation.update import updated_text, updates_of
+from tests.cases import scenario
+from tests.suites import TABLE, case, result
+
+
+def test_an_update_writes_what_is_computed_and_nothing_else(folder: Path):
+    text = "# kept\n" + case("a", 725.0, "band = 1.0  # kept too") + case("b", 1.0, 'not_scored = "no"') + TABLE
+    found = result(folder, text)
+    new = float(f"{ballistic_limit(scenario()).ballistic_limit_m_s:.8g}")
+    assert [(update.case.full_name, update.old, update.new) for update in updates_of(found)] == [
+        ("t: ceramic thickness 6.35 mm", 720.0, new),
+        ("t: ceramic thickness 6.35 mm", 730.0, new),
+        ("a", 725.0, new),
+    ]
+    changed = updated_text(text, updates_of(found))
+    expected = text.replace("725.0", str(new)).replace("720.0", str(new)).replace("6.35, 730.0", f"6.35, {new}")
+    assert changed == expected
+    again = result(folder, changed)
+    assert updates_of(again) == []
+    assert again.passed
+
+
+def test_an_outcome_is_updated_too(folder: Path):
+    text = case("a", '"defeated"', "").replace("ballistic_limit_m_s", "outcome")
+    assert updated_text(text, updates_of(result(folder, text))) == text.replace("defeated", "perforated")
