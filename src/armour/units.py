@@ -18,7 +18,7 @@ ENDINGS = {
     "_GPa": "GPa",
     "_MPa": "MPa",
     "_mm": "mm",
-    "_us": "us",
+    "_us": "µs",
     "_g": "g",
 }
 

@@ -26,9 +26,9 @@ PROSE_WIDTH = 24
 UNLIMITED = 1_000_000
 
 
-def show(*items: Table | str) -> None:
-    """Print tables and lines on standard output; a reader that has closed the pipe is no error."""
-    _write(sys.stdout, rendered(items, _console()))
+def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:
+    """Print tables and lines; a reader that has closed the pipe is no error."""
+    _write(sys.stderr if stderr else sys.stdout, rendered(items, _console(stderr=stderr), title))
 
 
 def show_json(data: Mapping[str, Any]) -> None:
@@ -36,18 +36,9 @@ def show_json(data: Mapping[str, Any]) -> None:
     _write(sys.stdout, json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
 
-def say(*items: Table | str) -> None:
+def say(*lines: str) -> None:
     """Print messages on standard error."""
-    if items:
-        _write(sys.stderr, rendered(items, _console(stderr=True)) if _has_tables(items) else _lines(items))
-
-
-def _has_tables(items: Sequence[Table | str]) -> bool:
-    return any(isinstance(item, Table) for item in items)
-
-
-def _lines(items: Sequence[Table | str]) -> str:
-    return "".join(f"{printable(item)}\n" for item in items if isinstance(item, str))
+    _write(sys.stderr, "".join(f"{printable(line)}\n" for line in lines))
 
 
 def _write(stream: IO[str], text: str) -> None:
@@ -70,19 +61,21 @@ def _console(*, stderr: bool = False) -> "Console":
     return console
 
 
-def rendered(items: Sequence[Table | str], console: "Console") -> str:
-    """Format tables and lines for a console, with an empty line before every table but the first item."""
+def rendered(items: Sequence[Table | str], console: "Console", title: str = "") -> str:
+    """Format tables and lines for a console, with an empty line between a table and what stands above it."""
     from rich.text import Text
 
     room = console.width
     # Rich would fold what does not fit; what is wider than the terminal is left to the terminal.
     console.width = UNLIMITED
     with console.capture() as capture:
+        if title:
+            console.print(Text(printable(title), style="bold"))
         for index, item in enumerate(items):
             if isinstance(item, str):
                 console.out(printable(item), highlight=False)
                 continue
-            if index:
+            if index or (title and item.title):
                 console.out()
             if item.title:
                 console.print(Text(printable(item.title), style="bold"))

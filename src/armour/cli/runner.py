@@ -17,8 +17,6 @@ from armour.errors import ArmourError, InputError, NoAnswerError, Problem
 from armour.files import check_writable, write_atomic, wrong_ending
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from armour.reporting.table import Table
     from armour.scenario.loading import Scenario
 
@@ -44,9 +42,10 @@ class Answer:
     title : str
         Printed above the tables.
     files : sequence of callable
-        Give the contents of the files that the command writes, in the order of ``run``'s ``writes``.
+        Give the contents of the files that the command writes, in the order of ``writes`` of `run`; None where there
+        is nothing to write.
     chart : callable
-        Gives the plot.
+        Draws the plot with the functions of `armour.reporting.plots`, which it is given.
     warnings : sequence of str
         Lines for standard error.
     exit_code : int
@@ -55,8 +54,8 @@ class Answer:
     data: Callable[[], Mapping[str, Any]]
     tables: Callable[[], "Iterable[Table | str]"]
     title: str = ""
-    files: Sequence[Callable[[], str | bytes]] = ()
-    chart: "Callable[[], Figure] | None" = None
+    files: Sequence[Callable[[], str | bytes | None]] = ()
+    chart: Callable[[Any], Any] | None = None
     warnings: Sequence[str] = ()
     exit_code: int = 0
 
@@ -66,6 +65,7 @@ def run(
     *,
     reads: Sequence[Path | None] = (),
     writes: Sequence[Path | None] = (),
+    makes: Sequence[Path] = (),
     plot: Path | None = None,
     as_json: bool = False,
 ) -> None:
@@ -79,6 +79,8 @@ def run(
         Files that are read; no output may be one of them.
     writes : sequence of Path or None
         Files to write; None where one is not asked for.
+    makes : sequence of Path
+        Files that ``answer`` writes itself.
     plot : Path or None
         File to draw to.
     as_json : bool
@@ -91,30 +93,22 @@ def run(
     NoAnswerError
         If the question has no answer.
     """
-    check_outputs(*writes, plot=plot, reads=reads)
+    check_outputs(*writes, *makes, plot=plot, reads=reads)
     found = answer()
     for path, content in zip(writes, found.files, strict=True):
-        if path is not None:
-            write(path, content())
+        if path is not None and (text := content()) is not None:
+            write(path, text)
     if plot is not None and found.chart is not None:
-        from armour.reporting.plots import rendered
+        from armour.reporting import plots
 
-        write(plot, rendered(found.chart(), plot.suffix.lower()))
+        write(plot, plots.rendered(found.chart(plots), plot.suffix.lower()))
     if as_json:
         show_json(found.data())
     else:
-        show_titled(found.title, found.tables())
+        show(*found.tables(), title=found.title)
     say(*found.warnings)
     if found.exit_code:
         raise typer.Exit(found.exit_code)
-
-
-def show_titled(title: str, items: "Iterable[Table | str]") -> None:
-    """Print tables and lines below a title."""
-    from dataclasses import replace
-
-    first, *rest = [*items] or [""]
-    show(*([] if first == "" else [first]), *rest)
 
 
 def read_scenario(

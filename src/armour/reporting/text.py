@@ -1,4 +1,4 @@
-"""Text from files made safe for terminals and XML."""
+"""Texts: intervals in words, and text from files made safe for terminals and XML."""
 
 import unicodedata
 
@@ -13,3 +13,12 @@ def _shown(character: str) -> str:
     category = unicodedata.category(character)
     hidden = category.startswith("C") or category in ("Zl", "Zp")
     return character.encode("unicode_escape").decode("ascii") if hidden else character
+
+
+def interval(low: float | None, high: float | None, spec: str) -> str:
+    """Format an interval; an end that is None is not bounded."""
+    if low is None and high is None:
+        return "not bounded"
+    if low is None:
+        return f"up to {high:{spec}}"
+    return f"from {low:{spec}}" if high is None else f"{low:{spec}} to {high:{spec}}"

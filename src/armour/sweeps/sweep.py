@@ -1,6 +1,5 @@
 """Sweeps: any numeric keys of a scenario over grids, or a table of cases, by the compiled engine, chunk by chunk."""
 
-import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
@@ -14,6 +13,7 @@ from armour.core.equations import cross_section
 from armour.core.state import Outcome
 from armour.errors import InputError, Problem, suggestion
 from armour.files import reason
+from armour.scenario.assignments import changes_of_values
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import INPUTS, check_ranges, rows_of
 from armour.scenario.schema import MAX_VALUES, Range
@@ -206,28 +206,6 @@ def check_sweep(scenario: Scenario, source: Source, quantities: Sequence[str]) -
         raise InputError(problems)
 
 
-def changes_of(values: Mapping[str, float]) -> dict[str, Any]:
-    """Changes of a scenario, as tables within tables, from values by TOML key.
-
-    Raises
-    ------
-    InputError
-        With every key that is none.
-    """
-    from armour.scenario.loading import changed
-
-    changes: dict[str, Any] = {}
-    problems = []
-    for key, value in values.items():
-        try:
-            changes = changed(changes, tomllib.loads(f"{key} = {float(value)!r}"))
-        except tomllib.TOMLDecodeError:
-            problems.append(Problem("sweep", key, "must be a key of the scenario"))
-    if problems:
-        raise InputError(problems)
-    return changes
-
-
 def groups_of(scenario: Scenario, columns: Mapping[str, "Floats"]) -> list[Group]:
     """What the engine is to compute for the rows of a chunk.
 
@@ -252,7 +230,7 @@ def groups_of(scenario: Scenario, columns: Mapping[str, "Floats"]) -> list[Group
         kinds, places = [{}], [np.arange(count)]
     groups = []
     for kind, where in zip(kinds, places, strict=True):
-        changed = scenario.replaced(changes_of(kind)) if kind else scenario
+        changed = scenario.replaced(changes_of_values(kind)) if kind else scenario
         armours, velocities = rows_of(changed, {key: quick[key][where] for key in quick}, len(where))
         groups.append(Group(where, armours, velocities, settings_of(changed)))
     return groups

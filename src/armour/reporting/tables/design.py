@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from armour.reporting.table import Cell, Column, Table, record
 from armour.reporting.tables.impact import AREAL_DENSITY
-from armour.reporting.tables.statistics import interval
+from armour.reporting.text import interval
 
 if TYPE_CHECKING:
     from armour.design.optimise import BestDesign, Design, DesignResult
@@ -56,8 +56,8 @@ def frontier_table(result: "DesignResult") -> Table:
     governed = len(result.threats) > 1
     threats = result.frontier_governed_by if governed else ("",) * len(result.frontier)
     columns = (
-        BACKING_THICKNESS,
         CERAMIC_THICKNESS,
+        BACKING_THICKNESS,
         AREAL_DENSITY,
         *_if(margins, MARGIN),
         *_if(governed, Column("governed by")),
@@ -65,8 +65,7 @@ def frontier_table(result: "DesignResult") -> Table:
     )
     rows = tuple(
         (
-            design.backing_thickness_mm,
-            design.ceramic_thickness_mm,
+            *_thicknesses(design),
             design.areal_density_kg_m2,
             *_if(margins, design.margin_m_s),
             *_if(governed, threat),

@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from armour.analysis.quantities import QUANTITIES
 from armour.reporting.table import Cell, Column, Table, record
+from armour.reporting.text import interval
 from armour.units import words_and_unit
 
 if TYPE_CHECKING:
@@ -11,15 +11,6 @@ if TYPE_CHECKING:
     from armour.statistics.sensitivity import SensitivityResult
     from armour.statistics.uncertainty import UncertaintyResult
     from armour.statistics.v50 import FiringResult
-
-
-def interval(low: float | None, high: float | None, spec: str) -> str:
-    """Format an interval; an end that is None is not bounded."""
-    if low is None and high is None:
-        return "not bounded"
-    if low is None:
-        return f"up to {high:{spec}}"
-    return f"from {low:{spec}}" if high is None else f"{low:{spec}} to {high:{spec}}"
 
 
 def percent(confidence: float) -> str:
@@ -91,10 +82,10 @@ def residual_table(result: "CalibrationResult") -> Table:
     )
     rows = []
     for r in result.residuals:
-        quantity = QUANTITIES[r.quantity]
+        words, unit = words_and_unit(r.quantity)
         deviations = (None if r.bound else _percent_off(value, r.measured) for value in (r.computed, r.left_out))
         met = "" if not r.bound or r.met else "not met"
-        rows.append((r.test, quantity.words, r.bound, quantity.unit, r.measured, r.computed, *deviations, met))
+        rows.append((r.test, words, r.bound, unit, r.measured, r.computed, *deviations, met))
     return Table(columns, tuple(rows))
 
 

@@ -4,13 +4,14 @@ from collections.abc import Sequence
 from math import floor, log10
 from typing import TYPE_CHECKING
 
-from armour.analysis.quantities import QUANTITIES
 from armour.reporting.table import Column, Table
+from armour.units import words_and_unit
 
 if TYPE_CHECKING:
     from armour.validation.figures import Chart
     from armour.validation.suite import Case
-    from armour.validation.validate import Check, SuiteResult, Update
+    from armour.validation.update import Update
+    from armour.validation.validate import Check, SuiteResult
 
 
 def check_groups(result: "SuiteResult") -> dict[str, list["Check"]]:
@@ -37,7 +38,7 @@ def check_table(checks: Sequence["Check"], title: str = "") -> Table:
     rows = tuple(
         (
             check.case.name,
-            QUANTITIES[check.case.quantity].unit,
+            words_and_unit(check.case.quantity)[1],
             check.case.expected,
             _decimal(check.computed, _decimals(check.case)),
             _decimal(check.deviation, _decimals(check.case), sign="+"),
@@ -144,6 +145,9 @@ def figure_table(chart: "Chart") -> Table:
 def parity_table(result: "SuiteResult") -> Table:
     """Return expected and computed values of a suite's tables."""
     names = ("table", "row", "quantity")
-    columns = (*(Column(name, key=name) for name in names), *(Column(n, spec="g", key=n) for n in ("expected", "computed")))
+    columns = (
+        *(Column(name, key=name) for name in names),
+        *(Column(n, spec="g", key=n) for n in ("expected", "computed")),
+    )
     rows = tuple((c.case.group, c.case.name, c.case.quantity, c.case.expected, c.computed) for c in result.checks)
     return Table(columns, rows)
