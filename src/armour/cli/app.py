@@ -24,7 +24,7 @@ from armour.cli import (
     validate,
 )
 from armour.cli.options import flag
-from armour.cli.runner import Reporting
+from armour.cli.runner import Command, Reporting
 
 app = typer.Typer(
     cls=Reporting,
@@ -92,5 +92,7 @@ COMMANDS: dict[str, tuple[Callable[..., None], tuple[str, ...]]] = {
     "schema": (schema.schema, ("armour schema",)),
 }
 for _name, (_command, _examples) in COMMANDS.items():
-    app.command(_name, epilog="\n\n".join(("Examples:", *(f"`{example}`" for example in _examples))))(_command)
+    app.command(_name, cls=Command, epilog="\n\n".join(("Examples:", *(f"`{example}`" for example in _examples))))(
+        _command
+    )
 app.add_typer(library.app, name="library")

@@ -151,10 +151,27 @@ def _print_grid(
 
     grid = Grid(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for column, heading, width in zip(table.columns, headings, widths, strict=True):
-        grid.add_column(Text(heading), justify=column.alignment, width=width)
+        grid.add_column(Text(_wrapped(heading, width)), justify=column.alignment, width=width)
     for row in texts:
-        grid.add_row(*(Text(text) for text in row))
+        grid.add_row(*(Text(_wrapped(text, width)) for text, width in zip(row, widths, strict=True)))
     console.print(grid)
+
+
+def _wrapped(text: str, width: int) -> str:
+    """Wrap a text between words; a word that is too long has a line of its own."""
+    from rich.cells import cell_len
+
+    lines: list[str] = []
+    for paragraph in text.split("\n"):
+        line = ""
+        for word in paragraph.split(" "):
+            longer = f"{line} {word}" if line else word
+            if line and cell_len(longer) > width:
+                lines.append(line)
+                longer = word
+            line = longer
+        lines.append(line)
+    return "\n".join(lines)
 
 
 def _print_blocks(table: Table, console: "Console", room: int) -> None:
@@ -179,7 +196,7 @@ def _print_blocks(table: Table, console: "Console", room: int) -> None:
         for width in widths:
             grid.add_column(width=width)
         for label, value in lines:
-            grid.add_row(Text(label), Text(value))
+            grid.add_row(Text(_wrapped(label, widths[0])), Text(_wrapped(value, widths[1])))
         if index:
             console.out()
         console.print(grid)

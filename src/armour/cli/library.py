@@ -1,14 +1,17 @@
 """``armour library``."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from armour.cli.options import AsJson
-from armour.cli.runner import Answer, run
+from armour.cli.runner import Answer, Command, Reporting, run
 from armour.errors import InputError, Problem
 
-app = typer.Typer(invoke_without_command=True, no_args_is_help=False)
+if TYPE_CHECKING:
+    from armour.scenario.library import LibraryEntry
+
+app = typer.Typer(cls=Reporting, invoke_without_command=True, no_args_is_help=False)
 
 
 @app.callback()
@@ -23,13 +26,12 @@ def list_library(ctx: typer.Context, as_json: AsJson = False) -> None:
     run(lambda: Answer(library.to_dict, lambda: library_tables(library)), as_json=as_json)
 
 
-@app.command()
+@app.command(cls=Command)
 def show(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the entry.", show_default=False)],
     as_json: AsJson = False,
 ) -> None:
     """Show an entry with the source of every value."""
-    from armour.reporting.tables.library import entry_tables
     from armour.scenario.library import shipped_library
 
     try:
@@ -37,5 +39,10 @@ def show(
     except KeyError as error:
         raise InputError([Problem("library", name, error.args[0])]) from None
     for entry in entries:
-        answer = Answer(entry.to_dict, lambda entry=entry: entry_tables(entry), f"{entry.name} ({entry.kind})")
-        run(lambda answer=answer: answer, as_json=as_json)
+        _show(entry, as_json=as_json)
+
+
+def _show(entry: "LibraryEntry", *, as_json: bool) -> None:
+    from armour.reporting.tables.library import entry_tables
+
+    run(lambda: Answer(entry.to_dict, lambda: entry_tables(entry), f"{entry.name} ({entry.kind})"), as_json=as_json)

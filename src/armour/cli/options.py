@@ -25,7 +25,7 @@ OnlyPlotFile = Annotated[Path | None, typer.Option("--plot", "-o", metavar="FILE
 
 def flag(name: str, description: str, **more: Any) -> Any:
     """Make an option without a value."""
-    return typer.Option(name, metavar="", help=description, show_default=False, **more)
+    return typer.Option(name, help=description, show_default=False, **more)
 
 
 def output(name: str, description: str, metavar: str = "FILE") -> Any:

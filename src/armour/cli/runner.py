@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from armour.cli.console import say, show, show_json
 from armour.errors import ArmourError, InputError, NoAnswerError, Problem
@@ -95,17 +95,20 @@ def run(
     """
     check_outputs(*writes, *makes, plot=plot, reads=reads)
     found = answer()
-    for path, content in zip(writes, found.files, strict=True):
-        if path is not None and (text := content()) is not None:
-            write(path, text)
-    if plot is not None and found.chart is not None:
-        from armour.reporting import plots
+    try:
+        for path, content in zip(writes, found.files, strict=True):
+            if path is not None and (text := content()) is not None:
+                write(path, text)
+        if plot is not None and found.chart is not None:
+            from armour.reporting import plots
 
-        write(plot, plots.rendered(found.chart(plots), plot.suffix.lower()))
-    if as_json:
-        show_json(found.data())
-    else:
-        show(*found.tables(), title=found.title)
+            write(plot, plots.rendered(found.chart(plots), plot.suffix.lower()))
+    finally:
+        # A file that cannot be made or written does not cost the answer.
+        if as_json:
+            show_json(found.data())
+        else:
+            show(*found.tables(), title=found.title)
     say(*found.warnings)
     if found.exit_code:
         raise typer.Exit(found.exit_code)
@@ -177,8 +180,20 @@ def say_if_compiling() -> None:
         say("compiling, once after an installation: some ten seconds")
 
 
+class Command(TyperCommand):
+    """A command; its help shows no type beside an option without a value."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Return arguments and options."""
+        return _without_types_of_flags(super().get_params(ctx))
+
+
 class Reporting(TyperGroup):
     """Commands whose errors end in a message and an exit code."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Return options."""
+        return _without_types_of_flags(super().get_params(ctx))
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command; turn what it raises into a message and an exit code."""
@@ -190,6 +205,13 @@ class Reporting(TyperGroup):
         except KeyboardInterrupt:
             say("interrupted")
             ctx.exit(INTERRUPTED)
+
+
+def _without_types_of_flags(params: list[Any]) -> list[Any]:
+    for param in params:
+        if getattr(param, "is_flag", False):
+            param.metavar = ""
+    return params
 
 
 def located(problems: Sequence[Problem]) -> list[str]:

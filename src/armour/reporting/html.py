@@ -3,7 +3,7 @@
 import json
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -13,38 +13,17 @@ from armour.design.catalogue import CRITERIA, StudyResult
 from armour.design.optimisation import OptimumResult
 from armour.reporting.contents import Contents, rod_mm
 from armour.reporting.markdown import markdown_table, markdown_text
-from armour.reporting.tables import (
-    BEST_COLUMNS,
-    CHECK_COLUMNS,
-    ENTRY_COLUMNS,
-    ERROR_COLUMNS,
-    ESTIMATE_COLUMNS,
-    MARGIN_COLUMNS,
-    PAIR_COLUMNS,
-    STAGES,
-    SUMMARY_COLUMNS,
-    best_rows,
-    check_groups,
-    check_rows,
-    elasticity_columns,
-    elasticity_rows,
-    entry_rows,
-    error_rows,
-    estimate_rows,
-    margin_rows,
-    note_rows,
-    pair_rows,
-    pareto_table,
-    summary_rows,
-    verdict,
-)
+from armour.reporting.table import Column, Table
+from armour.reporting.tables.design import margin_table, pair_table, pareto_table
+from armour.reporting.tables.impact import energy_table
+from armour.reporting.tables.library import entry_table
+from armour.reporting.tables.statistics import elasticity_table, estimate_table
+from armour.reporting.tables.validation import note_table, suite_tables, verdict
 from armour.scenario.applicability import MODEL_ERROR_PERCENT
 from armour.units import words_and_unit
 from armour.validation.validate import SuiteResult
 
 Chart = dict[str, Any]
-# A heading, columns and rows.
-Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]
 
 BLUE, RED, GREEN, ORANGE, GREY = "#3B8FC4", "#D55E00", "#009E73", "#E69F00", "#888888"
 # Drawing of the cross-section, in its own units: mm of armour, with room round it.
@@ -79,19 +58,17 @@ def scenario_markdown(contents: Contents, command: str) -> str:
         ),
         *(f"Mind: {markdown_text(warning)}" for warning in content["warnings"]),
         "## Where the projectile's energy went",
-        markdown_table(energy["columns"], [*energy["rows"], energy["sum"]], numbers=range(1, 5)),
+        markdown_table(energy["table"]),
         f"{energy['before']} J at impact, {energy['left']} J left; the books close to {energy['difference']} J.",
     ]
-    for heading, columns, rows in content["tables"]:
-        parts += [f"## {heading}", markdown_table(columns, rows)]
-    for name, rows in content["entries"]:
-        parts += [f"## {markdown_text(name)}", markdown_table(content["entry_columns"], rows)]
+    for heading, table in [*content["tables"], *content["entries"]]:
+        parts += [f"## {markdown_text(heading)}", markdown_table(table)]
     parts += ["## Scenario", *_fenced(content["scenario"], "toml"), "## Where this comes from"]
     parts += [
         f"The model is that of one published paper, “{MODEL}”. Nobody's protection may depend on this report alone."
     ]
     parts += _fenced(command, "console")
-    return "\n\n".join([*parts, markdown_table(("program", "version"), content["versions"])]) + "\n"
+    return "\n\n".join([*parts, markdown_table(content["versions"])]) + "\n"
 
 
 def _fenced(text: str, language: str) -> list[str]:
@@ -109,8 +86,7 @@ def _content(contents: Contents, command: str) -> dict[str, Any]:
         "tables": _tables(contents),
         "ledger": _ledger(contents),
         "warnings": contents.warnings,
-        "entries": [(f"{entry.kind}: {entry.name}", entry_rows(entry)) for entry in contents.entries],
-        "entry_columns": ENTRY_COLUMNS,
+        "entries": [(f"{entry.kind}: {entry.name}", entry_table(entry)) for entry in contents.entries],
         "scenario": contents.scenario.to_toml(),
         **_provenance(command),
     }
@@ -118,19 +94,14 @@ def _content(contents: Contents, command: str) -> dict[str, Any]:
 
 def suite_page(result: SuiteResult, command: str) -> str:
     """A report on a suite, as HTML."""
-    tables: list[Table] = [(name, CHECK_COLUMNS, check_rows(checks)) for name, checks in check_groups(result)]
-    if result.summaries:
-        tables.insert(0, ("Tables as a whole", SUMMARY_COLUMNS, summary_rows(result)))
-    if result.errors:
-        tables.insert(0, ("Errors, per cent", ERROR_COLUMNS, error_rows(result)))
     return _rendered(
         "suite.html",
         {"parity": _parity_chart(result)},
         title=result.title or result.file,
         verdict=verdict(result),
         passed=result.passed,
-        tables=tables,
-        notes=note_rows(list(result.checks)),
+        tables=[(table.title, table) for table in suite_tables(result)],
+        notes=note_table(result.checks),
         **_provenance(command),
     )
 
@@ -155,7 +126,8 @@ def _rendered(template: str, charts: Mapping[str, Chart], **content: Any) -> str
 def _provenance(command: str) -> dict[str, Any]:
     versions = [("armour", __version__), ("model", MODEL_VERSION), ("Python", sys.version.split()[0])]
     versions += [(name, version(name)) for name in PACKAGES]
-    return {"versions": versions, "command": command, "model": MODEL}
+    table = Table((Column("program"), Column("version")), tuple(versions))
+    return {"versions": table, "command": command, "model": MODEL}
 
 
 def _question(contents: Contents) -> str:
@@ -230,37 +202,26 @@ def _sure(contents: Contents) -> tuple[str, str]:
     return large, f"{error}: the margin is {inside} that. {'Test before use.' if inside == 'inside' else ''}".strip()
 
 
-def _tables(contents: Contents) -> list[Table]:
+def _tables(contents: Contents) -> list[tuple[str, Table]]:
     """Tables with their headings."""
-    found: list[Table] = []
-    optimum = contents.optimum
+    found: list[tuple[str, Table]] = []
+    optimum: Any = contents.optimum
     if isinstance(optimum, StudyResult):
-        found.append(("Margins against the threats", MARGIN_COLUMNS, margin_rows(optimum)))
-        found.append(("Pairs of materials", PAIR_COLUMNS, pair_rows(optimum)))
+        found.append(("Margins against the threats", margin_table(optimum)))
+        found.append(("Pairs of materials", pair_table(optimum)))
         if optimum.pareto:
-            found.append(("Pareto front", *pareto_table(optimum)))
-    elif optimum is not None:
-        found.append(("Lightest design", BEST_COLUMNS, best_rows(optimum)))
+            found.append(("Pareto front", pareto_table(optimum)))
     if contents.uncertainty is not None:
-        found.append(("Under the scatter declared", ESTIMATE_COLUMNS, estimate_rows(contents.uncertainty)))
-    found.append(("Sensitivity", elasticity_columns(contents.sensitivity), elasticity_rows(contents.sensitivity)))
+        found.append(("Under the scatter declared", estimate_table(contents.uncertainty)))
+    found.append(("Sensitivity", elasticity_table(contents.sensitivity)))
     return found
 
 
 def _ledger(contents: Contents) -> dict[str, Any]:
     """The ledger of energy in words."""
     energy = contents.energy
-
-    def line(name: str, *values: float) -> tuple[str, ...]:
-        part = values[-1] / energy.before if energy.before > 0.0 else 0.0
-        return (name, *(f"{value:.2f}" for value in values), f"{100.0 * part:.1f}")
-
-    rows = [line(f"{row.stage}: {STAGES[row.stage]}", row.eroded, row.braked, row.total) for row in energy.rows]
-    sums = [sum(getattr(row, name) for row in energy.rows) for name in ("eroded", "braked", "total")]
     return {
-        "columns": ("stage", "with what eroded, J", "braking the rod, J", "together, J", "%"),
-        "rows": rows,
-        "sum": line("all stages", *sums),
+        "table": energy_table(energy),
         "before": f"{energy.before:.2f}",
         "left": f"{energy.left:.2f}",
         "difference": f"{energy.difference:.1e}",

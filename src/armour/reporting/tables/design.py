@@ -87,9 +87,8 @@ def _if(wanted: bool, item: Item) -> tuple[Item, ...]:
 def margin_table(result: "DesignResult") -> Table:
     """Return the best design's margin against each threat, and the probability of perforation where it is bounded."""
     best = result.best
-    columns = (Column("threat"), MARGIN)
-    if best.probabilities:
-        columns += (Column("probability of perforation", spec=".4f"), Column("interval"))
+    sampled_columns = (Column("probability of perforation", spec=".4f"), Column("interval"))
+    columns = (Column("threat"), MARGIN, *(sampled_columns if best.probabilities else ()))
     rows: list[tuple[Cell, ...]] = []
     for threat, margin in best.margins_m_s.items():
         estimate = best.probabilities.get(threat)

@@ -9,17 +9,29 @@ if TYPE_CHECKING:
     from armour.scenario.library import Kind, Library, LibraryEntry
 
 
+# Labels of the keys that are not spelt as words.
+LABELS = {"caliber_mm": "calibre", "youngs_modulus_GPa": "Young's modulus"}
+
+
 def library_table(library: "Library", kind: "Kind") -> Table:
     """Return the library's entries of a kind: name, numbers and description."""
     entries = library.entries[kind].values()
     keys = list(dict.fromkeys(key for entry in entries for key in entry.values))
-    numbers = (Column(*words_and_unit(key), spec="g", key=key) for key in keys)
-    columns = (Column(kind, key="name"), *numbers, Column("description", prose=True, key="description"))
+    columns = (
+        Column(kind, key="name"),
+        *(_column(key) for key in keys),
+        Column("description", prose=True, key="description"),
+    )
     rows = tuple(
         (entry.name, *(entry[key] if key in entry.values else None for key in keys), entry.description)
         for entry in entries
     )
     return Table(columns, rows)
+
+
+def _column(key: str) -> Column:
+    words, unit = words_and_unit(key)
+    return Column(LABELS.get(key, words), unit, "g", key=key)
 
 
 def library_tables(library: "Library") -> list[Table | str]:

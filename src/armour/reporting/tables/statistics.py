@@ -45,15 +45,11 @@ def coefficient_table(result: "CalibrationResult") -> Table:
         Column("estimate", spec=".4g"),
         Column(f"{percent(result.confidence)} interval", prose=True),
     )
-    rows = tuple(
-        (
-            c.name,
-            "not identified" if c.estimate is None else c.estimate,
-            c.reason if c.interval is None else interval(*c.interval, ".4g"),
-        )
-        for c in result.coefficients
-    )
-    return Table(columns, rows)
+    rows: list[tuple[Cell, ...]] = []
+    for c in result.coefficients:
+        found = c.reason if c.interval is None else interval(*c.interval, ".4g")
+        rows.append((c.name, "not identified" if c.estimate is None else c.estimate, found))
+    return Table(columns, tuple(rows))
 
 
 def correlation_table(result: "CalibrationResult") -> Table:
