@@ -9,7 +9,7 @@ from hypothesis import settings
 from armour.scenario.loading import save_scenario
 from tests.cases import scenario
 
-# In CI the same examples every time: a run that fails must be one that the change made fail.
+# CI uses the same examples in every run, so that only a change of the code can make it fail.
 settings.register_profile("ci", derandomize=True)
 if os.environ.get("CI"):
     settings.load_profile("ci")

@@ -16,7 +16,7 @@ def test_no_answer_is_not_wrong_input():
     assert not issubclass(NoDesignError, InputError)
 
 
-def test_nearest():
+def test_a_suggestion_is_the_closest_name():
     assert suggestion("AD86", ["AD85", "Al-N"]) == "; did you mean 'AD85'?"
     assert suggestion("ad85", ["AD85"]) == "; did you mean 'AD85'?"
     assert suggestion("qqq", ["AD85"]) == ""

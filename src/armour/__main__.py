@@ -1,4 +1,4 @@
-"""``python -m armour``."""
+"""Entry point of ``python -m armour``."""
 
 from armour.cli import main
 

@@ -1,10 +1,10 @@
-"""What can go wrong, as a tree.
+"""Errors that armour raises on purpose.
 
 ::
 
     ArmourError
-    ├── InputError            the input is wrong: every mistake found in it        (exit code 2)
-    └── NoAnswerError         the question has no answer in the range given        (exit code 1)
+    ├── InputError            the input is wrong; lists every mistake found        (exit code 2)
+    └── NoAnswerError         the question has no answer in the given range        (exit code 1)
         ├── NoLimitError      no ballistic limit in the range of velocities
         └── NoDesignError     no design of the grid defeats the threat
 """
@@ -15,10 +15,20 @@ from typing import NamedTuple
 
 
 class Problem(NamedTuple):
-    """One mistake: where it is and what must hold there."""
+    """A mistake in the input.
+
+    Attributes
+    ----------
+    file : str
+        File that holds the mistake.
+    key : str
+        Dotted key that holds the mistake; empty if the mistake concerns the whole file.
+    message : str
+        What must hold and what was found.
+    """
 
     file: str
-    key: str  # empty where the whole file is meant
+    key: str
     message: str
 
     def __str__(self) -> str:
@@ -26,11 +36,16 @@ class Problem(NamedTuple):
 
 
 class ArmourError(Exception):
-    """Base of all errors that armour raises on purpose."""
+    """Base class of all errors that armour raises on purpose."""
 
 
 class InputError(ArmourError):
-    """The input is wrong.
+    """Wrong input.
+
+    Parameters
+    ----------
+    problems : sequence of Problem
+        All mistakes found.
 
     Attributes
     ----------
@@ -44,7 +59,7 @@ class InputError(ArmourError):
 
 
 class NoAnswerError(ArmourError):
-    """The question has no answer in the range given."""
+    """The question has no answer in the given range."""
 
 
 class NoLimitError(NoAnswerError):
@@ -56,7 +71,20 @@ class NoDesignError(NoAnswerError):
 
 
 def suggestion(word: str, known: Sequence[str]) -> str:
-    """A hint at the known word that is most like the one given; empty where none is."""
+    """Return a hint at the known word closest to a given one, such as "; did you mean 'AD85'?".
+
+    Parameters
+    ----------
+    word : str
+        An unknown word.
+    known : sequence of str
+        Known words.
+
+    Returns
+    -------
+    str
+        Empty if no known word is close.
+    """
     by_lower = {name.lower(): name for name in known}
     found = get_close_matches(word.lower(), list(by_lower), n=1, cutoff=0.5)
     return f"; did you mean {by_lower[found[0]]!r}?" if found else ""

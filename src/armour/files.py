@@ -1,4 +1,4 @@
-"""Files read and written: the data shipped with the package, TOML in, results out whole or not at all."""
+"""Read text and TOML files, locate the shipped data and write files atomically."""
 
 import os
 import tempfile
@@ -9,7 +9,7 @@ from typing import Any, BinaryIO
 
 from armour.errors import InputError, Problem
 
-# No scenario or library is longer; a device can be without end.
+# Longer than any scenario or library; a device such as /dev/zero has no end.
 MAX_BYTES = 10_000_000
 
 _PACKAGE = Path(__file__).resolve().parent
@@ -17,13 +17,18 @@ _CHECKOUT = _PACKAGE.parent.parent
 
 
 def shipped(folder: str) -> Path:
-    """Folder of shipped data: in the package once installed, at the top of a checkout before that."""
+    """Return a folder of shipped data: in the installed package, or at the top of a checkout.
+
+    Parameters
+    ----------
+    folder : {"configs", "scenarios", "suites"}
+    """
     installed = _PACKAGE / folder
     return installed if installed.is_dir() else _CHECKOUT / folder
 
 
 def reason(error: OSError) -> str:
-    """What the system says of a file."""
+    """Return the message of the operating system, in lower case."""
     return (error.strerror or str(error)).lower()
 
 
@@ -33,7 +38,7 @@ def read_text(path: Path) -> str:
     Raises
     ------
     InputError
-        If the file is missing, cannot be read, is too long or is not UTF-8 text.
+        If the file is missing, unreadable, too long or not UTF-8 text.
     """
     try:
         with path.open("rb") as file:
@@ -43,12 +48,18 @@ def read_text(path: Path) -> str:
 
 
 def decoded(stream: BinaryIO, file: str) -> str:
-    """What a stream holds, as text; ``file`` is its name for messages.
+    """Read a binary stream as UTF-8 text.
+
+    Parameters
+    ----------
+    stream : binary stream
+    file : str
+        Name of the stream for messages.
 
     Raises
     ------
     InputError
-        If it is too long or is not UTF-8 text.
+        If the content is too long or not UTF-8 text.
     """
     try:
         content = stream.read(MAX_BYTES + 1)
@@ -66,18 +77,24 @@ def read_toml(path: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If the file is no text that can be read, or not valid TOML.
+        If the file cannot be read or is not valid TOML.
     """
     return parse_toml(read_text(path), str(path))
 
 
 def parse_toml(text: str, file: str) -> dict[str, Any]:
-    """The data of a text in TOML; ``file`` is its name for messages.
+    """Parse a text in TOML.
+
+    Parameters
+    ----------
+    text : str
+    file : str
+        Name of the text for messages.
 
     Raises
     ------
     InputError
-        If it is not valid TOML.
+        If the text is not valid TOML.
     """
     try:
         return tomllib.loads(text)
@@ -89,7 +106,19 @@ def parse_toml(text: str, file: str) -> dict[str, Any]:
 
 
 def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:
-    """What is wrong with the ending of a file to write; nothing where it is one of those."""
+    """Check the ending of an output file.
+
+    Parameters
+    ----------
+    path : Path
+    endings : sequence of str
+        At least two allowed endings, such as ".csv".
+
+    Returns
+    -------
+    list of Problem
+        Empty if the ending is allowed.
+    """
     if path.suffix.lower() in endings:
         return []
     listed = f"{', '.join(endings[:-1])} or {endings[-1]}"
@@ -97,12 +126,12 @@ def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:
 
 
 def check_writable(path: Path) -> None:
-    """Make sure, before long work, that a result can be written there.
+    """Check that a file can be written, before a long computation.
 
     Raises
     ------
     InputError
-        If the path is a folder, or it or its folder is missing or cannot be written to.
+        If the path is a folder, its folder does not exist, or the file or its folder is not writable.
     """
     problem = ""
     if path.is_dir():
@@ -116,12 +145,18 @@ def check_writable(path: Path) -> None:
 
 
 def write_atomic(path: Path, content: bytes) -> None:
-    """Write a file whole or not at all; a device or a pipe is written to as it is.
+    """Write a file atomically; write to a device or a pipe directly.
+
+    Parameters
+    ----------
+    path : Path
+        A symbolic link stays one; its target is replaced.
+    content : bytes
 
     Raises
     ------
     InputError
-        If the file cannot be written; what stood there before then still does.
+        If the file cannot be written; an existing file is then left unchanged.
     """
     try:
         if path.exists() and not path.is_file():
@@ -133,20 +168,20 @@ def write_atomic(path: Path, content: bytes) -> None:
 
 
 def _replace(path: Path, content: bytes) -> None:
-    """Write a draft beside the file and put it in its place."""
-    handle, draft = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    """Write a temporary file in the same folder and rename it."""
+    handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(content)
-        os.chmod(draft, _new_file_mode())
-        os.replace(draft, path)
+        os.chmod(temporary, _new_file_mode())
+        os.replace(temporary, path)
     except BaseException:
-        os.unlink(draft)
+        os.unlink(temporary)
         raise
 
 
 def _new_file_mode() -> int:
-    """Permissions of a file newly made by this process."""
+    """Return the permissions that this process gives to a new file."""
     mask = os.umask(0)
     os.umask(mask)
     return 0o666 & ~mask

@@ -1,4 +1,4 @@
-"""The only conversions between the units of files and tables and SI: multiply to get SI, divide to leave it."""
+"""Conversion factors from the units of files and tables to SI: multiply to convert to SI, divide to convert back."""
 
 from collections.abc import Iterable
 
@@ -9,7 +9,7 @@ MPA = 1e6
 GPA = 1e9
 KN = 1e3
 
-# How the units end the keys of files and results.
+# Units by the ending of a key; a longer ending precedes any that it ends with.
 ENDINGS = {
     "_kg_m2": "kg/m²",
     "_kg_m3": "kg/m³",
@@ -24,7 +24,18 @@ ENDINGS = {
 
 
 def words_and_unit(key: str) -> tuple[str, str]:
-    """The last part of a dotted key in words, and its unit; empty where it has none."""
+    """Split the last part of a dotted key into words and unit.
+
+    Parameters
+    ----------
+    key : str
+        Such as "armour.ceramic_thickness_mm".
+
+    Returns
+    -------
+    words, unit : str
+        Such as "ceramic thickness" and "mm"; the unit is empty if the key has none.
+    """
     name = key.rsplit(".", 1)[-1]
     for ending, unit in ENDINGS.items():
         if name.endswith(ending):
@@ -33,6 +44,19 @@ def words_and_unit(key: str) -> tuple[str, str]:
 
 
 def missing_unit(name: str, known: Iterable[str]) -> str:
-    """A hint at the known name that differs by the unit at its end alone; empty where none does."""
+    """Return a hint at the known name that differs from a given one only by a unit at its end.
+
+    Parameters
+    ----------
+    name : str
+        An unknown name.
+    known : iterable of str
+        Known names.
+
+    Returns
+    -------
+    str
+        Empty if there is no such name.
+    """
     found = [other for other in known if any(other == name + ending for ending in ENDINGS)]
     return f"; its unit is missing: {found[0]}" if found else ""

@@ -3,10 +3,10 @@ import pytest
 from armour.analysis.ballistic_limit import (
     ballistic_limit,
     bisect,
+    curve_velocities,
     find_crossings,
-    residual_curve,
+    residual_velocity_curve,
     scan,
-    velocities_round,
 )
 from armour.errors import NoLimitError
 from tests.cases import scenario
@@ -73,16 +73,16 @@ def test_an_outcome_that_is_not_monotonic_is_reported(monkeypatch: pytest.Monkey
 
 def test_a_lowest_velocity_that_perforates_is_no_limit(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("armour.analysis.ballistic_limit.perforates", lambda _s, _a, v: v < 800 or v > 1500)
-    with pytest.raises(NoLimitError, match=r"perforates already, though not .*defeated above 800"):
+    with pytest.raises(NoLimitError, match=r"perforates, but some higher velocities do not .*defeated above 800"):
         ballistic_limit(scenario())
 
 
 def test_the_curve_rises_from_the_limit():
     case = scenario()
     limit = ballistic_limit(case)
-    velocities = velocities_round(limit, case)
+    velocities = curve_velocities(limit, case)
     assert velocities == sorted(velocities)
-    curve = residual_curve(case, [limit.bracket_m_s[0], limit.bracket_m_s[1], 900.0])
+    curve = residual_velocity_curve(case, [limit.bracket_m_s[0], limit.bracket_m_s[1], 900.0])
     residual = [result.residual_velocity_m_s for result in curve]
     assert residual[0] == 0.0
     assert 0.0 < residual[1] < residual[2]
@@ -92,7 +92,7 @@ def test_the_residual_velocity_rises_as_a_square_root():
     """Twice as far above the limit, the square of the residual velocity is twice as large."""
     case = scenario(ballistic_limit={"tolerance_m_s": 1e-8})
     limit = ballistic_limit(case).ballistic_limit_m_s
-    one, two = residual_curve(case, [limit + 0.01, limit + 0.02])
+    one, two = residual_velocity_curve(case, [limit + 0.01, limit + 0.02])
     ratio = (two.residual_velocity_m_s / one.residual_velocity_m_s) ** 2
     # The projectile counts as stopped at 1 m/s, so that its square is what is missing.
     first, second = (r.residual_velocity_m_s**2 - 1.0 for r in (one, two))

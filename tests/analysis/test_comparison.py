@@ -1,16 +1,23 @@
 import json
+from functools import cache
 
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.closed_forms import residual_velocity
-from armour.analysis.comparison import compare, florence_ballistic_limit
+from armour.analysis.comparison import Comparison, compare, florence_ballistic_limit
 from armour.errors import InputError
 from tests.cases import scenario
 
 
+@cache
+def wilkins() -> Comparison:
+    """Comparison for the Wilkins case."""
+    return compare(scenario())
+
+
 def test_the_wilkins_case():
-    result = compare(scenario())
+    result = wilkins()
     assert result.limit == ballistic_limit(scenario())
     penetrator, whole = result.florence
     assert (penetrator.mass_g, penetrator.diameter_mm) == (5.46, 6.5)
@@ -20,7 +27,7 @@ def test_the_wilkins_case():
 
 
 def test_the_best_split_keeps_the_areal_density_and_is_better():
-    for florence in compare(scenario()).florence:
+    for florence in wilkins().florence:
         mass = 3.43 * florence.best_ceramic_thickness_mm + 2.75 * florence.best_backing_thickness_mm
         assert mass == pytest.approx(scenario().areal_density_kg_m2())
         assert florence.best_ballistic_limit_m_s > florence.ballistic_limit_m_s
@@ -30,8 +37,8 @@ def test_the_best_split_keeps_the_areal_density_and_is_better():
         assert florence.model_ballistic_limit_m_s == ballistic_limit(there).ballistic_limit_m_s
 
 
-def test_the_fits_leave_what_they_say():
-    result = compare(scenario())
+def test_the_fits_have_the_residuals_that_they_report():
+    result = wilkins()
     limit = result.limit.ballistic_limit_m_s
     above = [impact for impact in result.curve if impact.impact_velocity_m_s > limit]
     assert result.fitted_m_s == (above[0].impact_velocity_m_s, above[-1].impact_velocity_m_s)
@@ -46,17 +53,17 @@ def test_the_fits_leave_what_they_say():
 
 
 def test_plain_data():
-    data = json.loads(json.dumps(compare(scenario()).to_dict()))
+    data = json.loads(json.dumps(wilkins().to_dict()))
     assert data["ballistic_limit_m_s"] == pytest.approx(723.7716, abs=1e-3)
     assert data["florence"][0]["projectile"] == "penetrator"
 
 
-def test_a_round_of_which_only_the_penetrator_is_known():
+def test_a_projectile_with_a_known_penetrator_only():
     thick = scenario(projectile="25 mm APDS", ceramic_mm=20.0, backing_mm=30.0)
     assert [florence.projectile for florence in compare(thick).florence] == ["penetrator"]
 
 
-def test_all_that_is_missing_is_named():
+def test_all_missing_quantities_are_named():
     own = {"metal": {"m": {"density_kg_m3": 2700.0, "dynamic_yield_strength_MPa": 300.0}}}
     case = scenario(backing="m", ceramic=None, ceramic_mm=0.0, library=own)
     with pytest.raises(InputError) as error:

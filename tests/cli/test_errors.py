@@ -57,4 +57,4 @@ def test_wrong_usage(cli, args: list[str]):
 def test_the_longest_run_allowed_ends_in_a_message(cli, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(sys.modules["armour.analysis.impact"], "MAX_STEPS", 5)
     [line] = cli.fails(2, "simulate", SCENARIOS / "wilkins.toml")
-    assert "solver.time_step_us: must let the run at 800 m/s end" in line
+    assert "solver.arrest_velocity_m_s: must let the run at 800 m/s end" in line

@@ -1,4 +1,4 @@
-"""Whatever TOML holds, every key is found on a line that has its name."""
+"""Every key of any TOML file is found on a line that holds its name."""
 
 import tomllib
 from collections.abc import Iterator
@@ -17,7 +17,7 @@ VALUES = st.recursive(SCALARS, lambda v: st.lists(v, max_size=3) | st.dictionari
 
 
 def leaves(value: Any, parts: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
-    """Keys of the scalars of a document that are in no list."""
+    """Yield the keys of the scalars of a document outside lists."""
     if isinstance(value, dict):
         for name, child in value.items():
             yield from leaves(child, (*parts, name))

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from armour.analysis.ballistic_limit import ballistic_limit, residual_curve
+from armour.analysis.ballistic_limit import ballistic_limit, residual_velocity_curve
 from armour.analysis.impact import simulate
 from armour.design.optimisation import optimise
 from armour.reporting.plots import FORMATS, impact_figure, limit_figure, optimum_figure, rendered
@@ -48,7 +48,7 @@ def test_an_impact_needs_its_history():
 
 def test_a_limit_shows_the_curve_and_the_limit():
     limit = ballistic_limit(scenario())
-    figure = limit_figure(limit, residual_curve(scenario(), [600.0, 800.0, 1000.0]), "")
+    figure = limit_figure(limit, residual_velocity_curve(scenario(), [600.0, 800.0, 1000.0]), "")
     [axes] = figure.axes
     labels = [line.get_label() for line in axes.lines]
     assert labels == ["no armour", "projectile", "plug", "ballistic limit 723.8 m/s"]

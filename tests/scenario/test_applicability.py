@@ -1,3 +1,5 @@
+from functools import cache
+
 import pytest
 
 from armour.scenario.applicability import BACKING, CERAMIC, SLENDERNESS, VELOCITY, DataRange, warnings_of
@@ -7,8 +9,9 @@ from armour.validation.validate import paper_suite
 from tests.cases import scenario
 
 
+@cache
 def covered() -> dict[DataRange, list[float]]:
-    """What the paper's cases cover, those of the initial flow stress left out."""
+    """Values of the paper's cases, without those with an initial flow stress."""
     found: dict[DataRange, list[float]] = {VELOCITY: [], CERAMIC: [], BACKING: [], SLENDERNESS: []}
     for case in load_suite(paper_suite()).cases:
         armour = case.scenario.armour
@@ -31,7 +34,7 @@ def test_the_ranges_are_those_of_the_published_cases(data: DataRange):
     assert 0.96 * data.high <= max(values) <= data.high
 
 
-def test_nothing_to_warn_of_within_the_data():
+def test_no_warning_within_the_validated_range():
     assert warnings_of(scenario(), 723.8) == ()
 
 
@@ -43,7 +46,7 @@ def test_nothing_to_warn_of_within_the_data():
         ({"backing_mm": 1.0}, 800.0, "armour.backing_thickness_mm: the model was tested on back plates"),
     ],
 )
-def test_what_is_outside_is_named(changes: dict[str, float], velocity: float, start: str):
+def test_a_quantity_outside_the_validated_range_is_named(changes: dict[str, float], velocity: float, start: str):
     [warning] = warnings_of(scenario(**changes), velocity)
     assert warning.startswith(start)
 

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from armour.errors import InputError
-from armour.scenario.loading import load_scenario, parse_scenario, save_scenario
+from armour.scenario.loading import changed, load_scenario, parse_scenario, save_scenario
 from armour.scenario.schema import Range
 from tests.cases import SCENARIOS, data, scenario
 
@@ -14,16 +14,6 @@ def messages(content: dict[str, Any]) -> list[str]:
     with pytest.raises(InputError) as caught:
         parse_scenario(content)
     return [f"{problem.key}: {problem.message}" for problem in caught.value.problems]
-
-
-def changed(key: str, value: object) -> dict[str, Any]:
-    content: dict[str, Any] = data()
-    *sections, last = key.split(".")
-    table = content
-    for section in sections:
-        table = table.setdefault(section, {})
-    table[last] = value
-    return content
 
 
 @pytest.mark.parametrize("path", sorted(SCENARIOS.rglob("*.toml")), ids=lambda path: path.stem)
@@ -116,7 +106,7 @@ def test_defaults():
     ],
 )
 def test_a_mistake_is_named(key: str, value: object, message: str):
-    found = messages(changed(key, value))
+    found = messages(changed(data(), {key: value}))
     assert len(found) == 1
     assert found[0].startswith(f"{key}: {message}")
 

@@ -1,4 +1,4 @@
-"""The ballistic limit: the lowest impact velocity that perforates, by bisection on the outcome."""
+"""Ballistic limit: the lowest impact velocity that perforates, by a scan of velocities and bisection."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
@@ -10,9 +10,9 @@ from armour.errors import NoLimitError
 from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
 
-# Velocities of the coarse scan, evenly spaced on a logarithmic scale.
+# Number of velocities of the coarse scan, evenly spaced on a logarithmic scale.
 SCAN_POINTS = 33
-# Velocities above the limit of a plotted curve.
+# Number of intervals above the limit in a plotted curve.
 CURVE_POINTS = 60
 
 
@@ -25,7 +25,7 @@ class Crossing:
     bracket_m_s : tuple of float
         Velocities just below and just above the change, m/s.
     above : {"perforated", "defeated"}
-        Outcome above it.
+        Outcome above the change.
     """
 
     bracket_m_s: tuple[float, float]
@@ -34,23 +34,24 @@ class Crossing:
 
 @dataclass(frozen=True)
 class LimitResult:
-    """The ballistic limit of an armour.
+    """Ballistic limit of an armour.
 
     Attributes
     ----------
     ballistic_limit_m_s : float
-        Lowest velocity found that perforates, m/s: the upper end of the bracket.
+        Lowest velocity found to perforate, m/s: the upper end of the bracket.
     bracket_m_s : tuple of float
-        Highest velocity that is defeated and lowest that perforates, m/s.
+        Highest velocity found to be defeated and lowest found to perforate, m/s.
     runs : int
-        Impacts that were computed.
+        Number of impacts computed.
     areal_density_kg_m2 : float
+        Areal density of the armour, kg/m².
     monotonic : bool
-        Whether every velocity of the scan above the limit perforates.
+        Whether every scanned velocity above the limit perforates.
     crossings : tuple of Crossing
-        All changes of the outcome that the scan has found; the first is the limit.
+        All changes of the outcome found by the scan; the first is the ballistic limit.
     warnings : tuple of str
-        What of the armour, or its limit, is outside the data that the model was tested on.
+        Ways in which the armour, or its ballistic limit, lies outside the validated range.
     """
 
     ballistic_limit_m_s: float
@@ -62,24 +63,29 @@ class LimitResult:
     warnings: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """The result as plain data."""
+        """Return the result as plain data."""
         return asdict(self)
 
 
 def ballistic_limit(scenario: Scenario) -> LimitResult:
-    """Find the ballistic limit of a scenario's armour.
+    """Compute the ballistic limit of a scenario's armour.
 
     Parameters
     ----------
     scenario : Scenario
-        Its impact velocity is not used; its section ``ballistic_limit`` gives range and tolerance.
+        Its section ``ballistic_limit`` gives the range of velocities and the tolerance; its impact velocity is not
+        used.
+
+    Returns
+    -------
+    LimitResult
 
     Raises
     ------
     NoLimitError
-        If nothing in the range perforates, or already its lowest velocity does.
+        If no velocity of the range perforates, or if its lowest velocity does.
     InputError
-        If the time step given is too short for a run to end.
+        If a run does not end within the maximum number of steps.
     """
     search = scenario.ballistic_limit
     armour = scenario.core_armour()
@@ -108,16 +114,21 @@ def ballistic_limit(scenario: Scenario) -> LimitResult:
 def find_crossings(
     perforates: Callable[[float], bool], low: float, high: float, tolerance: float
 ) -> tuple[Crossing, ...]:
-    """Velocities at which the outcome changes, by a coarse scan and a bisection of each change.
+    """Find the velocities at which the outcome changes, by a coarse scan and a bisection of each change.
 
     Parameters
     ----------
     perforates : callable
-        Whether a velocity, m/s, perforates.
+        Returns whether a velocity, m/s, perforates.
     low, high : float
         Range of velocities, m/s.
     tolerance : float
-        Width of the brackets, m/s.
+        Greatest width of the brackets, m/s.
+
+    Returns
+    -------
+    tuple of Crossing
+        In ascending order of velocity.
     """
     velocities = scan(low, high, SCAN_POINTS)
     outcomes = [(velocity, perforates(velocity)) for velocity in velocities]
@@ -131,21 +142,35 @@ def find_crossings(
     )
 
 
-def residual_curve(scenario: Scenario, velocities: Sequence[float]) -> tuple[ImpactResult, ...]:
-    """Impacts of the scenario at several velocities, m/s.
+def residual_velocity_curve(scenario: Scenario, velocities: Sequence[float]) -> tuple[ImpactResult, ...]:
+    """Compute the impacts of a scenario at several velocities.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its impact velocity is not used.
+    velocities : sequence of float
+        Impact velocities, m/s.
 
     Raises
     ------
     InputError
-        If the time step given is too short for a run to end.
+        If a run does not end within the maximum number of steps.
     """
     return tuple(impact_at(scenario, velocity) for velocity in velocities)
 
 
-def velocities_round(limit: LimitResult, scenario: Scenario) -> list[float]:
-    """Velocities, m/s, that show the residual velocity below, at and well above the limit.
+def curve_velocities(limit: LimitResult, scenario: Scenario) -> list[float]:
+    """Return the impact velocities of a curve of residual velocity, m/s: below, at and well above the limit.
 
-    They are dense above it, where the residual velocity rises as a square root, and reach past every crossing.
+    They are dense just above the limit, where the residual velocity rises as a square root, and extend beyond the
+    last crossing.
+
+    Parameters
+    ----------
+    limit : LimitResult
+        Ballistic limit of the scenario's armour.
+    scenario : Scenario
     """
     search = scenario.ballistic_limit
     found = limit.ballistic_limit_m_s
@@ -157,13 +182,28 @@ def velocities_round(limit: LimitResult, scenario: Scenario) -> list[float]:
 
 
 def scan(low: float, high: float, count: int) -> list[float]:
-    """Values from low to high, both included, evenly spaced on a logarithmic scale."""
+    """Return `count` values from `low` to `high`, both included, evenly spaced on a logarithmic scale."""
     ratio = high / low
     return [low, *(low * ratio ** (i / (count - 1)) for i in range(1, count - 1)), high]
 
 
 def bisect(holds: Callable[[float], bool], low: float, high: float, tolerance: float) -> tuple[float, float]:
-    """Narrow a bracket, at whose upper end alone the condition holds, to the tolerance."""
+    """Narrow a bracket to a tolerance by bisection.
+
+    Parameters
+    ----------
+    holds : callable
+        Condition that holds at `high` and not at `low`.
+    low, high : float
+        Ends of the bracket.
+    tolerance : float
+        Greatest width of the narrowed bracket; the floating-point spacing limits it from below.
+
+    Returns
+    -------
+    tuple of float
+        Ends of the narrowed bracket; the condition holds at the upper end and not at the lower.
+    """
     while high - low > tolerance:
         middle = 0.5 * (low + high)
         if not low < middle < high:
@@ -176,7 +216,7 @@ def bisect(holds: Callable[[float], bool], low: float, high: float, tolerance: f
 
 
 def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, low: float, high: float) -> str:
-    """Why there is no limit in the range."""
+    """Return why the range contains no ballistic limit."""
     if not lowest_perforates:
         return (
             f"no ballistic limit: no velocity from {low:g} to {high:g} m/s perforates; "
@@ -189,6 +229,6 @@ def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, low: flo
         )
     changes = ", ".join(f"{c.above} above {c.bracket_m_s[1]:.2f} m/s" for c in crossings)
     return (
-        f"no ballistic limit: the lowest velocity, {low:g} m/s, perforates already, though not every higher "
-        f"one does ({changes}); lower ballistic_limit.velocity_min_m_s"
+        f"no ballistic limit: the lowest velocity, {low:g} m/s, perforates, but some higher velocities do not "
+        f"({changes}); lower ballistic_limit.velocity_min_m_s"
     )

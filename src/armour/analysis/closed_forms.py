@@ -1,7 +1,7 @@
-"""Closed forms that a designer would otherwise use: Florence's ballistic limit and fits of residual velocities.
+"""Closed forms for comparison with the model: Florence's ballistic limit and residual-velocity fits.
 
-SI units.  ``1`` is the ceramic, ``2`` the back plate: densities rho, thicknesses h, and the plate's ultimate tensile
-strength sigma2 and strain to failure eps2.
+SI units.  ``1`` is the ceramic and ``2`` the back plate: densities rho, thicknesses h, and the back plate's ultimate
+tensile strength sigma2 and strain to fracture eps2.
 
 References
 ----------
@@ -13,17 +13,20 @@ R. F. Recht and T. W. Ipson, Ballistic perforation dynamics, Journal of Applied 
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import pi, sqrt
 from typing import NamedTuple
 
-# Exponents among which that of Lambert and Jonas is looked for.
+from armour.analysis.ballistic_limit import bisect
+
+# Range of the exponent of Lambert and Jonas.
 EXPONENTS = (1.0, 20.0)
-# Largest ratio of residual to impact velocity far above the limit; more than 1 would be energy from nowhere.
-LARGEST_RATIO = 1.0
+# Greatest ratio of residual to impact velocity far above the limit; a greater one would create energy.
+MAX_RATIO = 1.0
 
 
 class Plates(NamedTuple):
-    """An armour as Florence's formula sees it."""
+    """Armour in the symbols of Florence's formula, SI units."""
 
     rho1: float
     h1: float
@@ -34,12 +37,20 @@ class Plates(NamedTuple):
 
 
 def conoid_radius(r: float, h1: float) -> float:
-    """Radius a of the back plate's area that takes the load: the projectile's and two ceramic thicknesses."""
+    """Return the radius a of the loaded area of the back plate, m: ``r + 2 h1``.
+
+    Parameters
+    ----------
+    r : float
+        Radius of the projectile, m.
+    h1 : float
+        Thickness of the ceramic, m.
+    """
     return r + 2.0 * h1
 
 
 def florence_limit(m: float, r: float, plates: Plates) -> float:
-    """Ballistic limit after Florence in the form of Hetherington and Rajagopalan, m/s.
+    """Compute Florence's ballistic limit in the form of Hetherington and Rajagopalan, m/s.
 
     Parameters
     ----------
@@ -55,66 +66,124 @@ def florence_limit(m: float, r: float, plates: Plates) -> float:
 
 
 def florence_split(m: float, r: float, rho1: float, rho2: float, areal_density: float) -> tuple[float, float]:
-    """Thicknesses h1 and h2, m, of the highest Florence limit at an areal density, kg/m^2.
+    """Compute the thicknesses with the highest Florence limit at a given areal density.
 
-    Where ``rho1/(rho2 h2) = (4/a) (1 + pi a^2 A/(m + pi a^2 A))``.  The left side falls with h2 and the right side
-    rises, so that there is one solution; none with a positive h1 where the armour is very thin: then a bare plate.
+    They satisfy ``rho1/(rho2 h2) = (4/a) (1 + pi a^2 A/(m + pi a^2 A))``.  The left side falls with h2 and the right
+    side rises, so that there is at most one solution; a very thin armour has none, and a bare plate is best.
+
+    Parameters
+    ----------
+    m, r : float
+        Mass, kg, and radius, m, of the projectile.
+    rho1, rho2 : float
+        Densities of ceramic and back plate, kg/m³.
+    areal_density : float
+        Areal density A of the armour, kg/m².
+
+    Returns
+    -------
+    h1, h2 : float
+        Thicknesses of ceramic and back plate, m.
     """
-    from scipy.optimize import brentq
 
     def ceramic(h2: float) -> float:
         return (areal_density - rho2 * h2) / rho1
 
-    def excess(h2: float) -> float:
+    def too_thick(h2: float) -> bool:
         a = conoid_radius(r, ceramic(h2))
         loaded = pi * a * a * areal_density
-        return rho1 / (rho2 * h2) - 4.0 / a * (1.0 + loaded / (m + loaded))
+        return rho1 / (rho2 * h2) < 4.0 / a * (1.0 + loaded / (m + loaded))
 
-    whole = areal_density / rho2
-    if excess(whole) >= 0.0:
-        return 0.0, whole
-    h2 = float(brentq(excess, 1e-9 * whole, whole, xtol=1e-15))
+    bare = areal_density / rho2
+    if not too_thick(bare):
+        return 0.0, bare
+    _, h2 = bisect(too_thick, 1e-9 * bare, bare, 0.0)
     return ceramic(h2), h2
 
 
-class ResidualFit(NamedTuple):
-    """Residual velocity as ratio (V^exponent - limit^exponent)^(1/exponent)."""
+@dataclass(frozen=True)
+class ResidualVelocityFit:
+    """Fit of ``ratio (V^exponent - limit^exponent)^(1/exponent)`` to residual velocities.
 
+    Attributes
+    ----------
+    name : str
+        Name of the closed form.
+    ratio, exponent : float
+        Parameters of the fit.
+    rms_m_s : float
+        Root mean square of the residuals of the fit, m/s.
+    """
+
+    name: str
     ratio: float
     exponent: float
-    rms: float  # m/s
+    rms_m_s: float
 
 
 def residual_velocity(V: float, limit: float, ratio: float, exponent: float) -> float:
-    """Residual velocity after Lambert and Jonas, m/s; exponent 2 is Recht and Ipson's."""
+    """Compute the residual velocity after Lambert and Jonas, m/s; exponent 2 gives Recht and Ipson's formula.
+
+    Parameters
+    ----------
+    V, limit : float
+        Impact velocity and ballistic limit, m/s.
+    ratio, exponent : float
+        Parameters of the formula.
+    """
     if limit >= V:
         return 0.0
-    # With V taken out of the bracket no power overflows.
+    # Dividing by V keeps the powers from overflowing.
     return float(ratio * V * (1.0 - (limit / V) ** exponent) ** (1.0 / exponent))
 
 
-def fit_lambert_jonas(impact: Sequence[float], residual: Sequence[float], limit: float) -> ResidualFit:
-    """Ratio and exponent of the least squares to residual velocities, m/s, of impacts above the limit."""
+def fit_lambert_jonas(impact: Sequence[float], residual: Sequence[float], limit: float) -> ResidualVelocityFit:
+    """Fit ratio and exponent of Lambert and Jonas by least squares.
+
+    Parameters
+    ----------
+    impact, residual : sequence of float
+        Impact velocities above the limit and their residual velocities, m/s.
+    limit : float
+        Ballistic limit, m/s.
+
+    Returns
+    -------
+    ResidualVelocityFit
+    """
+    # Imported here because Florence's formula, which `armour validate` computes, does not need scipy.
     from scipy.optimize import minimize_scalar
 
-    best = minimize_scalar(
-        lambda exponent: _fit_ratio(impact, residual, limit, exponent).rms,
-        bounds=EXPONENTS,
-        method="bounded",
-        options={"xatol": 1e-6},
-    )
-    return _fit_ratio(impact, residual, limit, float(best.x))
+    def fit(exponent: float) -> ResidualVelocityFit:
+        return _fit_ratio("Lambert-Jonas", impact, residual, limit, exponent)
+
+    best = minimize_scalar(lambda x: fit(x).rms_m_s, bounds=EXPONENTS, method="bounded", options={"xatol": 1e-6})
+    return fit(float(best.x))
 
 
-def fit_recht_ipson(impact: Sequence[float], residual: Sequence[float], limit: float) -> ResidualFit:
-    """Ratio of the least squares to residual velocities, m/s, of impacts above the limit; the exponent is 2."""
-    return _fit_ratio(impact, residual, limit, 2.0)
+def fit_recht_ipson(impact: Sequence[float], residual: Sequence[float], limit: float) -> ResidualVelocityFit:
+    """Fit the ratio of Recht and Ipson by least squares; the exponent is 2.
+
+    Parameters
+    ----------
+    impact, residual : sequence of float
+        Impact velocities above the limit and their residual velocities, m/s.
+    limit : float
+        Ballistic limit, m/s.
+
+    Returns
+    -------
+    ResidualVelocityFit
+    """
+    return _fit_ratio("Recht-Ipson", impact, residual, limit, 2.0)
 
 
-def _fit_ratio(impact: Sequence[float], residual: Sequence[float], limit: float, exponent: float) -> ResidualFit:
-    """The best ratio for an exponent."""
+def _fit_ratio(
+    name: str, impact: Sequence[float], residual: Sequence[float], limit: float, exponent: float
+) -> ResidualVelocityFit:
+    """Fit the ratio for a given exponent."""
     shape = [residual_velocity(V, limit, 1.0, exponent) for V in impact]
     ratio = sum(s * v for s, v in zip(shape, residual, strict=True)) / sum(s * s for s in shape)
-    ratio = min(max(ratio, 0.0), LARGEST_RATIO)
+    ratio = min(max(ratio, 0.0), MAX_RATIO)
     squares = sum((ratio * s - v) ** 2 for s, v in zip(shape, residual, strict=True))
-    return ResidualFit(ratio, exponent, sqrt(squares / len(shape)))
+    return ResidualVelocityFit(name, ratio, exponent, sqrt(squares / len(shape)))

@@ -1,13 +1,12 @@
-"""A scenario's armour by the model and by the closed forms of others, side by side."""
+"""Comparison of the model with closed forms for a scenario's armour."""
 
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, residual_curve, velocities_round
+from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, curve_velocities, residual_velocity_curve
 from armour.analysis.closed_forms import (
     Plates,
-    ResidualFit,
+    ResidualVelocityFit,
     fit_lambert_jonas,
     fit_recht_ipson,
     florence_limit,
@@ -19,30 +18,35 @@ from armour.scenario.loading import Scenario
 from armour.units import MM, MPA, G
 
 Body = Literal["penetrator", "whole projectile"]
-# What Florence's formula is given as the projectile: keys of its mass and diameter.
+# Bodies that Florence's formula can take as the projectile: keys of mass and diameter.
 BODIES: dict[Body, tuple[str, str]] = {
     "penetrator": ("penetrator_mass_g", "penetrator_diameter_mm"),
     "whole projectile": ("projectile_mass_g", "caliber_mm"),
 }
+# Keys of the metal that only Florence's formula needs.
 TENSILE = ("ultimate_tensile_strength_MPa", "strain_to_fracture")
 
 
 @dataclass(frozen=True)
 class FlorenceResult:
-    """Florence's limit of an armour, and the split of its areal density that this formula holds for best.
+    """Florence's limit of an armour, and the best armour of the same areal density according to this formula.
 
     Attributes
     ----------
     projectile : {"penetrator", "whole projectile"}
-        What is taken as the projectile.
+        Body taken as the projectile.
     mass_g, diameter_mm : float
+        Mass, g, and diameter, mm, of that body.
     ballistic_limit_m_s : float
-    best_ceramic_thickness_mm, best_backing_thickness_mm, best_thickness_ratio : float
-        Thicknesses at the same areal density that the formula holds for best, and ceramic over backing.
+        Florence's limit, m/s.
+    best_ceramic_thickness_mm, best_backing_thickness_mm : float
+        Thicknesses, mm, with the highest Florence limit at the same areal density.
+    best_thickness_ratio : float
+        Ratio of these thicknesses, ceramic to back plate.
     best_ballistic_limit_m_s : float
-        Florence's limit of that armour.
+        Florence's limit of the best armour, m/s.
     model_ballistic_limit_m_s : float or None
-        The model's limit of that armour; None where it has none in the scenario's range.
+        The model's limit of the best armour, m/s; None if the scenario's range contains none.
     """
 
     projectile: Body
@@ -57,52 +61,34 @@ class FlorenceResult:
 
 
 @dataclass(frozen=True)
-class Fit:
-    """A closed form fitted to the model's residual velocities.
-
-    Attributes
-    ----------
-    name : str
-    ratio, exponent : float
-        Of ``ratio (V^exponent - limit^exponent)^(1/exponent)``, with the model's limit.
-    rms_m_s : float
-        Root mean square of what the fit leaves, m/s.
-    """
-
-    name: str
-    ratio: float
-    exponent: float
-    rms_m_s: float
-
-
-@dataclass(frozen=True)
 class Comparison:
-    """The model's ballistic limit and residual velocities, and what closed forms make of them.
+    """Ballistic limit and residual velocities by the model and by closed forms.
 
     Attributes
     ----------
     areal_density_kg_m2 : float
+        Areal density of the armour, kg/m².
     limit : LimitResult
-        The model's.
+        Ballistic limit by the model.
     florence : tuple of FlorenceResult
-        One per body whose mass and diameter the library knows.
-    fits : tuple of Fit
-        Lambert and Jonas, Recht and Ipson.
+        One per body with a known mass and diameter.
+    fits : tuple of ResidualVelocityFit
+        Fits of Lambert and Jonas and of Recht and Ipson to the model's residual velocities.
     fitted_m_s : tuple of float
         Lowest and highest impact velocity of the fits, m/s.
     curve : tuple of ImpactResult
-        The model's impacts around and above the limit.
+        Impacts by the model around and above the limit.
     """
 
     areal_density_kg_m2: float
     limit: LimitResult
     florence: tuple[FlorenceResult, ...]
-    fits: tuple[Fit, ...]
+    fits: tuple[ResidualVelocityFit, ...]
     fitted_m_s: tuple[float, float]
     curve: tuple[ImpactResult, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """The comparison without the curve as plain data."""
+        """Return the comparison, without the curve, as plain data."""
         return {
             "areal_density_kg_m2": self.areal_density_kg_m2,
             "ballistic_limit_m_s": self.limit.ballistic_limit_m_s,
@@ -114,33 +100,47 @@ class Comparison:
 
 
 def compare(scenario: Scenario) -> Comparison:
-    """Put the model's answers for a scenario's armour next to those of closed forms.
+    """Compare the model with closed forms for a scenario's armour.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its impact velocity is not used.
+
+    Returns
+    -------
+    Comparison
 
     Raises
     ------
     InputError
         If the armour has no ceramic, or its metal no tensile strength or strain to fracture.
     NoLimitError
-        If the model has no ballistic limit in the scenario's range.
+        If the scenario's range contains no ballistic limit.
     """
     problems = missing_for_florence(scenario)
     if problems:
         raise InputError(problems)
     limit = ballistic_limit(scenario)
-    curve = residual_curve(scenario, velocities_round(limit, scenario))
+    curve = residual_velocity_curve(scenario, curve_velocities(limit, scenario))
     above = [impact for impact in curve if impact.impact_velocity_m_s > limit.ballistic_limit_m_s]
+    velocities = [impact.impact_velocity_m_s for impact in above]
+    residuals = [impact.residual_velocity_m_s for impact in above]
     return Comparison(
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
         limit=limit,
         florence=tuple(florence_result(scenario, body) for body in bodies_of(scenario)),
-        fits=fits_of(above, limit.ballistic_limit_m_s),
-        fitted_m_s=(above[0].impact_velocity_m_s, above[-1].impact_velocity_m_s),
+        fits=(
+            fit_lambert_jonas(velocities, residuals, limit.ballistic_limit_m_s),
+            fit_recht_ipson(velocities, residuals, limit.ballistic_limit_m_s),
+        ),
+        fitted_m_s=(velocities[0], velocities[-1]),
         curve=curve,
     )
 
 
 def missing_for_florence(scenario: Scenario) -> list[Problem]:
-    """What Florence's formula needs and the scenario does not have."""
+    """Return a problem for each quantity that Florence's formula needs and the scenario lacks."""
     problems = []
     if not scenario.armour.ceramic_thickness_mm > 0.0:
         message = "must be greater than 0 for Florence's limit, found 0"
@@ -154,19 +154,35 @@ def missing_for_florence(scenario: Scenario) -> list[Problem]:
 
 
 def bodies_of(scenario: Scenario) -> list[Body]:
-    """What of the projectile can be given to Florence's formula."""
+    """Return the bodies of the projectile with a known mass and diameter."""
     values = scenario.entry("projectile", scenario.impact.projectile).values
     return [body for body, keys in BODIES.items() if all(key in values for key in keys)]
 
 
 def florence_ballistic_limit(scenario: Scenario, body: Body = "penetrator") -> float:
-    """Florence's limit of the scenario's armour, m/s."""
+    """Compute Florence's limit of a scenario's armour, m/s.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Has all that `missing_for_florence` checks.
+    body : {"penetrator", "whole projectile"}
+        Body taken as the projectile.
+    """
     mass_g, diameter_mm = _body(scenario, body)
     return florence_limit(mass_g * G, diameter_mm * MM / 2.0, _plates(scenario))
 
 
 def florence_result(scenario: Scenario, body: Body) -> FlorenceResult:
-    """Florence's limit, and the thicknesses that it holds for best at the same areal density."""
+    """Compute Florence's limit and the best armour of the same areal density according to it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Has all that `missing_for_florence` checks.
+    body : {"penetrator", "whole projectile"}
+        Body taken as the projectile.
+    """
     mass_g, diameter_mm = _body(scenario, body)
     m, r, plates = mass_g * G, diameter_mm * MM / 2.0, _plates(scenario)
     h1, h2 = florence_split(m, r, plates.rho1, plates.rho2, scenario.areal_density_kg_m2())
@@ -188,28 +204,15 @@ def florence_result(scenario: Scenario, body: Body) -> FlorenceResult:
     )
 
 
-def fits_of(impacts: Sequence[ImpactResult], limit: float) -> tuple[Fit, ...]:
-    """Closed forms fitted to impacts above the limit, m/s."""
-    velocities = [impact.impact_velocity_m_s for impact in impacts]
-    residuals = [impact.residual_velocity_m_s for impact in impacts]
-
-    def named(name: str, fit: ResidualFit) -> Fit:
-        return Fit(name, fit.ratio, fit.exponent, fit.rms)
-
-    return (
-        named("Lambert-Jonas", fit_lambert_jonas(velocities, residuals, limit)),
-        named("Recht-Ipson", fit_recht_ipson(velocities, residuals, limit)),
-    )
-
-
 def _body(scenario: Scenario, body: Body) -> tuple[float, float]:
-    """Mass, g, and diameter, mm."""
+    """Return mass, g, and diameter, mm, of a body."""
     mass, diameter = BODIES[body]
     projectile = scenario.entry("projectile", scenario.impact.projectile)
     return projectile[mass], projectile[diameter]
 
 
 def _plates(scenario: Scenario) -> Plates:
+    """Return the scenario's armour in the symbols of Florence's formula."""
     armour = scenario.core_armour()
     metal = scenario.entry("metal", scenario.armour.backing)
     strength, strain = TENSILE

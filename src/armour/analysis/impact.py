@@ -1,4 +1,4 @@
-"""One impact of a scenario: how it ends, the stages it passes through and, where asked for, its history."""
+"""One impact of a scenario: its outcome, the stages it passes through and, on request, its history."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -13,28 +13,29 @@ from armour.errors import InputError, Problem
 from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
 from armour.scenario.schema import Solver
-from armour.units import KN, MM, US, G
+from armour.units import MM, US, G
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from armour.analysis.history import History
 
-# Steps after which a run is given up; one with the default step takes a few hundred.
+# A run stops unresolved after this many steps; one with the default step takes a few hundred.
 MAX_STEPS = 500_000
 
 
 @dataclass(frozen=True)
 class StageRecord:
-    """A stage that the run passed through, and what it took from the projectile.
+    """A stage of an impact and the projectile's losses in it.
 
     Attributes
     ----------
     stage : str
-        The paper's name: "i", "ii.1" ... "iii.5".
+        Name of the stage in the paper: "i", "ii.1" ... "iii.5".
     start_us, end_us : float
-        Times since impact, us.
-    velocity_lost_m_s, length_lost_mm, energy_lost_J : float
-        Losses of the projectile's rigid part; the energy is kinetic, that of eroded material included.
+        Start and end, time since impact, µs.
+    velocity_lost_m_s, length_lost_mm : float
+        Loss of velocity, m/s, and of length, mm, of the projectile's rigid part.
+    energy_lost_J : float
+        Loss of kinetic energy of the rigid part, J, including the energy of the eroded material.
     """
 
     stage: str
@@ -46,56 +47,36 @@ class StageRecord:
 
 
 @dataclass(frozen=True)
-class History:
-    """A run over time, one array per quantity, all of the same length.
-
-    A change of stage leaves two instants at the same time, before and after it.
-    """
-
-    time_us: "NDArray[np.float64]"
-    depth_mm: "NDArray[np.float64]"
-    length_mm: "NDArray[np.float64]"
-    velocity_m_s: "NDArray[np.float64]"
-    penetration_velocity_m_s: "NDArray[np.float64]"
-    target_velocity_m_s: "NDArray[np.float64]"
-    bulge_height_mm: "NDArray[np.float64]"
-    ceramic_ahead_mm: "NDArray[np.float64]"
-    backing_ahead_mm: "NDArray[np.float64]"
-    interface_force_kN: "NDArray[np.float64]"
-    shear_force_kN: "NDArray[np.float64]"
-    stage: "NDArray[np.str_]"
-
-
-@dataclass(frozen=True)
 class ImpactResult:
-    """How an impact ended.
+    """Result of an impact.
 
     Attributes
     ----------
     outcome : {"perforated", "defeated"}
     impact_velocity_m_s : float
+        Impact velocity, m/s.
     residual_velocity_m_s : float
-        Velocity of the projectile after perforation, m/s; 0 when defeated.
+        Velocity of the projectile after perforation, m/s; 0 if defeated.
     residual_mass_g, residual_length_mm : float
-        What erosion has left of the penetrator.
+        Mass, g, and length, mm, of the penetrator at the end of the impact.
     penetration_depth_mm : float
         Depth of the projectile's front below the original front face, mm.
     bulge_height_mm : float
-        Bulge of the back face, mm.
+        Height of the bulge on the back face, mm.
     plug_velocity_m_s : float
-        Velocity of the plate's plug after perforation, m/s; 0 when defeated.
+        Velocity of the back plate's plug after perforation, m/s; 0 if defeated.
     duration_us : float
-        Time from impact to perforation or arrest, us.
+        Time from impact to perforation or arrest, µs.
     areal_density_kg_m2 : float
-        Mass of the armour per area, kg/m^2.
+        Areal density of the armour, kg/m².
     time_step_us : float
-        Time step taken, us.
+        Time step used, µs.
     stages : tuple of StageRecord
-        Stages passed through, in order.
+        Stages of the impact, in order.
     warnings : tuple of str
-        What of the scenario is outside the data that the model was tested on.
+        Ways in which the scenario lies outside the validated range.
     history : History or None
-        The run over time, where it was asked for.
+        Quantities over time, if requested.
     """
 
     outcome: Literal["perforated", "defeated"]
@@ -111,10 +92,10 @@ class ImpactResult:
     time_step_us: float
     stages: tuple[StageRecord, ...]
     warnings: tuple[str, ...]
-    history: History | None = None
+    history: "History | None" = None
 
     def to_dict(self) -> dict[str, Any]:
-        """The result without its history as plain data."""
+        """Return the result, without its history, as plain data."""
         data = asdict(self)
         del data["history"]
         data["stages"] = list(data["stages"])
@@ -122,33 +103,56 @@ class ImpactResult:
 
 
 def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
-    """Run the impact of a scenario.
+    """Compute the impact of a scenario.
 
     Parameters
     ----------
     scenario : Scenario
-    history : bool
-        Whether to keep the run over time.
+    history : bool, default False
+        Whether to record the quantities over time.
+
+    Returns
+    -------
+    ImpactResult
 
     Raises
     ------
     InputError
-        If the time step given is too short for the run to end.
+        If the run does not end within the maximum number of steps.
     """
     return impact_at(scenario, scenario.impact.velocity_m_s, history=history)
 
 
 def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> ImpactResult:
-    """Run the impact of a scenario at another velocity, m/s.
+    """Compute the impact of a scenario at another velocity.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its impact velocity is not used.
+    velocity : float
+        Impact velocity, m/s.
+    history : bool, default False
+        Whether to record the quantities over time.
+
+    Returns
+    -------
+    ImpactResult
 
     Raises
     ------
     InputError
-        If the time step given is too short for the run to end.
+        If the run does not end within the maximum number of steps.
     """
     armour = scenario.core_armour()
     trace: list[Instant] = []
     end = run_impact(scenario, armour, velocity, trace)
+    recorded = None
+    if history:
+        # Imported here because a simulation without a history does not need numpy.
+        from armour.analysis.history import history_of
+
+        recorded = history_of(trace, armour)
     perforated = end.outcome == Outcome.PERFORATED
     return ImpactResult(
         outcome="perforated" if perforated else "defeated",
@@ -164,51 +168,100 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         time_step_us=time_step(scenario, armour, velocity) / US,
         stages=stage_records(trace, armour),
         warnings=warnings_of(scenario, velocity),
-        history=history_of(trace, armour) if history else None,
+        history=recorded,
     )
 
 
 def perforates(scenario: Scenario, armour: Parameters, velocity: float) -> bool:
-    """Whether the armour is perforated at the velocity, m/s.
+    """Return whether the projectile perforates the armour.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Gives the solver's settings.
+    armour : Parameters
+        Projectile and armour.
+    velocity : float
+        Impact velocity, m/s.
 
     Raises
     ------
     InputError
-        If the time step given is too short for the run to end.
+        If the run does not end within the maximum number of steps.
     """
     return run_impact(scenario, armour, velocity).outcome == Outcome.PERFORATED
 
 
 def run_impact(scenario: Scenario, armour: Parameters, velocity: float, trace: list[Instant] | None = None) -> Run:
-    """Run the core with the scenario's solver.
+    """Run the core with the solver's settings of a scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Gives the solver's settings.
+    armour : Parameters
+        Projectile and armour.
+    velocity : float
+        Impact velocity, m/s.
+    trace : list of Instant, optional
+        List to which all instants of the run are appended.
+
+    Returns
+    -------
+    Run
+        Perforated or defeated.
 
     Raises
     ------
     InputError
-        If the time step given is too short for the run to end.
+        If the run does not end within the maximum number of steps.
     """
     dt = time_step(scenario, armour, velocity)
     end = run(armour, velocity, dt, scenario.solver.arrest_velocity_m_s, MAX_STEPS, trace)
     if end.outcome == Outcome.UNRESOLVED:
-        raise unresolved(scenario.solver, scenario.file, velocity)
+        raise unresolved_error(scenario.solver, scenario.file, velocity)
     return end
 
 
-def unresolved(solver: Solver, file: str, velocity: float) -> InputError:
-    """Error of a run that does not end within the steps allowed, naming the key at fault."""
-    key = "arrest_velocity_m_s" if solver.time_step_us is None else "time_step_us"
-    value = getattr(solver, key)
-    message = f"must let the run at {velocity:g} m/s end within {MAX_STEPS} steps, found {value:.3g}; raise it"
-    return InputError([Problem(file, f"solver.{key}", message)])
+def unresolved_error(solver: Solver, file: str, velocity: float) -> InputError:
+    """Return the error for a run that does not end within the maximum number of steps.
+
+    It names the time step if one is given, and the arrest velocity otherwise.
+
+    Parameters
+    ----------
+    solver : Solver
+        The solver's settings.
+    file : str
+        File that holds them.
+    velocity : float
+        Impact velocity of the run, m/s.
+    """
+    if solver.time_step_us is not None:
+        key, found, advice = "solver.time_step_us", solver.time_step_us, "raise it or leave it out"
+    else:
+        key, found, advice = "solver.arrest_velocity_m_s", solver.arrest_velocity_m_s, "raise it"
+    message = f"must let the run at {velocity:g} m/s end within {MAX_STEPS} steps, found {found:g}; {advice}"
+    return InputError([Problem(file, key, message)])
 
 
 def time_step(scenario: Scenario, armour: Parameters, velocity: float) -> float:
-    """Time step for an impact at the velocity, s: the scenario's, or the default."""
+    """Return the time step of an impact, s: the scenario's, within limits, or the default.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Gives the solver's settings.
+    armour : Parameters
+        Projectile and armour.
+    velocity : float
+        Impact velocity, m/s.
+    """
     return search.time_step(armour, velocity, scenario.solver.time_step)
 
 
 def stage_records(trace: Sequence[Instant], armour: Parameters) -> tuple[StageRecord, ...]:
-    """Stages of a run, those that last no time left out."""
+    """Return the stages of a traced run, without those of zero duration."""
     starts = [trace[0]]
     for before, after in pairwise(trace):
         if stages.stage_name(before.s) != stages.stage_name(after.s):
@@ -228,30 +281,6 @@ def stage_records(trace: Sequence[Instant], armour: Parameters) -> tuple[StageRe
 
 
 def _energy(instant: Instant, armour: Parameters) -> float:
-    """Kinetic energy of the projectile's rigid part, J."""
+    """Return the kinetic energy of the projectile's rigid part, J."""
     mass = armour.rho_p * cross_section(armour.D0) * instant.y.L
     return mass * instant.y.V**2 / 2.0
-
-
-def history_of(trace: Sequence[Instant], armour: Parameters) -> History:
-    """The run over time, in the units of people."""
-    import numpy as np
-
-    def column(values: Sequence[float], unit: float = 1.0) -> "NDArray[np.float64]":
-        return np.array(values) / unit
-
-    a = armour
-    return History(
-        time_us=column([i.t for i in trace], US),
-        depth_mm=column([i.y.Z for i in trace], MM),
-        length_mm=column([i.y.L for i in trace], MM),
-        velocity_m_s=column([i.y.V for i in trace]),
-        penetration_velocity_m_s=column([stages.front_velocity(i.y, i.s, a) for i in trace]),
-        target_velocity_m_s=column([i.y.W for i in trace]),
-        bulge_height_mm=column([i.y.h for i in trace], MM),
-        ceramic_ahead_mm=column([stages.ceramic_ahead(i.y, i.s, a) for i in trace], MM),
-        backing_ahead_mm=column([stages.plate_ahead(i.y, i.s, a) for i in trace], MM),
-        interface_force_kN=column([stages.interface_force(i.y, i.s, a) for i in trace], KN),
-        shear_force_kN=column([stages.shear_force(i.y, i.s, a) for i in trace], KN),
-        stage=np.array([stages.stage_name(i.s) for i in trace]),
-    )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from armour.analysis.ballistic_limit import bisect
-from armour.analysis.impact import MAX_STEPS, unresolved
+from armour.analysis.impact import MAX_STEPS, unresolved_error
 from armour.core.state import Outcome
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
@@ -66,7 +66,7 @@ def defeats_threat(scenario: Scenario, ceramic_thickness_mm: float, backing_thic
     armour, velocity = scenario.core_armour(ceramic_thickness_mm, backing_thickness_mm), scenario.impact.velocity_m_s
     outcome = batch.impacts(batch.packed([armour]), np.array([velocity]), solver_options(scenario)).outcome[0]
     if outcome == Outcome.UNRESOLVED:
-        raise unresolved(scenario, armour, velocity)
+        raise unresolved_error(scenario.solver, scenario.file, velocity)
     return bool(outcome == Outcome.DEFEATED)
 
 

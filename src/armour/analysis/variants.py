@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armour.analysis.ballistic_limit import SCAN_POINTS, scan
-from armour.analysis.impact import MAX_STEPS, unresolved
+from armour.analysis.impact import MAX_STEPS, unresolved_error
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem
@@ -366,4 +366,4 @@ def areal_densities_kg_m2(variants: Variants) -> Floats:
 def _check_resolved(resolved: Bools, variants: Variants) -> None:
     if not resolved.all():
         first = int(np.argmin(resolved))
-        raise unresolved(variants.settings.solver, variants.settings.file, float(variants.velocities[first]))
+        raise unresolved_error(variants.settings.solver, variants.settings.file, float(variants.velocities[first]))

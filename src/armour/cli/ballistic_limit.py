@@ -14,13 +14,13 @@ def ballistic_limit(
     def answer() -> Answer:
         loaded = read_scenario(scenario, changes)
         result = analysis.ballistic_limit(loaded)
-        velocities = analysis.velocities_round(result, loaded)
+        velocities = analysis.curve_velocities(result, loaded)
         several = ["the outcome is not monotonic: it changes more than once in the range"]
         return Answer(
             data=result.to_dict,
             tables=lambda: limit_tables(result),
             title=loaded.title,
-            chart=lambda plots: plots.limit_figure(result, analysis.residual_curve(loaded, velocities), loaded.title),
+            chart=lambda plots: plots.limit_figure(result, analysis.residual_velocity_curve(loaded, velocities), loaded.title),
             warnings=[*([] if result.monotonic else several), *warnings_of(loaded, result.warnings)],
         )
 

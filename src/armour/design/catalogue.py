@@ -9,7 +9,6 @@ from armour.analysis.least_thickness import Design, grid, solver_options
 from armour.core.state import Outcome
 from armour.errors import InputError, NoDesignError, Problem
 from armour.scenario.applicability import warnings_of
-from armour.scenario.distributions import columns_of, points_of
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of, with_inputs
 from armour.scenario.schema import FASTEST_M_S, BackingLayer, CeramicLayer, DesignSection, Layer, Threat
@@ -455,6 +454,8 @@ class _Search:
     ) -> None:
         import numpy as np
 
+        from armour.scenario.sampling import points_of
+
         self.offers, self.section, self.threats, self.table = offers, section, threats, table
         self.rows = np.array([offer.rows for offer in offers])
         self.told = solver_options(offers[0].against[0])
@@ -529,7 +530,7 @@ def reliability(
     scenario : Scenario
         The design's materials and the threat, with distributions.
     points : array, (samples, inputs)
-        Of the unit cube, see `armour.scenario.distributions.points_of`.
+        Of the unit cube, see `armour.scenario.sampling.points_of`.
     ceramic_mm, backing_mm, bound : float
 
     Raises
@@ -538,6 +539,8 @@ def reliability(
         If a distribution reaches values that are not allowed.
     """
     import numpy as np
+
+    from armour.scenario.sampling import columns_of
 
     section = section_of(scenario)
     own = {**inputs_of(scenario), CERAMIC: ceramic_mm, BACKING: backing_mm}

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from armour.analysis.ballistic_limit import LimitResult
 from armour.analysis.closed_forms import residual_velocity
 from armour.analysis.comparison import Comparison
-from armour.analysis.impact import History, ImpactResult, StageRecord
+from armour.analysis.history import History
+from armour.analysis.impact import ImpactResult, StageRecord
 from armour.design.catalogue import CRITERIA, StudyResult
 from armour.design.optimisation import OptimumResult
 from armour.scenario.loading import Scenario

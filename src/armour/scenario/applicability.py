@@ -1,4 +1,4 @@
-"""How far a scenario is from the data that the model was tested on."""
+"""Validated range of the model: the data that it was tested on."""
 
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -9,7 +9,19 @@ if TYPE_CHECKING:
 
 
 class DataRange(NamedTuple):
-    """Where there are tests or published results."""
+    """Range of a quantity within which the model was tested.
+
+    Attributes
+    ----------
+    key : str
+        Key of the scenario that the quantity depends on.
+    words : str
+        What was tested, in the plural.
+    low, high : float
+        Ends of the range.
+    unit : str
+        Unit of the ends, or what they are relative to.
+    """
 
     key: str
     words: str
@@ -18,23 +30,28 @@ class DataRange(NamedTuple):
     unit: str
 
 
-# The paper's cases and Wilkins' tests, as suites/paper.toml has them, to two digits outwards.
+# Ranges of the paper's cases and of Wilkins' tests in suites/paper.toml, rounded outwards to two digits.
 VELOCITY = DataRange("impact.velocity_m_s", "velocities", 620.0, 1300.0, "m/s")
 CERAMIC = DataRange("armour.ceramic_thickness_mm", "ceramics", 0.61, 4.1, "penetrator diameters thick")
 BACKING = DataRange("armour.backing_thickness_mm", "back plates", 0.66, 3.0, "penetrator diameters thick")
-# Mean and largest error of the ballistic limit on Wilkins' 13 tests, per cent; the tests hold it to the suite.
+# Mean and greatest error of the ballistic limit on Wilkins' 13 tests, per cent; a test compares it with the suite.
 MODEL_ERROR_PERCENT = 5.1, 11.3
 SLENDERNESS = DataRange("impact.projectile", "penetrators", 3.2, 5.4, "diameters long")
 
 
 def warnings_of(scenario: "Scenario", velocity: float) -> tuple[str, ...]:
-    """What of a scenario is outside the data, in the form ``key: what the data cover, what was found``.
+    """Return the ways in which a scenario lies outside the validated range.
 
     Parameters
     ----------
     scenario : Scenario
     velocity : float
-        Impact velocity, or ballistic limit, in question, m/s.
+        Impact velocity or ballistic limit, m/s.
+
+    Returns
+    -------
+    tuple of str
+        Each in the form ``key: range of the tests, value found``.
     """
     projectile = scenario.entry("projectile", scenario.impact.projectile)
     diameter = projectile["penetrator_diameter_mm"]
@@ -52,4 +69,5 @@ def warnings_of(scenario: "Scenario", velocity: float) -> tuple[str, ...]:
 
 
 def _from(r: DataRange) -> str:
+    """Return the range in words."""
     return f"from {r.low:g} to {r.high:g} {r.unit}"

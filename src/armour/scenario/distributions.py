@@ -1,30 +1,23 @@
-"""What a scenario says of an input that is not known for sure: its distribution, and what varies together."""
+"""The section [uncertainty] of a scenario: distributions of uncertain inputs, their correlations and the sampling."""
 
-from collections.abc import Mapping, Sequence
-from math import hypot, log1p, sqrt
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from collections.abc import Sequence
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
 from armour.scenario.messages import Section
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
-
-# Wide bounds, which keep the arithmetic from overflowing.
+# Wide bounds that keep the arithmetic from overflowing.
 Number = Annotated[float, Field(ge=-1e9, le=1e9)]
 Width = Annotated[float, Field(ge=1e-9, le=1e9)]
-# Most samples that a scenario may ask for.
+# Greatest number of samples of a scenario.
 MAX_SAMPLES = 2**22
-# Fewer would leave the 5th hundredth without an interval.
+# Fewer samples give no confidence interval for the 5 % quantile.
 MIN_SAMPLES = 128
 
 
 class Distribution(Section):
-    """A distribution of an input, in the input's unit; its mean is the scenario's own value where none is given."""
+    """Distribution of an input, in the input's unit; by default the mean is the scenario's own value."""
 
     distribution: Literal["normal", "lognormal", "uniform"]
     mean: Number | None = None
@@ -47,52 +40,28 @@ class Distribution(Section):
 
     @property
     def placed(self) -> bool:
-        """Whether it has a place of its own, and is not about whatever value the scenario has."""
+        """Whether the distribution has a fixed location or truncation, independent of the scenario's value."""
         return (self.mean, self.min, self.max) != (None, None, None)
 
-    def lacks(self, own: float) -> str:
-        """What the mean must be and is not, where it is the scenario's own value if none is given; else empty."""
+    def mean_problem(self, own: float) -> str:
+        """Return why the distribution does not exist with its mean; empty if it does.
+
+        Parameters
+        ----------
+        own : float
+            The scenario's own value of the input, which is the mean if none is given.
+        """
         mean = own if self.mean is None else self.mean
         if self.distribution == "lognormal" and mean <= 0.0:
             return f"must have a mean greater than 0 to be lognormal, found {mean:g}"
         if self.standard_deviation_percent is not None and mean == 0.0:
-            return "must have a standard_deviation in place of one in per cent, which of a mean of 0 is none"
+            must = "must have a standard_deviation in place of one in per cent where the mean is 0"
+            return f"{must}, found standard_deviation_percent"
         return ""
-
-    def quantiles(self, parts: Any, own: float) -> Any:
-        """Values below which the parts, 0 to 1, of the distribution lie; ``own`` is the scenario's own value.
-
-        Where that cannot be a mean, as that of a layer that is not there, it is all of them.
-        """
-        import numpy as np
-
-        if self.lacks(own):
-            return np.full(np.shape(parts), own)
-        whole = self._untruncated(own)
-        below = 0.0 if self.min is None else float(whole.cdf(self.min))
-        above = 1.0 if self.max is None else float(whole.cdf(self.max))
-        found = whole.ppf(below + np.asarray(parts) * (above - below))
-        return np.clip(found, -np.inf if self.min is None else self.min, np.inf if self.max is None else self.max)
-
-    def _untruncated(self, own: float) -> Any:
-        from scipy import stats
-
-        if self.distribution == "uniform":
-            assert self.min is not None
-            assert self.max is not None
-            return stats.uniform(self.min, self.max - self.min)
-        mean = own if self.mean is None else self.mean
-        percent = self.standard_deviation_percent
-        deviation = abs(mean) * percent / 100.0 if percent is not None else self.standard_deviation
-        assert deviation is not None
-        if self.distribution == "normal":
-            return stats.norm(mean, deviation)
-        shape = sqrt(log1p((deviation / mean) ** 2))
-        return stats.lognorm(shape, scale=mean / hypot(1.0, deviation / mean))
 
 
 class ImpactUncertainty(Section):
-    """Distributions of the impact's numbers."""
+    """Distributions of the impact's inputs."""
 
     velocity_m_s: Distribution | None = None
 
@@ -105,7 +74,7 @@ class ArmourUncertainty(Section):
 
 
 class ProjectileUncertainty(Section):
-    """Distributions of the projectile's numbers, whichever it is."""
+    """Distributions of the projectile's properties."""
 
     penetrator_diameter_mm: Distribution | None = None
     penetrator_mass_g: Distribution | None = None
@@ -114,7 +83,7 @@ class ProjectileUncertainty(Section):
 
 
 class CeramicUncertainty(Section):
-    """Distributions of the ceramic's numbers, whichever it is."""
+    """Distributions of the ceramic's properties."""
 
     density_kg_m3: Distribution | None = None
     youngs_modulus_GPa: Distribution | None = None
@@ -122,7 +91,7 @@ class CeramicUncertainty(Section):
 
 
 class BackingUncertainty(Section):
-    """Distributions of the back plate's numbers, whichever its metal."""
+    """Distributions of the back plate's properties."""
 
     density_kg_m3: Distribution | None = None
     dynamic_yield_strength_MPa: Distribution | None = None
@@ -131,14 +100,14 @@ class BackingUncertainty(Section):
 
 
 class Correlation(Section):
-    """Two inputs that vary together."""
+    """Correlation coefficient between the normal scores of two inputs."""
 
     between: Annotated[list[str], Field(min_length=2, max_length=2)]
     coefficient: Annotated[float, Field(gt=-1.0, lt=1.0)]
 
 
 class Uncertainty(Section):
-    """What of a scenario is not known for sure, and how it is sampled."""
+    """Distributions of the uncertain inputs, their correlations and the sampling."""
 
     samples: Annotated[int, Field(ge=MIN_SAMPLES, le=MAX_SAMPLES)] = 4096
     seed: Annotated[int, Field(ge=0)] = 1
@@ -151,7 +120,7 @@ class Uncertainty(Section):
     correlation: list[Correlation] = []
 
     def inputs(self) -> dict[str, Distribution]:
-        """Distributions by the name of the input."""
+        """Return the distributions by name of input, such as "ceramic.flow_stress_GPa"."""
         found = {}
         for role in ("impact", "armour", "projectile", "ceramic", "backing"):
             section = getattr(self, role)
@@ -175,6 +144,7 @@ class Uncertainty(Section):
             if len(pair) < 2 or pairs.count(pair) > 1:
                 raise ValueError(f"correlation must name two inputs, and each two once, found {sorted(pair)}")
         if self.correlation:
+            # Imported here because a scenario without correlations does not need numpy.
             import numpy as np
 
             if np.linalg.eigvalsh(correlation_matrix(names, self.correlation)).min() <= 0.0:
@@ -182,50 +152,22 @@ class Uncertainty(Section):
         return self
 
 
-def correlation_matrix(names: Sequence[str], correlations: Sequence[Correlation]) -> "Floats":
-    """Correlations of the normal scores of inputs, (n, n)."""
-    import numpy as np
-
-    matrix = np.eye(len(names))
-    for correlation in correlations:
-        i, j = (names.index(name) for name in correlation.between)
-        matrix[i, j] = matrix[j, i] = correlation.coefficient
-    return matrix
-
-
-def columns_of(uncertainty: Uncertainty, own: Mapping[str, float], points: "Floats") -> dict[str, "Floats"]:
-    """Values of the inputs at points of the unit cube, correlated by a Gaussian copula.
+def correlation_matrix(names: Sequence[str], correlations: Sequence[Correlation]) -> list[list[float]]:
+    """Return the correlation matrix of the normal scores of inputs.
 
     Parameters
     ----------
-    uncertainty : Uncertainty
-    own : mapping of str to float
-        The scenario's own values.
-    points : array, (n, k)
-        One coordinate per input, evenly distributed.
+    names : sequence of str
+        Names of the n inputs.
+    correlations : sequence of Correlation
+        Coefficients other than 0.
+
+    Returns
+    -------
+    list of list of float, (n, n)
     """
-    import numpy as np
-    from scipy.special import ndtr, ndtri
-
-    inputs = uncertainty.inputs()
-    if uncertainty.correlation:
-        factor = np.linalg.cholesky(correlation_matrix(list(inputs), uncertainty.correlation))
-        points = ndtr(ndtri(points) @ factor.T)
-    return {
-        name: distribution.quantiles(points[:, i], own[name]) for i, (name, distribution) in enumerate(inputs.items())
-    }
-
-
-def points_of(uncertainty: Uncertainty) -> "Floats":
-    """Points of the unit cube, (samples, inputs): of a scrambled Sobol' sequence, or a Latin hypercube."""
-    import numpy as np
-    from scipy.stats import qmc
-
-    width = len(uncertainty.inputs())
-    rng = np.random.default_rng(uncertainty.seed)
-    if uncertainty.method == "sobol":
-        points = qmc.Sobol(width, rng=rng).random_base2((uncertainty.samples - 1).bit_length())
-    else:
-        points = qmc.LatinHypercube(width, rng=rng).random(uncertainty.samples)
-    # A coordinate of 0 would be the lowest value that there is.
-    return np.clip(points, 2.0**-53, 1.0 - 2.0**-53)
+    matrix = [[float(row == column) for column in names] for row in names]
+    for correlation in correlations:
+        i, j = (names.index(name) for name in correlation.between)
+        matrix[i][j] = matrix[j][i] = correlation.coefficient
+    return matrix

@@ -1,6 +1,6 @@
-"""Projectiles and materials: the shipped library, and what files and scenarios add to it.
+"""Library of projectiles and materials: the shipped entries and those that files and scenarios add.
 
-Every value carries its status (measured, fitted or assumed) and its source.
+Every value has a status (measured, fitted or assumed) and a source.
 """
 
 from collections.abc import Mapping
@@ -10,6 +10,7 @@ from math import pi
 from pathlib import Path
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
+import tomli_w
 from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, ValidationError, model_serializer
 
 from armour.errors import InputError, Problem, suggestion
@@ -22,7 +23,7 @@ Number = TypeVar("Number", bound=float)
 
 
 class Value(Section, Generic[Number]):
-    """A number with where it comes from, and the tests that it was calibrated to."""
+    """A number with its status, its source and the tests that it was calibrated to."""
 
     value: Number
     status: Status = "assumed"
@@ -30,19 +31,19 @@ class Value(Section, Generic[Number]):
     tests: list[dict[str, float | str]] = []
 
     @model_serializer(mode="wrap")
-    def _short(self, whole: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Plain data, without an empty list of tests."""
+    def _without_empty_tests(self, whole: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Return plain data, without an empty list of tests."""
         data: dict[str, Any] = whole(self)
         return {key: value for key, value in data.items() if key != "tests" or value}
 
 
-def _table(value: object) -> object:
-    """A plain number as the table that it stands for."""
+def _as_table(value: object) -> object:
+    """Return the table that a plain number stands for."""
     return value if isinstance(value, dict | Value) else {NUMBER: value}
 
 
-_NumberOrTable = BeforeValidator(_table, json_schema_input_type=float | Value[float])
-# The bounds are wide; they are there to catch a value given in the wrong unit.
+_NumberOrTable = BeforeValidator(_as_table, json_schema_input_type=float | Value[float])
+# The bounds are wide: they catch values in a wrong unit.
 Length = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e4)]], _NumberOrTable]
 Mass = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e9)]], _NumberOrTable]
 Density = Annotated[Value[Annotated[float, Field(ge=100.0, le=30000.0)]], _NumberOrTable]
@@ -52,19 +53,19 @@ Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0)]], _NumberOrTab
 
 
 class Entry(Section):
-    """An entry as a file has it: what it does not give comes from the entry it is based on."""
+    """An entry of a library file; it inherits the values that it does not give from the entry it is based on."""
 
     description: str = ""
     based_on: str | None = None
 
     def values(self) -> dict[str, Value[float]]:
-        """Values that the entry has, by key."""
+        """Return the values that the entry gives, by key."""
         found = {name: getattr(self, name) for name in type(self).model_fields}
         return {name: value for name, value in found.items() if isinstance(value, Value)}
 
 
 class Projectile(Entry):
-    """A projectile's penetrator, taken as a cylinder."""
+    """A projectile; its penetrator is modelled as a cylinder."""
 
     caliber_mm: Length | None = None
     projectile_mass_g: Mass | None = None
@@ -95,26 +96,26 @@ class Metal(Entry):
 
 Kind = Literal["projectile", "ceramic", "metal"]
 KINDS: dict[Kind, type[Entry]] = {"projectile": Projectile, "ceramic": Ceramic, "metal": Metal}
-# What the model does not use: the whole projectile, and what the closed forms of others need.
+# Keys that the model does not use: data of the whole projectile, and properties for the closed forms.
 OPTIONAL = ("caliber_mm", "projectile_mass_g", "ultimate_tensile_strength_MPa", "strain_to_fracture")
 
-# What a metal that does not give it has: a multiple of its dynamic yield strength, in MPa, and why.
+# Defaults for metals: multiples of the dynamic yield strength in MPa, and their source.
 DEFAULTS = {
     "flow_stress_GPa": (
         2.7 * MPA / GPA,
-        "2.7 times the dynamic yield strength, the constraint that the paper uses",
+        "2.7 times the dynamic yield strength, the constraint factor of the paper",
     ),
     "shear_strength_MPa": (
         0.7,
         "0.7 times the dynamic yield strength, which fits the paper's 6061-T6 and 5083-H3",
     ),
 }
-# A penetrator outside this range of length over diameter is no rod; most likely its mass has the wrong unit.
+# Range of length over diameter of a penetrator; outside it, the mass most likely has a wrong unit.
 SLENDERNESS = (0.1, 100.0)
 
 
 class LibraryTables(Section):
-    """The tables of a library file, and of the library section of a scenario."""
+    """Tables of a library file, or of the section [library] of a scenario."""
 
     projectile: dict[str, Projectile] = {}
     ceramic: dict[str, Ceramic] = {}
@@ -123,18 +124,17 @@ class LibraryTables(Section):
 
 @dataclass(frozen=True)
 class LibraryEntry:
-    """An entry with every value that its kind needs.
+    """An entry of the library, with every value that its kind needs.
 
     Attributes
     ----------
-    kind : str
-        "projectile", "ceramic" or "metal".
+    kind : {"projectile", "ceramic", "metal"}
     name : str
     description : str
     values : mapping of str to Value
-        Number, status and source by key; the unit ends the key.
+        Number, status and source by key; a key ends with the unit.
     derived : frozenset of str
-        Keys whose value follows from another's.
+        Keys of values that follow from other values.
     """
 
     kind: Kind
@@ -144,48 +144,60 @@ class LibraryEntry:
     derived: frozenset[str] = frozenset()
 
     def __getitem__(self, key: str) -> float:
-        """The number of a key."""
+        """Return the number of a key."""
         return self.values[key].value
 
     def to_dict(self) -> dict[str, Any]:
-        """The entry as plain data."""
+        """Return the entry as plain data."""
         values = {key: value.model_dump() for key, value in self.values.items()}
         return {"kind": self.kind, "name": self.name, "description": self.description, **values}
 
 
 def penetrator_length_mm(projectile: LibraryEntry) -> float:
-    """Length of the penetrator, mm."""
+    """Return the length of a projectile's penetrator, mm."""
     values = (projectile[key] for key in ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3"))
     return float(length_mm(*values))
 
 
 def length_mm(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
-    """Length of the cylinder that has this diameter, mass and density, mm; of numbers or arrays."""
+    """Compute the length of a cylinder, mm.
+
+    Parameters
+    ----------
+    diameter_mm, mass_g, density_kg_m3 : float or array
+        Diameter, mass and density of the cylinder.
+    """
     area = pi * (diameter_mm * MM) ** 2 / 4.0
     return mass_g * G / (density_kg_m3 * area) / MM
 
 
 @dataclass(frozen=True)
 class Library:
-    """Entries by kind and name."""
+    """Library of projectiles and materials.
+
+    Attributes
+    ----------
+    entries : mapping
+        Entries by kind and name.
+    """
 
     entries: Mapping[Kind, Mapping[str, LibraryEntry]] = field(default_factory=lambda: {kind: {} for kind in KINDS})
 
     def names(self, kind: Kind) -> list[str]:
-        """Names of a kind, in the order of the files."""
+        """Return the names of a kind, in the order of the files."""
         return list(self.entries[kind])
 
     def to_dict(self) -> dict[str, dict[str, dict[str, Any]]]:
-        """The entries as plain data, by kind and name."""
+        """Return the entries as plain data, by kind and name."""
         return {kind: {name: entry.to_dict() for name, entry in self.entries[kind].items()} for kind in KINDS}
 
     def find(self, name: str) -> list[LibraryEntry]:
-        """Entries of this name, of whatever kind.
+        """Return the entries of a name, of any kind.
 
         Raises
         ------
         KeyError
-            If there is none; the message names the nearest.
+            If there is none; the message suggests the closest name.
         """
         found = [entries[name] for entries in self.entries.values() if name in entries]
         if not found:
@@ -194,21 +206,21 @@ class Library:
         return found
 
     def extended(self, tables: LibraryTables, file: str, prefix: str = "") -> "Library":
-        """The library with more entries, which may be based on those it has.
+        """Return the library with more entries, which may be based on those it has.
 
         Parameters
         ----------
         tables : LibraryTables
-            The entries to add; one that has the name of an earlier one takes its place.
+            Entries to add; an entry replaces an earlier one of the same name.
         file : str
-            Where they come from, for messages and as the source of values that name none.
+            File of the entries, for messages and as the source of values without one.
         prefix : str
             Key of the tables in that file.
 
         Raises
         ------
         InputError
-            If an entry is based on one that is not there or on itself, or lacks a value.
+            If an entry is based on an unknown entry or on itself, or lacks a value.
         """
         entries: dict[Kind, dict[str, LibraryEntry]] = {kind: dict(self.entries[kind]) for kind in KINDS}
         problems = []
@@ -227,7 +239,7 @@ class Library:
 
 
 class _EntryError(Exception):
-    """An entry that cannot be completed; no mistakes where they are those of the entry it is based on."""
+    """An entry that cannot be completed; it has no mistakes of its own if its base has them."""
 
     def __init__(self, *mistakes: tuple[str, str]) -> None:
         self.mistakes = mistakes
@@ -240,7 +252,7 @@ def _resolve(
     known: Mapping[str, LibraryEntry],
     file: str,
 ) -> LibraryEntry:
-    """The entry with what it takes from the one that it is based on.
+    """Return an entry with the values that it inherits.
 
     Raises
     ------
@@ -271,7 +283,7 @@ def _resolve(
 
 
 def _leads_back(name: str, added: Mapping[str, Entry]) -> bool:
-    """Whether the chain of bases ends in a loop; an entry based on its own name means the earlier one."""
+    """Return whether the chain of bases ends in a loop; an entry based on its own name refers to the earlier one."""
     seen = [name]
     base = added[name].based_on
     while base is not None and base in added and base != seen[-1]:
@@ -283,7 +295,13 @@ def _leads_back(name: str, added: Mapping[str, Entry]) -> bool:
 
 
 def _completed(entry: LibraryEntry) -> LibraryEntry:
-    """The entry with the values that follow from others, and nothing missing."""
+    """Return the entry with its derived values.
+
+    Raises
+    ------
+    _EntryError
+        If a value is missing, or the penetrator is not a rod.
+    """
     values = dict(entry.values)
     derived = []
     if entry.kind == "metal" and "dynamic_yield_strength_MPa" in values:
@@ -310,12 +328,19 @@ def _completed(entry: LibraryEntry) -> LibraryEntry:
 
 
 def validated_tables(data: object, file: str) -> LibraryTables:
-    """Tables of a library file.
+    """Validate the tables of a library file.
+
+    Parameters
+    ----------
+    data : object
+        Content of the file.
+    file : str
+        Name of the file for messages.
 
     Raises
     ------
     InputError
-        With every mistake in them.
+        With every mistake.
     """
     try:
         return LibraryTables.model_validate(data)
@@ -324,33 +349,48 @@ def validated_tables(data: object, file: str) -> LibraryTables:
 
 
 def read_library(path: Path, onto: Library) -> Library:
-    """A library with the entries of a file added.
+    """Read a library file.
+
+    Parameters
+    ----------
+    path : Path
+        A TOML file.
+    onto : Library
+        Library to which the entries are added.
+
+    Returns
+    -------
+    Library
+        The extended library.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or with every mistake in it.
+        If the file cannot be read, or if it has mistakes; with every mistake.
     """
     return onto.extended(validated_tables(read_toml(path), str(path)), str(path))
 
 
 def library_toml(tables: Mapping[str, Any]) -> str:
-    """Entries as the text of a library file.
+    """Return the text of a library file.
+
+    Parameters
+    ----------
+    tables : mapping
+        Entries as plain data, by kind and name.
 
     Raises
     ------
     InputError
-        With every mistake in them.
+        With every mistake.
     """
-    import tomli_w
-
     validated_tables(tables, "library")
     return tomli_w.dumps(tables)
 
 
 @cache
 def shipped_library() -> Library:
-    """The library that comes with the package."""
+    """Return the library that is shipped with the package."""
     library = Library()
     for path in sorted(shipped("configs").glob("*.toml")):
         library = read_library(path, library)

@@ -1,4 +1,4 @@
-"""A scenario: read, checked whole, immutable; and what it means to the core."""
+"""Scenarios: reading, validation, changes by dotted key and conversion to the core's parameters."""
 
 from collections.abc import Mapping
 from copy import deepcopy
@@ -6,6 +6,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import tomli_w
 from pydantic import PrivateAttr, ValidationError, field_validator
 
 from armour.core.state import Parameters
@@ -38,17 +39,17 @@ from armour.units import GPA, MM, MPA
 
 
 class _Source(NamedTuple):
-    """Where a scenario comes from."""
+    """Origin of a scenario."""
 
     data: dict[str, Any]
-    file: str
-    folder: Path
+    file: str  # name for messages
+    folder: Path  # of the library files that the scenario names
 
 
 class Scenario(Section):
-    """A scenario, checked: an impact, an armour and how to compute.
+    """A validated scenario: an impact, an armour and settings of the computations.
 
-    Make one with `load_scenario` or `parse_scenario`.
+    `load_scenario` and `parse_scenario` make scenarios.
     """
 
     title: str = ""
@@ -73,11 +74,11 @@ class Scenario(Section):
 
     @property
     def file(self) -> str:
-        """File that the scenario was read from, for messages."""
+        """Name of the scenario's file, for messages."""
         return self._source.file
 
     def entry(self, kind: Kind, name: str) -> LibraryEntry:
-        """Entry of the scenario's library."""
+        """Return an entry of the scenario's library."""
         return self._entries.entries[kind][name]
 
     def core_armour(
@@ -85,7 +86,13 @@ class Scenario(Section):
         ceramic_thickness_mm: float | None = None,
         backing_thickness_mm: float | None = None,
     ) -> Parameters:
-        """Projectile and armour in the core's terms, with other thicknesses where they are given, mm."""
+        """Return projectile and armour as parameters of the core, SI units.
+
+        Parameters
+        ----------
+        ceramic_thickness_mm, backing_thickness_mm : float, optional
+            Thicknesses, mm, in place of the scenario's own.
+        """
         Hc0, Hb = self._thicknesses(ceramic_thickness_mm, backing_thickness_mm)
         projectile = self.entry("projectile", self.impact.projectile)
         metal = self.entry("metal", self.armour.backing)
@@ -116,7 +123,13 @@ class Scenario(Section):
         ceramic_thickness_mm: float | None = None,
         backing_thickness_mm: float | None = None,
     ) -> float:
-        """Mass of the armour per area, with other thicknesses where they are given, mm."""
+        """Compute the areal density of the armour, kg/m².
+
+        Parameters
+        ----------
+        ceramic_thickness_mm, backing_thickness_mm : float, optional
+            Thicknesses, mm, in place of the scenario's own.
+        """
         armour = self.core_armour(ceramic_thickness_mm, backing_thickness_mm)
         return armour.rho_c * armour.Hc0 + armour.rho_B * armour.Hb
 
@@ -127,38 +140,40 @@ class Scenario(Section):
         )
 
     def replaced(self, changes: Mapping[str, object]) -> "Scenario":
-        """The scenario with other values, checked again.
+        """Return the scenario with other values, validated again.
 
         Parameters
         ----------
         changes : mapping of str to object
-            Values by dotted key, such as ``{"impact.velocity_m_s": 900.0}``; tables are merged into those there.
+            Values by dotted key, such as ``{"impact.velocity_m_s": 900.0}``; a table is merged into an existing one.
 
         Raises
         ------
         InputError
-            If a value is not allowed.
+            With every mistake.
         """
         data, file, folder = self._source
         return parse_scenario(changed(data, changes), file=file, folder=folder)
 
     def to_toml(self) -> str:
-        """The scenario as a file has it."""
-        import tomli_w
-
+        """Return the scenario as the text of a TOML file."""
         return tomli_w.dumps(self._source.data)
 
 
 def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | None = None) -> Scenario:
-    """Read a scenario.
+    """Read a scenario from a TOML file.
 
     Parameters
     ----------
-    path : path
-        A TOML file; files that it names are looked for from its folder.
+    path : path-like
+        Paths of library files in the scenario are relative to the folder of this file.
     changes : mapping of str to object, optional
-        Values that take the place of the file's, by dotted key such as "impact.velocity_m_s"; tables are merged
-        into those there.
+        Values by dotted key, such as ``{"impact.velocity_m_s": 900.0}``, in place of the file's; a table is merged
+        into an existing one.
+
+    Returns
+    -------
+    Scenario
 
     Raises
     ------
@@ -171,7 +186,15 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
 
 
 def changed(data: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:
-    """The data of a scenario with other values, by dotted key; a table is merged into the one that is there."""
+    """Return the data of a scenario with other values.
+
+    Parameters
+    ----------
+    data : mapping
+        Content of a scenario file.
+    changes : mapping of str to object
+        Values by dotted key; a table is merged into an existing one.
+    """
     result = deepcopy(dict(data))
     for key, value in changes.items():
         *sections, last = key.split(".")
@@ -179,14 +202,14 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str,
         for section in sections:
             table = table.setdefault(section, {})
             if not isinstance(table, dict):
-                break  # the check says that this must be a table
+                break  # the validation reports that this must be a table
         else:
             _put(table, last, value)
     return result
 
 
 def _put(table: dict[str, Any], key: str, value: object) -> None:
-    """Set a value; merge a table into the one that is there."""
+    """Set a value; merge a table into an existing one."""
     there = table.get(key)
     if isinstance(value, Mapping) and isinstance(there, dict):
         for inner in value:
@@ -196,7 +219,12 @@ def _put(table: dict[str, Any], key: str, value: object) -> None:
 
 
 def save_scenario(scenario: Scenario, path: str | PathLike[str]) -> None:
-    """Write a scenario to a TOML file, whole or not at all.
+    """Write a scenario to a TOML file, atomically.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    path : path-like
 
     Raises
     ------
@@ -207,16 +235,20 @@ def save_scenario(scenario: Scenario, path: str | PathLike[str]) -> None:
 
 
 def parse_scenario(data: Mapping[str, Any], *, file: str = "scenario", folder: str | PathLike[str] = ".") -> Scenario:
-    """Make a scenario of plain data.
+    """Make a scenario from plain data.
 
     Parameters
     ----------
     data : mapping
-        What a scenario file holds.
+        Content of a scenario file.
     file : str
-        Name to use in messages.
-    folder : path
-        Where to look for the library files that it names.
+        Name of the scenario for messages.
+    folder : path-like
+        Folder that paths of library files are relative to.
+
+    Returns
+    -------
+    Scenario
 
     Raises
     ------
@@ -237,15 +269,18 @@ def parse_scenario(data: Mapping[str, Any], *, file: str = "scenario", folder: s
 
 
 def scenario_schema() -> dict[str, Any]:
-    """JSON Schema of a scenario file, for editors; names of the library and what spans several keys it cannot check."""
+    """Return the JSON Schema of a scenario file, for editors.
+
+    It does not cover names of the library, nor conditions on several keys.
+    """
     schema = Scenario.model_json_schema()
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "armour scenario"}
 
 
 def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[Problem]]:
-    """The scenario's library, the names it knows and what is wrong in it.
+    """Return the scenario's library, the known names by kind and the mistakes in it.
 
-    A name is known even where its entry is wrong: one mistake is one message.
+    A name is known even if its entry has a mistake, so that one mistake gives one message.
     """
     library, problems = shipped_library(), []
     names: dict[Kind, list[str]] = {}
@@ -269,7 +304,7 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[P
         section = LibrarySection.model_validate(tables)
         library = library.extended(section, source.file, "library")
     except ValidationError:
-        pass  # the check of the whole scenario reports it
+        pass  # the validation of the whole scenario reports it
     except InputError as error:
         problems.extend(error.problems)
     return library, names, problems

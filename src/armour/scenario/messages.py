@@ -1,4 +1,4 @@
-"""Checked fields of the files, and pydantic's errors in the words of this project."""
+"""Base class of the sections of a file, and error messages for what pydantic finds wrong in them."""
 
 import json
 import re
@@ -9,15 +9,24 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from armour.errors import Problem, suggestion
 
+# Key of the number where a file may give a number or a table.
+NUMBER = "value"
+
 
 class Section(BaseModel):
-    """A table of a file: immutable, no key but the known ones, numbers that are numbers."""
+    """Base class of the tables of a file: immutable, without unknown keys, strictly typed, with finite numbers."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True)
 
 
 def key_name(parts: Sequence[str | int]) -> str:
-    """Dotted key as TOML writes it."""
+    """Return a dotted key as written in TOML, with indices of lists in brackets.
+
+    Parameters
+    ----------
+    parts : sequence of str or int
+        Keys, and indices of lists.
+    """
     name = ""
     for part in parts:
         if isinstance(part, int):
@@ -29,7 +38,7 @@ def key_name(parts: Sequence[str | int]) -> str:
 
 
 def describe(value: object) -> str:
-    """What was found, in the words of TOML."""
+    """Return a found value in words, such as "a table" or 'the text "x"'."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, Mapping):
@@ -41,7 +50,8 @@ def describe(value: object) -> str:
     return str(value)
 
 
-_MUST = {
+# Requirements by type of pydantic's error.
+_REQUIREMENTS = {
     "greater_than": "must be greater than {gt:g}",
     "greater_than_equal": "must be at least {ge:g}",
     "less_than_equal": "must be at most {le:g}",
@@ -59,10 +69,19 @@ _MUST = {
 
 
 def problems_of(error: ValidationError, model: type[Section], file: str) -> list[Problem]:
-    """Pydantic's errors as problems of the file that was validated against the model."""
+    """Convert pydantic's errors to problems of a file.
+
+    Parameters
+    ----------
+    error : ValidationError
+    model : type
+        Model that the file was validated against.
+    file : str
+        Name of the file.
+    """
     problems = []
     for detail in error.errors():
-        # pydantic names the member of a union that it tried, here in angle brackets.
+        # pydantic adds the tag of a union's member, which is in angle brackets in this project.
         parts = [part for part in detail["loc"] if part != NUMBER and not str(part).startswith("<")]
         context = detail.get("ctx", {})
         if detail["type"] == "extra_forbidden":
@@ -72,27 +91,23 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
         elif detail["type"] == "value_error":
             message = str(context["error"])
         else:
-            one = detail["type"] == "too_short" and context["min_length"] == 1
-            must = _MUST.get("string_too_short" if one else detail["type"])
+            empty = detail["type"] == "too_short" and context["min_length"] == 1
+            must = _REQUIREMENTS.get("string_too_short" if empty else detail["type"])
             must = must.format(**context) if must else detail["msg"]
             message = f"{must}, found {describe(detail['input'])}"
         problems.append(Problem(file, key_name(parts), message))
     return problems
 
 
-# Name under which a plain number is kept where a file may give a number or a table.
-NUMBER = "value"
-
-
 def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:
-    """Keys that the model knows in the table that the parts lead to."""
-    named_freely = False
+    """Return the keys that the model knows in the table at the given parts of a key."""
+    free_name = False
     for part in parts:
-        if named_freely:
-            named_freely = False
+        if free_name:
+            free_name = False
         elif model is not None and part in model.model_fields:
             annotation = model.model_fields[str(part)].annotation
-            named_freely = get_origin(annotation) is dict
+            free_name = get_origin(annotation) is dict
             model = _model_in(annotation)
         else:
             return []
@@ -100,7 +115,7 @@ def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:
 
 
 def _model_in(annotation: Any) -> Any:
-    """The model within an annotation such as ``Model | None`` or ``dict[str, Model]``."""
+    """Return the model within an annotation such as ``Model | None`` or ``dict[str, Model]``."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
     for inner in getattr(annotation, "__args__", ()):

@@ -1,7 +1,7 @@
-"""The numbers that a scenario's answers depend on, by name: read, changed, and put into the engine's rows.
+"""Inputs: the numbers of a scenario that results depend on, by name.
 
-A name is a key of the scenario, such as "armour.ceramic_thickness_mm", or what the scenario's projectile, ceramic or
-backing has in the library, such as "ceramic.flow_stress_GPa", whichever entry that is.
+A name is either a key of the scenario, such as "armour.ceramic_thickness_mm", or a role and a key of the library, such
+as "ceramic.flow_stress_GPa": a property of the scenario's ceramic, independent of the entry's name.
 """
 
 from collections.abc import Iterable, Mapping
@@ -21,9 +21,10 @@ if TYPE_CHECKING:
 VELOCITY = "impact.velocity_m_s"
 CERAMIC, BACKING = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 YIELD = "backing.dynamic_yield_strength_MPa"
+# Keys of the projectile that its penetrator's length follows from.
 ROD = ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3")
 
-# Field of the core's armour that an input is, and its unit; None where it is more than one.
+# Parameter of the core that an input sets, and the unit's factor; None for an input that sets none or several.
 FIELDS: dict[str, tuple[str, float] | None] = {
     VELOCITY: None,
     CERAMIC: ("Hc0", MM),
@@ -40,27 +41,45 @@ FIELDS: dict[str, tuple[str, float] | None] = {
     "backing.flow_stress_GPa": ("YB", GPA),
     "backing.shear_strength_MPa": ("tau", MPA),
 }
+# Names of all inputs.
 INPUTS = tuple(FIELDS)
+# Kinds of library entry by role in the scenario.
 ROLES: dict[str, Kind] = {"projectile": "projectile", "ceramic": "ceramic", "backing": "metal"}
-# Keys of the scenario that name the entries of its library.
+# Keys of the scenario that name its library entries, by role.
 NAMES = {"projectile": "impact.projectile", "ceramic": "armour.ceramic", "backing": "armour.backing"}
 
 
 def name_of(scenario: Scenario, role: str) -> str | None:
-    """Name of what a scenario has as its projectile, ceramic or backing; None where it names no ceramic."""
+    """Return the name of the library entry in a role; None if the scenario names no ceramic.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    role : {"projectile", "ceramic", "backing"}
+    """
     section, key = NAMES[role].split(".")
     name: str | None = getattr(getattr(scenario, section), key)
     return name
 
 
 def entry_of(scenario: Scenario, role: str) -> LibraryEntry | None:
-    """What a scenario has as its projectile, ceramic or backing; None where it names no ceramic."""
+    """Return the library entry in a role; None if the scenario names no ceramic.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    role : {"projectile", "ceramic", "backing"}
+    """
     name = name_of(scenario, role)
     return None if name is None else scenario.entry(ROLES[role], name)
 
 
 def inputs_of(scenario: Scenario) -> dict[str, float]:
-    """The inputs that a scenario has, with its values."""
+    """Return the values of the inputs that a scenario has, by name.
+
+    A bare plate has no inputs of the ceramic.  The yield strength is an input only if other properties of the metal
+    are derived from it.
+    """
     entries = {role: entry_of(scenario, role) for role in ROLES}
     found = {}
     for name in INPUTS:
@@ -76,12 +95,19 @@ def inputs_of(scenario: Scenario) -> dict[str, float]:
 
 
 def check_names(names: Iterable[str], scenario: Scenario, file: str, key: str = "") -> None:
-    """Make sure that the scenario has the inputs.
+    """Check that names are inputs of a scenario.
+
+    Parameters
+    ----------
+    names : iterable of str
+    scenario : Scenario
+    file, key : str
+        Where the names come from, for messages; `key` is the name itself by default.
 
     Raises
     ------
     InputError
-        With every name that is none of them; ``file`` and ``key`` say where it is found.
+        With every name that is not an input of the scenario.
     """
     known = list(inputs_of(scenario))
     problems = []
@@ -94,12 +120,18 @@ def check_names(names: Iterable[str], scenario: Scenario, file: str, key: str = 
 
 
 def with_inputs(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
-    """The scenario with other inputs, checked again.
+    """Return the scenario with other values of inputs, validated again.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    values : mapping of str to float
+        Values by name of input.
 
     Raises
     ------
     InputError
-        If a name is none of the scenario's inputs or a value is not allowed.
+        If a name is not an input of the scenario or a value is not allowed.
     """
     check_names(values, scenario, scenario.file)
     changes: dict[str, Any] = {}
@@ -117,17 +149,21 @@ def with_inputs(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
 
 
 def check_ranges(scenario: Scenario, columns: Mapping[str, "Floats"]) -> None:
-    """Make sure that the scenario allows the least and the greatest values, and with them all between.
+    """Check that the scenario allows the least and the greatest value of each input, and thereby all values.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    columns : mapping of str to array
+        Values by name of input.
 
     Raises
     ------
     InputError
-        If it does not.
+        If a name is not an input of the scenario or a value is not allowed.
     """
-    import numpy as np
-
     check_names(columns, scenario, scenario.file)
     for name, values in columns.items():
-        extremes = [values[~np.isfinite(values)][:1], values.min(keepdims=True), values.max(keepdims=True)]
-        for value in np.concatenate(extremes).tolist():
-            with_inputs(scenario, {name: value})
+        # A NaN is both the least and the greatest value of an array.
+        for value in (values.min(), values.max()):
+            with_inputs(scenario, {name: float(value)})

@@ -1,4 +1,4 @@
-"""The sections of a scenario file: their keys, types, bounds and defaults."""
+"""Sections of a scenario file: keys, types, bounds and defaults."""
 
 from math import floor
 from typing import Annotated, Literal
@@ -10,7 +10,7 @@ from armour.scenario.library import Kind, LibraryTables
 from armour.scenario.messages import Section
 from armour.units import US
 
-# More values on an axis, or designs on a grid, than anyone means.
+# Greatest numbers of values on an axis and of designs on a grid; more are most likely a mistake.
 MAX_VALUES = 100_000
 MAX_DESIGNS = 1_000_000
 
@@ -19,12 +19,12 @@ ThicknessOrNone = Annotated[float, Field(ge=0.0, le=1e5)]
 FASTEST_M_S = 1e4
 Velocity = Annotated[float, Field(gt=0.0, le=FASTEST_M_S)]
 Positive = Annotated[float, Field(gt=0.0)]
-# Costs and masses per area; the bound is there to catch mistakes.
+# Costs and masses per area; the bound catches mistakes.
 Amount = Annotated[float, Field(ge=0.0, le=1e9)]
 
 
 def _named(kind: Kind, name: str, info: ValidationInfo) -> str:
-    """The name, which must be in the library."""
+    """Return the name, which must be in the library."""
     known: list[str] = info.context["names"][kind] if info.context else [name]
     if name not in known:
         raise ValueError(f'must name a {kind} of the library, found "{name}"{suggestion(name, known)}')
@@ -32,14 +32,20 @@ def _named(kind: Kind, name: str, info: ValidationInfo) -> str:
 
 
 def printable(text: str) -> str:
-    """The text, which must be fit to print."""
+    """Return the text, which must be one line of printable characters.
+
+    Raises
+    ------
+    ValueError
+        If it is not.
+    """
     if not text.isprintable():
         raise ValueError(f"must be one line of printable text, found {text!r}")
     return text
 
 
 class Impact(Section):
-    """What strikes the armour, and how fast."""
+    """The projectile and its impact velocity."""
 
     projectile: str
     velocity_m_s: Velocity
@@ -51,7 +57,7 @@ class Impact(Section):
 
 
 class ArmourSection(Section):
-    """The armour: a ceramic tile, or none, on a metal back plate."""
+    """The armour: a metal back plate, with or without a ceramic tile on it."""
 
     ceramic: str | None = None
     ceramic_thickness_mm: ThicknessOrNone
@@ -77,20 +83,20 @@ class ArmourSection(Section):
 
 
 class Model(Section):
-    """Readings of the paper that can be chosen."""
+    """Options of the model."""
 
     shear_perimeter: Literal["conoid", "projectile"] = "conoid"
 
 
 class Solver(Section):
-    """Numerics."""
+    """Settings of the solver."""
 
     time_step_us: Positive | None = None
     arrest_velocity_m_s: Velocity = 1.0
 
     @property
     def time_step(self) -> float:
-        """The time step given, s; 0 where it is left to the core."""
+        """Given time step, s; 0 if the core chooses it."""
         return 0.0 if self.time_step_us is None else self.time_step_us * US
 
 
@@ -112,7 +118,7 @@ class BallisticLimitSection(Section):
 
 
 class Range(Section):
-    """Evenly spaced values, the ends included where the step meets them."""
+    """Evenly spaced values from min; max is included if it is a whole number of steps away."""
 
     min: ThicknessOrNone
     max: ThicknessOrNone
@@ -127,16 +133,16 @@ class Range(Section):
         return self
 
     def count(self) -> float:
-        """How many values the range holds."""
+        """Return the number of values."""
         return floor(min((self.max - self.min) / self.step, 1e18) + 1e-9) + 1
 
     def values(self) -> tuple[float, ...]:
-        """The values, rounded to what the file's own digits would give."""
+        """Return the values, rounded to nine decimals to remove rounding errors."""
         return tuple(round(self.min + i * self.step, 9) for i in range(int(self.count())))
 
 
 class Optimise(Section):
-    """The grid of designs."""
+    """Grid of designs."""
 
     ceramic_thickness_mm: Range
     backing_thickness_mm: Range
@@ -157,7 +163,7 @@ class Optimise(Section):
 
 
 class Threat(Section):
-    """A projectile and a velocity that a design must defeat, with what it must have in reserve."""
+    """A projectile and a velocity that a design must defeat, with a margin."""
 
     name: str = ""
     projectile: str
@@ -184,17 +190,17 @@ class Threat(Section):
 
     @property
     def required_m_s(self) -> float:
-        """What the ballistic limit must be above."""
+        """Velocity that the ballistic limit must exceed, m/s."""
         return self.velocity_m_s + self.margin_m_s
 
     @property
     def title(self) -> str:
-        """Its name, or projectile and velocity."""
+        """Name of the threat, by default projectile and velocity."""
         return self.name or f"{self.projectile} at {self.velocity_m_s:g} m/s"
 
 
 class FreeRange(Section):
-    """Any value between two."""
+    """Continuous range of thicknesses."""
 
     min: ThicknessOrNone
     max: Thickness
@@ -207,7 +213,7 @@ class FreeRange(Section):
 
 
 def _kind_of_range(value: object) -> str:
-    """Which of the kinds of thicknesses a value is meant to be."""
+    """Return the tag of the form in which thicknesses are given."""
     if isinstance(value, list):
         return "<list>"
     stepped = isinstance(value, Range) or (isinstance(value, dict) and "step" in value)
@@ -223,7 +229,7 @@ Thicknesses = Annotated[
 
 
 class Layer(Section):
-    """A material to choose, and the thicknesses in which it is to be had."""
+    """A material of the catalogue, with its thicknesses and costs."""
 
     material: str
     thickness_mm: Thicknesses
@@ -233,11 +239,11 @@ class Layer(Section):
 
     @property
     def free(self) -> bool:
-        """Whether any thickness of its range is to be had."""
+        """Whether the thicknesses are a continuous range."""
         return isinstance(self.thickness_mm, FreeRange)
 
     def thicknesses(self) -> tuple[float, ...]:
-        """Thicknesses to be had, mm; the ends of a free range."""
+        """Return the thicknesses, mm, or the ends of a continuous range."""
         if isinstance(self.thickness_mm, Range):
             return self.thickness_mm.values()
         if isinstance(self.thickness_mm, FreeRange):
@@ -246,7 +252,7 @@ class Layer(Section):
 
 
 class CeramicLayer(Layer):
-    """A ceramic to choose."""
+    """A ceramic of the catalogue."""
 
     @field_validator("material")
     @classmethod
@@ -255,7 +261,7 @@ class CeramicLayer(Layer):
 
 
 class BackingLayer(Layer):
-    """A metal to choose for the back plate."""
+    """A metal of the catalogue, for the back plate."""
 
     @field_validator("material")
     @classmethod
@@ -276,7 +282,7 @@ Criterion = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2", "margi
 
 
 class DesignSection(Section):
-    """What a design is made of, what it must keep to and what makes one better than another."""
+    """Catalogue of materials, constraints on a design and the objective."""
 
     minimise: Objective = "areal_density_kg_m2"
     pareto: Annotated[list[Criterion], Field(min_length=2, max_length=3)] | None = None
@@ -293,7 +299,7 @@ class DesignSection(Section):
     @model_validator(mode="after")
     def _consistent(self) -> "DesignSection":
         if self.pareto is not None and len(set(self.pareto)) < len(self.pareto):
-            raise ValueError("pareto must not name a criterion twice")
+            raise ValueError(f"pareto must not name a criterion twice, found {', '.join(self.pareto)}")
         counts = [
             sum(len(layer.thicknesses()) for layer in layers) for layers in (self.ceramic, self.backing) if layers
         ]
@@ -303,6 +309,6 @@ class DesignSection(Section):
 
 
 class LibrarySection(LibraryTables):
-    """Entries that the scenario adds to the library."""
+    """Library files and entries that the scenario adds to the library."""
 
     files: list[str] = []

@@ -1,4 +1,4 @@
-"""On which lines of a TOML file its keys stand."""
+"""Line numbers of the keys of a TOML file."""
 
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -10,9 +10,19 @@ Parts = tuple[str | int, ...]
 
 
 def lines_of(text: str) -> dict[str, int]:
-    """Line of every key and table of a TOML file, by key as messages name them; the text up to an error in it.
+    """Return the line of every key and table of a TOML file, up to a syntax error.
 
-    The file is read statement by statement: as many lines as it takes to make valid TOML.
+    The text is parsed statement by statement; a statement is the least number of lines that is valid TOML.
+
+    Parameters
+    ----------
+    text : str
+        Content of the file.
+
+    Returns
+    -------
+    dict of str to int
+        Line numbers, from 1, by key in the form of `armour.scenario.messages.key_name`.
     """
     found: dict[str, int] = {}
     counts: dict[str, int] = {}
@@ -37,13 +47,25 @@ def lines_of(text: str) -> dict[str, int]:
 
 
 def line_of(key: str, lines: Mapping[str, int]) -> int | None:
-    """Line of a key or, where it is not in the file, of the table that it would be in."""
+    """Return the line of a key or, if the file does not hold it, of the innermost table that would.
+
+    Parameters
+    ----------
+    key : str
+    lines : mapping of str to int
+        As of `lines_of`.
+
+    Returns
+    -------
+    int or None
+        None if the file holds neither the key nor a table of it.
+    """
     holding = [name for name in lines if key == name or (key.startswith(name) and key[len(name)] in ".[")]
     return lines[max(holding, key=len)] if holding else None
 
 
 def _header(data: Any, counts: dict[str, int]) -> Parts:
-    """The table that a header opens; of an array of tables the next one."""
+    """Return the table that a header opens; for an array of tables, its next element."""
     parts: Parts = ()
     while data:
         [(name, data)] = data.items()
@@ -57,7 +79,7 @@ def _header(data: Any, counts: dict[str, int]) -> Parts:
 
 
 def _keys(value: Any, parts: Parts) -> Iterator[Parts]:
-    """Keys within a value, that of the value first."""
+    """Yield the key of a value and the keys within it."""
     if parts:
         yield parts
     children = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()

@@ -5,12 +5,12 @@ from dataclasses import asdict, dataclass
 from math import ceil, log2
 from typing import TYPE_CHECKING, Any
 
-from armour.analysis.impact import unresolved
+from armour.analysis.impact import unresolved_error
 from armour.analysis.least_thickness import solver_options
-from armour.core.state import Outcome, Parameters
+from armour.core.state import Outcome
 from armour.errors import InputError, NoLimitError, Problem
 from armour.scenario.applicability import warnings_of
-from armour.scenario.distributions import Uncertainty, columns_of, points_of
+from armour.scenario.distributions import Uncertainty
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import VELOCITY, check_names, check_ranges, inputs_of, rows_of
 
@@ -134,6 +134,8 @@ def uncertainty(scenario: Scenario) -> UncertaintyResult:
     """
     import numpy as np
 
+    from armour.scenario.sampling import columns_of, points_of
+
     section = section_of(scenario)
     own = inputs_of(scenario)
     columns = columns_of(section, own, points_of(section))
@@ -174,7 +176,7 @@ def section_of(scenario: Scenario) -> Uncertainty:
     problems = [
         Problem(scenario.file, f"uncertainty.{name}", lacking)
         for name, distribution in section.inputs().items()
-        if (lacking := distribution.lacks(own[name]))
+        if (lacking := distribution.mean_problem(own[name]))
     ]
     if problems:
         raise InputError(problems)
@@ -213,7 +215,7 @@ def perforations(scenario: Scenario, columns: Mapping[str, "Floats"]) -> "NDArra
     rows, velocities = rows_of(scenario, columns, len(next(iter(columns.values()))))
     outcomes = batch.impacts(rows, velocities, solver_options(scenario)).outcome
     for i in (outcomes == Outcome.UNRESOLVED).nonzero()[0][:1]:
-        raise unresolved(scenario, Parameters(*rows[i].tolist()), float(velocities[i]))
+        raise unresolved_error(scenario.solver, scenario.file, float(velocities[i]))
     perforated: NDArray[np.bool_] = outcomes == Outcome.PERFORATED
     return perforated
 
@@ -279,6 +281,8 @@ def indices_of(scenario: Scenario, section: Uncertainty) -> tuple[Index, ...]:
     """How much each input matters for the ballistic limit; the impact velocity does not."""
     import numpy as np
 
+    from armour.scenario.sampling import quantiles
+
     own = inputs_of(scenario)
     distributions = {name: found for name, found in section.inputs().items() if name != VELOCITY}
     names = list(distributions)
@@ -286,13 +290,13 @@ def indices_of(scenario: Scenario, section: Uncertainty) -> tuple[Index, ...]:
         return ()
     ends = {name: np.full(2 * len(names), own[name]) for name in names}
     for i, (name, distribution) in enumerate(distributions.items()):
-        ends[name][2 * i : 2 * i + 2] = distribution.quantiles(np.array([0.05, 0.95]), own[name])
+        ends[name][2 * i : 2 * i + 2] = quantiles(distribution, np.array([0.05, 0.95]), own[name])
     check_samples(scenario, ends)
     swings = limits_of(scenario, ends).reshape(-1, 2).tolist()
 
     def limits(points: "Floats") -> "Floats":
         columns = {
-            name: distribution.quantiles(points[i], own[name])
+            name: quantiles(distribution, points[i], own[name])
             for i, (name, distribution) in enumerate(distributions.items())
         }
         check_samples(scenario, columns)

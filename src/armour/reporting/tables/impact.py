@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 from armour.reporting.table import Column, Table, record
 
 if TYPE_CHECKING:
-    from armour.analysis.impact import History, ImpactResult
+    from armour.analysis.history import History
+    from armour.analysis.impact import ImpactResult
     from armour.reporting.contents import EnergyBalance
 
 STAGES = {

@@ -1,0 +1,88 @@
+"""The history of an impact: the state of projectile and armour over time."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from armour.core import stages
+from armour.core.run import Instant
+from armour.core.state import Parameters
+from armour.units import KN, MM, US
+
+
+@dataclass(frozen=True)
+class History:
+    """Quantities of an impact over time, one array each, all of the same length.
+
+    A change of stage gives two entries at the same time, one before and one after the change.
+
+    Attributes
+    ----------
+    time_us : array
+        Time since impact, µs.
+    depth_mm : array
+        Depth of the projectile's front below the original front face, mm.
+    length_mm, velocity_m_s : array
+        Length, mm, and velocity, m/s, of the projectile's rigid part.
+    penetration_velocity_m_s : array
+        Velocity of the projectile's front, m/s.
+    target_velocity_m_s : array
+        Velocity of the armour ahead of the projectile, m/s.
+    bulge_height_mm : array
+        Height of the bulge on the back face, mm.
+    ceramic_ahead_mm, backing_ahead_mm : array
+        Ceramic and back plate ahead of the projectile's front, mm.
+    interface_force_kN, shear_force_kN : array
+        Force between projectile and armour, and force that shears the back plate, kN.
+    stage : array of str
+        Name of the stage in the paper: "i", "ii.1" ... "iii.5".
+    """
+
+    time_us: NDArray[np.float64]
+    depth_mm: NDArray[np.float64]
+    length_mm: NDArray[np.float64]
+    velocity_m_s: NDArray[np.float64]
+    penetration_velocity_m_s: NDArray[np.float64]
+    target_velocity_m_s: NDArray[np.float64]
+    bulge_height_mm: NDArray[np.float64]
+    ceramic_ahead_mm: NDArray[np.float64]
+    backing_ahead_mm: NDArray[np.float64]
+    interface_force_kN: NDArray[np.float64]
+    shear_force_kN: NDArray[np.float64]
+    stage: NDArray[np.str_]
+
+
+def history_of(trace: Sequence[Instant], armour: Parameters) -> History:
+    """Return the history of a traced run.
+
+    Parameters
+    ----------
+    trace : sequence of Instant
+        All instants of the run, SI units.
+    armour : Parameters
+        Projectile and armour of the run.
+
+    Returns
+    -------
+    History
+    """
+
+    def column(values: Sequence[float], unit: float = 1.0) -> NDArray[np.float64]:
+        return np.array(values) / unit
+
+    return History(
+        time_us=column([i.t for i in trace], US),
+        depth_mm=column([i.y.Z for i in trace], MM),
+        length_mm=column([i.y.L for i in trace], MM),
+        velocity_m_s=column([i.y.V for i in trace]),
+        penetration_velocity_m_s=column([stages.front_velocity(i.y, i.s, armour) for i in trace]),
+        target_velocity_m_s=column([i.y.W for i in trace]),
+        bulge_height_mm=column([i.y.h for i in trace], MM),
+        ceramic_ahead_mm=column([stages.ceramic_ahead(i.y, i.s, armour) for i in trace], MM),
+        backing_ahead_mm=column([stages.plate_ahead(i.y, i.s, armour) for i in trace], MM),
+        interface_force_kN=column([stages.interface_force(i.y, i.s, armour) for i in trace], KN),
+        shear_force_kN=column([stages.shear_force(i.y, i.s, armour) for i in trace], KN),
+        stage=np.array([stages.stage_name(i.s) for i in trace]),
+    )

@@ -1,0 +1,76 @@
+from math import log, log1p, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from armour.scenario.distributions import Distribution, Uncertainty
+from armour.scenario.sampling import columns_of, points_of, quantiles
+
+PARTS = np.linspace(0.001, 0.999, 999)
+NORMAL = {"distribution": "normal", "standard_deviation_percent": 10.0}
+SECTION = {"ceramic": {"density_kg_m3": NORMAL, "flow_stress_GPa": NORMAL}, "armour": {"backing_thickness_mm": NORMAL}}
+OWN = {"ceramic.density_kg_m3": 3430.0, "ceramic.flow_stress_GPa": 5.2, "armour.backing_thickness_mm": 6.0}
+PAIR = ["ceramic.density_kg_m3", "ceramic.flow_stress_GPa"]
+
+
+def made(**keys: Any) -> Distribution:
+    return Distribution.model_validate(keys)
+
+
+def test_normal():
+    found = quantiles(made(distribution="normal", standard_deviation=2.0), PARTS, 10.0)
+    assert found == pytest.approx(stats.norm(10.0, 2.0).ppf(PARTS))
+    percent = quantiles(made(distribution="normal", mean=20.0, standard_deviation_percent=10.0), PARTS, 10.0)
+    assert percent == pytest.approx(stats.norm(20.0, 2.0).ppf(PARTS))
+
+
+def test_lognormal_has_the_mean_and_the_deviation_given():
+    u = (np.arange(1_000_000) + 0.5) / 1_000_000
+    found = quantiles(made(distribution="lognormal", standard_deviation=2.0), u, 10.0)
+    assert (found.mean(), found.std()) == pytest.approx((10.0, 2.0), rel=1e-3)
+
+
+def test_uniform():
+    assert quantiles(made(distribution="uniform", min=2.0, max=4.0), PARTS, 99.0) == pytest.approx(2.0 + 2.0 * PARTS)
+
+
+def test_truncated_normal():
+    found = quantiles(made(distribution="normal", standard_deviation=2.0, min=9.0, max=11.0), PARTS, 10.0)
+    assert found == pytest.approx(stats.truncnorm(-0.5, 0.5, 10.0, 2.0).ppf(PARTS))
+
+
+def test_truncated_lognormal():
+    found = quantiles(made(distribution="lognormal", standard_deviation=2.0, min=9.0, max=11.0), PARTS, 10.0)
+    width = sqrt(log1p(0.2**2))
+    middle = log(10.0) - width**2 / 2.0
+    ends = [(log(end) - middle) / width for end in (9.0, 11.0)]
+    assert found == pytest.approx(np.exp(stats.truncnorm(*ends, middle, width).ppf(PARTS)))
+
+
+def test_a_value_that_cannot_be_a_mean_is_certain():
+    found = quantiles(made(distribution="lognormal", standard_deviation=2.0), PARTS, 0.0)
+    assert found.shape == PARTS.shape
+    assert not found.any()
+
+
+@pytest.mark.parametrize("method", ["sobol", "latin hypercube"])
+def test_samples_have_the_correlation_and_the_distributions(method: str):
+    section = Uncertainty.model_validate(
+        {**SECTION, "method": method, "samples": 16384, "correlation": [{"between": PAIR, "coefficient": 0.7}]}
+    )
+    columns = columns_of(section, OWN, points_of(section))
+    density, strength, backing = (columns[name] for name in OWN)
+    assert np.corrcoef(density, strength)[0, 1] == pytest.approx(0.7, abs=0.01)
+    assert abs(np.corrcoef(density, backing)[0, 1]) < 0.02
+    for name, values in columns.items():
+        assert stats.kstest(values, stats.norm(OWN[name], 0.1 * OWN[name]).cdf).statistic < 0.01
+
+
+def test_the_seed_determines_the_samples():
+    def points(seed: int) -> np.ndarray:
+        return points_of(Uncertainty.model_validate({**SECTION, "samples": 128, "seed": seed}))
+
+    np.testing.assert_array_equal(points(1), points(1))
+    assert (points(1) != points(2)).any()
