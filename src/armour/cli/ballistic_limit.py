@@ -15,13 +15,15 @@ def ballistic_limit(
         loaded = read_scenario(scenario, changes)
         result = analysis.ballistic_limit(loaded)
         velocities = analysis.curve_velocities(result, loaded)
-        several = ["the outcome is not monotonic: it changes more than once in the range"]
+        several = "the outcome is not monotonic: it changes more than once in the range"
         return Answer(
             data=result.to_dict,
             tables=lambda: limit_tables(result),
             title=loaded.title,
-            chart=lambda plots: plots.limit_figure(result, analysis.residual_velocity_curve(loaded, velocities), loaded.title),
-            warnings=[*([] if result.monotonic else several), *warnings_of(loaded, result.warnings)],
+            chart=lambda plots: plots.limit_figure(
+                result, analysis.residual_velocity_curve(loaded, velocities), loaded.title
+            ),
+            warnings=[*([] if result.monotonic else [several]), *warnings_of(loaded, result.warnings)],
         )
 
     run(answer, reads=[scenario], plot=plot, as_json=as_json)

@@ -7,16 +7,15 @@ then becomes a block of lines for each row.  In a pipe each row stays on one lin
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
 from armour.reporting.table import Column, Table
 from armour.reporting.text import printable
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.measure import Measurement
 
 # Room between two columns of a table, and between label and value of a block.
 GAP, BLOCK_GAP = 3, 2
@@ -83,6 +82,13 @@ def rendered(items: Sequence[Table | str], console: "Console", title: str = "") 
     return "\n".join(line.rstrip(" ") for line in capture.get().split("\n"))
 
 
+class _Size(NamedTuple):
+    """Width of the longest word and of the longest line, in cells of the terminal."""
+
+    word: int
+    line: int
+
+
 def _print_table(table: Table, console: "Console", room: int) -> None:
     if table.record:
         _print_blocks(table, console, room)
@@ -91,7 +97,7 @@ def _print_table(table: Table, console: "Console", room: int) -> None:
     for stacked in (False, True):
         headings = [_heading(column, stacked=stacked) for column in table.columns]
         sizes = [
-            _column_size(console, column.prose, heading, [row[index] for row in texts], stacked=stacked)
+            _column_size(column, heading, [row[index] for row in texts], stacked=stacked)
             for index, (column, heading) in enumerate(zip(table.columns, headings, strict=True))
         ]
         widths = _widths(sizes, room - GAP * (len(sizes) - 1))
@@ -102,44 +108,56 @@ def _print_table(table: Table, console: "Console", room: int) -> None:
 
 
 def _heading(column: Column, *, stacked: bool) -> str:
-    """Return a heading; stacked, its words may be wrapped and its unit has a line of its own."""
-    label = printable(column.label)
-    return f"{label},\n{column.unit}" if stacked and column.unit else printable(column.heading)
+    """Return a heading; stacked, its unit has a line of its own."""
+    separator = ",\n" if stacked else ", "
+    return separator.join(printable(part) for part in (column.label, column.unit) if part)
 
 
-def _measure(console: "Console", text: str) -> "Measurement":
-    """Return the widths of the longest word and the longest line."""
-    from rich.measure import Measurement
-    from rich.text import Text
+def _size(texts: Iterable[str]) -> _Size:
+    """Return the size of several texts."""
+    from rich.cells import cell_len
 
-    return Measurement.get(console, console.options, Text(text))
+    lines = [line for text in texts for line in text.split("\n")]
+    words = (cell_len(word) for line in lines for word in line.split(" "))
+    return _Size(max(words, default=0), max(map(cell_len, lines), default=0))
 
 
-def _column_size(
-    console: "Console", prose: bool, heading: str, texts: Sequence[str], *, stacked: bool
-) -> "Measurement":
+def _column_size(column: Column, heading: str, texts: Sequence[str], *, stacked: bool) -> _Size:
     """Return the least and the greatest width that a column can use."""
-    from rich.measure import Measurement
-
-    head, cells = _measure(console, heading), [_measure(console, text) for text in texts]
-    most = max((cell.maximum for cell in cells), default=0)
-    word = max((cell.minimum for cell in cells), default=0)
-    least = max(word, min(most, PROSE_WIDTH)) if prose else most
-    return Measurement(max(least, head.minimum if stacked else head.maximum), max(most, head.maximum))
+    head, cells = _size([heading]), _size(texts)
+    least = max(cells.word, min(cells.line, PROSE_WIDTH)) if column.prose else cells.line
+    return _Size(max(least, head.word if stacked else head.line), max(cells.line, head.line))
 
 
-def _widths(sizes: Sequence["Measurement"], room: int) -> list[int] | None:
-    """Return widths of columns that fill the room, those that lack least first; None where the least are too wide."""
-    widths = [size.minimum for size in sizes]
+def _widths(sizes: Sequence[_Size], room: int) -> list[int] | None:
+    """Share the room among columns, those that lack least first; None where it is too little."""
+    widths = [size.word for size in sizes]
     spare = room - sum(widths)
     if spare < 0:
         return None
-    order = sorted(range(len(sizes)), key=lambda index: sizes[index].span)
+    order = sorted(range(len(sizes)), key=lambda index: sizes[index].line - sizes[index].word)
     for left, index in zip(range(len(order), 0, -1), order, strict=True):
-        more = min(sizes[index].span, spare // left)
+        more = min(sizes[index].line - sizes[index].word, spare // left)
         widths[index] += more
         spare -= more
     return widths
+
+
+def _wrapped(text: str, width: int) -> str:
+    """Wrap a text between words; a word that is too long has a line of its own."""
+    from rich.cells import cell_len
+
+    lines: list[str] = []
+    for paragraph in text.split("\n"):
+        line, *rest = paragraph.split(" ")
+        for word in rest:
+            longer = f"{line} {word}"
+            if cell_len(longer) > width:
+                lines.append(line)
+                longer = word
+            line = longer
+        lines.append(line)
+    return "\n".join(lines)
 
 
 def _print_grid(
@@ -151,52 +169,31 @@ def _print_grid(
 
     grid = Grid(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for column, heading, width in zip(table.columns, headings, widths, strict=True):
-        grid.add_column(Text(_wrapped(heading, width)), justify=column.alignment, width=width)
+        grid.add_column(Text(_wrapped(heading, width)), justify=column.alignment, width=width, no_wrap=True)
     for row in texts:
         grid.add_row(*(Text(_wrapped(text, width)) for text, width in zip(row, widths, strict=True)))
     console.print(grid)
 
 
-def _wrapped(text: str, width: int) -> str:
-    """Wrap a text between words; a word that is too long has a line of its own."""
-    from rich.cells import cell_len
-
-    lines: list[str] = []
-    for paragraph in text.split("\n"):
-        line = ""
-        for word in paragraph.split(" "):
-            longer = f"{line} {word}" if line else word
-            if line and cell_len(longer) > width:
-                lines.append(line)
-                longer = word
-            line = longer
-        lines.append(line)
-    return "\n".join(lines)
-
-
 def _print_blocks(table: Table, console: "Console", room: int) -> None:
     """Print a block for each row: a line for each quantity that it has, with label, value and unit."""
-    from rich.measure import Measurement
     from rich.table import Table as Grid
     from rich.text import Text
 
     for index, row in enumerate(table.texts()):
         found = [(column, printable(text)) for column, text in zip(table.columns, row, strict=True) if text]
-        number = max((_measure(console, text).maximum for column, text in found if column.numeric), default=0)
+        number = _size(text for column, text in found if column.numeric).line
         lines = [
             (printable(column.label), f"{text:>{number}} {column.unit}".rstrip() if column.numeric else text)
             for column, text in found
         ]
-        sizes = []
-        for texts in zip(*lines, strict=True):
-            measured = [_measure(console, text) for text in texts]
-            sizes.append(Measurement(max(m.minimum for m in measured), max(m.maximum for m in measured)))
-        widths = _widths(sizes, room - BLOCK_GAP) or [size.minimum for size in sizes]
+        sizes = [_size(line[part] for line in lines) for part in (0, 1)]
+        widths = _widths(sizes, room - BLOCK_GAP) or [size.word for size in sizes]
         grid = Grid.grid(padding=(0, BLOCK_GAP, 0, 0))
         for width in widths:
-            grid.add_column(width=width)
-        for label, value in lines:
-            grid.add_row(Text(_wrapped(label, widths[0])), Text(_wrapped(value, widths[1])))
+            grid.add_column(width=width, no_wrap=True)
+        for line in lines:
+            grid.add_row(*(Text(_wrapped(text, width)) for text, width in zip(line, widths, strict=True)))
         if index:
             console.out()
         console.print(grid)

@@ -56,11 +56,10 @@ def correlation_table(result: "CalibrationResult") -> Table:
     """Return the correlations of the coefficients, which are numbered in the heading."""
     names = [coefficient.name for coefficient in result.coefficients]
     numbers = (Column(str(number), spec="+.3f") for number in range(1, len(names) + 1))
-    rows = tuple(
-        (f"{number} {name}", *values)
-        for number, (name, values) in enumerate(zip(names, result.correlation, strict=True), start=1)
-    )
-    return Table((Column("correlation"), *numbers), rows)
+    rows: list[tuple[Cell, ...]] = []
+    for number, (name, values) in enumerate(zip(names, result.correlation, strict=True), start=1):
+        rows.append((f"{number} {name}", *values))
+    return Table((Column("correlation"), *numbers), tuple(rows))
 
 
 def residual_table(result: "CalibrationResult") -> Table:
