@@ -1,5 +1,5 @@
-# The two commands: `make demo` runs the paper's 7.62 mm optimum, `make test` runs the checks and the tests.
-# Each makes its own virtual environment.
+# `make demo` computes the paper's 7.62 mm optimum, `make test` runs the checks and the tests.
+# Both create the virtual environment .venv.
 
 PYTHON ?= python3
 VENV := .venv
@@ -23,7 +23,7 @@ format: $(VENV)/developing
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-# The pages and pictures of docs/ that the program writes.
+# Write the generated pages and pictures of docs/.
 docs: $(VENV)/installed
 	$(BIN)/armour validate --markdown docs/validation.md
 	$(BIN)/armour figures docs/figures
@@ -31,12 +31,12 @@ docs: $(VENV)/installed
 	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine --plot docs/images/optimum.png
 	$(BIN)/armour simulate scenarios/wilkins.toml --plot docs/images/wilkins.png
 
-# Some minutes; nothing else should run on the machine.
+# Run the benchmarks and write docs/performance.md: some minutes, on an otherwise idle machine.
 bench: $(VENV)/developing
 	$(BIN)/pytest benchmarks -p no:xdist --benchmark-json=$(VENV)/benchmarks.json
 	$(BIN)/python -m benchmarks.report $(VENV)/benchmarks.json docs/performance.md
 
-# Takes an hour or two; docs/mutants.md has the outcome.
+# Run the mutation tests of core/: an hour or two. docs/mutants.md summarises the results.
 mutants: $(VENV)/developing
 	$(BIN)/pip install --quiet --disable-pip-version-check 'mutmut>=3.8'
 	$(BIN)/mutmut run

@@ -1,16 +1,19 @@
 """Scenarios and armours that several tests use."""
 
+from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 from armour.core.run import Instant, Run, run
 from armour.core.stages import default_time_step
 from armour.core.state import Parameters
+from armour.design.optimise import BestDesign, Design, DesignResult, Pair
 from armour.reporting.table import Table
-from armour.scenario.loading import Scenario, parse_scenario
+from armour.scenario.loading import Scenario, load_scenario, parse_scenario
+from armour.sweeps.cases import Grid, axis_of
 
 SCENARIOS = Path(__file__).parent.parent / "scenarios"
+TESTS = SCENARIOS / "tests" / "wilkins.csv"
 
 
 def data(
@@ -45,6 +48,56 @@ def scenario(*args: Any, **kwargs: Any) -> Scenario:
     return parse_scenario(data(*args, **kwargs))
 
 
+RANGE = {"min": 4.0, "max": 12.0, "step": 1.0}
+THREATS = [
+    {"projectile": "7.62 mm AP", "velocity_m_s": 800.0},
+    {"projectile": "7.62 mm APM2", "velocity_m_s": 780.0, "margin_m_s": 25.0, "name": "M2"},
+]
+CERAMICS = [
+    {"material": "AD85", "thickness_mm": RANGE, "cost_per_kg": 12.0},
+    {"material": "AD99.5", "thickness_mm": [4.5, 6.5, 9.0], "cost_per_kg": 30.0, "density_kg_m3": 3900.0},
+]
+METALS = [
+    {"material": "6061-T6", "thickness_mm": RANGE, "cost_per_kg": 7.0, "cost_per_m2": 15.0},
+    {"material": "7075-T6", "thickness_mm": [4.0, 6.0, 8.0], "cost_per_kg": 11.0},
+]
+
+
+def catalogue(threats: Any = THREATS, uncertain: Any = None, **design: Any) -> Scenario:
+    """A scenario with a catalogue of two ceramics and two metals against two threats."""
+    sections: dict[str, Any] = {"threat": threats, "design": {"ceramic": CERAMICS, "backing": METALS, **design}}
+    return scenario(**sections, **({} if uncertain is None else {"uncertainty": uncertain}))
+
+
+def library(
+    projectile: tuple[float, float, float, float],
+    ceramic: tuple[float, float, float],
+    metal: tuple[float, float, float],
+) -> dict[str, Any]:
+    """A library of a projectile "x", a ceramic "c" and a metal "b".
+
+    Parameters
+    ----------
+    projectile : tuple
+        Penetrator diameter, mm, and mass, g, density, kg/m^3, and flow stress, GPa.
+    ceramic : tuple
+        Density, kg/m^3, Young's modulus, GPa, and flow stress, GPa.
+    metal : tuple
+        Density, kg/m^3, flow stress, GPa, and shear strength, MPa.
+    """
+    keys = ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3", "flow_stress_GPa")
+    return {
+        "projectile": {"x": dict(zip(keys, projectile, strict=True))},
+        "ceramic": {"c": dict(zip(("density_kg_m3", "youngs_modulus_GPa", "flow_stress_GPa"), ceramic, strict=True))},
+        "metal": {
+            "b": {
+                **dict(zip(("density_kg_m3", "flow_stress_GPa", "shear_strength_MPa"), metal, strict=True)),
+                "dynamic_yield_strength_MPa": 300.0,
+            }
+        },
+    }
+
+
 def armour(*args: Any, **kwargs: Any) -> Parameters:
     """A scenario's armour in the core's terms."""
     return scenario(*args, **kwargs).core_armour()
@@ -68,15 +121,39 @@ def path(trace: list[Instant]) -> list[str]:
     return names
 
 
+@cache
+def shipped_scenario(name: str) -> Scenario:
+    """A scenario of the folder of shipped scenarios."""
+    return load_scenario(SCENARIOS / f"{name}.toml")
+
+
+def sweep_scenario(**sections: Any) -> Scenario:
+    """The Wilkins case with a grid, and ballistic limits to 0.1 mm/s."""
+    thicknesses = {"min": 1.0, "max": 20.0, "step": 1.0}
+    grid = {"ceramic_thickness_mm": thicknesses, "backing_thickness_mm": thicknesses}
+    return scenario(optimise=grid, ballistic_limit={"tolerance_m_s": 1e-4}, **sections)
+
+
+def sweep_grid(*texts: str) -> Grid:
+    """A grid from the texts of its axes."""
+    return Grid(tuple(axis_of(text) for text in texts))
+
+
+def csv_file(path: Path, *lines: str) -> Path:
+    """A file of lines."""
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
 def quantities(table: Table) -> dict[str, str]:
     """Texts of a record by heading."""
     [texts] = table.texts()
     return dict(zip(table.headings(), texts, strict=True))
 
 
-def best_design(**changes: Any) -> Any:
-    """A design as `armour.design.optimise.BestDesign` has it; by default the paper's 7.62 mm optimum."""
-    design = {
+def best_design(**changes: Any) -> BestDesign:
+    """A best design; by default the paper's 7.62 mm optimum."""
+    design: dict[str, Any] = {
         "ceramic": "AD85",
         "backing": "5083-H3",
         "ceramic_thickness_mm": 11.0,
@@ -92,29 +169,24 @@ def best_design(**changes: Any) -> Any:
         "governing": "AP",
         "probabilities": {},
     }
-    return SimpleNamespace(**{**design, **changes})
+    return BestDesign(**{**design, **changes})
 
 
-def design_result(**changes: Any) -> Any:
-    """A result as `armour.design.optimise.DesignResult` has it: one pair, one threat."""
+def design_result(**changes: Any) -> DesignResult:
+    """A design result of one pair against one threat."""
     best = changes.get("best", best_design())
-    frontier = [(12.0, 5.0, 55.1), (11.0, 6.0, 54.23), (10.5, 7.0, 55.265)]
-    result = {
+    frontier = tuple(
+        Design("AD85", "5083-H3", ceramic, backing, areal_density, ceramic + backing, 0.0, None)
+        for ceramic, backing, areal_density in [(12.0, 5.0, 55.1), (11.0, 6.0, 54.23), (10.5, 7.0, 55.265)]
+    )
+    result: dict[str, Any] = {
         "minimised": "areal_density_kg_m2",
         "threats": ("AP",),
         "best": best,
-        "frontier": tuple(
-            best_design(
-                ceramic_thickness_mm=ceramic,
-                backing_thickness_mm=backing,
-                areal_density_kg_m2=areal_density,
-                margin_m_s=None,
-            )
-            for ceramic, backing, areal_density in frontier
-        ),
+        "frontier": frontier,
         "frontier_governed_by": ("AP",) * len(frontier),
         "refined": None,
-        "pairs": (SimpleNamespace(ceramic="AD85", backing="5083-H3", best=best, excess_percent=0.0, reason=""),),
+        "pairs": (Pair("AD85", "5083-H3", best, 0.0, ""),),
         "criteria": (),
         "pareto": (),
         "designs": 52,
@@ -123,4 +195,4 @@ def design_result(**changes: Any) -> Any:
         "not_monotonic_mm": (),
         "warnings": (),
     }
-    return SimpleNamespace(**{**result, **changes})
+    return DesignResult(**{**result, **changes})

@@ -5,6 +5,7 @@ import pytest
 
 from armour.analysis.evaluate import evaluate, evaluate_groups, groups_of
 from armour.analysis.impact import MAX_STEPS
+from armour.analysis.variants import concatenated, variants_of
 from armour.errors import InputError
 from armour.scenario.parameters import with_inputs
 from tests.cases import scenario
@@ -71,3 +72,11 @@ def test_a_key_that_is_not_one_is_refused():
 def test_a_value_that_is_not_allowed_is_refused():
     with pytest.raises(InputError, match=r"armour\.ceramic_thickness_mm: must be at least 0"):
         evaluate(scenario(), {"armour.ceramic_thickness_mm": np.array([1.0, -1.0])}, ["outcome"])
+
+
+def test_variants_are_concatenated_where_their_settings_are_equal():
+    parts = [variants_of(scenario(velocity=velocity), {}, 2) for velocity in (700.0, 800.0)]
+    assert concatenated(parts).velocities.tolist() == [700.0, 700.0, 800.0, 800.0]
+    other = variants_of(scenario(solver={"arrest_velocity_m_s": 2.0}), {}, 1)
+    with pytest.raises(ValueError, match="different settings"):
+        concatenated([*parts, other])

@@ -6,7 +6,7 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
-from armour.analysis.quantities import QUANTITIES
+from armour.analysis.quantities import QUANTITIES, heading
 from armour.scenario.loading import Scenario
 from tests.cases import scenario
 
@@ -94,3 +94,16 @@ def test_the_least_thickness_of_the_range_is_enough(name: str):
         "required_areal_density_kg_m2": 20.0 * (3.43 + 2.75),
     }
     assert number(name, of) == pytest.approx(least[name], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("armour.ceramic_thickness_mm", "ceramic thickness, mm"),
+        ("ballistic_limit_m_s", "ballistic limit, m/s"),
+        ('library.metal."x".density_kg_m3', "density, kg/m³"),
+        ("outcome", "outcome"),
+    ],
+)
+def test_headings_of_keys_and_quantities(name: str, expected: str):
+    assert heading(name) == expected

@@ -1,7 +1,9 @@
-"""The commands of the documentation do what it says, and its links lead somewhere."""
+"""The commands and the Python examples of the documentation do what it says, and its links lead somewhere."""
 
+import io
 import re
 import shlex
+from contextlib import redirect_stdout
 from pathlib import Path
 
 import pytest
@@ -35,14 +37,28 @@ SESSIONS = [
 ]
 
 
+EXAMPLES = [
+    pytest.param(code, id=f"{name}: {number}")
+    for page, name in zip(PAGES, IDS, strict=True)
+    for number, code in enumerate(re.findall(r"^```python\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL), 1)
+]
+
+
+@pytest.fixture
+def repository(folder: Path) -> Path:
+    """A folder laid out as the repository, to run its examples in."""
+    for name in ("docs", "scenarios", "suites", "tests"):
+        (folder / name).symlink_to(REPOSITORY / name)
+    return folder
+
+
 def plain(line: str) -> str:
     return " ".join(line.split())
 
 
 @pytest.mark.parametrize("commands", SESSIONS)
-def test_a_session_prints_what_it_shows(cli, folder: Path, commands: list[tuple[str, list[str]]]):
-    for name in ("scenarios", "suites", "tests"):
-        (folder / name).symlink_to(REPOSITORY / name)
+@pytest.mark.usefixtures("repository")
+def test_a_session_prints_what_it_shows(cli, commands: list[tuple[str, list[str]]]):
     for command, lines in commands:
         result = cli(*shlex.split(re.split("  #| > ", command)[0])[1:])
         assert result.exit_code in (0, 3), result.output
@@ -50,6 +66,21 @@ def test_a_session_prints_what_it_shows(cli, folder: Path, commands: list[tuple[
         for line in lines:
             if line.strip() not in ("...", "") and not set(line) <= {"─"}:
                 assert plain(line) in printed, f"{command} does not print in this order: {line}"
+
+
+@pytest.mark.parametrize("code", EXAMPLES)
+@pytest.mark.usefixtures("repository")
+def test_a_python_example_prints_what_its_comments_show(code: str):
+    printed = io.StringIO()
+    with redirect_stdout(printed):
+        exec(code, {"__name__": "__main__"})
+    shown = re.findall(r"^ *print\(.*\)  # (.*)$", code, re.MULTILINE)
+    assert shown, "an example shows what it prints, in a comment after each print"
+    assert printed.getvalue().split() == " ".join(shown).replace(",", "").split()
+
+
+def test_the_readme_has_a_python_example():
+    assert "```python" in (REPOSITORY / "README.md").read_text()
 
 
 @pytest.mark.parametrize("page", PAGES, ids=IDS)

@@ -92,7 +92,7 @@ def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
     parts = {path: path.stat().st_mtime_ns for path in folder.glob("t.csv.parts/0*.csv")}
-    assert 0 < len(parts) < 5
+    assert 0 < len(parts) < 25
     assert cli(*command, "-o", "t.csv").exit_code == 0
     assert cli(*command, "-o", "whole.csv").exit_code == 0
     assert (folder / "t.csv").read_bytes() == (folder / "whole.csv").read_bytes()

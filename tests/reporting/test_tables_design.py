@@ -1,5 +1,5 @@
-from types import SimpleNamespace as Any
-
+from armour.analysis.estimates import Estimate
+from armour.design.optimise import DesignResult, Pair
 from armour.reporting.table import Table, csv_text
 from armour.reporting.tables.design import (
     best_table,
@@ -12,7 +12,7 @@ from armour.reporting.tables.design import (
 from tests.cases import best_design, design_result, quantities
 
 
-def kinds(result: Any) -> list[str]:
+def kinds(result: DesignResult) -> list[str]:
     """First heading or title of every table."""
     return [item.title or item.headings()[0] for item in design_tables(result) if isinstance(item, Table)]
 
@@ -51,7 +51,7 @@ def test_refined_thicknesses_follow_the_best():
 
 
 def test_threats_and_probabilities_have_margins():
-    estimate = Any(value=0.0312, low=0.02, high=0.05)
+    estimate = Estimate(0.0312, 0.02, 0.05)
     result = design_result(
         threats=("AP", "FSP"),
         best=best_design(margins_m_s={"AP": 3.1, "FSP": 80.0}, probabilities={"AP": estimate}),
@@ -67,15 +67,9 @@ def test_threats_and_probabilities_have_margins():
 
 def test_pairs_of_materials_with_the_reasons_of_those_that_lose():
     pairs = (
-        Any(ceramic="AD85", backing="5083-H3", best=best_design(), excess_percent=0.0, reason=""),
-        Any(
-            ceramic="Al-N",
-            backing="5083-H3",
-            best=best_design(cost_per_m2=9.0),
-            excess_percent=4.0,
-            reason="4 % heavier",
-        ),
-        Any(ceramic="SiC", backing="5083-H3", best=None, excess_percent=None, reason="defeats nothing"),
+        Pair("AD85", "5083-H3", best_design(), 0.0, ""),
+        Pair("Al-N", "5083-H3", best_design(cost_per_m2=9.0), 4.0, "4 % heavier"),
+        Pair("SiC", "5083-H3", None, None, "defeats nothing"),
     )
     table = pair_table(design_result(pairs=pairs))
     assert kinds(design_result(pairs=pairs)) == ["lightest design", "ceramic"]
@@ -86,12 +80,11 @@ def test_pairs_of_materials_with_the_reasons_of_those_that_lose():
 
 
 def test_a_pareto_front_begins_with_the_ceramic():
-    result = design_result()
-    assert "Pareto front" not in kinds(result)
-    result.pareto = result.frontier
-    assert kinds(result)[-1] == "Pareto front"
-    assert pareto_table(result).headings()[:2] == ["ceramic", "back plate"]
-    assert "margin, m/s" not in pareto_table(result).headings()
-    result.pareto = (best_design(),)
-    assert pareto_table(result).texts()[0][-1] == "+3.1"
-    assert csv_text(pareto_table(result)).startswith("ceramic,backing,ceramic_thickness_mm,backing_thickness_mm,")
+    assert "Pareto front" not in kinds(design_result())
+    without = design_result(pareto=design_result().frontier)
+    assert kinds(without)[-1] == "Pareto front"
+    assert pareto_table(without).headings()[:2] == ["ceramic", "back plate"]
+    assert "margin, m/s" not in pareto_table(without).headings()
+    front = pareto_table(design_result(pareto=(best_design(),)))
+    assert front.texts()[0][-1] == "+3.1"
+    assert csv_text(front).startswith("ceramic,backing,ceramic_thickness_mm,backing_thickness_mm,")

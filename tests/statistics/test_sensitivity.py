@@ -6,23 +6,21 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import simulate
-from armour.design.optimisation import optimise
-from armour.scenario.loading import load_scenario
+from armour.design.optimise import optimise
+from armour.errors import InputError
 from armour.scenario.parameters import inputs_of, with_inputs
 from armour.statistics.sensitivity import CHANGE, LIMIT, OPTIMUM, RESIDUAL, sensitivity
-from tests.cases import SCENARIOS, scenario
-
-CASES = [scenario(), scenario("25 mm APDS", "AD99.5", "5083-H3", 30.0, 20.0, 1250.0)]
+from tests.cases import scenario, shipped_scenario
 
 
-def of(case, answer: str) -> dict[str, float]:
-    return {item.input: item.elasticities[answer] or 0.0 for item in sensitivity(case).inputs}
-
-
-@pytest.mark.parametrize("case", CASES, ids=["7.62 mm", "25 mm"])
-def test_similar_cases_have_the_same_limit(case):
+@pytest.mark.parametrize(
+    "changes",
+    [(), ("25 mm APDS", "AD99.5", "5083-H3", 30.0, 20.0, 1250.0)],
+    ids=["7.62 mm", "25 mm"],
+)
+def test_similar_cases_have_the_same_limit(changes: tuple[object, ...]):
     """Lengths times k, stresses times k^2 with velocities times k, densities times k with velocities over k^(1/2)."""
-    e = of(case, LIMIT)
+    e = {item.input: item.elasticities[LIMIT] or 0.0 for item in sensitivity(scenario(*changes)).inputs}
     mass = e["projectile.penetrator_mass_g"]
     lengths = sum(e[name] for name in e if name.endswith(("thickness_mm", "diameter_mm")))
     assert lengths + 3.0 * mass == pytest.approx(0.0, abs=1e-3)
@@ -31,8 +29,8 @@ def test_similar_cases_have_the_same_limit(case):
     assert sum(e[name] for name in e if "density" in name) + mass == pytest.approx(-0.5, abs=1e-3)
 
 
-def test_they_are_what_changed_scenarios_give():
-    case = load_scenario(SCENARIOS / "wilkins.toml")
+def test_elasticities_agree_with_changed_scenarios():
+    case = shipped_scenario("wilkins")
     result = sensitivity(case)
     own = inputs_of(case)
     step = log((1.0 + CHANGE) / (1.0 - CHANGE))
@@ -52,7 +50,7 @@ def test_they_are_what_changed_scenarios_give():
     )
 
 
-def test_answers_that_are_not_there():
+def test_missing_answers():
     defeated = sensitivity(scenario(velocity=500.0))
     assert defeated.answers[RESIDUAL] is None
     assert OPTIMUM not in defeated.answers
@@ -61,7 +59,7 @@ def test_answers_that_are_not_there():
     assert velocity.elasticities[LIMIT] is None
 
 
-def test_the_largest_comes_first():
+def test_inputs_are_in_descending_order():
     found = [abs(item.elasticities[LIMIT] or 0.0) for item in sensitivity(scenario()).inputs]
     assert found == sorted(found, reverse=True)
 
@@ -72,3 +70,9 @@ def test_a_bare_plate():
     assert sum(i.elasticities[LIMIT] or 0.0 for i in result.inputs if "flow" in i.input or "shear" in i.input) == (
         pytest.approx(0.5, abs=1e-3)
     )
+
+
+def test_a_run_that_does_not_end_names_the_key(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 5)
+    with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run"):
+        sensitivity(scenario())

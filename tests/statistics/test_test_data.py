@@ -3,67 +3,92 @@ from pathlib import Path
 import pytest
 
 from armour.errors import InputError
-from armour.statistics.test_data import read_rows
+from armour.statistics.test_data import read_tests
+from tests.cases import TESTS, csv_file, shipped_scenario
+
+C, B, V = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "impact.velocity_m_s"
 
 
-def read(tmp_path: Path, text: str):
-    path = tmp_path / "t.csv"
-    path.write_text(text)
-    return read_rows(path, numbers=("velocity_m_s",), texts=("result", "shot"), needed=("velocity_m_s", "result"))
-
-
-def messages(tmp_path: Path, text: str) -> list[str]:
-    with pytest.raises(InputError) as error:
-        read(tmp_path, text)
-    return [str(problem).removeprefix(f"{tmp_path}/") for problem in error.value.problems]
-
-
-def test_rows_with_their_lines(tmp_path: Path):
-    rows = read(tmp_path, "velocity_m_s, result\n\n 700.5 , partial\n,complete\n")
-    assert [(row.line, dict(row.cells)) for row in rows] == [
-        (3, {"velocity_m_s": 700.5, "result": "partial"}),
-        (4, {"velocity_m_s": None, "result": "complete"}),
+def test_measurements_and_bounds(tmp_path: Path):
+    rows = ["a,6,,700,,", "b,7,800,,250,perforated", "c,9,810,,,defeated"]
+    path = csv_file(tmp_path / "t.csv", f"test,{C},{V},ballistic_limit_m_s,residual_velocity_m_s,outcome", *rows)
+    tests = read_tests(path, shipped_scenario("wilkins"))
+    assert tests.names == ("a", "b", "c")
+    assert not tests.weighted
+    assert [(m.test, m.quantity, m.value, m.side) for m in tests.measurements] == [
+        (0, "ballistic_limit_m_s", 700.0, 0),
+        (1, "residual_velocity_m_s", 250.0, 0),
+        (2, "ballistic_limit_m_s", 810.0, 1),
     ]
-    assert rows[0]["shot"] is None
-    assert rows[1].place == "line 4"
+    [group] = tests.groups
+    assert group.column(C).tolist() == [6.0, 7.0, 9.0]
+    assert group.column(B).tolist() == [6.35] * 3
+    assert group.columns[V].tolist() == [800.0, 800.0, 810.0]
 
 
-def test_every_mistake_at_once(tmp_path: Path):
-    assert messages(tmp_path, "velocity_m_s,result\nfast,partial\n700\nnan,partial\n710,partial\n710,partial\n") == [
-        't.csv: line 2: velocity_m_s: must be a number, found "fast"',
-        "t.csv: line 3: must have 2 cells as the header has, found 1",
-        't.csv: line 4: velocity_m_s: must be a number, found "nan"',
-        "t.csv: line 6: repeats line 5; name tests in a column of their own where both took place",
+def test_tests_are_grouped_by_material(tmp_path: Path):
+    path = csv_file(
+        tmp_path / "t.csv", f"armour.ceramic,{C},ballistic_limit_m_s", "AD85,6,700", "AD99.5,6,720", ",7,730"
+    )
+    tests = read_tests(path, shipped_scenario("wilkins"))
+    assert [(group.scenario.armour.ceramic, group.where.tolist()) for group in tests.groups] == [
+        ("AD85", [0]),
+        ("AD99.5", [1]),
+        ("AD85", [2]),
     ]
 
 
-def test_a_row_twice_with_names_is_two(tmp_path: Path):
-    assert len(read(tmp_path, "shot,velocity_m_s,result\na,710,partial\nb,710,partial\n")) == 2
+def test_the_shipped_tests():
+    tests = read_tests(TESTS, shipped_scenario("wilkins"))
+    assert len(tests.names) == len(tests.measurements) == 13
 
 
 @pytest.mark.parametrize(
-    ("header", "found"),
+    ("header", "rows", "message"),
     [
         (
-            "velocity,result",
-            ["velocity: unknown column; its unit is missing: velocity_m_s", "velocity_m_s: is missing"],
+            f"{C},ballistic_limit",
+            ["6,700"],
+            "ballistic_limit: unknown column; its unit is missing: ballistic_limit_m_s",
         ),
-        ("velocity_m_s,resul", ["resul: unknown column; did you mean 'result'?", "result: is missing"]),
-        ("velocity_m_s,result,result", ["result: must be the name of one column, found several"]),
-        ("velocity_m_s,result,", ["header: unknown column; there are velocity_m_s, result, shot"]),
+        (f"{C},{B}", ["6,6"], "line 2: must have one of ballistic_limit_m_s, residual_velocity_m_s"),
+        (
+            f"{C},{V},outcome",
+            ["6,700,stopped"],
+            'line 2: outcome: must be "defeated" or "perforated", found "stopped"',
+        ),
+        (
+            f"{C},outcome",
+            ["6,defeated"],
+            "line 2: impact.velocity_m_s: is missing and must be given with an outcome",
+        ),
+        (f"{C},{V},residual_velocity_m_s", ["6,700,0"], "a projectile that is stopped is an outcome"),
+        (f"test,{C},ballistic_limit_m_s", ["a,6,700", "a,6,710"], 'line 2: test: must name one test, found "a"'),
+        (
+            f"{C},ballistic_limit_m_s",
+            ["6,700", "-1,710"],
+            "t.csv: line 2: armour.ceramic_thickness_mm: must be",
+        ),
+        (f"{C},ballistic_limit_m_s", ["6,700", "6,700"], "line 3: repeats line 2"),
+        (
+            f"{C},ballistic_limit_m_s,ballistic_limit_uncertainty_m_s",
+            ["6,700,5", "7,710,"],
+            "uncertainties must be given for every measurement and outcome, or for none",
+        ),
+        (f"{C},ballistic_limit_m_s", ["6,1e-300", "7,700"], "line 2: ballistic_limit_m_s: must be at least 0.001"),
+        (
+            "impact.projectile,ballistic_limit_m_s",
+            ["xx,700", "yy,720"],
+            't.csv: line 3: impact.projectile: must name a projectile of the library, found "yy"',
+        ),
+        (
+            f"{C},{V},outcome,ballistic_limit_m_s,ballistic_limit_uncertainty_m_s",
+            ["6,,,700,5", "6,750,defeated,,"],
+            "uncertainties must be given for every measurement and outcome, or for none",
+        ),
     ],
 )
-def test_wrong_columns(tmp_path: Path, header: str, found: list[str]):
-    told = messages(tmp_path, f"{header}\n")
-    assert [line.startswith(f"t.csv: {start}") for line, start in zip(told, found, strict=True)] == [True] * len(found)
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "t.csv: must have a header with velocity_m_s and result, found an empty file"),
-        ("velocity_m_s,result\n", "t.csv: must have at least one row below its header"),
-    ],
-)
-def test_nothing_in_it(tmp_path: Path, text: str, message: str):
-    assert messages(tmp_path, text) == [message]
+def test_wrong_tests(tmp_path: Path, header: str, rows: list[str], message: str):
+    with pytest.raises(InputError) as error:
+        read_tests(csv_file(tmp_path / "t.csv", header, *rows), shipped_scenario("wilkins"))
+    assert message in str(error.value)

@@ -24,6 +24,8 @@ def test_chunks_in_any_order_make_the_table(tmp_path: Path, name: str):
         store.save(index, chunk(index))
     assert not path.exists()
     store.finish(3)
+    if name == "a.csv":
+        assert path.read_text().splitlines()[2] == '0.1,,""'
     table = read_table(path)
     assert table["armour.x_mm"].tolist() == [i / 10 for i in range(9)]
     np.testing.assert_array_equal(table["limit_m_s"], [1 / 3, np.nan, 1e300] * 3)
@@ -31,7 +33,7 @@ def test_chunks_in_any_order_make_the_table(tmp_path: Path, name: str):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_store_goes_on_with_its_own_chunks(tmp_path: Path):
+def test_a_store_resumes_with_its_own_chunks(tmp_path: Path):
     path = tmp_path / "a.csv"
     first = Store(path, "job")
     first.save(0, chunk(0))
@@ -42,7 +44,7 @@ def test_a_store_goes_on_with_its_own_chunks(tmp_path: Path):
         Store(path, "another job")
 
 
-def test_what_is_there_is_not_written_over(tmp_path: Path):
+def test_existing_files_are_not_overwritten(tmp_path: Path):
     path = tmp_path / "a.csv"
     path.write_text("mine")
     with pytest.raises(InputError, match="exists already"):

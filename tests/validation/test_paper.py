@@ -3,8 +3,7 @@
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.design.catalogue import study
-from armour.design.optimisation import optimise
+from armour.design.optimise import optimise
 from armour.reporting.markdown import suite_markdown
 from armour.scenario.loading import load_scenario
 from armour.validation.suite import Case, Suite, load_suite
@@ -191,7 +190,7 @@ def inconsistent_savings_are_inconsistent(result: SuiteResult) -> None:
 def test_figs_11_to_14_fall_out_of_their_scenarios(name: str, layer: str, materials: tuple[str, ...]):
     """What each material needs at the velocity of the text: where its curve in the figure crosses that velocity."""
     case = load_scenario(SCENARIOS / "paper" / f"{name}.toml")
-    found = {getattr(pair, layer): pair.best for pair in study(case).pairs}
+    found = {getattr(pair, layer): pair.best for pair in optimise(case).pairs}
     for material in materials:
         best = found[material]
         assert best is not None

@@ -11,7 +11,7 @@ from armour.analysis.variants import Bools, Floats, Variants
 from armour.core.equations import cross_section
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
-from armour.units import MM, US, G
+from armour.units import MM, US, G, words_and_unit
 
 
 class Answers:
@@ -122,3 +122,15 @@ QUANTITIES: dict[str, Quantity] = {
         on_grid=True,
     ),
 }
+
+
+def label_and_unit(name: str) -> tuple[str, str]:
+    """Return the label and the unit of a quantity, or of a key or an input of a scenario, by its name."""
+    if name in QUANTITIES:
+        return QUANTITIES[name].label, QUANTITIES[name].unit
+    return words_and_unit(name)
+
+
+def heading(name: str) -> str:
+    """Return the label of a quantity, key or input with its unit, such as "ceramic thickness, mm"."""
+    return ", ".join(part for part in label_and_unit(name) if part)

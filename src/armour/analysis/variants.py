@@ -1,6 +1,6 @@
 """Variants of a scenario as rows for the compiled engine, and the engine's answers to them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -90,6 +90,20 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
                 getattr(field, target[0])[:] = DEFAULTS[key][0] * columns[YIELD] * target[1]
     velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
     return Variants(rows, velocities, settings_of(scenario))
+
+
+def concatenated(parts: Sequence[Variants]) -> Variants:
+    """Concatenate variants with equal settings.
+
+    Raises
+    ------
+    ValueError
+        If their settings differ.
+    """
+    if any(part.settings != parts[0].settings for part in parts):
+        raise ValueError("variants with different settings cannot be concatenated")
+    parameters = np.concatenate([part.parameters for part in parts])
+    return Variants(parameters, np.concatenate([part.velocities for part in parts]), parts[0].settings)
 
 
 def grid_of(scenario: Scenario) -> Optimise:
@@ -183,6 +197,58 @@ def ballistic_limits(variants: Variants, tolerance: float | None = None, threads
         starts, ends, below, above = _scan_interval(holds, velocities, below, above)
         limits[where] = bisect_rows(holds, starts, ends, tolerance, below, above)
     return limits
+
+
+class Limits(NamedTuple):
+    """Ballistic limits and what they took to find."""
+
+    values: Floats  # m/s, (n,)
+    runs: int  # impacts computed
+
+
+def lowest_limits(variants: Variants, low: float, high: float, threads: int | None = None) -> Limits:
+    """Find the lowest ballistic limit of each row between two velocities by scan and bisection.
+
+    Nothing is taken for monotonic: these are the numbers, to the last bit, of
+    `armour.analysis.ballistic_limit.ballistic_limit` with this range.
+
+    Parameters
+    ----------
+    variants : Variants
+    low, high : float
+        Range of velocities, m/s.
+    threads : int, optional
+
+    Returns
+    -------
+    Limits
+        -inf where already the lowest velocity perforates, inf where none does.
+
+    Raises
+    ------
+    InputError
+        If a run does not end, naming the key at fault.
+    """
+    velocities = np.array(scan(low, high, SCAN_POINTS))
+    count = len(variants.velocities)
+    scanned = variants.at(np.repeat(np.arange(count), len(velocities)))
+    scanned = scanned._replace(velocities=np.tile(velocities, count))
+    outcomes = perforated(scanned, threads).reshape(count, len(velocities))
+    runs = outcomes.size
+
+    limits = np.where(outcomes[:, 0], -np.inf, np.inf)
+    where = np.flatnonzero(outcomes.any(axis=1) & ~outcomes[:, 0])
+    bounded = variants.at(where)
+
+    def holds(values: Floats, rows: Ints) -> Bools:
+        nonlocal runs
+        runs += len(values)
+        return perforated(bounded.at(rows)._replace(velocities=values), threads)
+
+    first = outcomes[where].argmax(axis=1)
+    tolerance = variants.settings.ballistic_limit.tolerance_m_s
+    limits[where] = bisect_rows(holds, velocities[first - 1], velocities[first], tolerance)
+    return Limits(limits, runs)
 
 
 def _scan_interval(

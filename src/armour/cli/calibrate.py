@@ -40,18 +40,21 @@ def calibrate(
 ) -> None:
     """Fit model inputs to tests."""
     from armour.reporting.tables.statistics import calibration_tables
-    from armour.statistics import calibration
+    from armour.statistics.calibration import calibrate as find
+    from armour.statistics.fitted_library import library_text
+    from armour.statistics.flow_stress_laws import FLOW_STRESS
+    from armour.statistics.test_data import read_tests
 
     def answer() -> Answer:
         loaded = read_scenario(scenario, changes)
-        read = calibration.read_tests(tests, loaded)
+        read = read_tests(tests, loaded)
         say_if_compiling()
-        result = calibration.calibrate(read, loaded, fit or [calibration.FLOW_STRESS], law)
+        result = find(read, loaded, fit or [FLOW_STRESS], law)
         return Answer(
             data=result.to_dict,
             tables=lambda: calibration_tables(result),
             title=loaded.title,
-            files=[lambda: calibration.library_text(result, read, loaded)],
+            files=[lambda: library_text(result, read, loaded)],
             chart=lambda plots: plots.calibration_figure(result, loaded.title),
         )
 

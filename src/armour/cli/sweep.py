@@ -12,7 +12,7 @@ from armour.cli.runner import Answer, read_scenario, run, say_if_compiling
 from armour.errors import InputError, Problem
 
 if TYPE_CHECKING:
-    from armour.sweeps.sweep import Cases, Grid
+    from armour.sweeps.cases import Cases, Grid
 
 # Named here as well because the help may not import what computes them.
 QUANTITIES = (
@@ -71,8 +71,8 @@ def sweep(
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
     from armour.sweeps.checkpoint import read_table
-    from armour.sweeps.dask import connected, on
-    from armour.sweeps.sweep import here
+    from armour.sweeps.dask import connected, on_cluster
+    from armour.sweeps.sweep import in_process
     from armour.sweeps.sweep import sweep as compute_rows
 
     def answer() -> Answer:
@@ -83,7 +83,7 @@ def sweep(
             _check_plot(source, names)
         say_if_compiling()
         with connected(scheduler) if scheduler else nullcontext() as client, rate("rows", source.count) as count:
-            compute = here(threads) if client is None else on(client)
+            compute = in_process(threads) if client is None else on_cluster(client)
             rows = compute_rows(loaded, source, names, output, compute=compute, on_chunk=lambda n, _before: count(n))
         say(f"wrote {output}: {rows} rows")
         return Answer(
@@ -97,7 +97,7 @@ def sweep(
 
 def _source(over: list[str], cases: Path | None) -> "Grid | Cases":
     """Return the rows to compute."""
-    from armour.sweeps.sweep import Cases, Grid, axis_of
+    from armour.sweeps.cases import Cases, Grid, axis_of
 
     if (cases is None) == (not over):
         raise InputError([Problem("sweep", "--over", "must be given, or --cases, and not both")])
@@ -105,7 +105,7 @@ def _source(over: list[str], cases: Path | None) -> "Grid | Cases":
 
 
 def _check_plot(source: "Grid | Cases", names: list[str]) -> None:
-    from armour.sweeps.sweep import Grid
+    from armour.sweeps.cases import Grid
 
     if not isinstance(source, Grid) or len(source.axes) not in (1, 2) or names[0] == "outcome":
         message = "draws the first quantity, a number, over one or two --over"

@@ -17,6 +17,7 @@ from armour.analysis.closed_forms import residual_velocity
 from armour.analysis.comparison import Comparison
 from armour.analysis.history import History
 from armour.analysis.impact import ImpactResult, StageRecord
+from armour.analysis.quantities import heading
 from armour.design.catalogue import CRITERIA, StudyResult
 from armour.design.optimisation import OptimumResult
 from armour.scenario.loading import Scenario
@@ -24,8 +25,7 @@ from armour.scenario.parameters import BACKING, CERAMIC
 from armour.statistics.calibration import CalibrationResult
 from armour.statistics.sensitivity import SensitivityResult
 from armour.statistics.uncertainty import UncertaintyResult
-from armour.statistics.v50 import FiringResult, Shots, probability
-from armour.sweeps.sweep import words_of
+from armour.statistics.v50 import FiringResult, Shots
 from armour.units import words_and_unit
 from armour.validation.figures import Chart
 from armour.validation.validate import SuiteResult
@@ -341,7 +341,7 @@ def calibration_figure(result: CalibrationResult, title: str) -> Figure:
             margin = 0.05 * (max(ends) - min(ends)) or 1.0
             span = min(ends) - margin, max(ends) + margin
             parity.plot(span, span, color=BLACK, linewidth=0.8, label="agreement")
-            parity.set(xlim=span, ylim=span, aspect="equal", xlabel=f"measured {words_of(quantity)}", ylabel="computed")
+            parity.set(xlim=span, ylim=span, aspect="equal", xlabel=f"measured {heading(quantity)}", ylabel="computed")
             parity.legend(fontsize=7)
             exact = [residual for residual in found if not residual.bound]
             places = np.arange(len(exact))
@@ -407,7 +407,7 @@ def firing_figure(shots: Shots, result: FiringResult) -> Figure:
         shown = np.linspace(max(least, min([slowest, *ends]) - margin), min(most, max([fastest, *ends]) + margin), 400)
         for fit, line, colour, height in zip(result.fits, LINES, (BLUE, ORANGE), (0.47, 0.53), strict=False):
             label = f"{fit.curve}: V50 {fit.v50_m_s:.1f} m/s"
-            axes.plot(shown, [probability(fit, v) for v in shown], line, color=colour, label=label)
+            axes.plot(shown, [fit.probability(v) for v in shown], line, color=colour, label=label)
             bar = [s if e is None else e for e, s in zip(fit.v50_interval_m_s, shown[[0, -1]], strict=True)]
             axes.plot(bar, [height, height], color=colour, linewidth=3.0, alpha=0.5, solid_capstyle="butt")
         if result.mean is not None:
@@ -474,13 +474,13 @@ def sweep_figure(table: Mapping[str, Floats], keys: Sequence[str], name: str, sc
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.2, 4.2))
         axes = figure.subplots()
-        axes.set_xlabel(words_of(keys[0]))
+        axes.set_xlabel(heading(keys[0]))
         if len(keys) == 1:
             axes.plot(table[keys[0]], table[name], color=BLUE)
-            axes.set_ylabel(words_of(name))
+            axes.set_ylabel(heading(name))
         else:
             _map(figure, axes, table, keys, name)
-            axes.set_ylabel(words_of(keys[1]))
+            axes.set_ylabel(heading(keys[1]))
             if set(keys) == {CERAMIC, BACKING}:
                 _equal_areal_densities(axes, scenario, ceramic_first=keys[0] == CERAMIC)
         figure.suptitle(_wrapped(scenario.title), fontsize=10)
@@ -493,7 +493,7 @@ def _map(figure: Figure, axes: Axes, table: Mapping[str, Floats], keys: Sequence
     z[np.searchsorted(y, table[keys[1]]), np.searchsorted(x, table[keys[0]])] = table[name]
     axes.grid(visible=False)
     shown = axes.pcolormesh(x, y, np.ma.masked_invalid(z), cmap="cividis", shading="nearest", rasterized=True)
-    figure.colorbar(shown, label=words_of(name))
+    figure.colorbar(shown, label=heading(name))
     if min(z.shape) > 1 and np.isfinite(z).any() and np.nanmin(z) < np.nanmax(z):
         lines = axes.contour(x, y, z, levels=8, colors="white", linewidths=0.8)
         axes.clabel(lines, fontsize=7, fmt="%g")

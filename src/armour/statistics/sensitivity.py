@@ -1,44 +1,40 @@
-"""What an answer gains when an input grows: elasticities, by the compiled engine."""
+"""Sensitivity of a scenario's answers to its inputs: elasticities by central differences."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from math import isnan, log
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from armour.analysis.least_thickness import solver_options
-from armour.core.state import Outcome
-from armour.design.optimisation import lightest_of_rows
+import numpy as np
+
+from armour.analysis.quantities import Answers
+from armour.analysis.variants import Floats, Variants, ballistic_limits, concatenated, grid_of, variants_of
+from armour.design.free import least_areal_densities
 from armour.errors import NoAnswerError
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of, rows_of
+from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
-
-# An input is made this part larger and smaller.
+# Relative change of an input in either direction.
 CHANGE = 0.005
 # Tolerance of the ballistic limits that are subtracted, m/s.
 LIMIT_TOLERANCE_M_S = 1e-7
 
 LIMIT, RESIDUAL, OPTIMUM = "ballistic_limit_m_s", "residual_velocity_m_s", "least_areal_density_kg_m2"
-# Inputs that an answer does not have: they are searched for.
+# Inputs that an answer does not depend on, because it is the result of a search over them.
 FREE = {LIMIT: (VELOCITY,), RESIDUAL: (), OPTIMUM: (CERAMIC, BACKING)}
 
 
 @dataclass(frozen=True)
 class Elasticity:
-    """By how many per cent each answer changes when an input grows by one.
+    """Relative change of each answer per relative change of an input.
 
     Attributes
     ----------
     input : str
     value : float
-        In the unit of the input's name.
+        Value of the input, in the unit of its name.
     elasticities : mapping of str to float or None
-        By answer; None where it does not have the input, or no value.
+        Per cent of change per per cent, by answer; None where the answer does not depend on the input or has no value.
     """
 
     input: str
@@ -53,43 +49,40 @@ class SensitivityResult:
     Attributes
     ----------
     answers : mapping of str to float or None
-        Ballistic limit, residual velocity and, where the scenario has a grid, least areal density of continuous
-        thicknesses; None where there is none.
+        Ballistic limit, m/s, residual velocity, m/s, and, where the scenario has a grid, least areal density of designs
+        with continuous thicknesses, kg/m²; None where there is none.
     inputs : tuple of Elasticity
-        The largest for the ballistic limit first.
+        In descending order of the elasticity of the ballistic limit.
     """
 
     answers: Mapping[str, float | None]
     inputs: tuple[Elasticity, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """The result as plain data."""
+        """Return the result as plain data."""
         return asdict(self)
 
 
 def sensitivity(scenario: Scenario) -> SensitivityResult:
-    """Find by how many per cent a scenario's answers change when an input grows by one.
+    """Compute the elasticities of a scenario's answers.
 
-    Each is the quotient of the logarithms of two values, of the input half a per cent up and down.  Strengths of a
-    metal that follow from its yield strength follow it here too.
+    Each is the ratio of the changes of two logarithms, of the answer and of the input, between an input half a per cent
+    above and below its value.  The strengths of a metal that are derived from its yield strength follow it.
 
     Raises
     ------
     NoAnswerError
-        If there is no ballistic limit in the range of its search, no residual velocity and no design.
+        If there is no ballistic limit in the range of the search, no residual velocity and no design.
     InputError
-        If the scenario has a grid, and a ceramic thickness in it, but no ceramic.
+        If the scenario has a grid with a ceramic thickness, but no ceramic, or a run does not end.
     """
-    import numpy as np
-
     own = {name: value for name, value in inputs_of(scenario).items() if value > 0.0}
-    # Of each input alone, so that what follows from it follows it.
-    changes: list[dict[str, Floats]] = [{}]
-    changes += (
-        {name: np.array([value * part])} for name, value in own.items() for part in (1.0 + CHANGE, 1.0 - CHANGE)
-    )
-    rows, velocities = zip(*(rows_of(scenario, change, 1) for change in changes), strict=True)
-    answers = _answers(scenario, np.concatenate(rows), np.concatenate(velocities))
+    # Each change makes variants of its own, as values derived from one input must not be fixed by the others.
+    changed = [
+        variants_of(scenario, {name: np.array([value * (1.0 + CHANGE), value * (1.0 - CHANGE)])}, 2)
+        for name, value in own.items()
+    ]
+    answers = _answers(scenario, concatenated([variants_of(scenario, {}, 1), *changed]))
     if all(isnan(values[0]) for values in answers.values()):
         raise NoAnswerError(
             "nothing to compare: no ballistic limit in the range of its search, no residual velocity and no design"
@@ -106,35 +99,26 @@ def sensitivity(scenario: Scenario) -> SensitivityResult:
         for index, (name, value) in enumerate(own.items())
     ]
     return SensitivityResult(
-        answers={answer: _or_none(values[0]) for answer, values in answers.items()},
+        answers={answer: None if isnan(values[0]) else float(values[0]) for answer, values in answers.items()},
         inputs=tuple(sorted(inputs, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
     )
 
 
-def _answers(scenario: Scenario, rows: "Floats", velocities: "Floats") -> dict[str, "Floats"]:
-    """The answers of every row; NaN where there is none."""
-    import numpy as np
-
-    from armour.engine import batch
-
-    search, told = scenario.ballistic_limit, solver_options(scenario)
-    places = batch.ballistic_limits(rows, search.velocity_min_m_s, search.velocity_max_m_s, LIMIT_TOLERANCE_M_S, told)
-    ends = batch.impacts(rows, velocities, told)
+def _answers(scenario: Scenario, variants: Variants) -> dict[str, Floats]:
+    """Answers of each variant; NaN where there is none."""
+    impacts = Answers(variants)
     answers = {
-        LIMIT: np.where(places.bounded, places.perforated, np.nan),
-        RESIDUAL: np.where(ends.outcome == Outcome.PERFORATED, ends.V, np.nan),
+        LIMIT: ballistic_limits(variants, LIMIT_TOLERANCE_M_S),
+        RESIDUAL: np.where(impacts.perforated, impacts.residual_velocities, np.nan),
     }
     if scenario.optimise is not None:
-        answers[OPTIMUM] = lightest_of_rows(scenario, rows, velocities)[2]
+        grid_of(scenario)
+        answers[OPTIMUM] = least_areal_densities(variants)
     return answers
 
 
 def _elasticity(above: float, below: float) -> float | None:
-    """Change of an answer between two values of an input, both as logarithms."""
+    """Elasticity from the answers at the larger and the smaller value of an input; None where one is missing."""
     if isnan(above) or isnan(below):
         return None
     return log(above / below) / log((1.0 + CHANGE) / (1.0 - CHANGE))
-
-
-def _or_none(value: float) -> float | None:
-    return None if isnan(value) else float(value)

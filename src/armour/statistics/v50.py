@@ -1,33 +1,32 @@
-"""Ballistic limits from firing tests: V50 by the rule of MIL-STD-662F, and by maximum likelihood."""
+"""V50 from firing results, by the rule of MIL-STD-662F and by maximum likelihood."""
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from math import erf, exp, log, nan, pi, sqrt
+from math import exp, log, nan, pi, sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
+
+import numpy as np
+from scipy.optimize import brentq, minimize, minimize_scalar
+from scipy.special import expit, log_expit, log_ndtr, ndtr
+from scipy.stats import chi2
 
 from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.estimates import CONFIDENCE
+from armour.analysis.variants import Floats
 from armour.errors import InputError, NoAnswerError, Problem
 from armour.scenario.loading import Scenario
-from armour.statistics.test_data import read_rows
+from armour.statistics.csv_table import read_rows
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
-
-# Shots of each kind that a V50 takes, and the greatest span of their velocities, m/s: 60, 90 and 125 feet a second
-# for two, three and five.
+# Number of shots of each kind in the mean, and the greatest span of their velocities, m/s: 125, 90 and 60 ft/s.
 SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
-# Slower and faster than any shot; they catch a value in the wrong unit.
-SLOWEST_M_S, FASTEST_M_S = 1.0, 1e4
-CONFIDENCE = 0.95
-Curve = Literal["probit", "logit"]
-CURVES: tuple[Curve, ...] = ("probit", "logit")
-# The narrowest curve looked at, and how far a bound is looked for, in spreads of the velocities.
-NARROWEST = 1e-7
-FARTHEST = 1e3
+# Range of velocities, m/s; it catches values in a wrong unit.
+MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 1.0, 1e4
+Link = Literal["probit", "logit"]
+LINKS: tuple[Link, ...] = ("probit", "logit")
+# Smallest scale, and greatest distance of a bound, in standard deviations of the velocities.
+MIN_SCALE = 1e-7
+MAX_DISTANCE = 1e3
 
 
 @dataclass(frozen=True)
@@ -47,22 +46,23 @@ class Shots:
     file: str = "shots"
 
     def of(self, *, complete: bool) -> list[float]:
-        """Velocities of the complete, or of the partial, penetrations, in order."""
+        """Return the velocities of the complete or of the partial penetrations, m/s, in ascending order."""
         pairs = zip(self.velocities_m_s, self.complete, strict=True)
         return sorted(velocity for velocity, found in pairs if found == complete)
 
 
 @dataclass(frozen=True)
-class Mean:
-    """V50 as the mean of as many highest partial as lowest complete penetrations.
+class MeanV50:
+    """V50 as the mean of equal numbers of highest partial and lowest complete penetrations.
 
     Attributes
     ----------
     v50_m_s : float
+        Mean velocity, m/s.
     pairs : int
-        Shots of each kind.
+        Number of shots of each kind.
     span_m_s, span_allowed_m_s : float
-        Between the slowest and the fastest of them.
+        Difference between the fastest and the slowest of these shots, m/s, and its greatest allowed value.
     """
 
     v50_m_s: float
@@ -72,48 +72,58 @@ class Mean:
 
 
 @dataclass(frozen=True)
-class Fit:
-    """A curve of the probability of complete penetration, by maximum likelihood.
+class FittedCurve:
+    """Probability of complete penetration over velocity, fitted by maximum likelihood.
 
     Attributes
     ----------
     curve : {"probit", "logit"}
+        Normal or logistic distribution.
     v50_m_s : float
-        The middle of the gap where the shots separate.
+        Velocity of probability one half, m/s; the middle of the gap where the shots separate.
     v50_interval_m_s : tuple of float or None
-        By profile likelihood; None for an end that the shots do not bound.
+        Profile-likelihood interval, m/s; None for an end that the shots do not bound.
     scale_m_s : float
-        Standard deviation of the normal, scale of the logistic distribution; 0 where the shots separate.
+        Standard deviation of the normal, scale of the logistic distribution, m/s; 0 where the shots separate.
     scale_interval_m_s : tuple of float or None
-        None for an upper end that the shots do not bound.
+        Profile-likelihood interval, m/s; None for an upper end that the shots do not bound.
     log_likelihood : float
     """
 
-    curve: Curve
+    curve: Link
     v50_m_s: float
     v50_interval_m_s: tuple[float | None, float | None]
     scale_m_s: float
     scale_interval_m_s: tuple[float, float | None]
     log_likelihood: float
 
+    def probability(self, velocity_m_s: float) -> float:
+        """Return the probability of complete penetration at a velocity, m/s."""
+        if self.scale_m_s == 0.0:
+            return 0.5 * (1.0 + (velocity_m_s > self.v50_m_s) - (velocity_m_s < self.v50_m_s))
+        z = (velocity_m_s - self.v50_m_s) / self.scale_m_s
+        return float(ndtr(z) if self.curve == "probit" else expit(z))
+
 
 @dataclass(frozen=True)
 class FiringResult:
-    """What firing results say of the ballistic limit.
+    """V50 estimated from firing results.
 
     Attributes
     ----------
     shots, complete : int
+        Number of shots and of complete penetrations.
     highest_partial_m_s, lowest_complete_m_s : float
+        Highest velocity of a partial and lowest velocity of a complete penetration, m/s.
     separated : bool
         Whether every complete penetration was faster than every partial one.
-    mean : Mean or None
-        None where no rule's span holds.
-    fits : tuple of Fit
+    mean : MeanV50 or None
+        None where the shots do not meet the rule.
+    fits : tuple of FittedCurve
     confidence : float
-        Of the intervals.
+        Confidence level of the intervals.
     model_ballistic_limit_m_s : float or None
-        Of the scenario, where one is given.  The model knows no scatter: it is one velocity, not the middle of a curve.
+        Ballistic limit of the scenario, m/s, where one is given.  The model is deterministic: the limit has no scatter.
     """
 
     shots: int
@@ -121,18 +131,23 @@ class FiringResult:
     highest_partial_m_s: float
     lowest_complete_m_s: float
     separated: bool
-    mean: Mean | None
-    fits: tuple[Fit, ...]
+    mean: MeanV50 | None
+    fits: tuple[FittedCurve, ...]
     confidence: float
     model_ballistic_limit_m_s: float | None
 
     def to_dict(self) -> dict[str, Any]:
-        """The result as plain data."""
+        """Return the result as plain data."""
         return asdict(self)
 
 
 def read_shots(path: Path) -> Shots:
-    """Read firing results: a CSV file with the columns ``velocity_m_s``, ``result`` and, for names, ``shot``.
+    """Read firing results from a CSV file.
+
+    Parameters
+    ----------
+    path : Path
+        File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete") and, optionally, ``shot``.
 
     Raises
     ------
@@ -144,8 +159,8 @@ def read_shots(path: Path) -> Shots:
     words = {"complete": True, "partial": False}
     for row in rows:
         velocity, result = row["velocity_m_s"], row["result"]
-        if not isinstance(velocity, float) or not SLOWEST_M_S <= velocity <= FASTEST_M_S:
-            message = f"must be at least {SLOWEST_M_S:g} and at most {FASTEST_M_S:g}"
+        if not isinstance(velocity, float) or not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
+            message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}"
             problems.append(Problem(str(path), f"{row.place}: velocity_m_s", message))
         if result not in words:
             message = f'must be "partial" or "complete", found "{result or ""}"'
@@ -170,25 +185,26 @@ def v50(
     span_m_s: float | None = None,
     confidence: float = CONFIDENCE,
 ) -> FiringResult:
-    """Find the velocity that perforates every other time.
+    """Estimate V50 from firing results.
 
     Parameters
     ----------
     shots : Shots
         At least one partial and one complete penetration.
     scenario : Scenario, optional
-        The same armour and projectile, for the model's ballistic limit beside the test's.
+        Scenario with the same armour and projectile, for its ballistic limit.
     pairs : int, optional
-        Shots of each kind for the mean; by default the most of 5, 3 and 2 whose span holds.
+        Number of shots of each kind in the mean; by default the greatest of 5, 3 and 2 whose span is allowed.
     span_m_s : float, optional
-        Greatest span of their velocities; by default that of MIL-STD-662F for so many.
+        Greatest span of their velocities, m/s; by default that of MIL-STD-662F for this number of shots.
     confidence : float
-        Of the intervals.
+        Confidence level of the intervals.
 
     Raises
     ------
     NoAnswerError
-        If faster shots did not perforate more often, or the scenario has no ballistic limit.
+        If the complete penetrations were no faster on average than the partial ones, or the scenario has no ballistic
+        limit.
     """
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     return FiringResult(
@@ -197,15 +213,15 @@ def v50(
         highest_partial_m_s=partial[-1],
         lowest_complete_m_s=complete[0],
         separated=partial[-1] < complete[0],
-        mean=mean_of(shots, pairs, span_m_s),
-        fits=tuple(fitted(shots, curve, confidence) for curve in CURVES),
+        mean=mean_v50(shots, pairs, span_m_s),
+        fits=tuple(fit_curve(shots, link, confidence) for link in LINKS),
         confidence=confidence,
         model_ballistic_limit_m_s=None if scenario is None else ballistic_limit(scenario).ballistic_limit_m_s,
     )
 
 
-def mean_of(shots: Shots, pairs: int | None = None, span_m_s: float | None = None) -> Mean | None:
-    """V50 by the rule of MIL-STD-662F; None where the shots do not meet it."""
+def mean_v50(shots: Shots, pairs: int | None = None, span_m_s: float | None = None) -> MeanV50 | None:
+    """Compute V50 by the rule of MIL-STD-662F; None where the shots do not meet it."""
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     for count in SPANS_M_S if pairs is None else (pairs,):
         if count > min(len(partial), len(complete)):
@@ -214,26 +230,30 @@ def mean_of(shots: Shots, pairs: int | None = None, span_m_s: float | None = Non
         allowed = SPANS_M_S.get(count, SPANS_M_S[5]) if span_m_s is None else span_m_s
         span = max(used) - min(used)
         if span <= allowed + 1e-9:
-            return Mean(sum(used) / len(used), count, span, allowed)
+            return MeanV50(sum(used) / len(used), count, span, allowed)
     return None
 
 
-def fitted(shots: Shots, curve: Curve, confidence: float = CONFIDENCE) -> Fit:
-    """A curve by maximum likelihood, with profile-likelihood intervals.
+def fit_curve(shots: Shots, link: Link, confidence: float = CONFIDENCE) -> FittedCurve:
+    """Fit a curve of probability by maximum likelihood, with profile-likelihood intervals.
 
-    The likelihood is that of P = F(slope x - intercept), x being the velocity less its mean over its spread; its
-    logarithm is concave in both.  Where the shots separate it is greatest at an infinite slope, with any probability at
-    a velocity that a partial and a complete penetration share.  Each point of a profile is the greatest value along a
-    line, which exists, at an infinite slope if need be, whether the shots separate or not.
+    The likelihood is that of P = F(slope x - intercept), where x is the standardised velocity; its logarithm is concave
+    in both parameters.  Where the shots separate it is greatest at an infinite slope, with any probability at a
+    velocity that a partial and a complete penetration share.  Each point of a profile is the maximum along a line,
+    which exists, at an infinite slope if need be, whether the shots separate or not.
+
+    Parameters
+    ----------
+    shots : Shots
+    link : {"probit", "logit"}
+    confidence : float
+        Confidence level of the intervals.
 
     Raises
     ------
     NoAnswerError
-        If faster shots did not perforate more often.
+        If the complete penetrations were no faster on average than the partial ones.
     """
-    import numpy as np
-    from scipy.stats import chi2
-
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     if np.mean(complete) <= np.mean(partial):
         raise NoAnswerError(
@@ -242,107 +262,96 @@ def fitted(shots: Shots, curve: Curve, confidence: float = CONFIDENCE) -> Fit:
         )
     velocities = np.array([*partial, *complete])
     signs = np.repeat([-1.0, 1.0], [len(partial), len(complete)])
-    middle, spread = float(velocities.mean()), float(velocities.std())
-    x = (velocities - middle) / spread
-    log_cdf = _log_cdf(curve)
+    mean, deviation = float(velocities.mean()), float(velocities.std())
+    x = (velocities - mean) / deviation
+    log_cdf = _log_cdf(link)
 
-    def likelihood(slope: float, intercept: float) -> float:
+    def log_likelihood(slope: float, intercept: float) -> float:
         return float(log_cdf(signs * (slope * x - intercept)).sum())
 
-    def at_place(place: float) -> float:
-        """Greatest likelihood of all curves through one half at a place."""
-        found = _least(lambda part: -likelihood(part / (1.0 - part), place * part / (1.0 - part)), 0.0, 1.0 - NARROWEST)
-        return max(-found, likelihood(1.0 / NARROWEST, place / NARROWEST), likelihood(0.0, 0.0))
+    def profile_of_location(location: float) -> float:
+        """Maximum over all curves with probability one half at a location."""
 
-    def at_scale(scale: float) -> float:
-        """Greatest likelihood of all curves so wide."""
+        def lost(part: float) -> float:
+            slope = part / (1.0 - part)
+            return -log_likelihood(slope, location * slope)
+
+        steepest = log_likelihood(1.0 / MIN_SCALE, location / MIN_SCALE)
+        return max(-_minimum(lost, 0.0, 1.0 - MIN_SCALE), steepest, log_likelihood(0.0, 0.0))
+
+    def profile_of_scale(scale: float) -> float:
+        """Maximum over all curves with a scale."""
         ends = (x[0] / scale, x[-1] / scale, x[len(partial)] / scale, x[len(partial) - 1] / scale)
-        return -_least(lambda intercept: -likelihood(1.0 / scale, intercept), min(ends) - 9.0, max(ends) + 9.0)
+        return -_minimum(lambda intercept: -log_likelihood(1.0 / scale, intercept), min(ends) - 9.0, max(ends) + 9.0)
 
-    low, high = float(x[len(partial) - 1]), float(x[len(partial)])
-    if low <= high:
-        tied = [int((x[signs == sign] == low).sum()) for sign in (-1.0, 1.0)] if low == high else []
-        place, scale, top = 0.5 * (low + high), 0.0, sum(n * log(n / sum(tied)) for n in tied)
+    highest_partial, lowest_complete = float(x[len(partial) - 1]), float(x[len(partial)])
+    separated = highest_partial <= lowest_complete
+    if separated:
+        location, scale, maximum = 0.5 * (highest_partial + lowest_complete), 0.0, 0.0
+        if highest_partial == lowest_complete:
+            tied = [int((x[signs == sign] == location).sum()) for sign in (-1.0, 1.0)]
+            maximum = sum(n * log(n / sum(tied)) for n in tied)
+        # Every location between the shots has the same likelihood.
+        lowest, highest = highest_partial, lowest_complete
     else:
-        place, scale, top = _peak(curve, signs, x)
-    least_likely = top - 0.5 * float(chi2.ppf(confidence, 1))
+        location, scale, maximum = _maximum_likelihood(link, signs, x)
+        lowest = highest = location
+    threshold = maximum - 0.5 * float(chi2.ppf(confidence, 1))
 
-    def place_likely(place: float) -> float:
-        return at_place(place) - least_likely
+    def location_excess(location: float) -> float:
+        return profile_of_location(location) - threshold
 
-    def scale_likely(log_scale: float) -> float:
-        return at_scale(exp(log_scale)) - least_likely
+    def scale_excess(log_scale: float) -> float:
+        return profile_of_scale(exp(log_scale)) - threshold
 
-    # Where the shots separate any place between them is as likely.
-    starts = (low, high) if scale == 0.0 else (place, place)
-    ends = _crossing(place_likely, starts[0], -1.0), _crossing(place_likely, starts[1], 1.0)
-    narrowest = _crossing(scale_likely, log(scale), -1.0) if scale else None
-    widest = _crossing(scale_likely, log(scale or NARROWEST), 1.0)
-    return Fit(
-        curve=curve,
-        v50_m_s=middle + spread * place,
+    low, high = _profile_bound(location_excess, lowest, -1.0), _profile_bound(location_excess, highest, 1.0)
+    narrowest = None if separated else _profile_bound(scale_excess, log(scale), -1.0)
+    widest = _profile_bound(scale_excess, log(scale or MIN_SCALE), 1.0)
+    return FittedCurve(
+        curve=link,
+        v50_m_s=mean + deviation * location,
         v50_interval_m_s=(
-            None if ends[0] is None else middle + spread * ends[0],
-            None if ends[1] is None else middle + spread * ends[1],
+            None if low is None else mean + deviation * low,
+            None if high is None else mean + deviation * high,
         ),
-        scale_m_s=spread * scale,
+        scale_m_s=deviation * scale,
         scale_interval_m_s=(
-            0.0 if narrowest is None else spread * exp(narrowest),
-            None if widest is None else spread * exp(widest),
+            0.0 if narrowest is None else deviation * exp(narrowest),
+            None if widest is None else deviation * exp(widest),
         ),
-        log_likelihood=top,
+        log_likelihood=maximum,
     )
 
 
-def probability(fit: Fit, velocity_m_s: float) -> float:
-    """Probability of complete penetration by a fitted curve."""
-    if fit.scale_m_s == 0.0:
-        return 0.5 * (1.0 + (velocity_m_s > fit.v50_m_s) - (velocity_m_s < fit.v50_m_s))
-    z = (velocity_m_s - fit.v50_m_s) / fit.scale_m_s
-    if fit.curve == "probit":
-        return 0.5 * (1.0 + erf(z / sqrt(2.0)))
-    return 1.0 / (1.0 + exp(-z)) if z > -700.0 else 0.0
+def _log_cdf(link: Link) -> Callable[[Floats], Floats]:
+    return log_ndtr if link == "probit" else log_expit
 
 
-def _log_cdf(curve: Curve) -> "Callable[[Floats], Floats]":
-    from scipy.special import log_expit, log_ndtr
-
-    return log_ndtr if curve == "probit" else log_expit
-
-
-def _least(f: Callable[[float], float], low: float, high: float) -> float:
-    """Least value of a function with one minimum between two ends."""
-    from scipy.optimize import minimize_scalar
-
-    return float(minimize_scalar(f, bounds=(low, high), method="bounded", options={"xatol": 1e-10}).fun)
+def _minimum(function: Callable[[float], float], low: float, high: float) -> float:
+    """Minimum value of a unimodal function between two ends."""
+    return float(minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-10}).fun)
 
 
-def _peak(curve: Curve, signs: "Floats", x: "Floats") -> tuple[float, float, float]:
-    """Place and scale of the greatest likelihood of shots that overlap, and its logarithm."""
-    import numpy as np
-    from scipy.optimize import minimize
-    from scipy.special import expit
+def _maximum_likelihood(link: Link, signs: Floats, x: Floats) -> tuple[float, float, float]:
+    """Location, scale and logarithm of the maximum likelihood of shots that overlap."""
+    log_cdf = _log_cdf(link)
 
-    log_cdf = _log_cdf(curve)
-
-    def lost(p: "Floats") -> tuple[float, "Floats"]:
+    def lost(p: Floats) -> tuple[float, Floats]:
         z = signs * (p[0] * x - p[1])
-        steep = signs * (expit(-z) if curve == "logit" else np.exp(-0.5 * z * z - log_cdf(z)) / sqrt(2.0 * pi))
-        return -float(log_cdf(z).sum()), np.array([-(steep * x).sum(), steep.sum()])
+        slopes = signs * (expit(-z) if link == "logit" else np.exp(-0.5 * z * z - log_cdf(z)) / sqrt(2.0 * pi))
+        return -float(log_cdf(z).sum()), np.array([-(slopes * x).sum(), slopes.sum()])
 
     found = minimize(lost, np.array([1.0, 0.0]), jac=True, method="BFGS", options={"gtol": 1e-9})
     slope, intercept = found.x
     return float(intercept / slope), float(1.0 / slope), -float(found.fun)
 
 
-def _crossing(inside: Callable[[float], float], start: float, direction: float) -> float | None:
-    """Where a function stops being positive, from a start in a direction; None where it does not."""
-    from scipy.optimize import brentq
-
+def _profile_bound(excess: Callable[[float], float], start: float, direction: float) -> float | None:
+    """Root of a profile's excess over the threshold, from a start in a direction; None where there is none."""
     step, near = 1e-3, start
-    while step < FARTHEST:
+    while step < MAX_DISTANCE:
         far = start + direction * step
-        if inside(far) < 0.0:
-            return float(brentq(inside, near, far, xtol=1e-9)) if inside(near) > 0.0 else near
+        if excess(far) < 0.0:
+            return float(brentq(excess, near, far, xtol=1e-9)) if excess(near) > 0.0 else near
         near, step = far, 2.0 * step
     return None

@@ -1,7 +1,7 @@
-"""A long job's table: chunks written as they are done, each whole or not at all, and put together at the end.
+"""Checkpoints of a long job: chunks of its table on disk, joined into one file at the end.
 
-The chunks lie beside the output, in a folder of its name and ``.parts``.  What is there is not computed again, so that
-an interrupted job goes on where it stopped; the folder says which job it belongs to.
+The chunks lie in a folder beside the output, named after it with the suffix ``.parts``.  Each is written whole or not
+at all.  A file in the folder identifies the job, so that only the same job resumes with its chunks.
 """
 
 import shutil
@@ -20,19 +20,19 @@ JOB = "job"
 
 
 class Store:
-    """The chunks of a table that is being computed.
+    """Chunks of a table that is being computed.
 
     Parameters
     ----------
     output : Path
-        The table's file, CSV or Parquet by its ending.
+        File of the table, CSV or Parquet by its suffix.
     job : str
-        What tells this job from any other.
+        Identifies the job.
 
     Raises
     ------
     InputError
-        If the output cannot be written, is there already, or another job's chunks are.
+        If the output cannot be written or exists, or the folder holds the chunks of another job.
     """
 
     def __init__(self, output: Path, job: str) -> None:
@@ -51,37 +51,42 @@ class Store:
         write_atomic(mark, job.encode())
 
     def has(self, index: int) -> bool:
-        """Whether a chunk is there."""
-        return self._part(index).exists()
+        """Whether a chunk is on disk."""
+        return self._chunk(index).exists()
 
     def save(self, index: int, columns: Mapping[str, Any]) -> None:
-        """Write a chunk, whole or not at all."""
+        """Write a chunk, whole or not at all; NaN becomes an empty field in CSV."""
         import pyarrow as pa
 
-        write_atomic(self._part(index), self._encoded(pa.table(dict(columns)), header=index == 0))
+        csv = self._is_csv()
+        arrays = {name: pa.array(values, from_pandas=csv) for name, values in columns.items()}
+        write_atomic(self._chunk(index), self._encoded(pa.table(arrays), header=index == 0))
 
     def finish(self, count: int) -> None:
-        """Put so many chunks together, and remove them."""
+        """Join ``count`` chunks into the output, and remove them."""
         whole = self.folder / f"whole{self.output.suffix}"
-        parts = [self._part(index) for index in range(count)]
-        if self.output.suffix.lower() == ".csv":
+        chunks = [self._chunk(index) for index in range(count)]
+        if self._is_csv():
             with whole.open("wb") as file:
-                for part in parts:
-                    with part.open("rb") as chunk:
-                        shutil.copyfileobj(chunk, file)
+                for chunk in chunks:
+                    with chunk.open("rb") as part:
+                        shutil.copyfileobj(part, file)
         else:
-            _join_parquet(parts, whole)
+            _join_parquet(chunks, whole)
         whole.replace(self.output)
         shutil.rmtree(self.folder)
 
-    def _part(self, index: int) -> Path:
+    def _chunk(self, index: int) -> Path:
         return self.folder / f"{index:08d}{self.output.suffix}"
+
+    def _is_csv(self) -> bool:
+        return self.output.suffix.lower() == ".csv"
 
     def _encoded(self, table: "pa.Table", *, header: bool) -> bytes:
         import pyarrow as pa
 
         sink = pa.BufferOutputStream()
-        if self.output.suffix.lower() == ".csv":
+        if self._is_csv():
             from pyarrow import csv
 
             csv.write_csv(table, sink, csv.WriteOptions(include_header=header, quoting_style="needed"))
@@ -92,18 +97,23 @@ class Store:
         return bytes(sink.getvalue())
 
 
-def _join_parquet(parts: Sequence[Path], whole: Path) -> None:
-    """One file of many, a group of rows each."""
+def _join_parquet(chunks: Sequence[Path], whole: Path) -> None:
+    """Join Parquet files into one, with a row group for each."""
     from pyarrow import parquet
 
-    with parquet.ParquetWriter(whole, parquet.read_schema(parts[0])) as writer:
-        for part in parts:
-            writer.write_table(parquet.read_table(part))
+    with parquet.ParquetWriter(whole, parquet.read_schema(chunks[0])) as writer:
+        for chunk in chunks:
+            writer.write_table(parquet.read_table(chunk))
 
 
 def read_table(path: Path) -> dict[str, Any]:
-    """The columns of a table that a store has written, as arrays."""
+    """Read the columns of a table written by a `Store` as arrays; empty fields are NaN."""
+    import pyarrow as pa
     from pyarrow import csv, parquet
 
     table = csv.read_csv(path) if path.suffix.lower() == ".csv" else parquet.read_table(path)
-    return {name: table.column(name).to_numpy() for name in table.column_names}
+    columns = {name: table.column(name) for name in table.column_names}
+    return {
+        name: (column.cast(pa.float64()) if pa.types.is_null(column.type) else column).to_numpy()
+        for name, column in columns.items()
+    }

@@ -4,27 +4,35 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from armour.analysis.evaluate import Group, evaluate_groups
 from armour.errors import InputError, Problem
-from armour.sweeps.sweep import Compute, Group, computed
+from armour.sweeps.sweep import Compute
 
 if TYPE_CHECKING:
     from distributed import Client
 
-# Chunks that each thread of the cluster is given ahead of time.
-AHEAD = 3
-# How often a chunk is tried again.
+# Chunks submitted ahead of time, per thread of the cluster.
+CHUNKS_AHEAD = 3
+# Times that a chunk is tried again.
 RETRIES = 3
 LOCAL = "local"
 
 
 @contextmanager
 def connected(scheduler: str, timeout_s: float = 10.0) -> Iterator["Client"]:
-    """A client of the cluster at an address; "local" starts one on this machine, a process per core.
+    """Connect to a cluster.
+
+    Parameters
+    ----------
+    scheduler : str
+        Address of the scheduler; "local" starts a cluster on this machine, with one process per core.
+    timeout_s : float
+        Time to wait for an answer, s.
 
     Raises
     ------
     InputError
-        If dask.distributed is not installed or nothing answers there.
+        If dask.distributed is not installed or no scheduler answers at the address.
     """
     try:
         from distributed import Client, LocalCluster
@@ -44,31 +52,31 @@ def connected(scheduler: str, timeout_s: float = 10.0) -> Iterator["Client"]:
         yield client
 
 
-def on(client: "Client") -> Compute:
-    """Compute chunks on a cluster; a worker that dies costs its chunks another try."""
+def on_cluster(client: "Client") -> Compute:
+    """Compute chunks on a cluster; the chunks of a worker that dies are tried again."""
 
     def compute(
         chunks: Iterator[tuple[int, list[Group]]], quantities: Sequence[str]
     ) -> Iterator[tuple[int, dict[str, Any]]]:
         from distributed import as_completed
 
-        ahead = AHEAD * max(sum(client.nthreads().values()), 1)
-        numbers: dict[Any, int] = {}
-        waiting = as_completed()
+        ahead = CHUNKS_AHEAD * max(sum(client.nthreads().values()), 1)
+        indices: dict[Any, int] = {}
+        running = as_completed()
 
-        def submit() -> None:
+        def submit_next() -> None:
             for index, groups in chunks:
-                future = client.submit(computed, groups, tuple(quantities), 1, pure=False, retries=RETRIES)
-                numbers[future.key] = index
-                waiting.add(future)
+                future = client.submit(evaluate_groups, groups, tuple(quantities), 1, pure=False, retries=RETRIES)
+                indices[future.key] = index
+                running.add(future)
                 return
 
         for _ in range(ahead):
-            submit()
-        for future in waiting:
+            submit_next()
+        for future in running:
             result = future.result()
             future.release()
-            yield numbers.pop(future.key), result
-            submit()
+            yield indices.pop(future.key), result
+            submit_next()
 
     return compute

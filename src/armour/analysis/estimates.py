@@ -1,0 +1,41 @@
+"""Numbers estimated from samples, with confidence intervals."""
+
+from dataclasses import dataclass
+from math import ceil
+
+from scipy.stats import binomtest
+
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number estimated from samples, with its confidence interval.
+
+    Attributes
+    ----------
+    value, low, high : float
+    """
+
+    value: float
+    low: float
+    high: float
+
+    def samples_for(self, last_digit: float, samples: int) -> int:
+        """Estimate the number of samples that would settle a digit.
+
+        Parameters
+        ----------
+        last_digit : float
+            Value of one unit of the digit.
+        samples : int
+            Number of samples behind this estimate.
+        """
+        half = 0.5 * (self.high - self.low)
+        return max(samples, ceil(samples * (half / (0.5 * last_digit)) ** 2)) if half > 0.5 * last_digit else samples
+
+
+def proportion(hits: int, samples: int) -> Estimate:
+    """Estimate a proportion, with the Clopper-Pearson confidence interval."""
+    interval = binomtest(hits, samples).proportion_ci(CONFIDENCE, method="exact")
+    return Estimate(hits / samples, float(interval.low), float(interval.high))

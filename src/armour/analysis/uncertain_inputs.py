@@ -1,0 +1,58 @@
+"""The uncertain inputs of a scenario, checked before they are sampled."""
+
+from collections.abc import Mapping
+
+from armour.analysis.variants import Floats
+from armour.errors import InputError, Problem
+from armour.scenario.distributions import Uncertainty
+from armour.scenario.loading import Scenario
+from armour.scenario.parameters import check_names, check_ranges, inputs_of
+
+
+def section_of(scenario: Scenario) -> Uncertainty:
+    """Return the distributions of a scenario.
+
+    Raises
+    ------
+    InputError
+        If there are none, or one is of an input that the scenario does not have.
+    """
+    section = scenario.uncertainty
+    if section is None or not section.inputs():
+        message = "is missing and must be given: the distributions of inputs, as in docs/howto/uncertainty.md"
+        raise InputError([Problem(scenario.file, "uncertainty", message)])
+    check_names(section.inputs(), scenario, scenario.file, "uncertainty")
+    own = inputs_of(scenario)
+    problems = [
+        Problem(scenario.file, f"uncertainty.{name}", lacking)
+        for name, distribution in section.inputs().items()
+        if (lacking := distribution.mean_problem(own[name]))
+    ]
+    if problems:
+        raise InputError(problems)
+    return section
+
+
+def check_samples(scenario: Scenario, columns: Mapping[str, Floats]) -> None:
+    """Check that the scenario allows every sampled value.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    columns : mapping of str to array, (samples,)
+        Sampled values by name of input.
+
+    Raises
+    ------
+    InputError
+        With every distribution that reaches values that are not allowed.
+    """
+    problems = []
+    for name, values in columns.items():
+        try:
+            check_ranges(scenario, {name: values})
+        except InputError as error:
+            message = f"must not reach values that are not allowed: {error.problems[0].message}; give it a min or max"
+            problems.append(Problem(scenario.file, f"uncertainty.{name}", message))
+    if problems:
+        raise InputError(problems)

@@ -1,0 +1,123 @@
+"""Rows of a sweep: grids of values and tables of cases."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import prod
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from armour.analysis.variants import Floats
+from armour.errors import InputError, Problem
+from armour.files import reason
+from armour.scenario.schema import MAX_VALUES, Range
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A key and its values."""
+
+    key: str
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Every combination of the values of several axes; the last axis changes fastest."""
+
+    axes: tuple[Axis, ...]
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys of the axes."""
+        return tuple(axis.key for axis in self.axes)
+
+    @property
+    def count(self) -> int:
+        """Number of combinations."""
+        return prod(len(axis.values) for axis in self.axes)
+
+    def chunks(self, size: int) -> Iterator[dict[str, Floats]]:
+        """Yield the combinations as columns by key, ``size`` rows at a time."""
+        shape = [len(axis.values) for axis in self.axes]
+        values = [np.array(axis.values) for axis in self.axes]
+        for start in range(0, self.count, size):
+            indices = np.unravel_index(np.arange(start, min(start + size, self.count)), shape)
+            yield {axis.key: v[i] for axis, v, i in zip(self.axes, values, indices, strict=True)}
+
+
+class Cases:
+    """Rows of a CSV file whose header names keys of the scenario.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is not a table of numbers.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.count = 0
+        for batch in self._batches():
+            self.keys = tuple(batch.schema.names)
+            self.count += batch.num_rows
+        if not self.count:
+            raise InputError([Problem(str(path), "", "must have a header of keys and at least one row of numbers")])
+
+    def chunks(self, size: int) -> Iterator[dict[str, Floats]]:
+        """Yield the rows as columns by key, ``size`` rows at a time."""
+        kept: dict[str, Floats] = {}
+        for batch in self._batches():
+            columns = {name: batch.column(name).to_numpy(zero_copy_only=False) for name in self.keys}
+            kept = {key: np.concatenate([kept[key], column]) if kept else column for key, column in columns.items()}
+            while len(kept[self.keys[0]]) >= size:
+                yield {key: column[:size] for key, column in kept.items()}
+                kept = {key: column[size:] for key, column in kept.items()}
+        if len(kept[self.keys[0]]):
+            yield kept
+
+    def _batches(self) -> Iterator[Any]:
+        """Yield record batches of the file with numeric columns."""
+        import pyarrow as pa
+        from pyarrow import csv
+
+        try:
+            with csv.open_csv(self.path) as first:
+                types = {name: pa.float64() for name in first.schema.names}
+            options = csv.ConvertOptions(column_types=types, strings_can_be_null=False)
+            with csv.open_csv(self.path, convert_options=options) as reader:
+                for batch in reader:
+                    for name in batch.schema.names:
+                        if batch.column(name).null_count:
+                            raise pa.ArrowInvalid(f"column {name} has empty values")
+                    yield batch
+        except pa.ArrowInvalid as error:
+            message = f"must be a table of numbers below a header of keys: {error}"
+            raise InputError([Problem(str(self.path), "", message)]) from None
+        except OSError as error:
+            raise InputError([Problem(str(self.path), "", f"cannot be read: {reason(error)}")]) from None
+
+
+def axis_of(text: str) -> Axis:
+    """Parse an axis from ``KEY=MIN:MAX:STEP`` or ``KEY=VALUE,VALUE,...``.
+
+    Raises
+    ------
+    InputError
+        If the text has neither form.
+    """
+    key, _, values = text.rpartition("=")
+    key = key.strip()
+    try:
+        if ":" in values:
+            low, high, step = (float(part) for part in values.split(":"))
+            found = Range.model_validate({"min": low, "max": high, "step": step}).values()
+        else:
+            found = tuple(float(part) for part in values.split(","))
+        if key and len(found) <= MAX_VALUES:
+            return Axis(key, found)
+    except ValueError:
+        pass
+    message = f'must be KEY=MIN:MAX:STEP or KEY=VALUE,VALUE,... of at most {MAX_VALUES} numbers, found "{text}"'
+    raise InputError([Problem("sweep", "--over", message)])

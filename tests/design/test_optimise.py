@@ -1,0 +1,189 @@
+"""Design optimisation: the grid of a scenario, and what holds for any result."""
+
+from typing import Any
+
+import pytest
+
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.impact import simulate
+from armour.design.optimise import optimise
+from armour.errors import InputError, NoDesignError
+from armour.scenario.loading import Scenario, load_scenario
+from tests.cases import SCENARIOS, library, scenario
+
+GRID = {
+    "ceramic_thickness_mm": {"min": 8.0, "max": 14.0, "step": 0.5},
+    "backing_thickness_mm": {"min": 4.0, "max": 9.0, "step": 1.0},
+}
+# Up to 5.7 mm of ceramic on 2.3 mm defeats the projectile at 532.67 m/s, though lower velocities perforate.
+LOWER_LIMIT = library(
+    (6.5, 18.23505911750531, 11000.0, 1.3743377021448488),
+    (4005.9656263700754, 398.6927467929853, 6.3598050199703575),
+    (2750.0, 3.7794144984922697, 792.4002047497445),
+)
+# On 4 mm of metal some thicker ceramics are perforated at 800 m/s where a thinner one is not.
+NOT_MONOTONIC = library((9.082, 3.913, 7211.0, 0.1437), (10940.0, 7.195, 2.008), (9823.0, 5.481, 20.53))
+
+
+def case(**grid: dict[str, float]) -> Scenario:
+    return scenario(backing="5083-H3", velocity=850.0, optimise={**GRID, **grid})
+
+
+def lower_limit(ceramic: tuple[float, float, float] = (1.0, 19.0, 0.1), **sections: Any) -> Scenario:
+    grid = {
+        "ceramic_thickness_mm": dict(zip(("min", "max", "step"), ceramic, strict=True)),
+        "backing_thickness_mm": {"min": 1.9, "max": 2.3, "step": 0.1},
+    }
+    return scenario("x", "c", "b", velocity=532.67, library=LOWER_LIMIT, optimise=grid, **sections)
+
+
+def of_design(of: Scenario, design: Any) -> Scenario:
+    names = ("ceramic_thickness_mm", "backing_thickness_mm")
+    return of.replaced({f"armour.{name}": getattr(design, name) for name in names})
+
+
+def defeats(of: Scenario, ceramic: float, backing: float) -> bool:
+    thicknesses = {"armour.ceramic_thickness_mm": ceramic, "armour.backing_thickness_mm": backing}
+    return simulate(of.replaced(thicknesses)).outcome == "defeated"
+
+
+def test_every_design_of_the_frontier_is_the_thinnest():
+    result = optimise(case())
+    for design in result.frontier:
+        ceramic, backing = design.ceramic_thickness_mm, design.backing_thickness_mm
+        assert defeats(case(), ceramic, backing)
+        assert not defeats(case(), ceramic - 0.5, backing)
+        assert design.areal_density_kg_m2 == pytest.approx(3.43 * ceramic + 2.75 * backing)
+        assert design.thickness_mm == ceramic + backing
+        assert (design.ceramic, design.backing) == ("AD85", "5083-H3")
+        assert design.margin_m_s == ballistic_limit(of_design(case(), design)).ballistic_limit_m_s - 850.0
+    assert result.designs == result.examined == 6 * 13
+    assert result.runs >= 6 * 13
+
+
+def test_the_best_is_the_lightest_and_has_its_limit():
+    result = optimise(case())
+    best = result.best
+    assert best.areal_density_kg_m2 == min(d.areal_density_kg_m2 for d in result.frontier)
+    assert best.ballistic_limit_m_s == ballistic_limit(of_design(case(), best)).ballistic_limit_m_s
+    assert best.margins_m_s == {"7.62 mm AP at 850 m/s": best.margin_m_s}
+    assert [pair.best for pair in result.pairs] == [best]
+
+
+@pytest.mark.parametrize("search", [{"velocity_max_m_s": 500.0}, {"velocity_min_m_s": 1500.0}])
+def test_a_limit_outside_its_range_is_none_and_the_margin_is_told(search: dict[str, float]):
+    wide, narrow = (optimise(of).best for of in (case(), case().replaced({"ballistic_limit": search})))
+    assert narrow.ballistic_limit_m_s is None
+    assert narrow.margin_m_s == pytest.approx(wide.margin_m_s, abs=0.02)
+
+
+def test_a_back_plate_for_which_no_ceramic_is_enough_is_left_out():
+    result = optimise(case(ceramic_thickness_mm={"min": 8.0, "max": 11.0, "step": 0.5}))
+    assert [d.backing_thickness_mm for d in result.frontier] == [6.0, 7.0, 8.0, 9.0]
+
+
+def test_no_design_is_no_answer():
+    threat = case(ceramic_thickness_mm={"min": 1.0, "max": 2.0, "step": 0.5})
+    with pytest.raises(NoDesignError, match="up to 2 mm of ceramic on 9 mm of back plate"):
+        optimise(threat)
+
+
+def test_a_scenario_without_a_grid():
+    with pytest.raises(InputError, match="optimise: is missing"):
+        optimise(scenario())
+
+
+def test_a_grid_of_ceramic_without_a_ceramic():
+    with pytest.raises(InputError, match=r"armour\.ceramic: must name a ceramic"):
+        optimise(scenario(ceramic=None, ceramic_mm=0.0, optimise=GRID))
+
+
+def test_the_lightest_bare_plate():
+    grid = {
+        "ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0},
+        "backing_thickness_mm": {"min": 5.0, "max": 60.0, "step": 5.0},
+    }
+    bare = scenario(ceramic=None, ceramic_mm=0.0, velocity=400.0, optimise=grid)
+    result = optimise(bare, refine=True)
+    assert result.best.ceramic_thickness_mm == 0.0
+    assert result.best.ceramic == ""
+    assert result.refined is not None
+    assert result.best.backing_thickness_mm - 5.0 < result.refined.backing_thickness_mm
+    assert result.refined.areal_density_kg_m2 < result.best.areal_density_kg_m2
+    assert not defeats(bare, 0.0, result.refined.backing_thickness_mm - 2e-6)
+
+
+def test_the_refined_design_is_lighter_than_any_of_a_finer_grid():
+    refined = optimise(case(), refine=True).refined
+    assert refined is not None
+    assert defeats(case(), refined.ceramic_thickness_mm, refined.backing_thickness_mm)
+    fine = case(
+        ceramic_thickness_mm={"min": 10.0, "max": 12.0, "step": 0.02},
+        backing_thickness_mm={"min": 5.0, "max": 7.5, "step": 0.1},
+    )
+    best = optimise(fine).best
+    assert refined.areal_density_kg_m2 <= best.areal_density_kg_m2
+    assert refined.areal_density_kg_m2 > best.areal_density_kg_m2 - 0.02 * 3.43
+
+
+def test_only_a_refined_design_is_among_the_data():
+    assert "refined" not in optimise(case()).to_dict()
+    assert optimise(case(), refine=True).to_dict()["refined"]["governing"] == "7.62 mm AP at 850 m/s"
+
+
+def test_the_refined_optimum_of_the_paper():
+    refined = optimise(load_scenario(SCENARIOS / "paper" / "optimum_7.62mm_AP.toml"), refine=True).refined
+    assert refined is not None
+    assert refined.ceramic_thickness_mm == pytest.approx(10.83333, abs=1e-4)
+    assert refined.backing_thickness_mm == pytest.approx(6.20342, abs=1e-4)
+
+
+@pytest.mark.parametrize("refine", [False, True])
+def test_a_design_with_a_ballistic_limit_below_the_threat_does_not_count(refine: bool):
+    result = optimise(lower_limit(), refine=refine)
+    assert defeats(lower_limit(), 3.3, 2.3)
+    assert (result.best.ceramic_thickness_mm, result.best.backing_thickness_mm) == (5.8, 2.3)
+    for design in filter(None, (result.best, result.refined)):
+        limit = ballistic_limit(of_design(lower_limit(), design)).ballistic_limit_m_s
+        assert design.ballistic_limit_m_s == limit
+        assert limit >= 532.67
+    assert all(design.margin_m_s is not None and design.margin_m_s >= 0.0 for design in result.frontier)
+
+
+def test_a_pareto_front_has_no_design_with_a_ballistic_limit_below_the_threat():
+    front = optimise(lower_limit(design={"pareto": ["areal_density_kg_m2", "margin_m_s"]})).pareto
+    assert front[0].ceramic_thickness_mm == 5.8
+    margins = [design.margin_m_s or 0.0 for design in front]
+    masses = [design.areal_density_kg_m2 for design in front]
+    assert margins[0] > 0.0
+    assert margins == sorted(margins)
+    assert masses == sorted(masses)
+
+
+def test_no_design_without_a_lower_ballistic_limit():
+    message = "no design: nothing on offer defeats x at 532.67 m/s at every lower velocity too"
+    with pytest.raises(NoDesignError, match=message):
+        optimise(lower_limit((3.3, 3.3, 0.1)))
+
+
+def test_back_plates_at_which_a_thicker_ceramic_does_not_pass():
+    grid = {
+        "ceramic_thickness_mm": {"min": 1.0, "max": 20.0, "step": 0.5},
+        "backing_thickness_mm": {"min": 1.0, "max": 12.0, "step": 1.0},
+    }
+    of = scenario("x", "c", "b", velocity=800.0, library=NOT_MONOTONIC, optimise=grid)
+    result = optimise(of)
+    assert result.not_monotonic_mm == (4.0,)
+    [thinnest] = [d.ceramic_thickness_mm for d in result.frontier if d.backing_thickness_mm == 4.0]
+    thicker = [0.5 * i for i in range(2, 41) if 0.5 * i > thinnest]
+    assert not all(defeats(of, ceramic, 4.0) for ceramic in thicker)
+    assert optimise(case()).not_monotonic_mm == ()
+
+
+@pytest.mark.parametrize(
+    "sections", [{}, {"design": {}}, {"threat": [{"projectile": "7.62 mm AP", "velocity_m_s": 9.0}]}]
+)
+def test_the_key_at_fault_of_runs_that_do_not_end(sections: dict[str, Any]):
+    of = case().replaced({"solver.arrest_velocity_m_s": 1e-9, **sections})
+    with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run .* end"):
+        optimise(of)

@@ -1,0 +1,85 @@
+"""Bounds on the probability of perforation."""
+
+from typing import Any
+
+import pytest
+
+from armour.design.catalogue import Catalogue
+from armour.design.optimise import optimise
+from armour.design.reliability import Reliability, probability_within
+from armour.errors import InputError, NoDesignError
+from tests.cases import catalogue
+from tests.plain_designs import defeats, designs
+
+UNCERTAIN = {
+    "samples": 1024,
+    "ceramic": {"flow_stress_GPa": {"distribution": "normal", "standard_deviation_percent": 4.0}},
+    "armour": {"backing_thickness_mm": {"distribution": "normal", "standard_deviation": 0.05}},
+}
+
+
+def test_a_bound_on_the_probability_of_perforation():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "probability_of_perforation": 0.02}
+    case = catalogue([threat], UNCERTAIN)
+    best = optimise(case).best
+    [estimate] = best.probabilities.values()
+    assert estimate.high <= 0.02
+    plain = optimise(catalogue([{k: threat[k] for k in ("projectile", "velocity_m_s")}])).best
+    assert best.areal_density_kg_m2 > plain.areal_density_kg_m2
+    # Every lighter design that defeats the threat as it stands is perforated too often.
+    whole = Reliability(Catalogue(case))
+    lighter = 0
+    for (ceramic, backing, hc, hb), values in designs(case, defeats):
+        if values["areal_density_kg_m2"] < best.areal_density_kg_m2 - 1e-9:
+            [pair] = [
+                i
+                for i, offer in enumerate(Catalogue(case).offers)
+                if (offer.ceramic.material, offer.backing.material) == (ceramic, backing)
+            ]
+            found = probability_within(whole.posed[pair][0], whole.points, hc, hb, 1.0)
+            assert found is not None
+            assert found.high > 0.02
+            lighter += 1
+    assert lighter > 0
+
+
+def test_the_probability_is_at_the_threats_own_velocity():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "probability_of_perforation": 0.02}
+    plain, with_margin = (
+        optimise(catalogue([{**threat, "margin_m_s": margin}], UNCERTAIN)).best for margin in (0.0, 20.0)
+    )
+    assert plain.margins_m_s["7.62 mm AP at 800 m/s"] > 20.0
+    assert plain == with_margin
+
+
+@pytest.mark.parametrize(
+    "uncertain",
+    [
+        {"impact": {"velocity_m_s": {"distribution": "uniform", "min": 100.0, "max": 110.0}}},
+        {"armour": {"ceramic_thickness_mm": {"distribution": "normal", "mean": 12.0, "standard_deviation": 0.1}}},
+        {"ceramic": {"flow_stress_GPa": {"distribution": "normal", "mean": 9.0, "standard_deviation": 0.1}}},
+    ],
+)
+def test_distributions_must_follow_the_designs(uncertain: Any):
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "probability_of_perforation": 0.05}
+    with pytest.raises(InputError, match="must be about the value of each design or threat"):
+        optimise(catalogue([threat], uncertain))
+
+
+def test_samples_that_are_not_allowed():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 500.0, "probability_of_perforation": 0.4}
+    wide = {"armour": {"ceramic_thickness_mm": {"distribution": "normal", "standard_deviation": 10.0}}}
+    with pytest.raises(InputError, match="must not reach values that are not allowed"):
+        optimise(catalogue([threat], wide))
+
+
+def test_a_design_that_is_refined_is_not_sampled():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "probability_of_perforation": 0.05}
+    with pytest.raises(InputError, match="must be left out where the design is refined"):
+        optimise(catalogue([threat], UNCERTAIN), refine=True)
+
+
+def test_no_design_within_the_bound():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 990.0, "probability_of_perforation": 0.02}
+    with pytest.raises(NoDesignError, match="keeps the probability of perforation within the bound"):
+        optimise(catalogue([threat], UNCERTAIN))

@@ -1,0 +1,95 @@
+"""Search of many designs against several threats."""
+
+import numpy as np
+import pytest
+
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.core.state import Outcome
+from armour.design.optimise import optimise
+from armour.engine import batch
+from armour.scenario.loading import load_scenario
+from tests.cases import SCENARIOS, THREATS, catalogue, scenario
+
+
+def test_margins_and_the_threat_that_governs():
+    best = optimise(catalogue()).best
+    assert best.margins_m_s["M2"] >= 25.0
+    left = {"7.62 mm AP at 800 m/s": best.margins_m_s["7.62 mm AP at 800 m/s"], "M2": best.margins_m_s["M2"] - 25.0}
+    assert best.governing == min(left, key=lambda title: left[title])
+
+
+def test_who_governs_along_the_frontier():
+    """Each by its own limits: the least of what is left of the margins."""
+    result = optimise(catalogue())
+    for design, governing in zip(result.frontier, result.frontier_governed_by, strict=True):
+        left = {}
+        for threat in catalogue().threat:
+            own = catalogue().replaced(
+                {
+                    "armour.ceramic": result.best.ceramic,
+                    "armour.backing": result.best.backing,
+                    "armour.ceramic_thickness_mm": design.ceramic_thickness_mm,
+                    "armour.backing_thickness_mm": design.backing_thickness_mm,
+                    "impact.projectile": threat.projectile,
+                }
+            )
+            limit = ballistic_limit(own).ballistic_limit_m_s
+            left[threat.title] = limit - threat.velocity_m_s - threat.margin_m_s
+        assert governing == min(left, key=lambda title: left[title])
+        assert min(left.values()) >= -0.01
+
+
+def test_margins_do_not_depend_on_the_range_of_the_search():
+    wide = optimise(catalogue())
+    for search in ({"velocity_max_m_s": 500.0}, {"velocity_min_m_s": 1500.0}):
+        narrow = optimise(catalogue().replaced({"ballistic_limit": search}))
+        assert narrow.best.margins_m_s == pytest.approx(wide.best.margins_m_s, abs=0.02)
+        assert narrow.best.governing == wide.best.governing
+
+
+def test_without_a_catalogue_it_is_the_grid():
+    """One threat that is the impact, or an empty catalogue, changes nothing."""
+    optimum = load_scenario(SCENARIOS / "paper" / "optimum_7.62mm_AP.toml")
+    expected = optimise(optimum)
+    assert optimise(optimum.replaced({"threat": [{"projectile": "7.62 mm AP", "velocity_m_s": 850.0}]})) == expected
+    assert optimise(optimum.replaced({"design": {}})) == expected
+    assert (expected.best.ceramic_thickness_mm, expected.best.backing_thickness_mm) == (11.0, 6.0)
+
+
+def test_a_big_catalogue_is_exact():
+    """6 ceramics, 6 metals, 40 by 40 thicknesses and 3 threats against all 57,600 at once."""
+    thick = {"min": 2.0, "max": 21.5, "step": 0.5}
+    library = {
+        "ceramic": {
+            f"C{i}": {"based_on": "AD85", "density_kg_m3": 3300.0 + 97.0 * i, "flow_stress_GPa": 4.5 + 0.3 * i}
+            for i in range(6)
+        },
+        "metal": {
+            f"M{i}": {"based_on": "6061-T6", "density_kg_m3": 2650.0 + 61.0 * i, "flow_stress_GPa": 0.8 + 0.1 * i}
+            for i in range(6)
+        },
+    }
+    threats = [*THREATS, {"projectile": "7.62 mm AP", "velocity_m_s": 700.0, "margin_m_s": 130.0, "name": "slow"}]
+    case = scenario(
+        threat=threats,
+        library=library,
+        design={
+            "ceramic": [{"material": name, "thickness_mm": thick} for name in library["ceramic"]],
+            "backing": [{"material": name, "thickness_mm": thick} for name in library["metal"]],
+        },
+    )
+    result = optimise(case)
+    assert result.designs == 57_600
+    hc, hb = (values.ravel() for values in np.meshgrid(*[2.0 + 0.5 * np.arange(40)] * 2))
+    least = np.inf
+    for ceramic in library["ceramic"]:
+        for metal in library["metal"]:
+            good = np.ones(1600, dtype=bool)
+            for threat in case.threat:
+                changes = {"armour.ceramic": ceramic, "armour.backing": metal, "impact.projectile": threat.projectile}
+                a = case.replaced(changes).core_armour()
+                rows = batch.packed([a._replace(Hc0=c / 1000.0, Hb=b / 1000.0) for c, b in zip(hc, hb, strict=True)])
+                velocity = threat.velocity_m_s + threat.margin_m_s
+                good &= batch.impacts(rows, np.full(1600, velocity)).outcome == Outcome.DEFEATED
+            least = min(least, float(np.where(good, a.rho_c * hc + a.rho_B * hb, np.inf).min()) / 1000.0)
+    assert result.best.areal_density_kg_m2 == pytest.approx(least, rel=1e-12)

@@ -1,0 +1,68 @@
+"""A plain loop over every design of a catalogue, which the tests of the design search compare it with."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from armour.analysis.ballistic_limit import SCAN_POINTS, bisect, scan
+from armour.analysis.impact import perforates
+from armour.scenario.loading import Scenario
+from armour.scenario.parameters import with_inputs
+
+CRITERIA = ["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
+
+
+def posed(case: Scenario, ceramic: Any, backing: Any, hc: float, hb: float, projectile: str) -> Scenario:
+    """A design of a catalogue against a projectile."""
+    own = case.replaced(
+        {
+            "armour.ceramic": ceramic.material,
+            "armour.backing": backing.material,
+            "armour.ceramic_thickness_mm": hc,
+            "armour.backing_thickness_mm": hb,
+            "impact.projectile": projectile,
+        }
+    )
+    densities = {"ceramic.density_kg_m3": ceramic.density_kg_m3, "backing.density_kg_m3": backing.density_kg_m3}
+    return with_inputs(own, {name: value for name, value in densities.items() if value is not None})
+
+
+def defeats(own: Scenario, required: float) -> bool:
+    """Whether an armour defeats an impact, by a plain run."""
+    return not perforates(own, own.core_armour(), required)
+
+
+def passes(own: Scenario, required: float) -> bool:
+    """Whether an armour has no ballistic limit below a velocity, by plain runs at all velocities of the scan."""
+    section, armour = own.ballistic_limit, own.core_armour()
+    velocities = scan(section.velocity_min_m_s, section.velocity_max_m_s, SCAN_POINTS)
+    below = [velocity for velocity in velocities if velocity < required]
+    if not all(defeats(own, velocity) for velocity in [required, *below]):
+        return False
+    above = velocities[len(below)]
+    if defeats(own, above):
+        return True
+    limit = bisect(lambda v: perforates(own, armour, v), below[-1], above, section.tolerance_m_s)[1]
+    return limit >= required
+
+
+def designs(
+    case: Scenario, condition: Callable[[Scenario, float], bool]
+) -> Iterator[tuple[tuple[str, str, float, float], dict[str, float]]]:
+    """Names and thicknesses of the designs of a catalogue for which a condition holds, with their criteria."""
+    assert case.design is not None
+    for ceramic in case.design.ceramic:
+        for backing in case.design.backing:
+            for hc in ceramic.thicknesses():
+                for hb in backing.thicknesses():
+                    against = [
+                        (posed(case, ceramic, backing, hc, hb, threat.projectile), threat.required_m_s)
+                        for threat in case.threat
+                    ]
+                    if not all(condition(*each) for each in against):
+                        continue
+                    armour = against[0][0].core_armour()
+                    masses = armour.rho_c * hc / 1000.0, armour.rho_B * hb / 1000.0
+                    cost = ceramic.cost_per_kg * masses[0] + backing.cost_per_kg * masses[1]
+                    cost += ceramic.cost_per_m2 * (hc > 0.0) + backing.cost_per_m2
+                    values = dict(zip(CRITERIA, (sum(masses), hc + hb, cost), strict=True))
+                    yield (ceramic.material, backing.material, hc, hb), values

@@ -1,0 +1,69 @@
+from pathlib import Path
+
+import pytest
+
+from armour.errors import InputError
+from armour.statistics.csv_table import read_rows
+
+
+def read(tmp_path: Path, text: str):
+    path = tmp_path / "t.csv"
+    path.write_text(text)
+    return read_rows(path, numbers=("velocity_m_s",), texts=("result", "shot"), needed=("velocity_m_s", "result"))
+
+
+def messages(tmp_path: Path, text: str) -> list[str]:
+    with pytest.raises(InputError) as error:
+        read(tmp_path, text)
+    return [str(problem).removeprefix(f"{tmp_path}/") for problem in error.value.problems]
+
+
+def test_rows_with_their_lines(tmp_path: Path):
+    rows = read(tmp_path, "velocity_m_s, result\n\n 700.5 , partial\n,complete\n")
+    assert [(row.line, dict(row.cells)) for row in rows] == [
+        (3, {"velocity_m_s": 700.5, "result": "partial"}),
+        (4, {"velocity_m_s": None, "result": "complete"}),
+    ]
+    assert rows[0]["shot"] is None
+    assert rows[1].place == "line 4"
+
+
+def test_every_mistake_at_once(tmp_path: Path):
+    assert messages(tmp_path, "velocity_m_s,result\nfast,partial\n700\nnan,partial\n710,partial\n710,partial\n") == [
+        't.csv: line 2: velocity_m_s: must be a number, found "fast"',
+        "t.csv: line 3: must have 2 cells as the header has, found 1",
+        't.csv: line 4: velocity_m_s: must be a number, found "nan"',
+        "t.csv: line 6: repeats line 5; name tests in a column of their own where both took place",
+    ]
+
+
+def test_a_row_twice_with_names_is_two(tmp_path: Path):
+    assert len(read(tmp_path, "shot,velocity_m_s,result\na,710,partial\nb,710,partial\n")) == 2
+
+
+@pytest.mark.parametrize(
+    ("header", "found"),
+    [
+        (
+            "velocity,result",
+            ["velocity: unknown column; its unit is missing: velocity_m_s", "velocity_m_s: is missing"],
+        ),
+        ("velocity_m_s,resul", ["resul: unknown column; did you mean 'result'?", "result: is missing"]),
+        ("velocity_m_s,result,result", ["result: must be the name of one column, found several"]),
+        ("velocity_m_s,result,", ["header: unknown column; there are velocity_m_s, result, shot"]),
+    ],
+)
+def test_wrong_columns(tmp_path: Path, header: str, found: list[str]):
+    told = messages(tmp_path, f"{header}\n")
+    assert [line.startswith(f"t.csv: {start}") for line, start in zip(told, found, strict=True)] == [True] * len(found)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "t.csv: must have a header with velocity_m_s and result, found an empty file"),
+        ("velocity_m_s,result\n", "t.csv: must have at least one row below its header"),
+    ],
+)
+def test_nothing_in_it(tmp_path: Path, text: str, message: str):
+    assert messages(tmp_path, text) == [message]

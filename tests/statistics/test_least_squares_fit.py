@@ -1,0 +1,50 @@
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from armour.errors import InputError
+from armour.statistics.calibration import calibrate
+from armour.statistics.test_data import read_tests
+from tests.cases import csv_file, shipped_scenario
+
+C, V, TAU = "armour.ceramic_thickness_mm", "impact.velocity_m_s", "backing.shear_strength_MPa"
+
+
+@pytest.mark.parametrize(
+    ("header", "rows", "kwargs", "message"),
+    [
+        (
+            f"{C},ballistic_limit_m_s",
+            ["6,700"],
+            {},
+            "must have at least 2 measurements without uncertainties for 1 coefficients",
+        ),
+        (
+            f"{C},ballistic_limit_m_s",
+            ["6,700", "7,720"],
+            {"fit": [C]},
+            "must not be a column where it is fitted",
+        ),
+        (f"{C},ballistic_limit_m_s", ["6,700", "7,720"], {"fit": [V]}, "must be of a material or projectile"),
+        (f"{C},ballistic_limit_m_s", ["6,700", "7,720"], {"fit": ["hardness"]}, 'found "hardness"; there are'),
+        (
+            f"{C},ballistic_limit_m_s",
+            ["6,700", "7,720"],
+            {"fit": [TAU], "law": "linear"},
+            "is of ceramic.flow_stress_GPa",
+        ),
+        (
+            f"armour.ceramic,{C},ballistic_limit_m_s",
+            ["AD85,6,700", "AD99.5,7,720"],
+            {},
+            "armour.ceramic: must be the same in all tests where the ceramic is fitted, found AD85, AD99.5",
+        ),
+    ],
+)
+def test_fits_that_are_not_possible(tmp_path: Path, header: str, rows: list[str], kwargs: dict[str, Any], message: str):
+    wilkins = shipped_scenario("wilkins")
+    tests = read_tests(csv_file(tmp_path / "t.csv", header, *rows), wilkins)
+    with pytest.raises(InputError) as error:
+        calibrate(tests, wilkins, **kwargs)
+    assert message in str(error.value)
