@@ -1,5 +1,6 @@
 import pytest
 
+from armour.analysis.estimates import Estimate
 from armour.reporting.table import Table
 from armour.reporting.tables.statistics import (
     calibration_table,
@@ -17,9 +18,10 @@ from armour.reporting.tables.statistics import (
     v50_table,
     v50_tables,
 )
-from armour.statistics.calibration import CalibrationResult, Coefficient, Residual
+from armour.statistics.calibration import CalibrationResult, Residual
+from armour.statistics.least_squares_fit import Coefficient
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
-from armour.statistics.uncertainty import Estimate, Index, ProbabilityCurve, UncertaintyResult
+from armour.statistics.uncertainty import Index, ProbabilityCurve, UncertaintyResult
 from armour.statistics.v50 import Shots, v50
 from tests.cases import quantities
 

@@ -29,6 +29,8 @@ QUANTITIES = (
     "areal_density_kg_m2",
     "ballistic_limit_m_s",
     "required_ceramic_thickness_mm",
+    "required_backing_thickness_mm",
+    "required_total_thickness_mm",
     "required_areal_density_kg_m2",
 )
 
