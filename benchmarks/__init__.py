@@ -1,1 +1,1 @@
-"""How fast, next to what one would use instead; `make bench` writes docs/performance.md."""
+"""Speed of the program and of alternatives to it; `make bench` writes docs/performance.md."""

@@ -1,4 +1,4 @@
-"""docs/performance.md from what pytest-benchmark has measured: ``python -m benchmarks.report RESULTS.json PAGE.md``."""
+"""Write docs/performance.md: ``python -m benchmarks.report RESULTS.json PAGE.md`` with results of pytest-benchmark."""
 
 import json
 import os
@@ -8,7 +8,7 @@ from typing import Any
 
 
 def page(results: dict[str, Any]) -> str:
-    """The page, as Markdown."""
+    """Return the page as Markdown."""
     rows = [{**b["extra_info"], "seconds": b["stats"]["min"]} for b in results["benchmarks"]]
     of = {
         what: [row for row in rows if row["what"] == what]
@@ -19,46 +19,46 @@ def page(results: dict[str, Any]) -> str:
     cores = os.cpu_count()
     return f"""# Performance
 
-Written by `make bench` on a machine with {cores} cores, from one run; the rivals compute the same random designs of
-both rounds in the same run, with settings that make errors in the ballistic limit of the same size. An error is the
-largest of these against the plain path with steps 20 times shorter.
+Written by `make bench` from one run on a machine with {cores} cores. All methods compute the same random designs for
+both projectiles of the paper, with settings for which their errors are of the same size. The error is the largest
+difference of a ballistic limit from that of plain Python with time steps 20 times shorter.
 
 ## An impact, 5 % above the ballistic limit
 
 {_compared(of["impact"], engine["impact"])}
 
-Without so short a longest step scipy misses plates that move for less than a step, at any tolerance, and its limits are
-off by up to 10 m/s.
+`solve_ivp` needs a short longest step. Without it, at any tolerance, it misses plates that move for less than a step,
+and its limits are off by up to 10 m/s.
 
 ## A ballistic limit
 
 {_compared(of["limit"], engine["limit"])}
 
-{limits["engine, all cores"]:,.0f} limits a second on all cores, {limits["engine, one core"]:,.0f} on one:
-{limits["engine, all cores"] / limits["engine, one core"]:.2f} times as many.
+The engine finds {limits["engine, all cores"]:,.0f} limits per second on all cores and
+{limits["engine, one core"]:,.0f} on one, a ratio of {limits["engine, all cores"] / limits["engine, one core"]:.2f}.
 
-## Growth
+## Time by number of impacts
 
-| impacts | seconds | us an impact |
+| impacts | seconds | µs per impact |
 |---:|---:|---:|
 {_lines(f"| {row['each']:,} | {row['seconds']:.4f} | {_each(row):.2f} |" for row in of["growth"])}
 
-## Memory of a sweep, written to CSV
+## Time and memory of a sweep to CSV
 
 | rows | seconds | peak MiB |
 |---:|---:|---:|
 {_lines(f"| {row['each']:,} | {row['seconds']:.1f} | {row['peak_MiB']:.0f} |" for row in of["memory"])}
 
-## Processes, start to end
+## Time of a whole process
 
-| | seconds |
+| process | seconds |
 |---|---:|
 {_lines(f"| {row['name']} | {row['seconds']:.2f} |" for row in of["process"])}
 """
 
 
 def _compared(rows: list[dict[str, Any]], engine: dict[str, Any]) -> str:
-    head = "| by | us each | times the engine's | error m/s |\n|---|---:|---:|---:|\n"
+    head = "| method | µs each | relative to the engine | error, m/s |\n|---|---:|---:|---:|\n"
     return head + _lines(
         f"| {row['name']} | {_each(row):,.1f} | {_each(row) / _each(engine):,.2f} | {row['error_m_s']:.1g} |"
         for row in sorted(rows, key=_each)

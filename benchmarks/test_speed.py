@@ -1,9 +1,9 @@
-"""Each way to compute impacts and ballistic limits on the same random designs, with the error that it makes.
+"""Speed and error of several ways to compute impacts and ballistic limits of the same random designs.
 
-The truth is the plain path with steps 20 times shorter.  The tolerance and longest step of the rivals are the loosest
-tried with which their ballistic limits are within 1e-3 m/s of it, as the engine's are: without a longest step scipy's
-event location misses plates that move for less than a step, and the limit is off by metres per second at any
-tolerance.
+Errors are differences from plain Python with time steps 20 times shorter.  The tolerance and the longest step of
+scipy's solvers are the loosest of those tried by which ballistic limits are within 1e-3 m/s, as the engine's are.
+Without a longest step scipy misses plates that move for less than a step, and the limit is off by metres per second
+at any tolerance.
 """
 
 import json
@@ -19,11 +19,11 @@ import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import bisect
-from armour.core.run import run
-from armour.core.stages import default_time_step
 from armour.core.state import Outcome, Parameters
+from armour.core.stepping import default_time_step
 from armour.engine import batch
-from tests.numerics.test_independent import Reference, random_designs
+from tests.cases import perforates, random_designs
+from tests.numerics.reference import Reference
 
 ALLOWED = 1e-3  # m/s
 COUNT = 1000
@@ -32,42 +32,38 @@ ROWS = batch.packed(DESIGNS)
 ONE = batch.SolverOptions(threads=1)
 ALL = batch.SolverOptions()
 TOLERANCE = 3.5e-4
-# The rivals are slow: they get every so many-th design.
+# Designs for the slow ways.
 SOME = range(0, COUNT, 100)
 SCENARIO = Path(__file__).parent.parent / "scenarios" / "wilkins.toml"
 
 
-def plain(a: Parameters, velocity: float, part: float = 1.0) -> bool:
-    dt = part * default_time_step(a, velocity)
-    return run(a, velocity, dt, 1.0, 5_000_000).outcome == Outcome.PERFORATED
+def by_scipy(method: str, rtol: float, longest: float) -> Callable[[Parameters, float], bool]:
+    """Return a function that computes by scipy whether an impact perforates."""
+    return lambda p, velocity: Reference(p, velocity, method, rtol, longest).perforated
 
 
-def scipys(method: str, rtol: float, longest: float) -> Callable[[Parameters, float], bool]:
-    return lambda a, velocity: Reference(a, velocity, method, rtol, longest).perforated
-
-
-def error(perforates: Callable[[Parameters, float], bool], designs: Any) -> float:
-    """Largest error of the ballistic limit, m/s, of a power of ten that bounds it."""
+def error(perforated: Callable[[Parameters, float], bool], designs: Any) -> float:
+    """Return the largest error of the ballistic limit, m/s, rounded up to a power of ten."""
     worst = 0.0
     for i in designs:
         limit = FINE[i]
         bound = next(
             w
             for w in (1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0)
-            if perforates(DESIGNS[i], limit + w) and not perforates(DESIGNS[i], limit - w)
+            if perforated(DESIGNS[i], limit + w) and not perforated(DESIGNS[i], limit - w)
         )
         worst = max(worst, bound)
     return worst
 
 
 def fine_limits() -> np.ndarray:
-    """Limits to 1e-6 m/s with steps 20 times shorter."""
+    """Return ballistic limits to 1e-6 m/s with time steps 20 times shorter, m/s."""
     coarse = batch.ballistic_limits(ROWS, 20.0, 4000.0, 1e-3).perforated
     found = np.empty(COUNT)
     low, high = coarse - 0.01, coarse + 0.01
     for _ in range(15):
         middle = 0.5 * (low + high)
-        steps = np.array([default_time_step(a, v) / 20.0 for a, v in zip(DESIGNS, middle, strict=True)])
+        steps = np.array([default_time_step(p, v) / 20.0 for p, v in zip(DESIGNS, middle, strict=True)])
         outcomes = np.array(
             [
                 batch.impacts(
@@ -98,23 +94,21 @@ def test_impact_engine_on_all_cores(benchmark: Any):
 
 
 def test_impact_plain(benchmark: Any):
-    benchmark.extra_info.update(
-        name="this project's plain path", what="impact", each=len(SOME), error_m_s=limit_error()
-    )
-    benchmark(lambda: [plain(DESIGNS[i], NEAR[i]) for i in SOME])
+    benchmark.extra_info.update(name="plain Python", what="impact", each=len(SOME), error_m_s=limit_error())
+    benchmark(lambda: [perforates(DESIGNS[i], NEAR[i]) for i in SOME])
 
 
 @pytest.mark.parametrize("method", ["DOP853", "LSODA"])
 def test_impact_scipy(benchmark: Any, method: str):
     settings = [(rtol, longest) for longest in (0.02, 0.01, 0.005, 0.002) for rtol in (1e-5, 1e-7)]
     for rtol, longest in settings:
-        found = error(scipys(method, rtol, longest), SOME)
+        found = error(by_scipy(method, rtol, longest), SOME)
         if found <= ALLOWED:
             break
     name = f"solve_ivp, {method}, rtol {rtol:g}, longest step {longest:g} of a diameter"
     benchmark.extra_info.update(name=name, what="impact", each=len(SOME), error_m_s=found)
-    perforates = scipys(method, rtol, longest)
-    benchmark.pedantic(lambda: [perforates(DESIGNS[i], NEAR[i]) for i in SOME], rounds=2)
+    perforated = by_scipy(method, rtol, longest)
+    benchmark.pedantic(lambda: [perforated(DESIGNS[i], NEAR[i]) for i in SOME], rounds=2)
 
 
 def limit_error() -> float:
@@ -134,19 +128,17 @@ def test_limit_engine_on_all_cores(benchmark: Any):
 
 
 def test_limit_plain(benchmark: Any):
-    benchmark.extra_info.update(
-        name="this project's plain bisection", what="limit", each=len(SOME), error_m_s=limit_error()
-    )
+    benchmark.extra_info.update(name="plain Python, bisection", what="limit", each=len(SOME), error_m_s=limit_error())
 
-    def all_of_them() -> list[float]:
-        return [bisect(partial(plain, DESIGNS[i]), 20.0, 4000.0, TOLERANCE)[1] for i in SOME]
+    def limits() -> list[float]:
+        return [bisect(partial(perforates, DESIGNS[i]), 20.0, 4000.0, TOLERANCE)[1] for i in SOME]
 
-    benchmark.pedantic(all_of_them, rounds=2)
+    benchmark.pedantic(limits, rounds=2)
 
 
 @pytest.mark.parametrize("count", [10**n for n in range(2, 8)])
 def test_growth(benchmark: Any, count: int):
-    """In chunks, as a sweep takes them: memory does not grow."""
+    """In chunks, as in a sweep, so that memory does not grow."""
     benchmark.extra_info.update(name="engine, all cores", what="growth", each=count)
     chunk = min(count, 50_000)
     rows = np.resize(ROWS, (chunk, ROWS.shape[1]))
@@ -174,10 +166,10 @@ def test_start(benchmark: Any, name: str, args: list[str]):
 
 
 def test_engine_ready(benchmark: Any):
-    """A process that imports the engine and computes one impact and one limit, from the compiled code on disk."""
-    benchmark.extra_info.update(name="python, engine ready", what="process", each=1)
+    """A process that loads the compiled engine and computes an impact and a ballistic limit."""
+    benchmark.extra_info.update(name="Python, an impact and a limit by the engine", what="process", each=1)
     code = (
-        "from armour import load_scenario; from armour.core import batch; import numpy as np;"
+        "from armour import load_scenario; from armour.engine import batch; import numpy as np;"
         f"rows = batch.packed([load_scenario({str(SCENARIO)!r}).core_armour()]);"
         "batch.impacts(rows, np.array([800.0])); batch.ballistic_limits(rows, 20.0, 4000.0, 1e-3)"
     )
@@ -186,7 +178,7 @@ def test_engine_ready(benchmark: Any):
 
 @pytest.mark.parametrize("rows", [10**5, 10**7])
 def test_memory(benchmark: Any, tmp_path: Path, rows: int):
-    """Peak memory of a sweep."""
+    """Time and peak memory of a sweep."""
     velocities = f"impact.velocity_m_s=400:{400 + (rows // 1000 - 1) * 0.1:.1f}:0.1"
     over = ["--over", "armour.ceramic_thickness_mm=2:11.99:0.01", "--over", velocities]
     quantities = ["--quantities", "residual_velocity_m_s", "-o", str(tmp_path / "t.csv")]
@@ -197,11 +189,11 @@ def test_memory(benchmark: Any, tmp_path: Path, rows: int):
     )
     benchmark.extra_info.update(name="armour sweep to CSV", what="memory", each=rows)
 
-    def swept() -> None:
+    def sweep() -> None:
         done = subprocess.run(
             [sys.executable, "-c", code, json.dumps(command)], capture_output=True, text=True, check=True
         )
         benchmark.extra_info["peak_MiB"] = int(done.stdout) / 1024
         os.remove(tmp_path / "t.csv")
 
-    benchmark.pedantic(swept, rounds=1)
+    benchmark.pedantic(sweep, rounds=1)

@@ -1,4 +1,4 @@
-"""Each relation of the model, against numbers worked out by hand or the balance that it solves."""
+"""Each relation against a number calculated by hand or the balance that it solves."""
 
 from math import isclose, pi, sqrt
 
@@ -27,7 +27,7 @@ def test_fragmented_strength_falls_with_the_square_of_the_relative_velocity():
 @pytest.mark.parametrize("w", [0.0, 100.0, 650.0, 699.0])
 @pytest.mark.parametrize("y", [0.0, 0.9e9, 2.35e9])
 def test_penetration_velocity_balances_the_pressures(rho: float, w: float, y: float):
-    """(5), (8), (20): both sides of the interface carry the same force."""
+    """Both sides of the interface carry the same pressure (5), (8), (20)."""
     u = eq.penetration_velocity(y, rho, 2.35e9, 7850.0, 700.0, w)
     projectile = eq.projectile_pressure(2.35e9, 7850.0, 700.0, u)
     target = eq.target_pressure(y, rho, u, w)
@@ -35,19 +35,19 @@ def test_penetration_velocity_balances_the_pressures(rho: float, w: float, y: fl
 
 
 def test_penetration_velocity_without_strength_is_a_golden_section():
-    """V (V - U) = U^2 for equal densities: momentum, unlike Bernoulli's U = V/2."""
+    """For equal densities V (V - U) = U^2, unlike Bernoulli's U = V/2."""
     u = eq.penetration_velocity(0.0, 7850.0, 0.0, 7850.0, 1000.0, 0.0)
     assert isclose(u, 1000.0 * (sqrt(5.0) - 1.0) / 2.0)
 
 
-def test_penetration_velocity_meets_w_where_the_target_stops_to_yield():
+def test_penetration_velocity_meets_w_where_the_target_stops_yielding():
     v, w = 700.0, 150.0
     y = 2.35e9 + 7850.0 * v * (v - w)
     assert isclose(eq.penetration_velocity(y, 3430.0, 2.35e9, 7850.0, v, w), w)
     assert abs(eq.target_excess(y, 2.35e9, 7850.0, v, w)) < 1e-3
 
 
-def test_penetration_velocity_meets_v_where_the_projectile_stops_to_yield():
+def test_penetration_velocity_meets_v_where_the_projectile_stops_yielding():
     v, w = 700.0, 150.0
     y = 2.35e9 - 3430.0 * v * (v - w)
     assert isclose(eq.penetration_velocity(y, 3430.0, 2.35e9, 7850.0, v, w), v)

@@ -1,4 +1,4 @@
-"""One step."""
+"""One Runge-Kutta step."""
 
 from math import exp, isclose
 
@@ -23,7 +23,7 @@ def test_a_step_of_no_length_changes_nothing():
 
 
 def test_a_step_is_exact_to_fifth_order():
-    """Rigid in held fragmented ceramic, V' = -k V^2: halving the step divides the local error by 32."""
+    """For a rigid projectile in held fragmented ceramic, dV/dt = -k V^2, halving the step divides the error by 32."""
     a = armour()
     s = Stage(Medium.FRAGMENTED, False, True, False, 700.0, 0.0)
     y = State(Z=0.0, L=0.02, V=400.0, W=0.0, h=0.0)

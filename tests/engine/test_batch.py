@@ -1,73 +1,131 @@
-"""The compiled way gives the numbers of the plain one, bit by bit, in whatever order and number of threads."""
+"""Compiled results are those of plain Python, bit by bit, in any order and number of threads."""
+
+import os
 
 import numpy as np
 import pytest
 
 from armour.core.run import run
-from armour.core.search import ballistic_limit_of, least_ceramic_thickness, time_step
+from armour.core.search import find_ballistic_limit, find_least_ceramic_thickness
 from armour.core.state import Outcome
+from armour.core.stepping import time_step
 from armour.engine import batch
-from tests.numerics.test_independent import random_designs
+from tests.cases import random_designs
 
-DESIGNS = random_designs(400)
-ROWS = batch.packed(DESIGNS)
-VELOCITIES = np.random.default_rng(1).uniform(200.0, 1500.0, len(DESIGNS))
-
-
-def test_impacts_are_those_of_plain_runs():
-    found = batch.impacts(ROWS, VELOCITIES)
-    for i, (a, V) in enumerate(zip(DESIGNS, VELOCITIES.tolist(), strict=True)):
-        end = run(a, V, time_step(a, V, 0.0), 1.0, 500_000)
-        plain = (end.outcome, end.t, *end.y, end.steps)
-        assert tuple(column[i] for column in found) == pytest.approx(plain, rel=1e-9)
+COUNT = 400
+SEARCHES = 40
 
 
-def test_limits_are_those_of_the_plain_search():
-    found = batch.ballistic_limits(ROWS, 20.0, 4000.0, 1e-3)
-    for i, a in enumerate(DESIGNS[:40]):
-        plain = ballistic_limit_of(a, 20.0, 4000.0, 1e-3, 1.0, 0.0, 500_000)
-        assert (found.defeated[i], found.perforated[i]) == pytest.approx((plain.low, plain.high), rel=1e-9)
-        assert (found.runs[i], found.resolved[i]) == (plain.runs, plain.resolved)
+@pytest.fixture(scope="module")
+def rows() -> batch.Floats:
+    return batch.packed(random_designs(COUNT))
 
 
-def test_thinnest_ceramics_are_those_of_the_plain_search():
-    found = batch.least_thicknesses(ROWS, VELOCITIES, 0.0, 0.1, 1e-8)
-    for i, a in enumerate(DESIGNS[:40]):
-        plain = least_ceramic_thickness(a, float(VELOCITIES[i]), 0.0, 0.1, 1e-8, 1.0, 0.0, 500_000)
-        assert (found.defeated[i], found.perforated[i]) == pytest.approx((-plain.low, -plain.high), rel=1e-9)
+@pytest.fixture(scope="module")
+def velocities() -> batch.Floats:
+    return np.asarray(np.random.default_rng(1).uniform(200.0, 1500.0, COUNT))
 
 
-def test_neither_threads_nor_order_count():
-    one = batch.impacts(ROWS, VELOCITIES, batch.SolverOptions(threads=1))
-    order = np.random.default_rng(2).permutation(len(ROWS))
+def test_impacts_are_those_of_plain_python(rows: batch.Floats, velocities: batch.Floats):
+    found = batch.impacts(rows, velocities)
+    for i, (p, V) in enumerate(zip(random_designs(COUNT), velocities.tolist(), strict=True)):
+        end = run(p, V, time_step(p, V, 0.0), 1.0, 500_000)
+        assert tuple(column[i] for column in found) == (end.outcome, end.t, *end.y, end.steps)
+
+
+def test_ballistic_limits_are_those_of_plain_python(rows: batch.Floats):
+    found = batch.ballistic_limits(rows[:SEARCHES], 20.0, 4000.0, 1e-3)
+    for i, p in enumerate(random_designs(COUNT)[:SEARCHES]):
+        plain = find_ballistic_limit(p, 20.0, 4000.0, 1e-3, 1.0, 0.0, 500_000)
+        assert tuple(column[i] for column in found) == plain
+
+
+def test_least_thicknesses_are_those_of_plain_python(rows: batch.Floats, velocities: batch.Floats):
+    found = batch.least_thicknesses(rows[:SEARCHES], velocities[:SEARCHES], 0.0, 0.1, 1e-8)
+    for i, p in enumerate(random_designs(COUNT)[:SEARCHES]):
+        plain = find_least_ceramic_thickness(p, float(velocities[i]), 0.0, 0.1, 1e-8, 1.0, 0.0, 500_000)
+        assert tuple(column[i] for column in found) == (-plain.low, -plain.high, plain.runs, plain.resolved)
+
+
+def test_results_depend_neither_on_threads_nor_on_order(rows: batch.Floats, velocities: batch.Floats):
+    one = batch.impacts(rows, velocities, batch.SolverOptions(threads=1))
+    order = np.random.default_rng(2).permutation(COUNT)
     for threads in (1, 2, 5):
-        other = batch.impacts(ROWS[order], VELOCITIES[order], batch.SolverOptions(threads=threads))
+        other = batch.impacts(rows[order], velocities[order], batch.SolverOptions(threads=threads))
         for column, shuffled in zip(one, other, strict=True):
             np.testing.assert_array_equal(column[order], shuffled)
-    limits = batch.ballistic_limits(ROWS, 20.0, 4000.0, 1e-2, batch.SolverOptions(threads=1))
-    again = batch.ballistic_limits(ROWS[order], 20.0, 4000.0, 1e-2, batch.SolverOptions(threads=3))
-    for there, here in zip(limits, again, strict=True):
-        np.testing.assert_array_equal(there[order], here)
+    limits = batch.ballistic_limits(rows, 20.0, 4000.0, 1e-2, batch.SolverOptions(threads=1))
+    again = batch.ballistic_limits(rows[order], 20.0, 4000.0, 1e-2, batch.SolverOptions(threads=3))
+    for limit, shuffled_limit in zip(limits, again, strict=True):
+        np.testing.assert_array_equal(limit[order], shuffled_limit)
 
 
-def test_rows_of_another_shape():
-    for rows in (ROWS[:, :12], ROWS[0]):
+def test_arrays_of_any_layout(rows: batch.Floats):
+    """Columns in Fortran's order, an array that cannot be written, one velocity for all, and integers."""
+    expected = batch.impacts(rows, np.full(COUNT, 700.0)).V
+    fixed = rows.copy()
+    fixed.flags.writeable = False
+    for made, velocity in (
+        (np.asfortranarray(rows), np.full(COUNT, 700.0)),
+        (fixed, np.broadcast_to(700.0, COUNT)),
+        (rows, np.array([700])),
+        (np.repeat(rows, 2, axis=0)[::2], np.full(2 * COUNT, 700.0)[::2]),
+    ):
+        np.testing.assert_array_equal(batch.impacts(made, velocity).V, expected)
+
+
+def test_integer_settings(rows: batch.Floats):
+    found = batch.ballistic_limits(rows[:3], 20, 4000, 1, batch.SolverOptions(V_arrest=1, time_step=0))
+    expected = batch.ballistic_limits(rows[:3], 20.0, 4000.0, 1.0)
+    np.testing.assert_array_equal(found.perforated, expected.perforated)
+
+
+def test_without_knowledge_of_the_cores_of_this_process(
+    rows: batch.Floats, velocities: batch.Floats, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.delattr(os, "sched_getaffinity", raising=False)
+    monkeypatch.delattr(os, "process_cpu_count", raising=False)
+    expected = batch.impacts(rows, velocities).V
+    monkeypatch.setattr(os, "cpu_count", lambda: None)
+    np.testing.assert_array_equal(batch.impacts(rows, velocities).V, expected)
+
+
+def test_rows_of_another_shape(rows: batch.Floats, velocities: batch.Floats):
+    for other in (rows[:, :12], rows[0]):
         with pytest.raises(ValueError, match="rows must be of the shape"):
-            batch.impacts(rows, VELOCITIES[: len(rows)])
+            batch.impacts(other, velocities[: len(other)])
 
 
-def test_numbers_that_are_none_end():
-    """Nothing is promised of them but that the search ends."""
-    rows = ROWS[:3].copy()
-    rows[0, 4], rows[1, 4], rows[2, 7] = np.nan, -0.01, np.nan
-    assert len(batch.ballistic_limits(rows, 20.0, 4000.0, 1e-2, batch.SolverOptions(max_steps=2000)).perforated) == 3
+def test_searches_of_invalid_numbers_end(rows: batch.Floats):
+    invalid = rows[:3].copy()
+    invalid[0, 4], invalid[1, 4], invalid[2, 7] = np.nan, -0.01, np.nan
+    assert len(batch.ballistic_limits(invalid, 20.0, 4000.0, 1e-2, batch.SolverOptions(max_steps=2000)).runs) == 3
 
 
-def test_an_empty_batch():
-    assert len(batch.impacts(ROWS[:0], VELOCITIES[:0]).V) == 0
+def test_an_empty_batch(rows: batch.Floats, velocities: batch.Floats):
+    assert len(batch.impacts(rows[:0], velocities[:0]).V) == 0
 
 
-def test_steps_that_do_not_suffice():
-    found = batch.impacts(ROWS[:3], VELOCITIES[:3], batch.SolverOptions(max_steps=3))
+def test_impacts_that_reach_the_maximum_number_of_steps(rows: batch.Floats, velocities: batch.Floats):
+    found = batch.impacts(rows[:3], velocities[:3], batch.SolverOptions(max_steps=3))
     assert (found.outcome == Outcome.UNRESOLVED).all()
-    assert not batch.ballistic_limits(ROWS[:3], 20.0, 4000.0, 1e-2, batch.SolverOptions(max_steps=3)).resolved.any()
+    assert not batch.ballistic_limits(rows[:3], 20.0, 4000.0, 1e-2, batch.SolverOptions(max_steps=3)).resolved.any()
+
+
+def test_fields_are_views(rows: batch.Floats):
+    copy = rows.copy()
+    batch.fields(copy).Hc0[:] = 1.0
+    assert (copy[:, 4] == 1.0).all()
+
+
+def test_the_perforated_end_of_a_bracket_within_the_range():
+    """A root in the range, nothing that perforates, nothing that is defeated."""
+    infinite = np.inf
+    found = batch.Brackets(
+        np.array([500.0, 900.0, -infinite]),
+        np.array([501.0, infinite, 100.0]),
+        np.array([5, 2, 1]),
+        np.array([True, True, True]),
+    )
+    assert found.bounded.tolist() == [True, False, False]
+    assert found.within(100.0, 900.0).tolist() == [501.0, 900.0, 100.0]

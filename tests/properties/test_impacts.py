@@ -1,4 +1,4 @@
-"""What holds for any impact."""
+"""Properties of every impact."""
 
 from math import isfinite
 from typing import Any
@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import perforates, simulate
 from armour.core.run import run
-from armour.core.stages import default_time_step
 from armour.core.state import Outcome, Parameters
+from armour.core.stepping import default_time_step
 from armour.errors import NoLimitError
 from armour.scenario.loading import parse_scenario
 
@@ -100,7 +100,7 @@ positive = st.floats(0.05, 20.0)
     conoid=st.booleans(),
 )
 @settings(max_examples=150, deadline=None)
-def test_any_materials_end_with_an_outcome(
+def test_impacts_of_any_materials_end_with_an_outcome(
     size: float,
     velocity: float,
     slenderness: float,

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
+from armour.design.optimisation import optimise
 from matplotlib.figure import Figure
 
 from armour.analysis.ballistic_limit import ballistic_limit, residual_velocity_curve
 from armour.analysis.impact import simulate
-from armour.design.optimisation import optimise
 from armour.reporting.plots import FORMATS, impact_figure, limit_figure, optimum_figure, rendered
 from tests.cases import scenario
 from tests.design.test_optimisation import case

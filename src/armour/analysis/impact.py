@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
-from armour.core import search, stages
+from armour.core import stages, stepping
 from armour.core.equations import cross_section
 from armour.core.run import Instant, Run, run
 from armour.core.state import Outcome, Parameters
@@ -257,7 +257,7 @@ def time_step(scenario: Scenario, armour: Parameters, velocity: float) -> float:
     velocity : float
         Impact velocity, m/s.
     """
-    return search.time_step(armour, velocity, scenario.solver.time_step)
+    return stepping.time_step(armour, velocity, scenario.solver.time_step)
 
 
 def stage_records(trace: Sequence[Instant], armour: Parameters) -> tuple[StageRecord, ...]:

@@ -174,9 +174,9 @@ def warnings_of(scenario: "Scenario", warnings: Iterable[str]) -> list[str]:
 
 def say_if_compiling() -> None:
     """Say on standard error that the first use after an installation compiles."""
-    from armour.engine import compiled
+    from armour.engine import cache
 
-    if not compiled.is_compiled():
+    if not cache.is_compiled():
         say("compiling, once after an installation: some ten seconds")
 
 

@@ -1,6 +1,6 @@
-"""The penetration model: floats and named tuples in SI units, in the symbols of the paper.
+"""Penetration model: floats and named tuples in SI units and the symbols of the paper.
 
-Nothing here knows a file, the name of a material or how a result is shown.  ``state`` holds the symbols,
-``equations`` one relation per function, ``stages`` which of them hold and until when, ``rk4`` a step and
-``run`` an impact from its start to its end.
+``state`` defines the symbols, ``equations`` has one function per relation, ``stages`` selects the equations that
+hold, ``rk4`` takes a step, ``stepping`` chooses its length, ``events`` ends a stage, ``run`` integrates an impact
+and ``search`` finds ballistic limits and thicknesses.  The core depends on the standard library only.
 """

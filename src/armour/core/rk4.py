@@ -5,12 +5,12 @@ from armour.core.state import Parameters, Stage, State
 
 
 def advance(y: State, k: State, dt: float) -> State:
-    """State after a time dt at constant rates k."""
+    """Return the state after a time dt, s, at constant rates k."""
     return State(y.Z + dt * k.Z, y.L + dt * k.L, y.V + dt * k.V, y.W + dt * k.W, y.h + dt * k.h)
 
 
 def step(y: State, k1: State, s: Stage, p: Parameters, dt: float) -> State:
-    """State a time dt later, all in the same stage; k1 are the rates now."""
+    """Return the state after a step of dt, s, in one stage; k1 are the rates at y."""
     k2 = rates(advance(y, k1, dt / 2.0), s, p)
     k3 = rates(advance(y, k2, dt / 2.0), s, p)
     k4 = rates(advance(y, k3, dt), s, p)

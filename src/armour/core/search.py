@@ -1,86 +1,78 @@
-"""Where an armour just defeats: a bracket that runs narrow, and what their residual velocities tell of the place.
+"""Searches for the ballistic limit and the least ceramic thickness, by interpolation of residual velocities.
 
-Just above the ballistic limit the square of the residual velocity is linear in the impact velocity, and in the
-thickness of the ceramic.  The next run is therefore put where a polynomial through the last ones says that it vanishes,
-a little on the perforated side; where that is outside the bracket, the bracket is bisected.
+Just above the ballistic limit the square of the residual velocity is linear in the impact velocity, and in the ceramic
+thickness.  Each run is therefore placed just on the perforated side of the root of a polynomial through the last
+perforations, or at the middle of the bracket where that root lies outside it.
 """
 
 from math import inf, isfinite, sqrt
 from typing import NamedTuple
 
 from armour.core.run import run
-from armour.core.stages import default_time_step
 from armour.core.state import Outcome, Parameters
+from armour.core.stepping import time_step
 
-# Part of the impact's energy, above that of the limit, that a first perforation leaves; a guess.
+# Residual energy of the first perforation as a fraction of the impact energy above the limit's; an estimate.
 ENERGY_LEFT = 0.85
-# Runs after which a search that has not come to its end is one by bisection alone.
-PATIENCE = 30
-# A time step that is given is shortened to this many default ones: beyond that no event is resolved.
-COARSEST_STEP = 1.6
-# How far a search feels its way up where nothing has perforated yet.
+# Runs of a search after which it continues by bisection.
+MAX_INTERPOLATED_RUNS = 30
+# Factor by which the velocity is raised until a run perforates.
 GROWTH = 1.25
 
 
 class Bracket(NamedTuple):
-    """What runs have told: ``low`` is defeated and ``high`` perforates, once they are known to.
+    """Interval that contains the root, and the points of the interpolation.
 
-    The last two places that perforate are kept with ``f``, the square of the residual velocity less that at which a
-    projectile counts as stopped.
+    A run at ``low`` is defeated if ``low_known``; a run at ``high`` perforates if ``high_known``.  The function ``f``
+    is the square of the residual velocity less that of the arrest velocity, m^2/s^2.
     """
 
     low: float
     high: float
     low_known: bool
     high_known: bool
-    places: int  # that the estimate rests on, up to 3
-    x1: float
+    points: int  # number of perforations that the estimate uses, at most 3
+    x1: float  # last perforation
     f1: float
-    x2: float
+    x2: float  # the one before it
     f2: float
-    estimate: float  # of the place
-    error: float  # of the estimate
+    estimate: float  # estimate of the root
+    error: float  # error of the estimate
     runs: int
 
 
-class Found(NamedTuple):
-    """How a search ended."""
+class SearchResult(NamedTuple):
+    """Result of a search."""
 
-    low: float  # highest place found that is defeated; -inf where none is
-    high: float  # lowest place found that perforates; inf where none does
+    low: float  # highest point found that is defeated; -inf if none
+    high: float  # lowest point found that perforates; inf if none
     runs: int
-    resolved: bool  # whether every run has ended within the steps allowed
+    resolved: bool  # every run ended within the maximum number of steps
 
 
-def time_step(p: Parameters, Vi: float, given: float) -> float:
-    """Time step of an impact, s: the given one, within reason, or the default where 0 is given."""
-    default = default_time_step(p, Vi)
-    return min(given, COARSEST_STEP * default) if given > 0.0 else default
-
-
-def opened(low: float, high: float) -> Bracket:
-    """A bracket of which nothing is known."""
+def initial_bracket(low: float, high: float) -> Bracket:
+    """Return a bracket before the first run."""
     return Bracket(low, high, False, False, 0, 0.0, 0.0, 0.0, 0.0, 0.0, inf, 0)
 
 
-def defeated(b: Bracket, x: float) -> Bracket:
-    """The bracket after a run that was defeated."""
-    return Bracket(x, b.high, True, b.high_known, b.places, b.x1, b.f1, b.x2, b.f2, b.estimate, b.error, b.runs + 1)
+def after_defeat(b: Bracket, x: float) -> Bracket:
+    """Return the bracket after a defeated run at x."""
+    return Bracket(x, b.high, True, b.high_known, b.points, b.x1, b.f1, b.x2, b.f2, b.estimate, b.error, b.runs + 1)
 
 
-def perforated(b: Bracket, x: float, f: float, first: float) -> Bracket:
-    """The bracket after a run that perforated; ``first`` is the estimate to make of it where it is the only one."""
-    if b.places == 0:
-        estimate, error = first, 0.25 * abs(x - first)
+def after_perforation(b: Bracket, x: float, f: float, first_estimate: float) -> Bracket:
+    """Return the bracket after a perforated run at x; ``first_estimate`` of the root is used if it is the first."""
+    if b.points == 0:
+        estimate, error = first_estimate, 0.25 * abs(x - first_estimate)
     else:
-        estimate = extrapolated_root(b.places, x, f, b.x1, b.f1, b.x2, b.f2)
+        estimate = extrapolated_root(b.points, x, f, b.x1, b.f1, b.x2, b.f2)
         error = abs(estimate - b.estimate)
-    places = min(b.places + 1, 3)
-    return Bracket(b.low, x, b.low_known, True, places, x, f, b.x1, b.f1, estimate, error, b.runs + 1)
+    points = min(b.points + 1, 3)
+    return Bracket(b.low, x, b.low_known, True, points, x, f, b.x1, b.f1, estimate, error, b.runs + 1)
 
 
 def extrapolated_root(earlier: int, x1: float, f1: float, x2: float, f2: float, x3: float, f3: float) -> float:
-    """Where the polynomial through a place and one or two earlier ones vanishes (Neville)."""
+    """Return the root of x as a polynomial of f through a point and one or two earlier ones, by Neville's scheme."""
     if f1 == f2:
         return x1
     line = x1 - f1 * (x2 - x1) / (f2 - f1)
@@ -90,98 +82,132 @@ def extrapolated_root(earlier: int, x1: float, f1: float, x2: float, f2: float, 
     return line - f1 * (other - line) / (f3 - f1)
 
 
-def is_narrow(b: Bracket, tolerance: float) -> bool:
-    """Whether the place is known to the tolerance, or as well as the numbers allow."""
+def is_converged(b: Bracket, tolerance: float) -> bool:
+    """Return whether the bracket is as narrow as the tolerance or as floating-point numbers allow."""
     if not (b.low_known and b.high_known):
         return False
     middle = 0.5 * (b.low + b.high)
     return b.high - b.low <= tolerance or not b.low < middle < b.high
 
 
-def proposed(b: Bracket, tolerance: float) -> float:
-    """Where to run next in a bracket whose high end perforates."""
+def next_point(b: Bracket, tolerance: float) -> float:
+    """Return the point of the next run in a bracket whose upper end perforates."""
     middle = 0.5 * (b.low + b.high)
-    if b.runs > PATIENCE:
+    if b.runs > MAX_INTERPOLATED_RUNS:
         return middle
     away = b.high - b.estimate
     if away <= 0.7 * tolerance:
         x = b.high - 0.9 * tolerance
     else:
-        margin = (0.0, 0.2 * away, 0.03 * away, 0.02 * b.error)[b.places]
+        margin = (0.0, 0.2 * away, 0.03 * away, 0.02 * b.error)[b.points]
         x = b.estimate + max(margin, tolerance / 3.0)
         if x <= b.low:
             x = b.low + 4.0 * max(margin, b.low - b.estimate)
     return x if b.low < x < b.high else middle
 
 
-def ballistic_limit_of(
+def find_ballistic_limit(
     p: Parameters, low: float, high: float, tolerance: float, V_arrest: float, given: float, max_steps: int
-) -> Found:
-    """Ballistic limit between two impact velocities, m/s, where the outcome changes once between them."""
-    b = opened(low, high)
-    guess = first_guess(p)
+) -> SearchResult:
+    """Find the ballistic limit between two impact velocities, where the outcome changes once between them.
+
+    Parameters
+    ----------
+    p : Parameters
+        Projectile and armour.
+    low, high : float
+        Range of impact velocities, m/s.
+    tolerance : float
+        Width of the final bracket, m/s.
+    V_arrest, max_steps
+        As in `armour.core.run.run`.
+    given : float
+        Time step, s; 0 for the default of each impact, see `armour.core.stepping.time_step`.
+
+    Returns
+    -------
+    SearchResult
+        Bracket in m/s.
+    """
+    b = initial_bracket(low, high)
+    guess = estimated_limit(p)
     V = min(max(guess, low), high) if isfinite(guess) else low
     while True:
         end = run(p, V, time_step(p, V, given), V_arrest, max_steps)
         if end.outcome == Outcome.UNRESOLVED:
-            return Found(-inf, inf, b.runs + 1, False)
+            return SearchResult(-inf, inf, b.runs + 1, False)
         if end.outcome == Outcome.PERFORATED:
             f = end.y.V * end.y.V - V_arrest * V_arrest
-            b = perforated(b, V, f, sqrt(max(V * V - f / ENERGY_LEFT, 0.0)))
+            b = after_perforation(b, V, f, sqrt(max(V * V - f / ENERGY_LEFT, 0.0)))
             if low >= V:
-                return Found(-inf, V, b.runs, True)
+                return SearchResult(-inf, V, b.runs, True)
         else:
-            b = defeated(b, V)
+            b = after_defeat(b, V)
             if high <= V:
-                return Found(V, inf, b.runs, True)
-        if is_narrow(b, tolerance):
-            return Found(b.low, b.high, b.runs, True)
+                return SearchResult(V, inf, b.runs, True)
+        if is_converged(b, tolerance):
+            return SearchResult(b.low, b.high, b.runs, True)
         if not b.high_known:
             V = min(GROWTH * b.low, high)
         elif not b.low_known and b.estimate <= low:
             V = low
         else:
-            V = proposed(b, tolerance)
+            V = next_point(b, tolerance)
 
 
-def least_ceramic_thickness(
+def find_least_ceramic_thickness(
     p: Parameters, Vi: float, thin: float, thick: float, tolerance: float, V_arrest: float, given: float, max_steps: int
-) -> Found:
-    """Ceramic thickness, m, at which an impact is just defeated; ``low`` and ``high`` are its negatives."""
-    b = opened(-thick, -thin)
+) -> SearchResult:
+    """Find the least ceramic thickness that defeats an impact, where the outcome changes once in the range.
+
+    Parameters
+    ----------
+    p : Parameters
+        Projectile and armour; ``Hc0`` is not used.
+    Vi : float
+        Impact velocity, m/s.
+    thin, thick : float
+        Range of ceramic thicknesses, m.
+    tolerance : float
+        Width of the final bracket, m.
+    V_arrest, given, max_steps
+        As in `find_ballistic_limit`.
+
+    Returns
+    -------
+    SearchResult
+        Bracket of the negative thickness, -Hc0, m, so that its upper end perforates.
+    """
+    b = initial_bracket(-thick, -thin)
     Hc0 = thin
     while True:
-        tried = with_ceramic(p, Hc0)
+        tried = p._replace(Hc0=Hc0)
         end = run(tried, Vi, time_step(tried, Vi, given), V_arrest, max_steps)
         if end.outcome == Outcome.UNRESOLVED:
-            return Found(-inf, inf, b.runs + 1, False)
+            return SearchResult(-inf, inf, b.runs + 1, False)
         if end.outcome == Outcome.PERFORATED:
             f = end.y.V * end.y.V - V_arrest * V_arrest
-            # The limit grows about as the thickness.
+            # The limit is about proportional to the thickness.
             limit = sqrt(max(Vi * Vi - f / ENERGY_LEFT, 0.01 * Vi * Vi))
-            b = perforated(b, -Hc0, f, -max(Hc0, 0.1 * p.D0) * Vi / limit)
+            b = after_perforation(b, -Hc0, f, -max(Hc0, 0.1 * p.D0) * Vi / limit)
             if Hc0 >= thick:
-                return Found(-inf, -Hc0, b.runs, True)
+                return SearchResult(-inf, -Hc0, b.runs, True)
         else:
-            b = defeated(b, -Hc0)
+            b = after_defeat(b, -Hc0)
             if Hc0 <= thin:
-                return Found(-Hc0, inf, b.runs, True)
-        if is_narrow(b, tolerance):
-            return Found(b.low, b.high, b.runs, True)
-        Hc0 = -proposed(b, tolerance)
+                return SearchResult(-Hc0, inf, b.runs, True)
+        if is_converged(b, tolerance):
+            return SearchResult(b.low, b.high, b.runs, True)
+        Hc0 = -next_point(b, tolerance)
         if not b.low_known and b.estimate <= b.low:
             Hc0 = thick
 
 
-def with_ceramic(p: Parameters, Hc0: float) -> Parameters:
-    """The armour with another ceramic thickness."""
-    return Parameters(p.L0, p.D0, p.rho_p, p.Yp, Hc0, p.rho_c, p.Ec, p.Yc0, p.Hb, p.rho_B, p.YB, p.tau, p.conoid)
+def estimated_limit(p: Parameters) -> float:
+    """Return an estimate of the ballistic limit, m/s, good to about a tenth, from which a search starts.
 
-
-def first_guess(p: Parameters) -> float:
-    """Ballistic limit, m/s, within about a tenth: work of strengths and shear over the mass of the rod.
-
-    The numbers are a fit to 1,000 random designs of both rounds of the paper; they cost or save a run and nothing else.
+    The work of strength and shear is equated to the energy of the projectile.  The coefficients are fitted to 1,000
+    random designs of both projectiles of the paper; they affect the number of runs of a search, not its result.
     """
     rod = p.rho_p * p.L0
     sheared = 3.4 * p.Hb + (13.0 * p.Hc0 if p.conoid else 0.0)

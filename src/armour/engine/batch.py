@@ -1,7 +1,7 @@
-"""Many impacts, ballistic limits and thicknesses at once, over arrays, by the compiled core on all cores."""
+"""Impacts, ballistic limits and ceramic thicknesses of many armours, as arrays, computed in threads."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armour.core.state import Parameters
-from armour.engine.compiled import kernel
+from armour.engine.cache import kernels
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -19,11 +19,11 @@ PORTION = 256
 
 
 class Impacts(NamedTuple):
-    """Impacts, an entry each."""
+    """Results of n impacts, an array of shape (n,) each."""
 
     outcome: Ints  # an Outcome
     t: Floats  # duration, s
-    Z: Floats  # state at the end
+    Z: Floats  # state at the end, see armour.core.state.State
     L: Floats
     V: Floats
     W: Floats
@@ -32,92 +32,105 @@ class Impacts(NamedTuple):
 
 
 class Brackets(NamedTuple):
-    """Ballistic limits, m/s, or thicknesses, m, an entry each: between which two places the outcome changes."""
+    """Results of n searches for a ballistic limit, m/s, or a ceramic thickness, m; an array of shape (n,) each.
 
-    defeated: Floats
-    perforated: Floats
+    Where nothing in the range is defeated or perforated, that end of the bracket is infinite.
+    """
+
+    defeated: Floats  # the end of the bracket that is defeated
+    perforated: Floats  # the end of the bracket that perforates
     runs: Ints
-    resolved: NDArray[np.bool_]
+    resolved: NDArray[np.bool_]  # every run ended within the maximum number of steps
 
     @property
     def bounded(self) -> NDArray[np.bool_]:
-        """Whether the outcome changes within the range searched."""
+        """Whether the outcome changes within the range, shape (n,)."""
         return np.isfinite(self.defeated) & np.isfinite(self.perforated)
 
     def within(self, low: float, high: float) -> Floats:
-        """The lowest places that perforate or, where there is none or nothing is defeated, the end of the range."""
+        """Return the perforated ends, or the end of the range (low, high) where the outcome does not change in it."""
         highest = np.where(np.isfinite(self.perforated), self.perforated, high)
         return np.where(np.isfinite(self.defeated), highest, low)
 
 
 class SolverOptions(NamedTuple):
-    """How to compute."""
+    """Options of the solver."""
 
     V_arrest: float = 1.0  # velocity below which a projectile counts as stopped, m/s
     time_step: float = 0.0  # s; 0 for the default of each impact
-    max_steps: int = 500_000  # steps after which an impact is given up as `Outcome.UNRESOLVED`
-    threads: int | None = None  # by default one per core; the results do not depend on it
+    max_steps: int = 500_000  # maximum number of steps of an impact, which then ends as `Outcome.UNRESOLVED`
+    threads: int | None = None  # None for one per core; the results do not depend on it
 
 
 DEFAULT_OPTIONS = SolverOptions()
 
 
 def packed(armours: Sequence[Parameters]) -> Floats:
-    """Armours as rows of numbers, in the order of the fields of `Armour`."""
+    """Return parameters as rows of an array of shape (n, 13), in the order of the fields of `Parameters`."""
     return np.array(armours, dtype=np.float64).reshape(len(armours), len(Parameters._fields))
 
 
 def fields(rows: Floats) -> Any:
-    """The columns of rows as an `Armour` of arrays; they are views, which write through."""
+    """Return the columns of an array of shape (n, 13) as `Parameters` of views of shape (n,)."""
     return Parameters(*rows.T)
 
 
-def impacts(rows: Floats, velocities: Floats, told: SolverOptions = DEFAULT_OPTIONS) -> Impacts:
-    """Run many impacts.
+def impacts(rows: Floats, velocities: Floats, options: SolverOptions = DEFAULT_OPTIONS) -> Impacts:
+    """Compute many impacts; see `armour.core.run.run`.
 
     Parameters
     ----------
-    rows : array, (n, 13)
-        Armours, see `packed`.
-    velocities : array, (n,)
+    rows : array of shape (n, 13)
+        Projectiles and armours, see `packed`.
+    velocities : array of shape (n,)
         Impact velocities, m/s.
-    told : Told
-        How to compute.
+    options : SolverOptions
+        Options of the solver.
+
+    Raises
+    ------
+    ValueError
+        If ``rows`` has another shape.
     """
-    counts, ends = _computed(kernel("impacts"), rows, velocities, told[:3], 6, told.threads)
+    counts, ends = _computed("impacts", rows, velocities, options[:3], 6, options.threads)
     t, Z, L, V, W, h = ends.T
     return Impacts(counts[:, 0], t, Z, L, V, W, h, counts[:, 1])
 
 
 def ballistic_limits(
-    rows: Floats, low: float, high: float, tolerance: float, told: SolverOptions = DEFAULT_OPTIONS
+    rows: Floats, low: float, high: float, tolerance: float, options: SolverOptions = DEFAULT_OPTIONS
 ) -> Brackets:
-    """Find many ballistic limits between two velocities, m/s; see `armour.core.search.ballistic_limit_of`."""
-    settings = (low, high, tolerance, *told[:3])
-    return _places(*_computed(kernel("ballistic_limits"), rows, None, settings, 2, told.threads))
+    """Find many ballistic limits between two velocities, m/s; see `armour.core.search.find_ballistic_limit`."""
+    settings = (low, high, tolerance, *options[:3])
+    return _brackets(*_computed("ballistic_limits", rows, None, settings, 2, options.threads))
 
 
 def least_thicknesses(
-    rows: Floats, velocities: Floats, thin: float, thick: float, tolerance: float, told: SolverOptions = DEFAULT_OPTIONS
+    rows: Floats,
+    velocities: Floats,
+    thin: float,
+    thick: float,
+    tolerance: float,
+    options: SolverOptions = DEFAULT_OPTIONS,
 ) -> Brackets:
-    """Find the least ceramic thickness, m, that defeats each impact; see `armour.core.search.least_ceramic_thickness`."""
-    settings = (thin, thick, tolerance, *told[:3])
-    return _places(*_computed(kernel("least_thicknesses"), rows, velocities, settings, 2, told.threads))
+    """Find many least ceramic thicknesses, m; see `armour.core.search.find_least_ceramic_thickness`."""
+    settings = (thin, thick, tolerance, *options[:3])
+    return _brackets(*_computed("least_thicknesses", rows, velocities, settings, 2, options.threads))
 
 
-def _places(counts: Ints, ends: Floats) -> Brackets:
+def _brackets(counts: Ints, ends: Floats) -> Brackets:
     return Brackets(ends[:, 0], ends[:, 1], counts[:, 0], counts[:, 1] != 0)
 
 
 def _computed(
-    compiled: Callable[..., None],
+    name: str,
     rows: Floats,
     velocities: Floats | None,
     settings: tuple[float, ...],
     width: int,
     threads: int | None,
 ) -> tuple[Ints, Floats]:
-    """What a kernel says of the rows: (n, 2) integers and (n, width) numbers."""
+    """Call a kernel on the rows, in portions; return its integers, shape (n, 2), and numbers, shape (n, width)."""
     rows = np.ascontiguousarray(rows, dtype=np.float64)
     if rows.ndim != 2 or rows.shape[1] != len(Parameters._fields):
         raise ValueError(f"rows must be of the shape (n, {len(Parameters._fields)}), found {rows.shape}")
@@ -126,23 +139,24 @@ def _computed(
     inputs = [rows]
     if velocities is not None:
         inputs.append(np.ascontiguousarray(np.broadcast_to(velocities, count), dtype=np.float64))
+    kernel = kernels()[name]
 
-    def work(part: slice) -> None:
-        arrays = [array[part].ctypes.data for array in (*inputs, counts, ends)]
-        compiled(part.stop - part.start, *arrays[:-2], *settings, *arrays[-2:])
+    def compute(start: int) -> None:
+        part = slice(start, start + PORTION)
+        kernel(*(array[part] for array in inputs), *settings, counts[part], ends[part])
 
-    _in_threads(work, count, threads)
+    starts = range(0, count, PORTION)
+    workers = min(threads or _cores(), len(starts))
+    if workers <= 1:
+        for start in starts:
+            compute(start)
+    else:
+        with ThreadPoolExecutor(workers) as pool:
+            for _ in pool.map(compute, starts):
+                pass
     return counts, ends
 
 
-def _in_threads(work: Callable[[slice], None], count: int, threads: int | None) -> None:
-    """Do the work portion by portion; each row is computed by itself, whichever thread takes it."""
-    parts = [slice(start, min(start + PORTION, count)) for start in range(0, count, PORTION)]
-    workers = min(threads or len(os.sched_getaffinity(0)), len(parts))
-    if workers <= 1:
-        for part in parts:
-            work(part)
-        return
-    with ThreadPoolExecutor(workers) as pool:
-        for done in [pool.submit(work, part) for part in parts]:
-            done.result()
+def _cores() -> int:
+    """Return the number of cores that this process may use, as far as Python knows it."""
+    return getattr(os, "process_cpu_count", os.cpu_count)() or 1

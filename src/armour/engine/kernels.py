@@ -1,71 +1,76 @@
-"""What numba compiles: loops over many impacts, that call the functions of the other files as they are.
+"""Loops over rows of arrays for numba to compile; they call the functions of the core.
 
-Only imported to compile; `armour.engine.compiled` loads what has been compiled.
+`armour.engine.cache` imports this module, and with it numba, when the engine is first used.
 """
 
+from collections.abc import Callable
 from types import FunctionType, ModuleType
 from typing import Any
 
-import llvmlite.binding as llvm
 import numba
 from numba import types
-from numba.extending import register_jitable
+from numba.extending import overload_method, register_jitable
 
-from armour.core import equations, rk4, run, search, stages, state
+from armour.core import equations, events, rk4, run, search, stages, state, stepping
 from armour.core.state import Parameters
 
+Kernel = Callable[..., None]
 
-def let_compiled_code_call(module: ModuleType) -> None:
-    """Mark the functions of a module for numba."""
+
+def make_callable(module: ModuleType) -> None:
+    """Make the functions of a module callable from compiled code."""
     for function in vars(module).values():
         if isinstance(function, FunctionType) and function.__module__ == module.__name__:
             register_jitable(function)
 
 
-for _module in (equations, state, stages, rk4, run, search):
-    let_compiled_code_call(_module)
+for _module in (equations, state, stages, stepping, rk4, events, run, search):
+    make_callable(_module)
+
+
+@overload_method(types.NamedTuple, "_replace")
+def replace_ceramic_thickness(p: Any, Hc0: Any) -> Any:  # noqa: ARG001 (numba gives types, by these names)
+    """Compile `Parameters._replace` of the ceramic thickness, which numba does not know."""
+    start = p.fields.index("Hc0")
+    end = start + 1
+
+    def replaced(p: Any, Hc0: Any) -> Any:
+        return Parameters(*p[:start], Hc0, *p[end:])  # type: ignore[call-arg]
+
+    return replaced
 
 
 @register_jitable
-def armour_at(rows: Any, i: int) -> Parameters:
-    """Armour of row i."""
-    r = 13 * i
+def parameters_at(rows: Any, i: int) -> Parameters:
+    """Return row i as `Parameters`."""
     return Parameters(
-        rows[r],
-        rows[r + 1],
-        rows[r + 2],
-        rows[r + 3],
-        rows[r + 4],
-        rows[r + 5],
-        rows[r + 6],
-        rows[r + 7],
-        rows[r + 8],
-        rows[r + 9],
-        rows[r + 10],
-        rows[r + 11],
-        rows[r + 12] > 0.5,
+        rows[i, 0],
+        rows[i, 1],
+        rows[i, 2],
+        rows[i, 3],
+        rows[i, 4],
+        rows[i, 5],
+        rows[i, 6],
+        rows[i, 7],
+        rows[i, 8],
+        rows[i, 9],
+        rows[i, 10],
+        rows[i, 11],
+        rows[i, 12] > 0.5,
     )
 
 
-def impacts(
-    count: int, rows: Any, velocities: Any, V_arrest: float, given: float, max_steps: int, counts: Any, ends: Any
-) -> None:
-    """Outcome and steps of each impact into ``counts``, time and state at its end into ``ends``."""
-    for i in range(count):
-        p = armour_at(rows, i)
-        end = run.run(p, velocities[i], search.time_step(p, velocities[i], given), V_arrest, max_steps)
-        counts[2 * i] = end.outcome
-        counts[2 * i + 1] = end.steps
-        ends[6 * i] = end.t
-        ends[6 * i + 1] = end.y.Z
-        ends[6 * i + 2] = end.y.L
-        ends[6 * i + 3] = end.y.V
-        ends[6 * i + 4] = end.y.W
-        ends[6 * i + 5] = end.y.h
+def impacts(rows: Any, velocities: Any, V_arrest: float, given: float, max_steps: int, counts: Any, ends: Any) -> None:
+    """Write the outcome and steps of each impact to ``counts``, the duration and final state to ``ends``."""
+    for i in range(len(rows)):
+        p = parameters_at(rows, i)
+        end = run.run(p, velocities[i], stepping.time_step(p, velocities[i], given), V_arrest, max_steps)
+        counts[i, 0], counts[i, 1] = end.outcome, end.steps
+        ends[i, 0] = end.t
+        ends[i, 1], ends[i, 2], ends[i, 3], ends[i, 4], ends[i, 5] = end.y
 
 
 def ballistic_limits(
-    count: int,
     rows: Any,
     low: float,
     high: float,
@@ -76,15 +81,15 @@ def ballistic_limits(
     counts: Any,
     ends: Any,
 ) -> None:
-    """Runs of each search and whether it is resolved into ``counts``, its bracket into ``ends``."""
-    for i in range(count):
-        found = search.ballistic_limit_of(armour_at(rows, i), low, high, tolerance, V_arrest, given, max_steps)
-        counts[2 * i], counts[2 * i + 1] = found.runs, found.resolved
-        ends[2 * i], ends[2 * i + 1] = found.low, found.high
+    """Write the runs of each search and whether it is resolved to ``counts``, its bracket to ``ends``."""
+    for i in range(len(rows)):
+        p = parameters_at(rows, i)
+        found = search.find_ballistic_limit(p, low, high, tolerance, V_arrest, given, max_steps)
+        counts[i, 0], counts[i, 1] = found.runs, found.resolved
+        ends[i, 0], ends[i, 1] = found.low, found.high
 
 
 def least_thicknesses(
-    count: int,
     rows: Any,
     velocities: Any,
     thin: float,
@@ -96,39 +101,32 @@ def least_thicknesses(
     counts: Any,
     ends: Any,
 ) -> None:
-    """As `limits`, of the ceramic thickness."""
-    for i in range(count):
-        p = armour_at(rows, i)
-        found = search.least_ceramic_thickness(p, velocities[i], thin, thick, tolerance, V_arrest, given, max_steps)
-        counts[2 * i], counts[2 * i + 1] = found.runs, found.resolved
-        ends[2 * i], ends[2 * i + 1] = -found.low, -found.high
+    """Do the same for the ceramic thickness that defeats each impact."""
+    for i in range(len(rows)):
+        p = parameters_at(rows, i)
+        found = search.find_least_ceramic_thickness(
+            p, velocities[i], thin, thick, tolerance, V_arrest, given, max_steps
+        )
+        counts[i, 0], counts[i, 1] = found.runs, found.resolved
+        ends[i, 0], ends[i, 1] = -found.low, -found.high
 
 
-_i, _f = types.int64, types.float64
-_at: Any = types.CPointer
-_is, _fs = _at(types.int64), _at(types.float64)
+_float, _int = types.float64, types.int64
+_velocities = types.Array(_float, 1, "C", readonly=True)
+_rows = types.Array(_float, 2, "C", readonly=True)
+_counts, _ends = _int[:, ::1], _float[:, ::1]
 
-KERNELS = {
-    "impacts": (impacts, (_i, _fs, _fs, _f, _f, _i, _is, _fs)),
-    "ballistic_limits": (ballistic_limits, (_i, _fs, _f, _f, _f, _f, _f, _i, _is, _fs)),
-    "least_thicknesses": (least_thicknesses, (_i, _fs, _fs, _f, _f, _f, _f, _f, _i, _is, _fs)),
+SIGNATURES = {
+    impacts: (_rows, _velocities, _float, _float, _int, _counts, _ends),
+    ballistic_limits: (_rows, _float, _float, _float, _float, _float, _int, _counts, _ends),
+    least_thicknesses: (_rows, _velocities, _float, _float, _float, _float, _float, _int, _counts, _ends),
 }
 
 
-def object_code(name: str) -> bytes:
-    """Machine code of a kernel for this processor, as a function of that name that needs nothing of numba's."""
-    function, arguments = KERNELS[name]
-    options: Any = {"error_model": "numpy", "_nrt": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    compiler: Any = numba.njit(types.void(*arguments), **options)
-    kernel = compiler(function)
-    module = llvm.parse_assembly(kernel.inspect_llvm(arguments))
-    module.get_function(kernel.overloads[arguments].fndesc.llvm_func_name).name = name
-    machine = llvm.Target.from_default_triple().create_target_machine(
-        cpu=llvm.get_host_cpu_name(),
-        features=llvm.get_host_cpu_features().flatten(),
-        opt=3,
-        reloc="pic",
-        codemodel="default",
-        jit=True,
-    )
-    return bytes(machine.emit_object(module))
+def compiled(*, cache: bool) -> dict[str, Kernel]:
+    """Return the kernels by name, compiled or, with ``cache``, loaded from numba's cache if they are in it."""
+
+    def compile_one(function: Any, arguments: tuple[Any, ...]) -> Any:
+        return numba.njit(types.void(*arguments), cache=cache, nogil=True, error_model="numpy")(function)
+
+    return {function.__name__: compile_one(function, arguments) for function, arguments in SIGNATURES.items()}

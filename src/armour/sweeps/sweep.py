@@ -8,7 +8,7 @@ from typing import Any
 from armour.analysis.evaluate import Group, evaluate_groups, groups_of
 from armour.analysis.quantities import QUANTITIES
 from armour.analysis.variants import Floats, grid_of
-from armour.engine.compiled import digest
+from armour.engine.cache import digest
 from armour.errors import InputError, Problem, suggestion
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import Cases, Grid

@@ -1,0 +1,128 @@
+"""The default time step and its adaptation."""
+
+from math import sqrt
+
+import pytest
+
+from armour.core.stages import first_stage, rates
+from armour.core.state import Medium, Parameters, Stage, State
+from armour.core.stepping import default_time_step, fastest_rate, step_length, time_step
+from tests.cases import armour
+
+STATE = State(Z=4e-3, L=0.018, V=600.0, W=100.0, h=0.5e-3)
+RATES = State(Z=400.0, L=-200.0, V=-2e7, W=3e6, h=100.0)
+
+
+def struck(V: float, W: float = 0.0) -> State:
+    return State(Z=0.0, L=0.02, V=V, W=W, h=0.0)
+
+
+def in_stage(medium: Medium, eroding: bool, penetrated: bool, moving: bool) -> Stage:
+    return Stage(medium, eroding, penetrated, moving, 750.0, 0.2e-3)
+
+
+def test_a_given_time_step_is_limited():
+    p = armour()
+    default = default_time_step(p, 800.0)
+    assert time_step(p, 800.0, 0.0) == default
+    assert time_step(p, 800.0, 0.1 * default) == 0.1 * default
+    assert time_step(p, 800.0, 100.0 * default) == 1.6 * default
+
+
+def length(y: State, s: Stage, p: Parameters, dt: float) -> float:
+    return step_length(y, rates(y, s, p), s, p, dt)
+
+
+def test_the_step_is_the_usual_one_at_impact():
+    p = armour()
+    assert length(struck(800.0), first_stage(struck(800.0), p), p, 1e-7) == 1e-7
+
+
+def test_the_step_grows_as_a_rigid_projectile_slows_in_held_ceramic():
+    s = Stage(Medium.FRAGMENTED, False, True, False, 700.0, 0.0)
+    assert length(struck(7.0), s, armour(), 1e-7) == pytest.approx(1e-5)
+
+
+def test_the_step_shrinks_with_the_projectile():
+    p = armour()
+    short = struck(800.0)._replace(L=1e-5)
+    assert length(short, first_stage(short, p), p, 1e-7) < 1e-8
+
+
+def test_the_default_step_scales_with_size():
+    p = armour()
+    b = p._replace(L0=2 * p.L0, D0=2 * p.D0, Hc0=2 * p.Hc0, Hb=2 * p.Hb)
+    assert default_time_step(b, 800.0) == pytest.approx(2 * default_time_step(p, 800.0), rel=1e-14)
+
+
+def test_the_fastest_rate_in_fragmented_ceramic():
+    """Terms of inertia, of the projectile's bar wave and of the derivative of (9)."""
+    p = armour()
+    damping = 2.0 * p.Yc0 * 500.0 / 750.0**2
+    rod = (600.0 + sqrt(p.Yp / p.rho_p) + damping / p.rho_p) / 0.018
+    held = in_stage(Medium.FRAGMENTED, True, True, False)
+    assert fastest_rate(STATE, RATES, held, p) == pytest.approx(rod)
+    areal = p.rho_B * p.Hb + p.rho_c * (p.Hc0 - STATE.Z + STATE.h)
+    moving = in_stage(Medium.FRAGMENTED, True, True, True)
+    expected = rod + 3e6 / 600.0 + (p.rho_c * 500.0 + damping) / areal
+    assert fastest_rate(STATE, RATES, moving, p) == pytest.approx(expected)
+
+
+def test_the_fastest_rate_in_the_plate():
+    p = armour()
+    deep = STATE._replace(Z=8e-3)
+    rod = (600.0 + sqrt(p.Yp / p.rho_p)) / 0.018
+    areal = p.rho_B * (p.Hb + p.Hc0 - 8e-3 + 0.5e-3 - 0.2e-3)
+    penetrated = in_stage(Medium.PLATE, True, True, True)
+    carried = in_stage(Medium.PLATE, True, False, True)
+    joined = in_stage(Medium.PLATE, False, False, True)
+    picking_up = 3e6 / 600.0
+    assert fastest_rate(deep, RATES, penetrated, p) == pytest.approx(rod + picking_up + p.rho_B * 500.0 / areal)
+    assert fastest_rate(deep, RATES, carried, p) == pytest.approx(rod + picking_up + p.rho_p * 600.0 / areal)
+    assert fastest_rate(deep, RATES, joined, p) == pytest.approx(600.0 / 0.018)
+    heavy = p._replace(rho_B=2 * p.rho_p)
+    rod = (2 * 600.0 + sqrt(p.Yp / p.rho_p)) / 0.018
+    assert fastest_rate(deep, RATES, penetrated._replace(moving=False), heavy) == pytest.approx(rod)
+
+
+def test_the_default_step_is_a_fraction_of_the_characteristic_time():
+    p = armour()
+    slowing = p.Yp / (p.rho_p * p.L0 * 800.0)
+    drive = min(p.Yc0, p.Yp + p.rho_p * 800.0**2)
+    picking_up = drive / ((p.rho_c * p.Hc0 + p.rho_B * p.Hb) * 800.0)
+    expected = 1.0 / (4.0 * (800.0 / p.D0 + slowing + picking_up))
+    assert default_time_step(p, 800.0) == pytest.approx(expected)
+
+
+def test_the_default_step_of_a_slow_impact_on_a_thin_bare_plate():
+    """The plate is thinner than the projectile, and the strength of the absent ceramic is not used."""
+    p = armour()._replace(Hc0=0.0, Hb=3e-3, YB=4e9)
+    slowing = p.Yp / (p.rho_p * p.L0 * 300.0)
+    drive = p.Yp + p.rho_p * 300.0**2
+    expected = 1.0 / (4.0 * (300.0 / 3e-3 + slowing + drive / (p.rho_B * 3e-3 * 300.0)))
+    assert default_time_step(p, 300.0) == pytest.approx(expected)
+    soft = p._replace(YB=1.05e9)
+    slowing = 1.05e9 / (p.rho_p * p.L0 * 300.0)
+    expected = 1.0 / (4.0 * (300.0 / 3e-3 + slowing + 1.05e9 / (p.rho_B * 3e-3 * 300.0)))
+    assert default_time_step(soft, 300.0) == pytest.approx(expected)
+
+
+def test_the_limits_of_the_step():
+    p = armour()
+    s = in_stage(Medium.FRAGMENTED, False, True, False)
+    assert step_length(STATE, RATES, s, p, 1e-8) == pytest.approx(1e-8 * 750.0 / 600.0)
+    change = (2e7 + 3e6) / 600.0 + 400.0 / p.D0
+    eroding = in_stage(Medium.FRAGMENTED, True, True, False)
+    assert step_length(STATE, RATES, eroding, p, 1e-12) == pytest.approx(1e-3 / change)
+    longest = 0.3 / fastest_rate(STATE, RATES, eroding, p)
+    assert step_length(STATE, RATES, eroding, p, 1.0) == pytest.approx(longest)
+    thin = p._replace(Hc0=1e-3, Hb=2e-3)
+    change = (2e7 + 3e6) / 600.0 + 400.0 / 3e-3
+    assert step_length(STATE, RATES, eroding, thin, 1e-12) == pytest.approx(1e-3 / change)
+
+
+def test_the_step_grows_where_the_deceleration_is_constant():
+    p = armour()
+    deep = STATE._replace(Z=8e-3)
+    joined = in_stage(Medium.PLATE, False, False, True)
+    assert step_length(deep, RATES, joined, p, 1e-8) == pytest.approx(8e-8)

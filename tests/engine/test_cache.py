@@ -1,0 +1,273 @@
+"""The archive of compiled code: checked before use, and written anew where it is missing, damaged or not private."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+import pytest
+
+from armour.engine import cache, kernels
+
+CODE = bytes(range(256)) * 4
+RESULT: dict[str, Any] = {"impacts": CODE}
+CONFIG: Any = numba.config
+
+
+class FakeCompiler:
+    """Stands for `armour.engine.kernels.compiled`: caches a file in numba's cache directory, as numba does."""
+
+    def __init__(self) -> None:
+        self.compiled = 0
+
+    def __call__(self, *, cache: bool) -> dict[str, Any]:
+        if not cache:
+            self.compiled += 1
+            return RESULT
+        file = Path(CONFIG.CACHE_DIR) / "engine" / "impacts.nbc"
+        if not file.exists():
+            self.compiled += 1
+            file.parent.mkdir()
+            file.write_bytes(CODE)
+        return {"impacts": file.read_bytes()}
+
+
+@pytest.fixture
+def compiler(monkeypatch: pytest.MonkeyPatch) -> FakeCompiler:
+    made = FakeCompiler()
+    monkeypatch.setattr(kernels, "compiled", made)
+    return made
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A user's cache directory without an archive."""
+    directory = tmp_path / "cache" / "armour"
+    monkeypatch.setattr(cache, "user_cache_dir", lambda *_args, **_kwargs: str(directory))
+    return directory
+
+
+@pytest.fixture
+def archive(home: Path, compiler: FakeCompiler) -> Path:
+    """The archive that a process has left."""
+    cache.load_kernels()
+    assert compiler.compiled == 1
+    (path,) = home.iterdir()
+    return path
+
+
+def assert_made_anew(compiler: FakeCompiler) -> None:
+    """The next process compiles, with the right result, and the one after it loads."""
+    assert not cache.is_compiled()
+    before = compiler.compiled
+    assert cache.load_kernels() == RESULT
+    assert compiler.compiled == before + 1
+    assert cache.is_compiled()
+    assert cache.load_kernels() == RESULT
+    assert compiler.compiled == before + 1
+
+
+def test_only_the_first_process_compiles(home: Path, compiler: FakeCompiler):
+    assert not home.exists()
+    assert_made_anew(compiler)
+    assert home.stat().st_mode & 0o777 == 0o700
+    assert [path.stat().st_mode & 0o777 for path in home.iterdir()] == [0o600]
+
+
+@pytest.mark.parametrize("position", range(30))
+def test_a_flipped_bit(archive: Path, compiler: FakeCompiler, position: int):
+    data = bytearray(archive.read_bytes())
+    data[position * (len(data) - 1) // 29] ^= 1 << (position % 8)
+    archive.write_bytes(data)
+    assert_made_anew(compiler)
+
+
+@pytest.mark.parametrize("length", [0, 1, 32, 100, -1])
+def test_a_truncated_archive(archive: Path, compiler: FakeCompiler, length: int):
+    archive.write_bytes(archive.read_bytes()[:length])
+    assert_made_anew(compiler)
+
+
+def test_an_archive_of_another_name(archive: Path, compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch):
+    content = archive.read_bytes()
+    monkeypatch.setattr(cache, "digest", lambda: "another version")
+    path = cache.archive_path()
+    assert path is not None
+    path.write_bytes(content)
+    path.chmod(0o600)
+    assert_made_anew(compiler)
+
+
+@pytest.mark.parametrize("mode", [0o620, 0o602, 0o666])
+def test_an_archive_that_others_can_write(archive: Path, compiler: FakeCompiler, mode: int):
+    archive.chmod(mode)
+    assert_made_anew(compiler)
+    assert archive.stat().st_mode & 0o777 == 0o600
+
+
+def test_a_directory_that_others_can_write(archive: Path, compiler: FakeCompiler):
+    archive.parent.chmod(0o777)
+    assert_made_anew(compiler)
+    assert archive.parent.stat().st_mode & 0o777 == 0o700
+
+
+def test_a_directory_of_another_user(archive: Path, compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch):
+    """Neither read nor written: every process compiles."""
+    content = archive.read_bytes()
+    user = os.getuid() + 1
+    monkeypatch.setattr(os, "getuid", lambda: user)
+    assert not cache.is_compiled()
+    for count in (2, 3):
+        assert cache.load_kernels() == RESULT
+        assert compiler.compiled == count
+    assert archive.read_bytes() == content
+
+
+def no_home(*_args: Any, **_kwargs: Any) -> str:
+    raise RuntimeError
+
+
+def unexpanded(*_args: Any, **_kwargs: Any) -> str:
+    return "~/.cache/armour"
+
+
+@pytest.mark.parametrize("user_cache_dir", [no_home, unexpanded])
+def test_a_user_without_a_home(
+    compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, user_cache_dir: Callable[..., str]
+):
+    """Newer and older versions of platformdirs."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(cache, "user_cache_dir", user_cache_dir)
+    assert cache.archive_path() is None
+    assert not cache.is_compiled()
+    assert cache.load_kernels() == RESULT
+    assert compiler.compiled == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_relative_cache_directory_is_ignored(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", "relative")
+    path = cache.archive_path()
+    assert path is None or tmp_path not in path.parents
+
+
+def test_a_home_that_cannot_be_written(home: Path, compiler: FakeCompiler):
+    """A file where the directory should be, which holds for root too."""
+    home.parent.write_text("a file")
+    assert cache.load_kernels() == RESULT
+    assert compiler.compiled == 1
+    assert not cache.is_compiled()
+
+
+def refuse(*_args: Any, **_kwargs: Any) -> None:
+    raise PermissionError
+
+
+def test_a_home_that_can_only_be_read(archive: Path, compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(cache, "write_archive", refuse)
+    assert cache.load_kernels() == RESULT
+    assert compiler.compiled == 1
+    assert archive.exists()
+
+
+@pytest.mark.usefixtures("compiler")
+def test_no_temporary_directory(home: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(tempfile, "TemporaryDirectory", refuse)
+    assert cache.load_kernels() == RESULT
+    assert not home.exists()
+
+
+@pytest.mark.usefixtures("home", "compiler")
+def test_the_temporary_directory_is_removed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    cache.load_kernels()
+    assert not list((tmp_path / "temporary").iterdir())
+
+
+@pytest.mark.usefixtures("home", "compiler")
+def test_numbas_settings_are_restored(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(CONFIG, "CACHE_DIR", "of the user")
+    cache.load_kernels()
+    assert CONFIG.CACHE_DIR == "of the user"
+
+
+@pytest.mark.usefixtures("compiler")
+def test_the_oldest_archives_are_deleted(home: Path):
+    home.mkdir(parents=True, mode=0o700)
+    for age in range(7):
+        other = home / f"{age}{cache.SUFFIX}"
+        other.write_bytes(b"")
+        os.utime(other, (1e9 - age, 1e9 - age))
+    (home / "notes.txt").write_text("of the user")
+    cache.load_kernels()
+    assert {path.name for path in home.iterdir() if path.name[0].isdigit() and path.stat().st_size == 0} == {
+        f"{age}{cache.SUFFIX}" for age in range(4)
+    }
+    assert (home / "notes.txt").exists()
+    assert cache.is_compiled()
+
+
+def test_a_change_of_any_file_of_the_core_is_another_archive(tmp_path: Path):
+    package = tmp_path / "armour"
+    for name in ("core", "engine"):
+        shutil.copytree(cache.PACKAGE / name, package / name)
+    before = cache.digest()
+    assert cache.digest(package) == before
+    for path in [*(package / "core").glob("*.py"), package / "engine" / "kernels.py"]:
+        text = path.read_text()
+        path.write_text(text + "\n")
+        assert cache.digest(package) != before
+        path.write_text(text)
+    (package / "engine" / "batch.py").write_text("")
+    assert cache.digest(package) == before
+
+
+def test_another_version_of_numba_is_another_archive(monkeypatch: pytest.MonkeyPatch):
+    before = cache.archive_path()
+    monkeypatch.setattr(cache, "version", lambda _package: "0.0")
+    assert cache.archive_path() != before
+
+
+PROGRAM = """
+from armour.engine import batch, cache
+from tests.cases import armour
+print(batch.ballistic_limits(batch.packed([armour()]), 20.0, 4000.0, 1e-3).perforated[0])
+print(sum(sum(kernel.stats.cache_hits.values()) for kernel in cache.kernels().values()))
+"""
+
+
+def test_processes_with_numba(tmp_path: Path):
+    """The first compiles, for its archive is damaged; the second loads all three kernels."""
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path), "PYTHONPATH": os.pathsep.join(sys.path)}
+
+    def outputs(program: str) -> list[str]:
+        done = subprocess.run(
+            [sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True
+        )
+        assert not done.stderr
+        return done.stdout.split()
+
+    (path,) = outputs("from armour.engine import cache; print(cache.archive_path())")
+    Path(path).parent.mkdir(mode=0o700)
+    Path(path).write_bytes(b"damaged")
+    limit, hits = outputs(PROGRAM)
+    assert outputs(PROGRAM) == [limit, "3"]
+    assert hits == "0"
+    assert [file.name for file in Path(path).parent.iterdir()] == [Path(path).name]
+
+
+def test_the_plain_commands_do_not_import_numba():
+    program = (
+        "import sys; from armour import ballistic_limit, load_scenario, simulate; s = load_scenario(sys.argv[1]);"
+        "simulate(s); ballistic_limit(s); print('numba' in sys.modules, 'scipy' in sys.modules)"
+    )
+    scenario = Path(__file__).parent.parent.parent / "scenarios" / "wilkins.toml"
+    done = subprocess.run([sys.executable, "-c", program, scenario], capture_output=True, text=True, check=True)
+    assert done.stdout == "False False\n"
