@@ -10,6 +10,8 @@ import numpy as np
 from armour.core.run import Instant, Run, run
 from armour.core.state import Outcome, Parameters
 from armour.core.stepping import default_time_step
+from armour.design.optimise import BestDesign, Design, DesignResult, Pair
+from armour.reporting.table import Table
 from armour.scenario.loading import Scenario, load_scenario, parse_scenario
 from armour.sweeps.cases import Grid, axis_of
 
@@ -216,3 +218,56 @@ def random_designs(count: int) -> tuple[Parameters, ...]:
             )
         )
     return tuple(designs)
+
+
+def quantities(table: Table) -> dict[str, str]:
+    """Texts of a record by heading."""
+    [texts] = table.texts()
+    return dict(zip(table.headings(), texts, strict=True))
+
+
+def best_design(**changes: Any) -> BestDesign:
+    """A best design; by default the paper's 7.62 mm optimum."""
+    design: dict[str, Any] = {
+        "ceramic": "AD85",
+        "backing": "5083-H3",
+        "ceramic_thickness_mm": 11.0,
+        "backing_thickness_mm": 6.0,
+        "areal_density_kg_m2": 54.23,
+        "thickness_mm": 17.0,
+        "cost_per_m2": 0.0,
+        "margin_m_s": 3.1,
+        "ballistic_limit_m_s": 853.1,
+        "ceramic_density_kg_m3": 3430.0,
+        "backing_density_kg_m3": 2750.0,
+        "margins_m_s": {"AP": 3.1},
+        "governing": "AP",
+        "probabilities": {},
+    }
+    return BestDesign(**{**design, **changes})
+
+
+def design_result(**changes: Any) -> DesignResult:
+    """A design result of one pair against one threat."""
+    best = changes.get("best", best_design())
+    frontier = tuple(
+        Design("AD85", "5083-H3", ceramic, backing, areal_density, ceramic + backing, 0.0, None)
+        for ceramic, backing, areal_density in [(12.0, 5.0, 55.1), (11.0, 6.0, 54.23), (10.5, 7.0, 55.265)]
+    )
+    result: dict[str, Any] = {
+        "minimised": "areal_density_kg_m2",
+        "threats": ("AP",),
+        "best": best,
+        "frontier": frontier,
+        "frontier_governed_by": ("AP",) * len(frontier),
+        "refined": None,
+        "pairs": (Pair("AD85", "5083-H3", best, 0.0, ""),),
+        "criteria": (),
+        "pareto": (),
+        "designs": 52,
+        "examined": 12,
+        "runs": 40,
+        "not_monotonic_mm": (),
+        "warnings": (),
+    }
+    return DesignResult(**{**result, **changes})

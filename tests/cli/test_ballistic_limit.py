@@ -19,7 +19,7 @@ def with_search(folder: Path, search: str) -> Path:
 def test_the_table(cli):
     result = cli("ballistic-limit", WILKINS)
     assert result.exit_code == 0
-    assert "723.77  m/s" in result.stdout
+    assert "723.77 m/s" in result.stdout
 
 
 def test_json_is_the_same_as_from_python(cli):

@@ -1,16 +1,16 @@
 import json
-import sys
 from pathlib import Path
 
 import pytest
 
-from armour import load_scenario, optimise
+from armour import load_scenario
 from tests.cases import SCENARIOS
 
 GRID = """
 ceramic_thickness_mm = { min = 8.0, max = 14.0, step = 0.5 }
 backing_thickness_mm = { min = 5.0, max = 8.0, step = 1.0 }
 """
+CATALOGUE = SCENARIOS / "catalogue.toml"
 
 
 @pytest.fixture
@@ -21,38 +21,33 @@ def small(folder: Path) -> Path:
     return path
 
 
-def test_the_tables(cli, small: Path):
+def test_a_single_pair(cli, small: Path):
     result = cli("optimise", small, "--refine")
     assert result.exit_code == 0
     assert result.stderr == ""
-    marked = [line.split() for line in result.stdout.splitlines() if line.endswith("lightest")]
-    assert marked == [["6", "11", "54.23", "lightest"]]
-    assert "refined" in result.stdout
+    lines = [line.split() for line in result.stdout.splitlines()]
+    assert [line for line in lines if line[-1:] == ["lightest"]] == [["11", "6", "54.23", "lightest"]]
+    assert ["lightest", "design", "between", "the", "values", "of", "the", "grid"] in lines
+    assert ["areal", "density", "54.23", "kg/m²"] in lines
 
 
 def test_json_is_the_same_as_from_python(cli, small: Path):
+    from armour.design.optimise import optimise
+
     data = json.loads(cli("optimise", small, "--json").stdout)
     assert data == json.loads(json.dumps(optimise(load_scenario(small)).to_dict()))
     thicknesses = {"ceramic_thickness_mm", "backing_thickness_mm", "areal_density_kg_m2"}
-    assert thicknesses | {"ballistic_limit_m_s"} == set(data["best"])
-    assert all(set(row) == thicknesses for row in data["frontier"])
+    assert thicknesses | {"ballistic_limit_m_s"} <= set(data["best"])
+    assert all(thicknesses <= set(row) for row in data["frontier"])
     assert "refined" not in data
     assert "refined" in json.loads(cli("optimise", small, "--json", "--refine").stdout)
 
 
-def test_the_full_grid_agrees(cli, small: Path):
-    quick = json.loads(cli("optimise", small, "--json").stdout)
-    full = json.loads(cli("optimise", small, "--json", "--full-grid").stdout)
-    assert full["runs"] == 4 * 13
-    assert quick["runs"] < full["runs"]
-    assert (quick["best"], quick["frontier"]) == (full["best"], full["frontier"])
-
-
 def test_csv_and_plot(cli, small: Path, folder: Path):
-    result = cli("optimise", small, "--csv", "f.csv", "--plot", "f.pdf")
+    result = cli("optimise", small, "-o", "f.csv", "--plot", "f.pdf")
     assert result.stderr.splitlines() == ["wrote f.csv", "wrote f.pdf"]
     lines = (folder / "f.csv").read_text().splitlines()
-    assert lines[0] == "ceramic_thickness_mm,backing_thickness_mm,areal_density_kg_m2"
+    assert lines[0].startswith("ceramic_thickness_mm,backing_thickness_mm,areal_density_kg_m2")
     assert len(lines) == 5
 
 
@@ -70,21 +65,6 @@ def test_a_scenario_without_a_grid(cli, folder: Path):
     assert line.startswith(f"{path}: optimise: is missing")
 
 
-def test_an_interrupted_search_keeps_what_it_has(cli, small: Path, folder: Path, monkeypatch: pytest.MonkeyPatch):
-    module = sys.modules["armour.design.optimisation"]
-    columns = module.frontier_columns
-
-    def interrupted(*args, **kwargs):
-        for count, column in enumerate(columns(*args, **kwargs)):
-            if count == 2:
-                raise KeyboardInterrupt
-            yield column
-
-    monkeypatch.setattr(module, "frontier_columns", interrupted)
-    assert cli.fails(130, "optimise", small, "--csv", "f.csv") == ["wrote f.csv", "interrupted"]
-    assert len((folder / "f.csv").read_text().splitlines()) == 3
-
-
 def test_a_design_outside_the_data_is_warned_of(cli, folder: Path):
     text = (SCENARIOS / "paper" / "optimum_7.62mm_AP.toml").read_text()
     path = folder / "slow.toml"
@@ -97,10 +77,11 @@ def test_a_design_outside_the_data_is_warned_of(cli, folder: Path):
 
 
 def test_a_catalogue_and_threats(cli, folder: Path):
-    result = cli("optimise", SCENARIOS / "catalogue.toml", "--csv", "front.csv", "--plot", "study.svg")
+    result = cli("optimise", CATALOGUE, "--csv", "front.csv", "--plot", "study.svg")
     assert result.exit_code == 0
     words = [line.split() for line in result.stdout.splitlines()]
-    assert ["ceramic", "5", "mm", "Al-N"] in words
+    assert ["ceramic", "Al-N"] in words
+    assert ["ceramic", "thickness", "5", "mm"] in words
     assert any(line[-1:] == ["governs"] for line in words)
     assert any(line[-2:] == ["%", "heavier"] for line in words)
     assert (folder / "front.csv").read_text().startswith("ceramic,backing,ceramic_thickness_mm")
@@ -108,13 +89,8 @@ def test_a_catalogue_and_threats(cli, folder: Path):
 
 
 def test_a_catalogue_as_json(cli):
-    data = json.loads(cli("optimise", SCENARIOS / "catalogue.toml", "--json").stdout)
+    data = json.loads(cli("optimise", CATALOGUE, "--json").stdout)
     for design in (data["best"], *data["frontier"]):
         assert {"ceramic_thickness_mm", "backing_thickness_mm", "areal_density_kg_m2"} <= design.keys()
     assert data["best"]["ballistic_limit_m_s"] >= 850.0
     assert data["examined"] <= data["designs"] == 282
-
-
-def test_a_catalogue_has_no_grid_to_refine(cli):
-    told = cli.fails(2, "optimise", SCENARIOS / "catalogue.toml", "--refine")
-    assert told[0].startswith("optimise: --full-grid, --refine: searches the grid of a scenario without threats")

@@ -1,5 +1,7 @@
 """The installed command as a process of its own."""
 
+import os
+import shlex
 import subprocess
 import sys
 import zipfile
@@ -27,12 +29,21 @@ def test_python_m(tmp_path: Path):
     assert result.stdout == f"armour {__version__}, model {MODEL_VERSION}\n"
 
 
+# Imported by no command but those that answer these questions.
+OTHERS = [
+    "armour.statistics.calibration",
+    "armour.validation.validate",
+    "armour.design.optimise",
+    "armour.sweeps.sweep",
+]
+
+
 @pytest.mark.parametrize(
     ("args", "not_needed"),
     [
         (["--help"], HEAVY + READING),
-        (["simulate", SCENARIOS / "wilkins.toml"], HEAVY),
-        (["library"], HEAVY),
+        (["simulate", SCENARIOS / "wilkins.toml"], HEAVY + OTHERS),
+        (["library"], HEAVY + OTHERS),
     ],
 )
 def test_nothing_is_imported_before_it_is_needed(args: list[object], not_needed: list[str]):
@@ -49,10 +60,50 @@ print([name for name in {not_needed!r} if name in sys.modules], file=sys.stderr)
     assert process("-c", code).stderr == "[]\n"
 
 
-def test_a_reader_that_goes_away_is_no_error():
-    command = f"{sys.executable} -m armour library | head -n 1; exit ${{PIPESTATUS[0]}}"
-    result = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
-    assert result.stderr == ""
+def piped(args: str, cwd: Path) -> tuple[int, str, str]:
+    """Exit code, output and messages of a command whose reader takes one line and goes."""
+    # The reader waits for the first block, so that the command finds the pipe closed at the next one.
+    reader = f"{sys.executable} -c 'import sys; print(sys.stdin.readline(), end=str())'"
+    command = f"{sys.executable} -u -m armour {args} | {reader}; exit ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False, cwd=cwd)
+    return done.returncode, done.stdout, done.stderr
+
+
+def closed(args: str, cwd: Path) -> tuple[int, str]:
+    """Exit code and messages of a command whose standard output is a pipe that nobody reads."""
+    read, written = os.pipe()
+    os.close(read)
+    command = [sys.executable, "-m", "armour", *shlex.split(args)]
+    done = subprocess.run(command, stdout=written, stderr=subprocess.PIPE, text=True, check=False, cwd=cwd)
+    os.close(written)
+    return done.returncode, done.stderr
+
+
+def test_a_reader_that_goes_away_costs_no_file_and_no_warning(tmp_path: Path):
+    plate = SCENARIOS / "bare_plate.toml"
+    code, messages = closed(f"simulate {plate} --history h.csv --plot p.svg", tmp_path)
+    assert code == 0
+    assert messages.splitlines()[:2] == ["wrote h.csv", "wrote p.svg"]
+    assert [line.startswith("warning: ") for line in messages.splitlines()[2:]] == [True] * 3
+    assert (tmp_path / "p.svg").exists()
+
+
+@pytest.mark.parametrize(
+    "args", ["library", "schema", "init --list", "library show AD85 --json", "validate --only 'table 3'"]
+)
+def test_a_closed_pipe_is_no_error(args: str, tmp_path: Path):
+    assert closed(args, tmp_path) == (0, "")
+
+
+def test_one_line_of_a_pipe(tmp_path: Path):
+    code, output, messages = piped(f"simulate {SCENARIOS / 'wilkins.toml'}", tmp_path)
+    assert (code, output, messages) == (0, "6.35 mm AD85 on 6.35 mm 6061-T6, 7.62 mm AP\n", "")
+
+
+def test_a_failed_check_is_told_through_a_closed_pipe(tmp_path: Path):
+    assert closed(
+        "validate --only 'table 3' --set impact.velocity_m_s=500 --set model.shear_perimeter=projectile", tmp_path
+    ) == (3, "")
 
 
 def test_the_wheel_ships_configs_and_scenarios(tmp_path: Path):

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from armour.analysis import quantities
+from armour.cli.sweep import QUANTITIES
 from tests.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
@@ -65,6 +67,10 @@ def test_what_is_wrong(cli, args: list[str], message: str):
     [line] = cli.fails(2, "sweep", WILKINS, *args, "-o", "t.csv")
     assert line.startswith(message)
     assert not Path("t.csv").exists()
+
+
+def test_the_help_lists_every_quantity():
+    assert tuple(quantities.QUANTITIES) == QUANTITIES
 
 
 def test_a_table_that_is_there_is_not_written_over(cli, folder: Path):

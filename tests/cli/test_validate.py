@@ -5,6 +5,7 @@ from xml.etree import ElementTree
 import pytest
 
 from armour.errors import ArmourError
+from armour.validation import validate
 from tests.cases import SCENARIOS
 
 SUITE = f"""# mine
@@ -145,16 +146,14 @@ def test_a_suite_that_is_not_there(cli):
 
 
 def test_interrupted_it_shows_what_it_has(cli, suite: Path, monkeypatch: pytest.MonkeyPatch):
-    import armour.validation.validate
+    check = validate.check
 
-    check = armour.validation.validate.check
-
-    def interrupted(case, answers):
+    def interrupted(case, known):
         if case.name == "speed":
             raise KeyboardInterrupt
-        return check(case, answers)
+        return check(case, known)
 
-    monkeypatch.setattr(armour.validation, "check", interrupted)
+    monkeypatch.setattr(validate, "check", interrupted)
     result = cli("validate", suite)
     assert result.exit_code == 130
     assert "1 of 1 within their bands" in result.stdout

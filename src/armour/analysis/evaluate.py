@@ -5,7 +5,6 @@ designs use it or the `Variants` that it is made of.  Policy: a question without
 an outcome); a run that does not end is wrong input, and the error names the key at fault.
 """
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -13,8 +12,8 @@ import numpy as np
 
 from armour.analysis.quantities import QUANTITIES, Answers
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
-from armour.errors import InputError, Problem
-from armour.scenario.loading import Scenario, changed
+from armour.scenario.assignments import changes_of_values
+from armour.scenario.loading import Scenario
 from armour.scenario.parameters import INPUTS, check_ranges
 
 
@@ -75,7 +74,7 @@ def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:
     groups = []
     for index, row in enumerate(first):
         where = np.flatnonzero(which.reshape(-1) == index)
-        made = scenario.replaced(_changes(dict(zip(others, table[row].tolist(), strict=True))))
+        made = scenario.replaced(changes_of_values(dict(zip(others, table[row].tolist(), strict=True))))
         own = {key: values[where] for key, values in inputs.items()}
         groups.append(Group(where, variants_of(made, own, len(where))))
     return groups
@@ -86,23 +85,3 @@ def evaluate_groups(groups: Sequence[Group], quantities: Sequence[str], threads:
     answers = [Answers(group.variants, threads) for group in groups]
     order = np.argsort(np.concatenate([group.where for group in groups]), kind="stable")
     return {name: np.concatenate([QUANTITIES[name].column(answer) for answer in answers])[order] for name in quantities}
-
-
-def _changes(values: Mapping[str, float]) -> dict[str, Any]:
-    """Changes of a scenario, as tables within tables, from values by TOML key.
-
-    Raises
-    ------
-    InputError
-        With every key that is not one.
-    """
-    changes: dict[str, Any] = {}
-    problems = []
-    for key, value in values.items():
-        try:
-            changes = changed(changes, tomllib.loads(f"{key} = {float(value)!r}"))
-        except tomllib.TOMLDecodeError:
-            problems.append(Problem("sweep", key, "must be a key of the scenario"))
-    if problems:
-        raise InputError(problems)
-    return changes

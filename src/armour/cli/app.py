@@ -1,4 +1,4 @@
-"""The commands together."""
+"""The commands of the program, with examples."""
 
 from collections.abc import Callable
 from typing import Annotated
@@ -23,7 +23,8 @@ from armour.cli import (
     v50,
     validate,
 )
-from armour.cli.runner import Reporting
+from armour.cli.options import flag
+from armour.cli.runner import Command, Reporting
 
 app = typer.Typer(
     cls=Reporting,
@@ -42,20 +43,17 @@ def _version(asked: bool) -> None:
 
 @app.callback()
 def _armour(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
-    ] = False,
+    version: Annotated[bool, flag("--version", "Show the version.", callback=_version, is_eager=True)] = False,
 ) -> None:
-    """Tell whether a ceramic/metal armour stops a projectile, up to which velocity, and which is the lightest to do so.
+    """Predict whether a ceramic/metal light armour stops a projectile, and find the lightest that does.
 
-    Exit codes: 0 done; 1 the question has no answer in the range given; 2 the input is wrong;
-    3 a check failed.
+    Exit codes: 0 done; 1 the question has no answer in the range given; 2 the input is wrong; 3 a check failed.
     """
 
 
 W, P = "scenarios/wilkins.toml", "scenarios/paper"
 
-# Each command with examples of its use, which the tests run.
+# Each command with examples, which the tests run.
 COMMANDS: dict[str, tuple[Callable[..., None], tuple[str, ...]]] = {
     "simulate": (
         simulate.simulate,
@@ -94,5 +92,7 @@ COMMANDS: dict[str, tuple[Callable[..., None], tuple[str, ...]]] = {
     "schema": (schema.schema, ("armour schema",)),
 }
 for _name, (_command, _examples) in COMMANDS.items():
-    app.command(_name, epilog="\n\n".join(("Examples:", *(f"`{example}`" for example in _examples))))(_command)
+    app.command(_name, cls=Command, epilog="\n\n".join(("Examples:", *(f"`{example}`" for example in _examples))))(
+        _command
+    )
 app.add_typer(library.app, name="library")

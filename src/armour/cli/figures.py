@@ -1,57 +1,56 @@
 """``armour figures``."""
 
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
-from armour.cli.runner import check_outputs, counting, tell_of_compiling, write, write_plot
+from armour.cli.console import progress
+from armour.cli.runner import check_outputs, say_if_compiling, write
 from armour.errors import InputError, Problem
-
-
-class Format(StrEnum):
-    """Formats of the figures."""
-
-    PNG = "png"
-    SVG = "svg"
 
 
 def figures(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to draw to.", show_default=False)],
     only: Annotated[
-        str, typer.Option(metavar="TEXT", help="Only figures whose name holds the text.", show_default=False)
+        str, typer.Option(metavar="TEXT", help="Draw only figures whose name contains the text.", show_default=False)
     ] = "",
-    image: Annotated[Format, typer.Option("--format", help="Format of the figures.")] = Format.PNG,
+    image: Annotated[Literal["png", "svg"], typer.Option("--format", help="Format of the figures.")] = "png",
 ) -> None:
-    """Draw the paper's figs. 3 to 14 and the parity of its table 3, each with its curves as CSV."""
-    from armour.reporting.plots import chart_figure, parity_figure
-    from armour.reporting.tables import chart_csv, parity_csv
+    """Draw the paper's figures.
+
+    These are figs. 3 to 14 and the parity of table 3; the curves of each are written as CSV beside it.
+    """
+    from armour.reporting import plots
+    from armour.reporting.table import csv_text
+    from armour.reporting.tables.validation import figure_table, parity_table
     from armour.validation.figures import PARITY, charts, paper_figures, parity_of_table_3, read_figures
 
     path = paper_figures()
-    chosen = [section for section in read_figures(path) if only in section.name]
+    sections = read_figures(path)
+    chosen = [section for section in sections if only in section.name]
     parity = only in PARITY
     if not chosen and not parity:
-        known = ", ".join([*(section.name for section in read_figures(path)), PARITY])
+        known = ", ".join([*(section.name for section in sections), PARITY])
         raise InputError([Problem("figures", "--only", f'must be part of a name, found "{only}"; there are {known}')])
     _make(folder)
-    tell_of_compiling()
+    say_if_compiling()
     total = len(chosen) + parity
-    with counting("figures") as show:
+    # Each figure is written as soon as it is computed: all of them take a while.
+    with progress("figures") as count:
         for chart in charts(chosen, path.parent):
-            write(folder / f"{chart.name}.csv", chart_csv(chart))
-            write_plot(folder / f"{chart.name}.{image}", chart_figure(chart))
-            show(total)
+            write(folder / f"{chart.name}.csv", csv_text(figure_table(chart)))
+            write(folder / f"{chart.name}.{image}", plots.rendered(plots.chart_figure(chart), f".{image}"))
+            count(total)
         if parity:
             result = parity_of_table_3()
-            write(folder / f"{PARITY}.csv", parity_csv(result))
-            write_plot(folder / f"{PARITY}.{image}", parity_figure(result))
-            show(total)
+            write(folder / f"{PARITY}.csv", csv_text(parity_table(result)))
+            write(folder / f"{PARITY}.{image}", plots.rendered(plots.parity_figure(result), f".{image}"))
+            count(total)
 
 
 def _make(folder: Path) -> None:
-    """Make the folder, and be sure that it can be written to."""
+    """Make the folder, and check that it can be written to."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:

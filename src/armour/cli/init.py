@@ -1,11 +1,12 @@
 """``armour init``."""
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from armour.cli.console import say, show
+from armour.cli.options import flag
 from armour.cli.runner import check_outputs, write
 from armour.errors import InputError, Problem, suggestion
 from armour.files import shipped
@@ -14,21 +15,20 @@ TEMPLATE = "template"
 
 
 def init(
-    file: Annotated[Path, typer.Argument(metavar="[FILE]", help="Where to write the scenario.")] = Path(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write the scenario to.")] = Path(
         "scenario.toml"
     ),
     source: Annotated[
-        str,
-        typer.Option("--from", metavar="NAME", help="Copy a shipped scenario.", show_default=False),
+        str, typer.Option("--from", metavar="NAME", help="Copy a shipped scenario.", show_default=False)
     ] = TEMPLATE,
-    names: Annotated[bool, typer.Option("--list", help="List the shipped scenarios.", show_default=False)] = False,
-    force: Annotated[bool, typer.Option("--force", help="Write over an existing file.", show_default=False)] = False,
+    names: Annotated[bool, flag("--list", "List the shipped scenarios.")] = False,
+    force: Annotated[bool, flag("--force", "Replace an existing file.")] = False,
 ) -> None:
-    """Write a commented scenario to start from, or a copy of a shipped one."""
+    """Write a scenario to start from."""
     folder = shipped("scenarios")
     known = {path.relative_to(folder).with_suffix("").as_posix(): path for path in sorted(folder.rglob("*.toml"))}
     if names:
-        print("\n".join(known))
+        show(*known)
         return
     if source not in known:
         hint = suggestion(source, list(known)) or f"; there are {', '.join(known)}"
@@ -38,4 +38,4 @@ def init(
     if file.exists() and not force:
         raise InputError([Problem(str(file), "", "exists already; choose another name, or --force")])
     write(file, known[source].read_bytes())
-    print(f"next: armour simulate {file}", file=sys.stderr)
+    say(f"next: armour simulate {file}")

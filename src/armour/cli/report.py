@@ -6,7 +6,9 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.runner import Changes, changes_of, check_outputs, counting, read_scenario, tell_of_compiling, write
+from armour.cli.console import progress
+from armour.cli.options import Changes
+from armour.cli.runner import check_outputs, read_scenario, say_if_compiling, write
 from armour.errors import InputError
 
 
@@ -19,28 +21,41 @@ def report(
     ),
     changes: Changes = None,
 ) -> None:
-    """Write a report to hand over: the answer, charts, how sure it is and where it comes from, in one HTML file."""
-    from armour.files import read_toml, wrong_ending
-    from armour.reporting.html import scenario_markdown, scenario_page, suite_page
-    from armour.reporting.markdown import suite_markdown
+    """Write a report.
 
-    check_outputs(output, source=source)
+    It is one file: the answer, its uncertainty, charts (in HTML) and the sources of all values.
+    """
+    from armour.files import read_toml, wrong_ending
+
+    check_outputs(output, reads=[source])
     if problems := wrong_ending(output, (".html", ".md")):
         raise InputError(problems)
-    as_markdown = output.suffix.lower() == ".md"
     options = [word for change in changes or () for word in ("--set", change)]
     command = shlex.join(["armour", "report", str(source), "--output", str(output), *options])
-    tell_of_compiling()
-    if str(source) != "-" and {"case", "table"} & read_toml(source).keys():
-        from armour.validation.suite import load_suite
-        from armour.validation.validate import validate
+    is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
+    page = _suite_page if is_suite else _scenario_page
+    write(output, page(source, changes or [], command, as_markdown=output.suffix.lower() == ".md"))
 
-        with counting("cases") as show:
-            result = validate(load_suite(source, changes_of(changes or ())), on_check=lambda _check, total: show(total))
-        page = suite_markdown(result) if as_markdown else suite_page(result, command)
-    else:
-        from armour.reporting.contents import contents_of
 
-        contents = contents_of(read_scenario(source, changes))
-        page = scenario_markdown(contents, command) if as_markdown else scenario_page(contents, command)
-    write(output, page)
+def _scenario_page(source: Path, changes: list[str], command: str, *, as_markdown: bool) -> str:
+    from armour.reporting.contents import contents_of
+    from armour.reporting.html import scenario_markdown, scenario_page
+
+    loaded = read_scenario(source, changes)
+    say_if_compiling()
+    contents = contents_of(loaded)
+    return scenario_markdown(contents, command) if as_markdown else scenario_page(contents, command)
+
+
+def _suite_page(source: Path, changes: list[str], command: str, *, as_markdown: bool) -> str:
+    from armour.reporting.html import suite_page
+    from armour.reporting.markdown import suite_markdown
+    from armour.scenario.assignments import changes_of
+    from armour.validation.suite import load_suite
+    from armour.validation.validate import validate
+
+    suite = load_suite(source, changes_of(changes))
+    say_if_compiling()
+    with progress("cases") as count:
+        result = validate(suite, on_check=lambda _check, total: count(total))
+    return suite_markdown(result) if as_markdown else suite_page(result, command)

@@ -1,10 +1,13 @@
 """``armour schema``."""
 
-from armour.cli.runner import print_json
+from armour.cli.console import show_json
 
 
 def schema() -> None:
-    """Print the JSON Schema of the scenario, by which editors complete and check it."""
+    """Print the JSON Schema of a scenario.
+
+    Editors complete and check scenario files with it.
+    """
     from armour.scenario.loading import scenario_schema
 
-    print_json(scenario_schema())
+    show_json(scenario_schema())

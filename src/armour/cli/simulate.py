@@ -5,20 +5,8 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.runner import (
-    AsJson,
-    Changes,
-    PlotFile,
-    ScenarioFile,
-    check_outputs,
-    print_json,
-    print_quantities,
-    print_table,
-    read_scenario,
-    warn,
-    write,
-    write_plot,
-)
+from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, output
+from armour.cli.runner import Answer, read_scenario, run, warnings_of
 
 
 def simulate(
@@ -27,32 +15,27 @@ def simulate(
         float | None,
         typer.Option(help="Impact velocity in place of the scenario's, m/s.", show_default=False),
     ] = None,
-    history: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Write the run over time to a CSV file.", show_default=False),
-    ] = None,
+    history: Annotated[Path | None, output("--history", "Write the run over time as CSV.")] = None,
     plot: PlotFile = None,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
-    """Run one impact: outcome, what is left of the projectile, and the stages passed through."""
-    from armour.analysis.impact import simulate as run_simulation
-    from armour.reporting.tables import STAGE_COLUMNS, history_csv, impact_rows, stage_rows
+    """Simulate one impact."""
+    from armour.analysis.impact import simulate as find
+    from armour.reporting.table import csv_text
+    from armour.reporting.tables.impact import history_table, impact_tables
 
-    check_outputs(history, plot=plot, source=scenario)
-    more = {} if velocity is None else {"impact.velocity_m_s": velocity}
-    loaded = read_scenario(scenario, changes, more)
-    result = run_simulation(loaded, history=history is not None or plot is not None)
-    if as_json:
-        print_json(result.to_dict())
-    else:
-        print_quantities(loaded.title, impact_rows(result))
-        print()
-        print_table(STAGE_COLUMNS, stage_rows(result), numbers=(2, 3, 4, 5, 6))
-    warn(loaded, result.warnings)
-    if history is not None and result.history is not None:
-        write(history, history_csv(result.history))
-    if plot is not None:
-        from armour.reporting.plots import impact_figure
+    def answer() -> Answer:
+        more = {} if velocity is None else {"impact.velocity_m_s": velocity}
+        loaded = read_scenario(scenario, changes, more)
+        result = find(loaded, history=history is not None or plot is not None)
+        return Answer(
+            data=result.to_dict,
+            tables=lambda: impact_tables(result),
+            title=loaded.title,
+            files=[lambda: None if result.history is None else csv_text(history_table(result.history))],
+            chart=lambda plots: plots.impact_figure(result, loaded.title),
+            warnings=warnings_of(loaded, result.warnings),
+        )
 
-        write_plot(plot, impact_figure(result, loaded.title))
+    run(answer, reads=[scenario], writes=[history], plot=plot, as_json=as_json)

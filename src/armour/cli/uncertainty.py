@@ -4,51 +4,34 @@ from typing import Annotated
 
 import typer
 
-from armour.cli.runner import (
-    AsJson,
-    Changes,
-    PlotFile,
-    ScenarioFile,
-    check_outputs,
-    print_json,
-    print_quantities,
-    print_table,
-    read_scenario,
-    tell_of_compiling,
-    warn,
-    write_plot,
-)
+from armour.cli.options import AsJson, Changes, OnlyPlotFile, ScenarioFile
+from armour.cli.runner import Answer, read_scenario, run, say_if_compiling, warnings_of
 
 
 def uncertainty(
     scenario: ScenarioFile,
     samples: Annotated[
-        int | None, typer.Option(min=1, help="Take the place of the scenario's.", show_default=False)
+        int | None,
+        typer.Option(min=1, help="Number of samples in place of the scenario's.", show_default=False),
     ] = None,
-    plot: PlotFile = None,
+    plot: OnlyPlotFile = None,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
-    """Tell how sure the outcome and the ballistic limit are, under the scenario's distributions of inputs."""
-    from armour.reporting.tables import ESTIMATE_COLUMNS, INDEX_COLUMNS, estimate_rows, index_rows, uncertainty_rows
+    """Propagate input uncertainty to the outcome and the ballistic limit."""
+    from armour.reporting.tables.statistics import uncertainty_tables
     from armour.statistics.uncertainty import uncertainty as propagate
 
-    check_outputs(plot=plot, source=scenario)
-    loaded = read_scenario(scenario, changes, {} if samples is None else {"uncertainty.samples": samples})
-    tell_of_compiling()
-    result = propagate(loaded)
-    if as_json:
-        print_json(result.to_dict())
-    else:
-        print_quantities(loaded.title, uncertainty_rows(result))
-        print()
-        print_table(ESTIMATE_COLUMNS, estimate_rows(result), numbers=(1,))
-        print()
-        print_table(INDEX_COLUMNS, index_rows(result), numbers=(1, 3, 5, 6))
-        if loaded.uncertainty is not None and loaded.uncertainty.correlation:
-            print("Sobol' indices are not defined for correlated inputs")
-    warn(loaded, result.warnings)
-    if plot is not None:
-        from armour.reporting.plots import uncertainty_figure
+    def answer() -> Answer:
+        loaded = read_scenario(scenario, changes, {} if samples is None else {"uncertainty.samples": samples})
+        say_if_compiling()
+        result = propagate(loaded)
+        return Answer(
+            data=result.to_dict,
+            tables=lambda: uncertainty_tables(result),
+            title=loaded.title,
+            chart=lambda plots: plots.uncertainty_figure(result, loaded),
+            warnings=warnings_of(loaded, result.warnings),
+        )
 
-        write_plot(plot, uncertainty_figure(result, loaded))
+    run(answer, reads=[scenario], plot=plot, as_json=as_json)

@@ -1,25 +1,18 @@
 """``armour validate``."""
 
-import sys
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from armour.cli.runner import (
-    CHECK_FAILED,
-    AsJson,
-    changes_of,
-    check_outputs,
-    counting,
-    print_json,
-    print_table,
-    tell_of_compiling,
-    write,
-)
+from armour.cli.console import progress, say, show
+from armour.cli.options import AsJson, flag, output
+from armour.cli.runner import CHECK_FAILED, Answer, run, say_if_compiling
 from armour.errors import InputError, Problem
 
 if TYPE_CHECKING:
+    from armour.reporting.table import Table
     from armour.validation.suite import Suite
     from armour.validation.validate import Check, SuiteResult
 
@@ -27,56 +20,64 @@ if TYPE_CHECKING:
 def validate(
     suite: Annotated[
         Path | None,
-        typer.Argument(metavar="[SUITE]", help="Suite file (TOML); left out: what the paper publishes."),
+        typer.Argument(
+            metavar="SUITE", help="Suite file (TOML); by default what the paper publishes.", show_default=False
+        ),
     ] = None,
     only: Annotated[
-        str, typer.Option(metavar="TEXT", help="Only cases whose name holds the text.", show_default=False)
+        str, typer.Option(metavar="TEXT", help="Check only cases whose name contains the text.", show_default=False)
     ] = "",
     changes: Annotated[
         list[str] | None,
         typer.Option(
             "--set",
             metavar="KEY=VALUE",
-            help="Another value in every scenario, such as [bold]model.shear_perimeter=projectile[/].",
+            help="Change a value of every scenario, such as model.shear_perimeter=projectile; may be given several "
+            "times.",
             show_default=False,
         ),
     ] = None,
-    update: Annotated[
-        bool,
-        typer.Option("--update", help="Show, then write the computed values into the suite.", show_default=False),
-    ] = False,
-    markdown: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write the outcome as Markdown.", show_default=False)
-    ] = None,
+    update: Annotated[bool, flag("--update", "List the computed values and write them into the suite.")] = False,
+    markdown: Annotated[Path | None, output("--markdown", "Write the result as Markdown.")] = None,
     junit: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write the outcome as JUnit's XML.", show_default=False)
+        Path | None, typer.Option(metavar="FILE", help="Write the result as JUnit XML.", show_default=False)
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Hold a suite of cases, or what the paper publishes, against the model; exit code 3 where a band is left."""
+    """Check the model against a suite of cases.
+
+    Exits with 3 where a value lies outside its band.
+    """
+    from armour.reporting.junit import suite_junit
+    from armour.reporting.markdown import suite_markdown
+    from armour.scenario.assignments import changes_of
     from armour.validation.suite import load_suite
     from armour.validation.validate import paper_suite
 
-    check_outputs(suite if update else None)
-    check_outputs(markdown, junit, source=suite)
     if update:
         _check_update(suite, changes)
-    chosen = load_suite(suite or paper_suite(), changes_of(changes or ()))
-    tell_of_compiling()
-    result = _computed(chosen.only(only), quiet=as_json)
-    if as_json:
-        print_json(result.to_dict())
-    else:
-        _print(result)
-    _write(result, markdown, junit)
-    if update and suite is not None:
-        _update(suite, result)
-    elif not result.passed:
-        raise typer.Exit(CHECK_FAILED)
+
+    def answer() -> Answer:
+        chosen = load_suite(suite or paper_suite(), changes_of(changes or ())).only(only)
+        say_if_compiling()
+        result = _computed(chosen, quiet=as_json)
+        return Answer(
+            data=result.to_dict,
+            tables=lambda: _tables(result),
+            files=[
+                lambda: suite_markdown(result),
+                lambda: suite_junit(result),
+                lambda: _updated(chosen.file, result),
+            ],
+            exit_code=0 if result.passed or update else CHECK_FAILED,
+        )
+
+    updated = suite if update else None
+    run(answer, reads=[] if update else [suite], writes=[markdown, junit, updated], as_json=as_json)
 
 
-def _check_update(suite: Path | None, changes: Any) -> None:
-    """Refuse an update that would write what nobody published, or what only holds with other values."""
+def _check_update(suite: Path | None, changes: Sequence[str] | None) -> None:
+    """Refuse an update of what the paper publishes, and one that holds only with other values."""
     problems = []
     if suite is None:
         problems.append(Problem("validate", "--update", "must be given a suite; what is published stays"))
@@ -89,69 +90,40 @@ def _check_update(suite: Path | None, changes: Any) -> None:
 
 
 def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":
-    """The outcome; interrupted, what there is of it is printed first."""
+    """Compute the cases; where this is interrupted, show those that are done."""
     from armour.validation.validate import result_of
     from armour.validation.validate import validate as run_suite
 
     done: list[Check] = []
     try:
-        with counting("cases") as show:
+        with progress("cases") as count:
 
             def on_check(check: "Check", total: int) -> None:
                 done.append(check)
-                show(total)
+                count(total)
 
             return run_suite(suite, on_check=on_check)
     except KeyboardInterrupt:
         if done and not quiet:
-            _print(result_of(suite, done))
+            show(*_tables(result_of(suite, done)))
         raise
 
 
-def _print(result: "SuiteResult") -> None:
-    from armour.reporting.tables import (
-        CHECK_COLUMNS,
-        ERROR_COLUMNS,
-        SUMMARY_COLUMNS,
-        check_groups,
-        check_rows,
-        error_rows,
-        note_rows,
-        summary_rows,
-        verdict,
-    )
+def _tables(result: "SuiteResult") -> "list[Table | str]":
+    from armour.reporting.tables.validation import note_rows, suite_tables, verdict
 
-    for name, checks in check_groups(result):
-        print(f"{name}:")
-        print_table(CHECK_COLUMNS, check_rows(checks), numbers=(2, 3, 4, 5, 6))
-        print()
-    if result.summaries:
-        print_table(SUMMARY_COLUMNS, summary_rows(result), numbers=(1, 3, 4, 5, 6))
-        print()
-    if result.errors:
-        print_table(ERROR_COLUMNS, error_rows(result), numbers=(2, 3, 4))
-        print()
-    for name, note in note_rows([check for check in result.checks if check.status != "within"]):
-        print(f"{name}: {note}")
-    print(verdict(result))
+    notes = note_rows([check for check in result.checks if check.status != "within"])
+    return [*suite_tables(result), "", *(f"{name}: {note}" for name, note in notes), verdict(result)]
 
 
-def _write(result: "SuiteResult", markdown: Path | None, junit: Path | None) -> None:
-    from armour.reporting.markdown import suite_junit, suite_markdown
-
-    if markdown is not None:
-        write(markdown, suite_markdown(result))
-    if junit is not None:
-        write(junit, suite_junit(result))
-
-
-def _update(suite: Path, result: "SuiteResult") -> None:
-    from armour.reporting.tables import UPDATE_COLUMNS, update_rows
-    from armour.validation.validate import updated_text, updates_of
+def _updated(suite: Path, result: "SuiteResult") -> str | None:
+    """Return the suite with computed values, which are listed on standard error; None where nothing changes."""
+    from armour.reporting.tables.validation import update_table
+    from armour.validation.update import updated_text, updates_of
 
     updates = updates_of(result)
     if not updates:
-        print("every expected value is the computed one", file=sys.stderr)
-        return
-    print_table(UPDATE_COLUMNS, update_rows(updates), numbers=(1, 2), stderr=True)
-    write(suite, updated_text(suite.read_text(encoding="utf-8"), updates))
+        say("every expected value is the computed one")
+        return None
+    show(update_table(updates), stderr=True)
+    return updated_text(suite.read_text(encoding="utf-8"), updates)

@@ -1,0 +1,33 @@
+"""The outcome of a suite as JUnit's XML, for CI."""
+
+from xml.etree import ElementTree
+
+from armour.reporting.text import printable
+from armour.validation.validate import FAILED, Status, SuiteResult
+
+
+def suite_junit(result: SuiteResult) -> bytes:
+    """Format the outcome of a suite: a test case for every case, and for every table that is held to a band."""
+    suite = ElementTree.Element("testsuite", name=printable(result.title or result.file))
+    for check in result.checks:
+        message = check.message or check.case.not_scored
+        if check.status == "outside":
+            message = f"expected {check.case.expected}, computed {check.computed}, band {check.case.band}"
+        _add(suite, check.case.group or "cases", check.case.name, check.status, message)
+    for summary in result.summaries:
+        if summary.status != "not scored":
+            message = f"RMS {summary.rms} {summary.unit}, band {summary.rms_band}"
+            _add(suite, summary.name, "RMS", summary.status, message)
+    suite.set("tests", str(len(suite)))
+    suite.set("failures", str(len(suite.findall("testcase/failure"))))
+    suite.set("skipped", str(len(suite.findall("testcase/skipped"))))
+    ElementTree.indent(suite)
+    return bytes(ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True))
+
+
+def _add(suite: ElementTree.Element, group: str, name: str, status: Status, message: str) -> None:
+    case = ElementTree.SubElement(suite, "testcase", classname=printable(group), name=printable(name))
+    if status in FAILED:
+        ElementTree.SubElement(case, "failure", message=printable(message))
+    elif status == "not scored":
+        ElementTree.SubElement(case, "skipped", message=printable(message))

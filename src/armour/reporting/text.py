@@ -1,0 +1,24 @@
+"""Texts: intervals in words, and text from files made safe for terminals and XML."""
+
+import unicodedata
+
+
+def printable(text: str) -> str:
+    """Escape control characters, line ends among them, so that a text from a file is shown and not obeyed."""
+    return text if text.isprintable() else "".join(_shown(character) for character in text)
+
+
+def _shown(character: str) -> str:
+    # Categories C: control, format, surrogate, private and unassigned; Zl and Zp: separators of lines and paragraphs.
+    category = unicodedata.category(character)
+    hidden = category.startswith("C") or category in ("Zl", "Zp")
+    return character.encode("unicode_escape").decode("ascii") if hidden else character
+
+
+def interval(low: float | None, high: float | None, spec: str) -> str:
+    """Format an interval; an end that is None is not bounded."""
+    if low is None and high is None:
+        return "not bounded"
+    if low is None:
+        return f"up to {high:{spec}}"
+    return f"from {low:{spec}}" if high is None else f"{low:{spec}} to {high:{spec}}"

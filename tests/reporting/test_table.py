@@ -1,0 +1,50 @@
+import csv
+from io import StringIO
+
+import pytest
+
+from armour.reporting.table import Column, Table, csv_text, record
+
+LENGTH = Column("length", "mm", ".2f", key="length_mm")
+NAME = Column("name", key="name")
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "text"),
+    [
+        (LENGTH, 1.005, "1.00"),
+        (LENGTH, 3, "3.00"),
+        (LENGTH, None, ""),
+        (LENGTH, "not identified", "not identified"),
+        (Column("runs", spec=",d"), 12345, "12,345"),
+        (NAME, "AD85", "AD85"),
+        (NAME, "", ""),
+    ],
+)
+def test_a_value_is_formatted_by_its_column(column: Column, value: float | str | None, text: str):
+    assert column.text(value) == text
+
+
+def test_heading_and_alignment_follow_from_the_column():
+    table = Table((NAME, LENGTH, Column("ratio", spec="g")), (("a", 1.0, 0.5), ("b", None, 2.0)))
+    assert table.headings() == ["name", "length, mm", "ratio"]
+    assert table.alignments() == ["left", "right", "right"]
+    assert table.texts() == [["a", "1.00", "0.5"], ["b", "", "2"]]
+
+
+def test_a_row_has_a_cell_for_every_column():
+    with pytest.raises(ValueError, match="zip"):
+        Table((NAME, LENGTH), (("a",),)).texts()
+
+
+def test_a_record_leaves_out_what_is_not_known():
+    table = record((NAME, "a"), (LENGTH, None), (Column("runs", spec="d"), 0), title="T")
+    assert (table.headings(), table.texts(), table.record, table.title) == (["name", "runs"], [["a", "0"]], True, "T")
+
+
+def test_csv_has_keys_and_numbers_with_all_digits():
+    table = Table((NAME, LENGTH, Column("shown only")), (('a "b", c', 0.1 + 0.2, "x"), ("d", None, "y")))
+    assert csv_text(table).splitlines()[0] == "name,length_mm"
+    first, second = csv.DictReader(StringIO(csv_text(table)))
+    assert (first["name"], float(first["length_mm"])) == ('a "b", c', 0.1 + 0.2)
+    assert second == {"name": "d", "length_mm": ""}

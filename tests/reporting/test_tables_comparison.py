@@ -1,0 +1,15 @@
+from armour.analysis.comparison import compare
+from armour.reporting.tables.comparison import comparison_table, fit_table
+from tests.cases import scenario
+
+
+def test_florence_beside_the_model():
+    result = compare(scenario())
+    table = comparison_table(result)
+    assert table.rows[0] == ("this model", result.limit.ballistic_limit_m_s, *(None,) * 6)
+    assert [row[0] for row in table.rows[1:]] == [
+        "Florence, penetrator (5.46 g, 6.5 mm)",
+        "Florence, whole projectile (8.32 g, 7.62 mm)",
+    ]
+    assert table.texts()[1][2] == f"{100 * (result.florence[0].ballistic_limit_m_s / 723.7716 - 1):+.1f}"
+    assert [row[0] for row in fit_table(result).rows] == ["Lambert-Jonas", "Recht-Ipson"]

@@ -1,0 +1,90 @@
+from armour.analysis.estimates import Estimate
+from armour.design.optimise import DesignResult, Pair
+from armour.reporting.table import Table, csv_text
+from armour.reporting.tables.design import (
+    best_table,
+    design_tables,
+    frontier_table,
+    margin_table,
+    pair_table,
+    pareto_table,
+)
+from tests.cases import best_design, design_result, quantities
+
+
+def kinds(result: DesignResult) -> list[str]:
+    """First heading or title of every table."""
+    return [item.title or item.headings()[0] for item in design_tables(result) if isinstance(item, Table)]
+
+
+def test_the_best_design_is_a_record():
+    found = quantities(best_table(design_result()))
+    assert found == {
+        "ceramic": "AD85",
+        "ceramic thickness, mm": "11",
+        "back plate": "5083-H3",
+        "back plate thickness, mm": "6",
+        "areal density, kg/m²": "54.23",
+        "total thickness, mm": "17",
+        "ballistic limit, m/s": "853.10",
+        "margin, m/s": "+3.1",
+    }
+    outside = quantities(best_table(design_result(best=best_design(ballistic_limit_m_s=None, cost_per_m2=12.5))))
+    assert (outside["ballistic limit"], outside["cost per m²"]) == ("outside the range", "12.50")
+    assert "ceramic" not in quantities(best_table(design_result(best=best_design(ceramic=""))))
+
+
+def test_a_single_pair_has_its_frontier_and_the_lightest_marked():
+    result = design_result()
+    assert kinds(result) == ["lightest design", "ceramic thickness, mm"]
+    assert [row[-1] for row in frontier_table(result).rows] == ["", "lightest", ""]
+    header = "ceramic_thickness_mm,backing_thickness_mm,areal_density_kg_m2"
+    assert csv_text(frontier_table(result)).splitlines()[:2] == [header, "12.0,5.0,55.1"]
+
+
+def test_refined_thicknesses_follow_the_best():
+    refined = best_design(ceramic_thickness_mm=10.8)
+    assert kinds(design_result(refined=refined))[:2] == [
+        "lightest design",
+        "lightest design between the values of the grid",
+    ]
+
+
+def test_threats_and_probabilities_have_margins():
+    estimate = Estimate(0.0312, 0.02, 0.05)
+    result = design_result(
+        threats=("AP", "FSP"),
+        best=best_design(margins_m_s={"AP": 3.1, "FSP": 80.0}, probabilities={"AP": estimate}),
+    )
+    assert kinds(result)[1] == "threat"
+    assert margin_table(result).texts() == [
+        ["AP", "+3.1", "0.0312", "0.0200 to 0.0500", "governs"],
+        ["FSP", "+80.0", "", "", ""],
+    ]
+    assert frontier_table(result).headings()[-2] == "governed by"
+    assert margin_table(design_result()).headings() == ["threat", "margin, m/s", ""]
+
+
+def test_pairs_of_materials_with_the_reasons_of_those_that_lose():
+    pairs = (
+        Pair("AD85", "5083-H3", best_design(), 0.0, ""),
+        Pair("Al-N", "5083-H3", best_design(cost_per_m2=9.0), 4.0, "4 % heavier"),
+        Pair("SiC", "5083-H3", None, None, "defeats nothing"),
+    )
+    table = pair_table(design_result(pairs=pairs))
+    assert kinds(design_result(pairs=pairs)) == ["lightest design", "ceramic"]
+    assert [row[-1] for row in table.rows] == ["best", "4 % heavier", "defeats nothing"]
+    assert table.texts()[2][2:-1] == [""] * 5
+    assert table.headings()[6] == "cost per m²"
+    assert "cost per m²" not in pair_table(design_result()).headings()
+
+
+def test_a_pareto_front_begins_with_the_ceramic():
+    assert "Pareto front" not in kinds(design_result())
+    without = design_result(pareto=design_result().frontier)
+    assert kinds(without)[-1] == "Pareto front"
+    assert pareto_table(without).headings()[:2] == ["ceramic", "back plate"]
+    assert "margin, m/s" not in pareto_table(without).headings()
+    front = pareto_table(design_result(pareto=(best_design(),)))
+    assert front.texts()[0][-1] == "+3.1"
+    assert csv_text(front).startswith("ceramic,backing,ceramic_thickness_mm,backing_thickness_mm,")

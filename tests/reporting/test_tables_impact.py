@@ -1,0 +1,57 @@
+import csv
+from io import StringIO
+
+import pytest
+
+from armour.analysis.impact import simulate
+from armour.core.stages import stage_name
+from armour.core.state import Medium, Stage
+from armour.reporting.contents import EnergyBalance, StageEnergy
+from armour.reporting.table import csv_text
+from armour.reporting.tables.impact import STAGES, energy_table, history_table, impact_table, stage_table
+from tests.cases import quantities, scenario
+
+
+def test_every_stage_is_described():
+    names = {
+        stage_name(Stage(medium, eroding, penetrated, False, 1.0, 0.0))
+        for medium in Medium
+        for eroding in (False, True)
+        for penetrated in (False, True)
+    }
+    assert names == set(STAGES)
+
+
+def test_an_impact():
+    result = simulate(scenario())
+    found = quantities(impact_table(result))
+    assert found["residual velocity, m/s"] == "277.38"
+    assert found["outcome"] == "perforated"
+    assert found["duration, µs"] == f"{result.duration_us:.2f}"
+    assert found["areal density, kg/m²"] == "39.24"
+
+
+def test_stages_have_their_losses():
+    result = simulate(scenario())
+    table = stage_table(result)
+    assert [row[0] for row in table.rows] == ["i", "ii.1", "iii.3", "iii.4"]
+    assert table.headings()[2:] == ["start, µs", "end, µs", "velocity lost, m/s", "length lost, mm", "energy lost, J"]
+    assert table.rows[1][4] == result.stages[1].velocity_lost_m_s
+
+
+def test_a_history_keeps_every_digit():
+    history = simulate(scenario(), history=True).history
+    assert history is not None
+    rows = list(csv.DictReader(StringIO(csv_text(history_table(history)))))
+    assert [float(row["velocity_m_s"]) for row in rows] == history.velocity_m_s.tolist()
+    assert rows[0]["stage"] == "i"
+
+
+def test_energies_end_in_their_sum():
+    table = energy_table(EnergyBalance(200.0, (StageEnergy("i", 30.0, 20.0), StageEnergy("iii.3", 0.0, 50.0)), 100.0))
+    assert [row[1:] for row in table.rows] == [
+        (30.0, 20.0, 50.0, 25.0),
+        (0.0, 50.0, 50.0, 25.0),
+        (30.0, 70.0, 100.0, 50.0),
+    ]
+    assert energy_table(EnergyBalance(0.0, (), 0.0)).rows[-1][-1] == pytest.approx(0.0)

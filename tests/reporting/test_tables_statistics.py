@@ -1,0 +1,129 @@
+import pytest
+
+from armour.analysis.estimates import Estimate
+from armour.reporting.table import Table
+from armour.reporting.tables.statistics import (
+    calibration_table,
+    calibration_tables,
+    coefficient_table,
+    correlation_table,
+    curve_table,
+    elasticity_table,
+    estimate_table,
+    index_table,
+    residual_table,
+    sensitivity_table,
+    uncertainty_table,
+    uncertainty_tables,
+    v50_table,
+    v50_tables,
+)
+from armour.statistics.calibration import CalibrationResult, Residual
+from armour.statistics.least_squares_fit import Coefficient
+from armour.statistics.sensitivity import Elasticity, SensitivityResult
+from armour.statistics.uncertainty import Index, ProbabilityCurve, UncertaintyResult
+from armour.statistics.v50 import Shots, v50
+from tests.cases import quantities
+
+
+@pytest.fixture
+def calibration() -> CalibrationResult:
+    return CalibrationResult(
+        tests="t.csv",
+        law="linear",
+        weights="uncertainties",
+        coefficients=(
+            Coefficient("ceramic.flow_stress_GPa", 5.2094, (4.87, 5.548)),
+            Coefficient("ceramic.flow_stress_GPa per mm of ceramic", None, None, "the tests do not change with it"),
+        ),
+        correlation=((1.0, -0.5), (-0.5, 1.0)),
+        residuals=(
+            Residual("1", "ballistic_limit_m_s", 700.0, 714.0, 721.0, ""),
+            Residual("2", "ballistic_limit_m_s", 800.0, 790.0, None, "at least"),
+        ),
+        mean_error_percent=2.0,
+        left_out_error_percent=None,
+        degrees_of_freedom=1,
+        chi_squared=3.25,
+        starts=3,
+        starts_agreeing=2,
+        confidence=0.95,
+    )
+
+
+def test_a_calibration(calibration: CalibrationResult):
+    found = quantities(calibration_table(calibration))
+    assert (found["mean error, %"], found["mean leave-one-out error"]) == ("2.00", "too few tests")
+    assert (found["chi-squared"], found["starts that reach this optimum"]) == ("3.25", "2 of 3")
+    assert len(calibration_tables(calibration)) == 4
+
+
+def test_coefficients(calibration: CalibrationResult):
+    table = coefficient_table(calibration)
+    assert table.headings()[-1] == "95 % interval"
+    assert table.texts() == [
+        ["ceramic.flow_stress_GPa", "5.209", "4.87 to 5.548"],
+        ["ceramic.flow_stress_GPa per mm of ceramic", "not identified", "the tests do not change with it"],
+    ]
+    assert correlation_table(calibration).texts()[0] == ["1 ceramic.flow_stress_GPa", "+1.000", "-0.500"]
+
+
+def test_residuals(calibration: CalibrationResult):
+    assert residual_table(calibration).texts() == [
+        ["1", "ballistic limit", "", "m/s", "700", "714.00", "+2.00", "+3.00", ""],
+        ["2", "ballistic limit", "at least", "m/s", "800", "790.00", "", "", "not met"],
+    ]
+
+
+def test_elasticities():
+    answers = {"ballistic_limit_m_s": 723.77, "least_areal_density_kg_m2": None}
+    item = Elasticity(
+        "armour.ceramic_thickness_mm", 6.35, {"ballistic_limit_m_s": 0.31, "least_areal_density_kg_m2": None}
+    )
+    result = SensitivityResult(answers, (item,))
+    assert quantities(sensitivity_table(result)) == {"ballistic limit, m/s": "723.77", "least areal density": "none"}
+    assert elasticity_table(result).texts() == [["armour.ceramic_thickness_mm", "6.35", "+0.310", ""]]
+
+
+def test_firing_results():
+    mixed = v50(Shots((700.0, 708.0, 705.0, 703.0, 730.0, 690.0), (False, False, True, True, True, False)))
+    found = quantities(v50_table(mixed))
+    assert (found["shots"], found["complete penetrations"], found["shots averaged"]) == (
+        "6",
+        "3",
+        "2 partial and 2 complete",
+    )
+    assert "ballistic limit by the model, m/s" not in found
+    assert [row[0] for row in curve_table(mixed).rows] == ["probit", "logit"]
+    apart = v50(Shots((700.0, 710.0, 760.0, 770.0), (False, False, True, True)))
+    assert quantities(v50_table(apart))["V50, MIL-STD-662F"].startswith("none: too few shots")
+    assert any("any V50 between them is as likely" in item for item in v50_tables(apart) if isinstance(item, str))
+
+
+@pytest.fixture
+def uncertainty() -> UncertaintyResult:
+    limits = {"V05": Estimate(677.7, 675.5, 679.4), "V50": Estimate(722.34, 722.33, 722.35)}
+    inputs = (
+        Index("ceramic.flow_stress_GPa", Estimate(0.972, 0.89, 1.054), Estimate(0.974, 0.914, 1.037), (678.0, 769.1)),
+        Index("impact.velocity_m_s", None, None, (700.0, 740.0)),
+    )
+    curve = ProbabilityCurve((), (), (), ())
+    chance = Estimate(0.214, 0.201, 0.226)
+    return UncertaintyResult(4096, 1, "sobol", 0.95, chance, limits, 722.8, 28.0, 723.8, curve, inputs, ())
+
+
+def test_estimates(uncertainty: UncertaintyResult):
+    assert quantities(uncertainty_table(uncertainty))["samples"] == "4,096"
+    table = estimate_table(uncertainty)
+    assert table.texts()[0][:4] == ["probability of perforation", "", "0.214", "0.201 to 0.226"]
+    assert [row[-1] for row in table.rows][1:] == ["no, about 6,200,000 samples would", "yes"]
+
+
+def test_indices(uncertainty: UncertaintyResult):
+    assert index_table(uncertainty).texts() == [
+        ["ceramic.flow_stress_GPa", "0.972", "0.890 to 1.054", "0.974", "0.914 to 1.037", "678.0", "769.1"],
+        ["impact.velocity_m_s", "", "", "", "", "700.0", "740.0"],
+    ]
+    *tables, note = uncertainty_tables(uncertainty)
+    assert all(isinstance(table, Table) for table in tables)
+    assert note == "Sobol' indices are not defined for correlated inputs"

@@ -1,0 +1,47 @@
+from pathlib import Path
+
+import pytest
+
+from armour.reporting.table import Table, csv_text
+from armour.reporting.tables.validation import (
+    check_groups,
+    check_table,
+    figure_table,
+    note_table,
+    parity_table,
+    suite_tables,
+    verdict,
+)
+from armour.validation.figures import Chart, Curve
+from armour.validation.validate import SuiteResult
+from tests.suites import TABLE, case, result
+
+
+@pytest.fixture
+def outcome(folder: Path) -> SuiteResult:
+    return result(folder, case("out", 725.0, 'band = 1.0\nreason = "as measured"') + TABLE)
+
+
+def test_checks_stand_below_their_table(outcome: SuiteResult):
+    assert list(check_groups(outcome)) == ["t", "cases"]
+    table = check_table(check_groups(outcome)["cases"])
+    assert table.texts() == [["out", "m/s", "725", "723.8", "-1.2", "-0.17", "1", "outside"]]
+    assert table.alignments()[2:7] == ["right"] * 5
+
+
+def test_a_suite_has_its_tables_as_a_whole(outcome: SuiteResult):
+    assert [table.title for table in suite_tables(outcome)] == ["t", "cases", "tables as a whole", "errors"]
+    assert note_table(outcome.checks).rows == (("out", "as measured"),)
+    assert verdict(outcome) == "2 of 4 within their bands, 2 outside"
+
+
+def test_curves_as_a_file():
+    chart = Chart("f", "F", "x, mm", "V, m/s", (1.0, 2.0), (Curve("a", (0.1, None)),), (), ())
+    assert csv_text(figure_table(chart)) == '"x, mm","a: V, m/s"\n1.0,0.1\n2.0,\n'
+
+
+def test_parity_as_a_file(outcome: SuiteResult):
+    table = parity_table(outcome)
+    assert isinstance(table, Table)
+    assert csv_text(table).splitlines()[0] == "table,row,quantity,expected,computed"
+    assert len(table.rows) == 3

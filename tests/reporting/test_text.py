@@ -1,0 +1,26 @@
+import pytest
+
+from armour.reporting.text import interval, printable
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("Ø 7.62 mm, µ ± 3 — ok", "Ø 7.62 mm, µ ± 3 — ok"),
+        ("no-break\u00a0space", "no-break\u00a0space"),
+        ("\x1b[31mred\x07", "\\x1b[31mred\\x07"),
+        ("two\nlines\r\u2028", "two\\nlines\\r\\u2028"),
+        ("\u202etxt.exe", "\\u202etxt.exe"),
+        ("\udcff", "\\udcff"),
+        ("\x9b2J", "\\x9b2J"),
+    ],
+)
+def test_control_characters_are_shown_and_not_obeyed(text: str, shown: str):
+    assert printable(text) == shown
+
+
+def test_intervals():
+    assert interval(1.25, 2.0, ".1f") == "1.2 to 2.0"
+    assert interval(None, 2.0, ".1f") == "up to 2.0"
+    assert interval(1.0, None, "g") == "from 1"
+    assert interval(None, None, "g") == "not bounded"
