@@ -12,7 +12,7 @@ from armour.reporting.tables.validation import (
     suite_tables,
     verdict,
 )
-from armour.validation.figures import Chart, Curve
+from armour.validation.figures import Figure, FigureCurve
 from armour.validation.validate import SuiteResult
 from tests.suites import TABLE, case, result
 
@@ -36,8 +36,8 @@ def test_a_suite_has_its_tables_as_a_whole(outcome: SuiteResult):
 
 
 def test_curves_as_a_file():
-    chart = Chart("f", "F", "x, mm", "V, m/s", (1.0, 2.0), (Curve("a", (0.1, None)),), (), ())
-    assert csv_text(figure_table(chart)) == '"x, mm","a: V, m/s"\n1.0,0.1\n2.0,\n'
+    figure = Figure("f", "F", "x, mm", "V, m/s", (1.0, 2.0), (FigureCurve("a", (0.1, None)),), (), ())
+    assert csv_text(figure_table(figure)) == '"x, mm","a: V, m/s"\n1.0,0.1\n2.0,\n'
 
 
 def test_parity_as_a_file(outcome: SuiteResult):

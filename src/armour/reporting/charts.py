@@ -35,7 +35,6 @@ from armour.reporting.chart import (
 )
 from armour.reporting.tables.impact import STAGES
 from armour.scenario.parameters import BACKING, CERAMIC, INPUTS
-from armour.statistics.v50 import probability
 from armour.units import words_and_unit
 
 if TYPE_CHECKING:
@@ -71,7 +70,7 @@ SHOWN_PROBABILITY = 0.002
 def quantity_axis(name: str, *, from_zero: bool = False) -> Axis:
     """Return the axis of a quantity, or of an input, in words."""
     if name in QUANTITIES:
-        words, unit = QUANTITIES[name].words, QUANTITIES[name].unit
+        words, unit = QUANTITIES[name].label, QUANTITIES[name].unit
     else:
         words, unit = words_and_unit(name)
         words = words.replace("backing", "back plate").replace("youngs", "Young's").replace("m2", "m²")
@@ -427,7 +426,7 @@ def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
     x = np.linspace(low, high, 400).tolist()
     for fit, style, colour, height in zip(result.fits, STYLES, (BLUE, ORANGE), (0.47, 0.53), strict=False):
         series.append(
-            Line(x, [probability(fit, v) for v in x], f"{fit.curve}: V50 {fit.v50_m_s:.1f} m/s", colour, style)
+            Line(x, [fit.probability(v) for v in x], f"{fit.curve}: V50 {fit.v50_m_s:.1f} m/s", colour, style)
         )
         start, end = (edge if e is None else e for e, edge in zip(fit.v50_interval_m_s, (low, high), strict=True))
         words = f"{fit.curve}: V50 {fit.v50_m_s:.1f} m/s\n{100.0 * result.confidence:g} % interval"

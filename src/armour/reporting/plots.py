@@ -18,7 +18,6 @@ from matplotlib.ticker import MaxNLocator
 from armour.reporting.chart import (
     INK,
     SOFT,
-    Axis,
     Band,
     Bars,
     Chart,
@@ -144,8 +143,16 @@ def _category(name: str) -> str:
 
 
 def _draw_panel(axes: Axes, panel: Panel, width: float) -> None:
+    if panel.x.limits is not None:
+        axes.set_xlim(panel.x.limits)
+    if panel.y.limits is not None:
+        axes.set_ylim(panel.y.limits)
     for item in panel.series:
         _draw_series(item, axes)
+    if panel.x.from_zero:
+        axes.set_xlim(left=0.0)
+    if panel.y.from_zero:
+        axes.set_ylim(bottom=0.0)
     axes.set_title(panel.title)
     axes.set_xlabel(panel.x.heading)
     axes.set_ylabel(panel.y.heading)
@@ -156,22 +163,10 @@ def _draw_panel(axes: Axes, panel: Panel, width: float) -> None:
         axes.tick_params(axis="y", length=0.0)
     if panel.square:
         axes.set_aspect("equal")
-    _limit(axes, panel.x, panel.y)
     low, high = axes.get_xlim()
     for item in panel.series:
         if isinstance(item, Spans):
             _name(axes, item, 72.0 * (width - SIDE_INCHES) / (high - low))
-
-
-def _limit(axes: Axes, x: Axis, y: Axis) -> None:
-    if x.limits is not None:
-        axes.set_xlim(x.limits)
-    elif x.from_zero:
-        axes.set_xlim(left=0.0)
-    if y.limits is not None:
-        axes.set_ylim(y.limits)
-    elif y.from_zero:
-        axes.set_ylim(bottom=0.0)
 
 
 def _name(axes: Axes, spans: Spans, points_per_unit: float) -> None:
@@ -201,6 +196,13 @@ def _(item: Line, axes: Axes) -> None:
 @_draw_series.register
 def _(item: Points, axes: Axes) -> None:
     x, y = np.array(_floats(item.x)), np.array(_floats(item.y))
+    # Markers on an edge are not cut, so that those beyond fixed limits must be left out.
+    for values, limits, free in (
+        (x, axes.get_xlim(), axes.get_autoscalex_on()),
+        (y, axes.get_ylim(), axes.get_autoscaley_on()),
+    ):
+        if not free:
+            values[(values < limits[0]) | (values > limits[1])] = nan
     for ends, values, axis in ((item.x_ends, x, "xerr"), (item.y_ends, y, "yerr")):
         if ends:
             low, high = np.array(ends).T

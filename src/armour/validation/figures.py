@@ -1,14 +1,15 @@
 """Figures of the paper: what they show, and their curves computed by the model."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import Field, ValidationError, field_validator
 
-from armour.analysis.quantities import QUANTITIES, Answers, answers_of
-from armour.errors import InputError, NoAnswerError
+from armour.analysis.evaluate import evaluate
+from armour.analysis.quantities import QUANTITIES
+from armour.errors import InputError
 from armour.files import read_toml, shipped
 from armour.scenario.loading import load_scenario
 from armour.scenario.messages import Section, problems_of
@@ -141,32 +142,31 @@ def read_figures(path: Path) -> list[FigureSection]:
         raise InputError(problems_of(error, FigureFile, str(path))) from None
 
 
-def compute_figures(sections: list[FigureSection], folder: Path) -> Iterator[Figure]:
-    """Compute figures one after the other; a scenario that two of them share is run once.
+def compute_figure(section: FigureSection, folder: Path) -> Figure:
+    """Compute the curves of a figure.
 
     Parameters
     ----------
-    sections : list of FigureSection
+    section : FigureSection
     folder : Path
-        Folder that the paths of their scenarios are relative to.
+        Folder that the path of its scenario is relative to.
+
+    Raises
+    ------
+    InputError
+        If the scenario does not allow a value, or a run does not end.
     """
-    answers: dict[str, Answers] = {}
-    for section in sections:
-        yield compute_figure(section, folder, answers)
-
-
-def compute_figure(section: FigureSection, folder: Path, answers: dict[str, Answers]) -> Figure:
-    """Compute a figure; ``answers`` holds the scenarios that have been run and gains new ones."""
     base = load_scenario(folder / section.scenario)
     x = section.range.values()
     curves = []
     for curve in section.curve:
-        scenario = base.replaced(curve.set)
-        asked = [answers_of(answers, scenario.replaced(dict.fromkeys(section.over, value))) for value in x]
+        columns = dict.fromkeys(section.over, np.array(x))
+        found = evaluate(base.replaced(curve.set), columns, section.quantities)
         for name in section.quantities:
-            label = ", ".join(part for part in (curve.label, QUANTITIES[name].words) if part)
+            label = ", ".join(part for part in (curve.label, QUANTITIES[name].label) if part)
             shown = curve.label if len(section.quantities) == 1 and curve.label else label
-            curves.append(FigureCurve(shown, tuple(_value(name, one) for one in asked)))
+            values = tuple(float(value) if np.isfinite(value) else None for value in found[name])
+            curves.append(FigureCurve(shown, values))
     return Figure(
         name=section.name,
         title=section.title,
@@ -177,14 +177,6 @@ def compute_figure(section: FigureSection, folder: Path, answers: dict[str, Answ
         marks=tuple(FigureMark(mark.label, mark.of, tuple((x, y) for x, y in mark.points)) for mark in section.mark),
         levels=tuple(FigureLevel(level.label, level.value) for level in section.level),
     )
-
-
-def _value(name: str, answers: Answers) -> float | None:
-    try:
-        value = QUANTITIES[name].of(answers)
-    except NoAnswerError:
-        return None
-    return None if isinstance(value, str) else value
 
 
 def parity_of_table_3() -> SuiteResult:

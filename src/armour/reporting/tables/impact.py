@@ -8,7 +8,7 @@ from armour.reporting.table import Column, Table, record
 if TYPE_CHECKING:
     from armour.analysis.history import History
     from armour.analysis.impact import ImpactResult
-    from armour.reporting.contents import EnergyBalance
+    from armour.analysis.energy import EnergyBalance
 
 STAGES = {
     "i": "intact ceramic, penetrated; rod erodes",
