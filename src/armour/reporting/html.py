@@ -104,7 +104,7 @@ def suite_page(result: SuiteResult, command: str) -> str:
     """Return a report on a suite as HTML."""
     return _rendered(
         "suite.html",
-        [parity_chart(result)],
+        [replace(parity_chart(result), title="Computed and expected values")],
         title=result.title or result.file,
         verdict=verdict(result),
         passed=result.passed,
