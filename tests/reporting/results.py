@@ -2,8 +2,8 @@
 
 from functools import cache
 
-from armour.analysis.impact import ImpactResult, simulate
 from armour.analysis.estimates import Estimate
+from armour.analysis.impact import ImpactResult, simulate
 from armour.design.optimise import BestDesign, Design, DesignResult, Pair
 from armour.statistics.uncertainty import Index, ProbabilityCurve, UncertaintyResult
 from tests.cases import scenario

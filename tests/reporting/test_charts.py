@@ -3,7 +3,7 @@ from typing import Any, TypeVar
 import numpy as np
 import pytest
 
-from armour.analysis.ballistic_limit import curve_velocities, ballistic_limit, residual_velocity_curve
+from armour.analysis.ballistic_limit import ballistic_limit, curve_velocities, residual_velocity_curve
 from armour.analysis.comparison import compare
 from armour.analysis.energy import EnergyBalance, StageEnergy
 from armour.analysis.impact import simulate

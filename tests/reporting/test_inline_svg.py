@@ -1,3 +1,4 @@
+import itertools
 import re
 from math import dist
 from xml.etree import ElementTree
@@ -51,7 +52,7 @@ def test_points_of_a_curve_keep_a_distance_and_are_bounded():
     curve, zigzag = one(Line(x, x)), one(Line(x, [10.0 * (i % 2) for i in range(10_001)]))
     found = circles(curve)
     assert 40 < len(found) < MAX_POINTS
-    assert min(dist(a, b) for a, b in zip(found, found[1:], strict=False)) > 3.8
+    assert min(dist(a, b) for a, b in itertools.pairwise(found)) > 3.8
     assert len(circles(zigzag)) == MAX_POINTS
 
 

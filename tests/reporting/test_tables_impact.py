@@ -3,10 +3,10 @@ from io import StringIO
 
 import pytest
 
+from armour.analysis.energy import EnergyBalance, StageEnergy
 from armour.analysis.impact import simulate
 from armour.core.stages import stage_name
 from armour.core.state import Medium, Stage
-from armour.analysis.energy import EnergyBalance, StageEnergy
 from armour.reporting.table import csv_text
 from armour.reporting.tables.impact import STAGES, energy_table, history_table, impact_table, stage_table
 from tests.cases import quantities, scenario
