@@ -22,7 +22,7 @@ MIN_RATIO, MAX_RATIO = 0.1, 10.0
 # Starting points of the fit, in the same units.
 STARTS = (1.0, 0.5, 2.0)
 # Tolerance of ballistic limits, m/s, and relative change of coefficients for the derivatives.
-LIMIT_TOLERANCE_M_S = 1e-6
+LIMIT_TOLERANCE_M_S = 1e-10
 DIFFERENCE = 1e-4
 # Coefficients this close to each other are equal.
 EQUAL = 1e-3

@@ -17,7 +17,7 @@ from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of
 # Relative change of an input in either direction.
 CHANGE = 0.005
 # Tolerance of the ballistic limits that are subtracted, m/s.
-LIMIT_TOLERANCE_M_S = 1e-7
+LIMIT_TOLERANCE_M_S = 1e-10
 
 LIMIT, RESIDUAL, OPTIMUM = "ballistic_limit_m_s", "residual_velocity_m_s", "least_areal_density_kg_m2"
 # Inputs that an answer does not depend on, because it is the result of a search over them.
