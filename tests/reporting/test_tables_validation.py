@@ -1,4 +1,6 @@
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -12,7 +14,6 @@ from armour.reporting.tables.validation import (
     suite_tables,
     verdict,
 )
-from armour.validation.figures import Chart, Curve
 from armour.validation.validate import SuiteResult
 from tests.suites import TABLE, case, result
 
@@ -25,8 +26,20 @@ def outcome(folder: Path) -> SuiteResult:
 def test_checks_stand_below_their_table(outcome: SuiteResult):
     assert list(check_groups(outcome)) == ["t", "cases"]
     table = check_table(check_groups(outcome)["cases"])
-    assert table.texts() == [["out", "m/s", "725", "723.8", "-1.2", "-0.17", "1", "outside"]]
-    assert table.alignments()[2:7] == ["right"] * 5
+    assert table.headings()[1:4] == ["expected, m/s", "computed, m/s", "deviation, m/s"]
+    assert table.texts() == [["out", "725", "723.8", "-1.2", "-0.17", "1", "outside"]]
+    assert table.alignments()[1:6] == ["right"] * 5
+
+
+def test_checks_of_several_quantities_have_units_of_their_own(folder: Path):
+    other = (
+        case("outcome", 0.0, "")
+        .replace("expected = 0.0", 'expected = "perforated"')
+        .replace("ballistic_limit_m_s", "outcome")
+    )
+    table = check_table(result(folder, case("out", 725.0, "band = 1.0") + other).checks)
+    assert [row[1] for row in table.rows] == ["m/s", ""]
+    assert table.texts()[1] == ["outcome", "", "perforated", "perforated", "", "", "", "within"]
 
 
 def test_a_suite_has_its_tables_as_a_whole(outcome: SuiteResult):
@@ -36,8 +49,9 @@ def test_a_suite_has_its_tables_as_a_whole(outcome: SuiteResult):
 
 
 def test_curves_as_a_file():
-    chart = Chart("f", "F", "x, mm", "V, m/s", (1.0, 2.0), (Curve("a", (0.1, None)),), (), ())
-    assert csv_text(figure_table(chart)) == '"x, mm","a: V, m/s"\n1.0,0.1\n2.0,\n'
+    curve = SimpleNamespace(label="a", values=(0.1, None))
+    figure: Any = SimpleNamespace(x_label="x, mm", y_label="V, m/s", x=(1.0, 2.0), curves=(curve,))
+    assert csv_text(figure_table(figure)) == '"x, mm","a: V, m/s"\n1.0,0.1\n2.0,\n'
 
 
 def test_parity_as_a_file(outcome: SuiteResult):
