@@ -4,7 +4,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from armour.cli.app import app
-from armour.engine.cache import kernels
+from armour.engine.cache import kernel
 
 
 class Cli:
@@ -26,7 +26,7 @@ class Cli:
 @pytest.fixture(autouse=True, scope="session")
 def compiled() -> None:
     """The engine compiled before the first command, which would say so."""
-    kernels()
+    kernel("impacts")
 
 
 @pytest.fixture

@@ -71,7 +71,8 @@ def test_masses_ahead():
 
 
 def test_shear_forces():
-    assert eq.conoid_diameter(6.5e-3, 6e-3) == pytest.approx(30.5e-3)
+    assert eq.sheared_diameter(eq.CONOID, 6.5e-3, 6e-3) == pytest.approx(30.5e-3)
+    assert eq.sheared_diameter(eq.PROJECTILE, 6.5e-3, 6e-3) == 6.5e-3
     assert eq.shear_force_whole_plate(0.03, 260e6, 0.006) == pytest.approx(pi * 0.03 * 260e6 * 0.006)
     plug = eq.shear_force_plug(6.5e-3, 260e6, 6e-3, 5e-3, 1e-3, 7e-3)
     assert plug == pytest.approx(pi * 6.5e-3 * 260e6 * 5e-3)

@@ -57,8 +57,8 @@ def test_without_a_catalogue_it_is_the_grid():
 
 
 def test_a_big_catalogue_is_exact():
-    """6 ceramics, 6 metals, 40 by 40 thicknesses and 3 threats against all 57,600 at once."""
-    thick = {"min": 2.0, "max": 21.5, "step": 0.5}
+    """6 ceramics, 6 metals, 20 by 20 thicknesses and 3 threats against all 14,400 at once."""
+    thick = {"min": 2.0, "max": 21.0, "step": 1.0}
     library = {
         "ceramic": {
             f"C{i}": {"based_on": "AD85", "density_kg_m3": 3300.0 + 97.0 * i, "flow_stress_GPa": 4.5 + 0.3 * i}
@@ -79,17 +79,17 @@ def test_a_big_catalogue_is_exact():
         },
     )
     result = optimise(case)
-    assert result.designs == 57_600
-    hc, hb = (values.ravel() for values in np.meshgrid(*[2.0 + 0.5 * np.arange(40)] * 2))
+    assert result.designs == 14_400
+    hc, hb = (values.ravel() for values in np.meshgrid(*[2.0 + np.arange(20)] * 2))
     least = np.inf
     for ceramic in library["ceramic"]:
         for metal in library["metal"]:
-            good = np.ones(1600, dtype=bool)
+            good = np.ones(400, dtype=bool)
             for threat in case.threat:
                 changes = {"armour.ceramic": ceramic, "armour.backing": metal, "impact.projectile": threat.projectile}
                 a = case.replaced(changes).core_armour()
                 rows = batch.packed([a._replace(Hc0=c / 1000.0, Hb=b / 1000.0) for c, b in zip(hc, hb, strict=True)])
                 velocity = threat.velocity_m_s + threat.margin_m_s
-                good &= batch.impacts(rows, np.full(1600, velocity)).outcome == Outcome.DEFEATED
+                good &= batch.impacts(rows, np.full(400, velocity)).outcome == Outcome.DEFEATED
             least = min(least, float(np.where(good, a.rho_c * hc + a.rho_B * hb, np.inf).min()) / 1000.0)
     assert result.best.areal_density_kg_m2 == pytest.approx(least, rel=1e-12)

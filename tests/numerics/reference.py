@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from armour.core.equations import CONOID
 from armour.core.state import Parameters
 
 ARREST = 1.0  # m/s
@@ -60,7 +61,7 @@ class Reference:
     def shear(self, Z: float, h: float) -> float:
         a = self.a
         if self.medium == "fragmented":
-            return pi * (a.D0 + (4 * a.Hc0 if a.conoid else 0.0)) * a.tau * a.Hb
+            return pi * (a.D0 + (4 * a.Hc0 if a.shear_law == CONOID else 0.0)) * a.tau * a.Hb
         return pi * a.D0 * a.tau * (a.Hb + a.Hc0 + h - Z)
 
     def drive(self, V: float, W: float) -> float:

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import perforates, simulate
+from armour.core.equations import CONOID, PROJECTILE
 from armour.core.run import run
 from armour.core.state import Outcome, Parameters
 from armour.core.stepping import default_time_step
@@ -97,7 +98,7 @@ positive = st.floats(0.05, 20.0)
     ),
     densities=st.tuples(*[st.floats(1000.0, 20000.0)] * 3),
     thicknesses=st.tuples(st.floats(0.0, 20.0), positive),
-    conoid=st.booleans(),
+    shear_law=st.sampled_from([PROJECTILE, CONOID]),
 )
 @settings(max_examples=150, deadline=None)
 def test_impacts_of_any_materials_end_with_an_outcome(
@@ -107,13 +108,13 @@ def test_impacts_of_any_materials_end_with_an_outcome(
     strengths: tuple[float, ...],
     densities: tuple[float, ...],
     thicknesses: tuple[float, ...],
-    conoid: bool,
+    shear_law: int,
 ):
     Yp, Yc0, YB, tau = strengths
     rho_p, rho_c, rho_B = densities
     a = Parameters(
         size * slenderness, size, rho_p, Yp, size * thicknesses[0], rho_c, 300e9, Yc0,
-        size * thicknesses[1], rho_B, YB, tau, conoid,
+        size * thicknesses[1], rho_B, YB, tau, shear_law,
     )  # fmt: skip
     end = run(a, velocity, default_time_step(a, velocity), 1.0, 500_000)
     assert end.outcome in (Outcome.PERFORATED, Outcome.DEFEATED)

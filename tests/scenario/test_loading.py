@@ -4,6 +4,7 @@ from typing import Any
 
 import pytest
 
+from armour.core.equations import CONOID
 from armour.errors import InputError
 from armour.scenario.loading import changed, load_scenario, parse_scenario, save_scenario
 from armour.scenario.schema import Range
@@ -30,7 +31,7 @@ def test_the_wilkins_case_in_the_cores_terms():
     assert (a.rho_c, a.Ec, a.Yc0) == (3430, 267e9, 5.2e9)
     assert (a.rho_B, a.YB) == (2750, 1.05e9)
     assert a.tau == pytest.approx(0.7 * 372e6)
-    assert a.conoid
+    assert a.shear_law == CONOID
 
 
 def test_other_thicknesses():

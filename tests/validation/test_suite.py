@@ -54,7 +54,7 @@ def test_a_table_is_a_case_a_row(folder: Path):
     assert second.band == pytest.approx(76.0)
     assert second.rivals == {"they": 750.0}
     assert str(second.place) == "table[0].rows[1][1]"
-    [group] = suite.groups
+    [group] = suite.tables
     assert (group.name, group.rms_band, group.rms_band_percent) == ("t", 20.0, None)
 
 
@@ -91,7 +91,7 @@ band = 1.0
 def test_only_some(folder: Path):
     suite = load(folder, CASE + TABLE)
     assert [case.name for case in suite.only("T: CERAMIC").cases] == [case.name for case in suite.cases if case.group]
-    assert suite.only("7").groups == suite.groups
+    assert suite.only("7").tables == suite.tables
     assert suite.only("") == suite
     with pytest.raises(InputError, match="whose name holds"):
         suite.only("nothing of this name")

@@ -6,6 +6,9 @@ and the density, kg/m^3, of the medium ahead of the projectile.
 
 from math import pi, sqrt
 
+# Shear laws of the whole plate, see `sheared_diameter`.
+PROJECTILE, CONOID = 0, 1
+
 
 def cross_section(D0: float) -> float:
     """Return the cross-section A0 of the projectile, m^2."""
@@ -91,9 +94,14 @@ def mass_in_plate(rho_B: float, Hbc: float, A0: float) -> float:
     return rho_B * A0 * Hbc
 
 
-def conoid_diameter(D0: float, Hc0: float) -> float:
-    """Return the diameter of the base of the fractured conoid, m: D0 + 4 Hc0 (12a)."""
-    return D0 + 4.0 * Hc0
+def sheared_diameter(law: int, D0: float, Hc0: float) -> float:
+    """Return the diameter D round which the whole plate is sheared, m (12a).
+
+    The base of the fractured conoid, D0 + 4 Hc0, as the paper's text assumes, or the projectile, as (12a) is printed.
+    """
+    if law == CONOID:
+        return D0 + 4.0 * Hc0
+    return D0
 
 
 def shear_force_whole_plate(D: float, tau: float, Hb: float) -> float:

@@ -8,6 +8,7 @@ perforations, or at the middle of the bracket where that root lies outside it.
 from math import inf, isfinite, sqrt
 from typing import NamedTuple
 
+from armour.core.equations import sheared_diameter
 from armour.core.run import run
 from armour.core.state import Outcome, Parameters
 from armour.core.stepping import time_step
@@ -210,6 +211,6 @@ def estimated_limit(p: Parameters) -> float:
     random designs of both projectiles of the paper; they affect the number of runs of a search, not its result.
     """
     rod = p.rho_p * p.L0
-    sheared = 3.4 * p.Hb + (13.0 * p.Hc0 if p.conoid else 0.0)
+    sheared = 3.4 * p.Hb + 3.25 * (sheared_diameter(p.shear_law, p.D0, p.Hc0) - p.D0)
     work = 0.86 * p.Yc0 * p.Hc0 + 0.56 * p.YB * p.Hb + p.tau * p.Hb * sheared / p.D0
     return sqrt(max(work / rod, 0.0)) * (1.0 + 0.3 * p.rho_c * p.Hc0 / rod + 0.6 * p.rho_B * p.Hb / rod)

@@ -35,7 +35,7 @@ def shear_force(y: State, s: Stage, p: Parameters) -> float:
     if s.medium == Medium.INTACT:
         return 0.0
     if s.medium == Medium.FRAGMENTED and (s.eroding or s.penetrated):
-        D = eq.conoid_diameter(p.D0, p.Hc0) if p.conoid else p.D0
+        D = eq.sheared_diameter(p.shear_law, p.D0, p.Hc0)
         return eq.shear_force_whole_plate(D, p.tau, p.Hb)
     return eq.shear_force_plug(p.D0, p.tau, p.Hb, p.Hc0, y.h, y.Z)
 

@@ -40,7 +40,7 @@ class Parameters(NamedTuple):
     YB: float  # constrained flow stress, Pa
     tau: float  # ultimate shear strength, Pa
     # reading of (12a)
-    conoid: bool  # shear perimeter round the base of the fractured conoid, else round the projectile
+    shear_law: int  # diameter of the shear perimeter in (12a), see `armour.core.equations.sheared_diameter`
 
 
 class State(NamedTuple):

@@ -14,13 +14,6 @@ from armour.scenario.parameters import VELOCITY, with_inputs
 from armour.scenario.schema import BackingLayer, CeramicLayer, DesignSection, Threat
 from armour.units import MM
 
-# Criteria by which designs are compared, in words with the unit.
-CRITERIA = {
-    "areal_density_kg_m2": "areal density, kg/m²",
-    "thickness_mm": "thickness, mm",
-    "cost_per_m2": "cost per m²",
-    "margin_m_s": "margin, m/s",
-}
 # Largest relative constraint violation that counts as rounding.
 ROUNDING = 1e-12
 # Decimals to which areal densities, thicknesses and costs are rounded, so that equal sums compare equal.

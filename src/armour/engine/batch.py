@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armour.core.state import Parameters
-from armour.engine.cache import kernels
+from armour.engine import cache
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -139,7 +139,7 @@ def _computed(
     inputs = [rows]
     if velocities is not None:
         inputs.append(np.ascontiguousarray(np.broadcast_to(velocities, count), dtype=np.float64))
-    kernel = kernels()[name]
+    kernel = cache.kernel(name)
 
     def compute(start: int) -> None:
         part = slice(start, start + PORTION)

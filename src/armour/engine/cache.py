@@ -59,19 +59,19 @@ def is_compiled() -> bool:
     return path is not None and read_archive(path) is not None
 
 
-def kernels() -> "dict[str, Kernel]":
-    """Return the kernels of `armour.engine.kernels` by name; they are loaded or compiled once in a process."""
+def kernel(name: str) -> "Kernel":
+    """Return a kernel of `armour.engine.kernels`; each is loaded or compiled once in a process."""
     with _lock:
-        return _kernels()
+        return _kernel(name)
 
 
 @cache
-def _kernels() -> "dict[str, Kernel]":
-    return load_kernels()
+def _kernel(name: str) -> "Kernel":
+    return load_kernels(name)[name]
 
 
-def load_kernels() -> "dict[str, Kernel]":
-    """Load the kernels from the archive, or compile them and write the archive."""
+def load_kernels(*names: str) -> "dict[str, Kernel]":
+    """Load kernels, by default all, from the archive, or compile all of them and write the archive."""
     from armour.engine.kernels import compiled
 
     try:
@@ -83,12 +83,14 @@ def load_kernels() -> "dict[str, Kernel]":
                 ZipFile(io.BytesIO(archive)).extractall(directory)
             unpacked = _contents(directory)
             with numba_cache(directory):
-                found = compiled(cache=True)
+                found = compiled(*names, cache=True)
+                if _contents(directory) != unpacked:
+                    compiled(cache=True)
             files = _contents(directory)
         if path and files != unpacked:
             write_archive(path, _zipped(files))
     except (OSError, RuntimeError):  # no temporary directory, or one that numba cannot use
-        return compiled(cache=False)
+        return compiled(*names, cache=False)
     return found
 
 

@@ -56,7 +56,7 @@ def parameters_at(rows: Any, i: int) -> Parameters:
         rows[i, 9],
         rows[i, 10],
         rows[i, 11],
-        rows[i, 12] > 0.5,
+        int(rows[i, 12]),
     )
 
 
@@ -123,10 +123,14 @@ SIGNATURES = {
 }
 
 
-def compiled(*, cache: bool) -> dict[str, Kernel]:
-    """Return the kernels by name, compiled or, with ``cache``, loaded from numba's cache if they are in it."""
+def compiled(*names: str, cache: bool) -> dict[str, Kernel]:
+    """Return kernels by name, by default all, compiled or, with ``cache``, loaded from numba's cache if in it."""
 
     def compile_one(function: Any, arguments: tuple[Any, ...]) -> Any:
         return numba.njit(types.void(*arguments), cache=cache, nogil=True, error_model="numpy")(function)
 
-    return {function.__name__: compile_one(function, arguments) for function, arguments in SIGNATURES.items()}
+    return {
+        function.__name__: compile_one(function, arguments)
+        for function, arguments in SIGNATURES.items()
+        if function.__name__ in names or not names
+    }

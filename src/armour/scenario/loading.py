@@ -24,6 +24,7 @@ from armour.scenario.library import (
 )
 from armour.scenario.messages import Section, key_name, problems_of
 from armour.scenario.schema import (
+    SHEAR_LAWS,
     ArmourSection,
     BallisticLimitSection,
     DesignSection,
@@ -115,7 +116,7 @@ class Scenario(Section):
             rho_B=metal["density_kg_m3"],
             YB=metal["flow_stress_GPa"] * GPA,
             tau=metal["shear_strength_MPa"] * MPA,
-            conoid=self.model.shear_perimeter == "conoid",
+            shear_law=SHEAR_LAWS[self.model.shear_perimeter],
         )
 
     def areal_density_kg_m2(

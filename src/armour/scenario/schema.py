@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 
+from armour.core import equations
 from armour.errors import suggestion
 from armour.scenario.library import Kind, LibraryTables
 from armour.scenario.messages import Section
@@ -82,10 +83,14 @@ class ArmourSection(Section):
         return thickness
 
 
+ShearPerimeter = Literal["conoid", "projectile"]
+SHEAR_LAWS: dict[ShearPerimeter, int] = {"conoid": equations.CONOID, "projectile": equations.PROJECTILE}
+
+
 class Model(Section):
     """Options of the model."""
 
-    shear_perimeter: Literal["conoid", "projectile"] = "conoid"
+    shear_perimeter: ShearPerimeter = "conoid"
 
 
 class Solver(Section):

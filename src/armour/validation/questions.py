@@ -9,7 +9,7 @@ from armour.analysis.evaluate import groups_of
 from armour.analysis.quantities import QUANTITIES
 from armour.analysis.quantities import Answers as RowAnswers
 from armour.analysis.variants import Variants, areal_densities_kg_m2, grid_of
-from armour.design.optimise import DesignResult, no_design, optimise
+from armour.design.optimise import DesignResult, optimise
 from armour.errors import InputError, NoDesignError, Problem
 from armour.scenario.loading import Scenario
 
@@ -111,7 +111,11 @@ def answer(name: str, asked: Asked) -> float | str:
         return found
     if not QUESTIONS[name].on_grid:
         ballistic_limit(asked.scenario)  # raises, and says why
-    raise NoDesignError(no_design(asked.scenario))
+    velocity = asked.scenario.impact.velocity_m_s
+    raise NoDesignError(
+        f"no design: no thickness of the range defeats the impact at {velocity:g} m/s; "
+        "raise the max of optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"
+    )
 
 
 def check_answerable(name: str, scenario: Scenario, replacement: Scenario | None = None) -> None:
