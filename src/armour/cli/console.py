@@ -126,9 +126,10 @@ def _column_size(column: Column, heading: str, texts: Sequence[str], *, stacked:
     """Return the least and the greatest width that a column can use."""
     head, cells = _size([heading]), _size(texts)
     least = max(cells.word, min(cells.line, PROSE_WIDTH)) if column.prose else cells.line
-    least = max(least, head.word if stacked else head.line)
+    # Rich gives an empty column a cell of its own.
+    least = max(least, head.word if stacked else head.line, 1)
     # Stacked headings take no room from prose.
-    return _Size(least, max(least, cells.line) if stacked else max(cells.line, head.line))
+    return _Size(least, max(least, cells.line))
 
 
 def _widths(sizes: Sequence[_Size], room: int) -> list[int] | None:
