@@ -29,8 +29,8 @@ def test_json_is_the_same_as_from_python(cli):
 def test_a_plot(cli, folder: Path):
     assert cli("compare", WILKINS, "--plot", "c.svg").stderr == "wrote c.svg\n"
     text = (folder / "c.svg").read_text()
-    assert "Florence, penetrator" in text
-    assert "Recht-Ipson" in text
+    assert "Florence, penetrator: ballistic limit 602.5 m/s" in text
+    assert "Recht-Ipson: ratio" in text
 
 
 def test_a_bare_plate_has_no_florence_limit(cli):

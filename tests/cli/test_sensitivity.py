@@ -11,7 +11,7 @@ def test_numbers_and_a_plot(cli, folder: Path):
     assert result.exit_code == 0
     assert "projectile.penetrator_diameter_mm" in result.stdout
     assert result.stderr == "wrote s.svg\n"
-    assert "ballistic limit" in (folder / "s.svg").read_text()
+    assert "change per % of the input, %" in (folder / "s.svg").read_text()
 
 
 def test_json(cli):

@@ -245,7 +245,7 @@ print(sum(sum(kernel.stats.cache_hits.values()) for kernel in cache.load_kernels
 
 
 def test_processes_with_numba(tmp_path: Path):
-    """The first compiles, for its archive is damaged; the second loads the kernel that it needs, and could load all three."""
+    """The first compiles, for its archive is damaged; the second loads what it needs."""
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path), "PYTHONPATH": os.pathsep.join(sys.path)}
 
     def outputs(program: str) -> list[str]:

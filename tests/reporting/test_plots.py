@@ -1,70 +1,155 @@
+import warnings
+from dataclasses import replace
+from itertools import combinations
+
 import numpy as np
 import pytest
-from armour.design.optimisation import optimise
-from matplotlib.figure import Figure
+from matplotlib.axes import Axes
+from matplotlib.transforms import Bbox
 
-from armour.analysis.ballistic_limit import ballistic_limit, residual_velocity_curve
-from armour.analysis.impact import simulate
-from armour.reporting.plots import FORMATS, impact_figure, limit_figure, optimum_figure, rendered
+from armour.reporting import charts
+from armour.reporting.chart import Axis, Bars, Chart, Contours, Line, Map, Panel, Points, Rule, printable_chart
+from armour.reporting.plots import FORMATS, draw, rendered
 from tests.cases import scenario
-from tests.design.test_optimisation import case
+from tests.reporting.results import OTHER, THREAT, design_result, impact, uncertainty_result
 
 MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
+GRID = [4.0, 6.0, 8.0], [5.0, 7.0]
+VALUES: list[list[float | None]] = [[0.0, 30.0, 60.0], [20.0, None, 80.0]]
 
 
-def figure_of_an_impact(velocity: float = 800.0) -> Figure:
-    return impact_figure(simulate(scenario(velocity=velocity), history=True), "A title")
+def one(*series, **panel) -> Chart:
+    """A chart of one panel."""
+    return Chart("T", (Panel(Axis("length", "mm"), panel.pop("y", Axis("mass", "g")), series, **panel),))
 
 
-def test_an_impact_shows_velocities_length_depth_and_stages():
-    figure = figure_of_an_impact()
-    velocities, lengths, depths = figure.axes
-    assert [line.get_label() for line in velocities.lines] == ["projectile V", "penetration U", "target W"]
-    assert [text.get_text() for text in velocities.texts] == ["i", "ii.1", "iii.3", "iii.4"]
-    assert [axes.get_ylabel() for axes in (velocities, lengths, depths)] == [
-        "velocity, m/s",
-        "rod length L, mm",
-        "depth, bulge, mm",
-    ]
-    assert depths.get_xlabel() == "time since impact, us"
-    assert len(depths.lines) == 2
+CHARTS = {
+    "impact": lambda: charts.impact_chart(impact(), "A title"),
+    "design": lambda: charts.design_chart(design_result(threats=(THREAT, OTHER), pareto=True), "T"),
+    "uncertainty": lambda: charts.uncertainty_chart(uncertainty_result(), scenario(velocity=700.0)),
+    "map": lambda: one(Map(*GRID, VALUES, "speed, m/s"), Contours(*GRID, VALUES)),
+    "bars": lambda: one(
+        Bars([0.0, 0.0], [1.0, None], "one", slot=0, slots=2),
+        Bars([0.0, 0.0], [2.0, -1.0], "two", slot=1, slots=2),
+        y=Axis(categories=("first", "second with a name that takes two lines")),
+    ),
+}
 
 
-def test_a_long_tail_is_not_shown():
-    slow = simulate(scenario(ceramic_mm=12.0, velocity=300.0), history=True)
-    figure = impact_figure(slow, "")
-    assert figure.axes[-1].get_xlim()[1] < 0.3 * slow.duration_us
-
-
-def test_a_title_is_shown_as_it_is():
-    figure = impact_figure(simulate(scenario(), history=True), "5 $ for $x_{_^ <&>")
-    assert "5 $ for $x_{_^ &lt;&amp;&gt;" in rendered(figure, ".svg").decode()
-
-
-def test_an_impact_needs_its_history():
-    with pytest.raises(ValueError, match="history"):
-        impact_figure(simulate(scenario()), "")
-
-
-def test_a_limit_shows_the_curve_and_the_limit():
-    limit = ballistic_limit(scenario())
-    figure = limit_figure(limit, residual_velocity_curve(scenario(), [600.0, 800.0, 1000.0]), "")
-    [axes] = figure.axes
-    labels = [line.get_label() for line in axes.lines]
-    assert labels == ["no armour", "projectile", "plug", "ballistic limit 723.8 m/s"]
-    assert np.asarray(axes.lines[1].get_ydata())[0] == 0.0
-
-
-def test_an_optimum_marks_the_lightest():
-    result = optimise(case(), refine=True)
-    figure = optimum_figure(result, "")
-    thickness, density = figure.axes
-    assert np.asarray(density.lines[1].get_xdata()).tolist() == [result.best.backing_thickness_mm]
-    assert len(thickness.lines) == 3
+@pytest.fixture(params=CHARTS)
+def chart(request: pytest.FixtureRequest) -> Chart:
+    made: Chart = CHARTS[request.param]()
+    return made
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
-def test_the_same_figure_is_the_same_file(suffix: str):
-    content = rendered(figure_of_an_impact(), suffix)
+def test_the_same_chart_is_the_same_file(chart: Chart, suffix: str):
+    content = rendered(chart, suffix)
     assert content.startswith(MAGIC[suffix])
-    assert content == rendered(figure_of_an_impact(), suffix)
+    assert content == rendered(chart, suffix)
+
+
+def test_axes_have_their_headings(chart: Chart):
+    axes = draw(chart).axes
+    covered = [below.shares_x for below in chart.panels[1:]] + [False]
+    headings = [panel.x.heading for panel, hidden in zip(chart.panels, covered, strict=True) if not hidden]
+    assert [ax.get_xlabel() for ax in axes if ax.get_xlabel()] == headings
+    assert [ax.get_ylabel() for ax in axes[: len(chart.panels)]] == [panel.y.heading for panel in chart.panels]
+
+
+def test_no_text_is_cut_and_no_panel_overlaps_another_or_the_legend(chart: Chart):
+    figure = draw(chart)
+    figure.draw_without_rendering()
+    whole = figure.get_tightbbox()
+    width, height = figure.get_size_inches()
+    assert whole.x0 > -0.02
+    assert whole.y0 > -0.02
+    assert whole.x1 < width + 0.02
+    assert whole.y1 < height + 0.02
+    boxes = [axes.get_tightbbox() for axes in figure.axes] + [legend.get_window_extent() for legend in figure.legends]
+    for first, second in combinations(boxes, 2):
+        assert first is not None
+        assert second is not None
+        shared = Bbox.intersection(first, second)
+        assert shared is None or min(shared.width, shared.height) < 2.0
+
+
+def test_lines_points_and_rules():
+    series = Line([0.0, 1.0, 2.0], [1.0, None, 3.0], "line"), Points([1.0], [2.0], "point"), Rule(1.5, "rule")
+    [axes] = draw(one(*series)).axes
+    assert [line.get_label() for line in axes.lines] == ["line", "point", "rule"]
+    assert np.isnan(np.asarray(axes.lines[0].get_ydata())[1])
+    [legend] = draw(one(*series)).legends
+    assert [text.get_text() for text in legend.get_texts()] == ["line", "point", "rule"]
+
+
+def test_error_bars_reach_their_ends():
+    [axes] = draw(one(Points([1.0], [2.0], x_ends=((0.5, 1.75),), y_ends=((1.0, 4.0),)))).axes
+    ends = [segment for found in axes.collections for segment in found.get_segments()]  # type: ignore[attr-defined]
+    assert {tuple(map(tuple, end.tolist())) for end in ends} == {
+        ((0.5, 2.0), (1.75, 2.0)),
+        ((1.0, 1.0), (1.0, 4.0)),
+    }
+
+
+def test_axes_from_zero_and_with_limits():
+    panel = Panel(Axis("x", limits=(1.0, 2.0)), Axis("y", from_zero=True), (Line([0.0, 3.0], [5.0, 6.0]),))
+    [axes] = draw(Chart("", (panel,))).axes
+    assert axes.get_xlim() == (1.0, 2.0)
+    assert axes.get_ylim()[0] == 0.0
+
+
+def test_categories_are_rows_of_bars_with_the_first_on_top():
+    [axes] = draw(CHARTS["bars"]()).axes
+    assert [label.get_text() for label in axes.get_yticklabels()] == [
+        "first",
+        "second with a name\nthat takes two lines",
+    ]
+    assert axes.get_ylim()[0] > axes.get_ylim()[1]
+    centres = [patch.get_y() + 0.5 * patch.get_height() for patch in axes.patches]  # type: ignore[attr-defined]
+    assert centres == pytest.approx([-0.2, 0.8, 0.2, 1.2])
+
+
+def test_panels_share_an_x_axis():
+    upper, _, lower = draw(charts.impact_chart(impact(), "")).axes
+    lower.set_xlim(0.0, 7.0)
+    assert upper.get_xlim() == (0.0, 7.0)
+    assert upper.get_xlabel() == ""
+
+
+def stage_names(axes: Axes) -> list[str]:
+    return [text.get_text() for text in axes.texts]
+
+
+def test_stages_are_named_where_there_is_room():
+    chart = charts.impact_chart(impact(), "")
+    assert stage_names(draw(chart).axes[0]) == [stage.stage for stage in impact().stages]
+    narrow = stage_names(draw(chart, 1.5).axes[0])
+    assert 0 < len(narrow) < len(impact().stages)
+
+
+def test_a_square_panel_has_one_scale():
+    panel = Panel(Axis("x", limits=(0.0, 5.0)), Axis("y", limits=(0.0, 5.0)), (Points([1.0], [2.0]),), square=True)
+    [axes] = draw(Chart("", (panel,))).axes
+    assert axes.get_aspect() == 1.0
+
+
+def test_a_title_is_shown_as_it_is():
+    chart = replace(CHARTS["bars"](), title="5 $ for $x_{_^ <&>")
+    assert "5 $ for $x_{_^ &lt;&amp;&gt;" in rendered(chart, ".svg").decode()
+
+
+def test_control_characters_are_escaped():
+    chart = one(Line([0.0, 1.0], [0.0, 1.0], "a\x08b", text=("one\ntwo\x00", "")))
+    [item] = printable_chart(chart).panels[0].series
+    assert isinstance(item, Line)
+    assert (item.label, item.text) == ("a\\x08b", ("one\ntwo\\x00", ""))
+    assert item.x == [0.0, 1.0]
+    assert b"a\\x08b" in rendered(chart, ".svg")
+
+
+def test_a_flat_map_has_no_contours():
+    flat = [[1.0, 1.0, 1.0], [1.0, 1.0, 1.0]]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rendered(one(Map(*GRID, flat, "speed, m/s")), ".png")

@@ -1,6 +1,4 @@
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
@@ -14,6 +12,7 @@ from armour.reporting.tables.validation import (
     suite_tables,
     verdict,
 )
+from armour.validation.figures import Figure, FigureCurve
 from armour.validation.validate import SuiteResult
 from tests.suites import TABLE, case, result
 
@@ -49,8 +48,7 @@ def test_a_suite_has_its_tables_as_a_whole(outcome: SuiteResult):
 
 
 def test_curves_as_a_file():
-    curve = SimpleNamespace(label="a", values=(0.1, None))
-    figure: Any = SimpleNamespace(x_label="x, mm", y_label="V, m/s", x=(1.0, 2.0), curves=(curve,))
+    figure = Figure("f", "F", "x, mm", "V, m/s", (1.0, 2.0), (FigureCurve("a", (0.1, None)),), (), ())
     assert csv_text(figure_table(figure)) == '"x, mm","a: V, m/s"\n1.0,0.1\n2.0,\n'
 
 

@@ -1,12 +1,13 @@
 """Statuses of cases, summaries of tables and errors of predictions."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.comparison import florence_ballistic_limit
-from armour.validation import questions
+from armour.validation.questions import Asked
 from armour.validation.validate import Check, Summary, result_of, validate
 from tests.cases import scenario
 from tests.suites import TABLE, case, load, result
@@ -109,17 +110,18 @@ def test_a_table_without_rivals_compares_nothing(folder: Path):
     )
 
 
-def test_one_scenario_is_computed_once(folder: Path, monkeypatch: pytest.MonkeyPatch):
-    made = []
+def test_one_scenario_is_asked_once(folder: Path, monkeypatch: pytest.MonkeyPatch):
+    made: list[Asked] = []
 
-    def counted(scenario, columns):
-        made.append(scenario)
-        return groups_of(scenario, columns)
+    class Counted(Asked):
+        def __init__(self, *args: Any) -> None:
+            super().__init__(*args)
+            made.append(self)
 
-    groups_of = questions.groups_of
-    monkeypatch.setattr(questions, "groups_of", counted)
+    monkeypatch.setattr("armour.validation.validate.Asked", Counted)
     result(folder, TABLE + case("a", 724.0, "band = 1.0"))
-    assert len(made) == 1
+    computed = [asked for asked in made if "answers" in vars(asked)]
+    assert len(computed) == 1
 
 
 def test_as_many_as_have_been_checked(folder: Path):

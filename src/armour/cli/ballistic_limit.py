@@ -20,7 +20,7 @@ def ballistic_limit(
             data=result.to_dict,
             tables=lambda: limit_tables(result),
             title=loaded.title,
-            chart=lambda plots: plots.limit_figure(
+            chart=lambda charts: charts.limit_chart(
                 result, analysis.residual_velocity_curve(loaded, velocities), loaded.title
             ),
             warnings=[*([] if result.monotonic else [several]), *warnings_of(loaded, result.warnings)],

@@ -55,7 +55,7 @@ def calibrate(
             tables=lambda: calibration_tables(result),
             title=loaded.title,
             files=[lambda: library_text(result, read, loaded)],
-            chart=lambda plots: plots.calibration_figure(result, loaded.title),
+            chart=lambda charts: charts.calibration_chart(result, loaded.title),
         )
 
     run(answer, reads=[tests, scenario], writes=[library], plot=plot, as_json=as_json)

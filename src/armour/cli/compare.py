@@ -18,7 +18,7 @@ def compare(
             data=result.to_dict,
             tables=lambda: comparison_tables(result),
             title=loaded.title,
-            chart=lambda plots: plots.comparison_figure(result, loaded.title),
+            chart=lambda charts: charts.comparison_chart(result, loaded.title),
             warnings=warnings_of(loaded, result.limit.warnings),
         )
 

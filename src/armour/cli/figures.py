@@ -21,10 +21,10 @@ def figures(
 
     These are figs. 3 to 14 and the parity of table 3; the curves of each are written as CSV beside it.
     """
-    from armour.reporting import plots
+    from armour.reporting import charts, plots
     from armour.reporting.table import csv_text
     from armour.reporting.tables.validation import figure_table, parity_table
-    from armour.validation.figures import PARITY, charts, paper_figures, parity_of_table_3, read_figures
+    from armour.validation.figures import PARITY, compute_figure, paper_figures, parity_of_table_3, read_figures
 
     path = paper_figures()
     sections = read_figures(path)
@@ -38,14 +38,15 @@ def figures(
     total = len(chosen) + parity
     # Each figure is written as soon as it is computed: all of them take a while.
     with progress("figures") as count:
-        for chart in charts(chosen, path.parent):
-            write(folder / f"{chart.name}.csv", csv_text(figure_table(chart)))
-            write(folder / f"{chart.name}.{image}", plots.rendered(plots.chart_figure(chart), f".{image}"))
+        for section in chosen:
+            figure = compute_figure(section, path.parent)
+            write(folder / f"{figure.name}.csv", csv_text(figure_table(figure)))
+            write(folder / f"{figure.name}.{image}", plots.rendered(charts.figure_chart(figure), f".{image}"))
             count(total)
         if parity:
             result = parity_of_table_3()
             write(folder / f"{PARITY}.csv", csv_text(parity_table(result)))
-            write(folder / f"{PARITY}.{image}", plots.rendered(plots.parity_figure(result), f".{image}"))
+            write(folder / f"{PARITY}.{image}", plots.rendered(charts.parity_chart(result), f".{image}"))
             count(total)
 
 

@@ -36,7 +36,7 @@ def optimise(
             tables=lambda: design_tables(result),
             title=loaded.title,
             files=[lambda: csv_text(pareto_table(result) if result.pareto else frontier_table(result))],
-            chart=lambda plots: plots.design_figure(result, loaded.title),
+            chart=lambda charts: charts.design_chart(result, loaded.title),
             warnings=[*perforated, *warnings_of(loaded, result.warnings)],
         )
 

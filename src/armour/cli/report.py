@@ -39,16 +39,20 @@ def report(
 
 def _scenario_page(source: Path, changes: list[str], command: str, *, as_markdown: bool) -> str:
     from armour.reporting.contents import contents_of
-    from armour.reporting.html import scenario_markdown, scenario_page
 
     loaded = read_scenario(source, changes)
     say_if_compiling()
     contents = contents_of(loaded)
-    return scenario_markdown(contents, command) if as_markdown else scenario_page(contents, command)
+    if as_markdown:
+        from armour.reporting.markdown_report import scenario_markdown
+
+        return scenario_markdown(contents, command)
+    from armour.reporting.html import scenario_page
+
+    return scenario_page(contents, command)
 
 
 def _suite_page(source: Path, changes: list[str], command: str, *, as_markdown: bool) -> str:
-    from armour.reporting.html import suite_page
     from armour.reporting.markdown import suite_markdown
     from armour.scenario.assignments import changes_of
     from armour.validation.suite import load_suite
@@ -58,4 +62,8 @@ def _suite_page(source: Path, changes: list[str], command: str, *, as_markdown: 
     say_if_compiling()
     with progress("cases") as count:
         result = validate(suite, on_check=lambda _check, total: count(total))
-    return suite_markdown(result) if as_markdown else suite_page(result, command)
+    if as_markdown:
+        return suite_markdown(result)
+    from armour.reporting.html import suite_page
+
+    return suite_page(result, command)

@@ -45,7 +45,7 @@ class Answer:
         Give the contents of the files that the command writes, in the order of ``writes`` of `run`; None where there
         is nothing to write.
     chart : callable
-        Draws the plot with the functions of `armour.reporting.plots`, which it is given.
+        Gives the chart that is plotted, by the functions of `armour.reporting.charts`, which it is given.
     warnings : sequence of str
         Lines for standard error.
     exit_code : int
@@ -100,9 +100,9 @@ def run(
             if path is not None and (text := content()) is not None:
                 write(path, text)
         if plot is not None and found.chart is not None:
-            from armour.reporting import plots
+            from armour.reporting import charts, plots
 
-            write(plot, plots.rendered(found.chart(plots), plot.suffix.lower()))
+            write(plot, plots.rendered(found.chart(charts), plot.suffix.lower()))
     finally:
         # A file that cannot be made or written does not cost the answer.
         if as_json:

@@ -23,7 +23,7 @@ def sensitivity(
             data=result.to_dict,
             tables=lambda: sensitivity_tables(result),
             title=loaded.title,
-            chart=lambda plots: plots.sensitivity_figure(result, loaded.title),
+            chart=lambda charts: charts.sensitivity_chart(result, loaded.title),
         )
 
     run(answer, reads=[scenario], plot=plot, as_json=as_json)

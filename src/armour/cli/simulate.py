@@ -34,7 +34,7 @@ def simulate(
             tables=lambda: impact_tables(result),
             title=loaded.title,
             files=[lambda: None if result.history is None else csv_text(history_table(result.history))],
-            chart=lambda plots: plots.impact_figure(result, loaded.title),
+            chart=lambda charts: charts.impact_chart(result, loaded.title),
             warnings=warnings_of(loaded, result.warnings),
         )
 

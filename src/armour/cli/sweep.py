@@ -91,7 +91,7 @@ def sweep(
         return Answer(
             data=lambda: {"rows": rows, "output": str(output)},
             tables=tuple,
-            chart=lambda plots: plots.sweep_figure(read_table(output), source.keys, names[0], loaded),
+            chart=lambda charts: charts.sweep_chart(read_table(output), source.keys, names[0], loaded),
         )
 
     run(answer, reads=[scenario, cases], makes=[output], plot=plot, as_json=as_json)

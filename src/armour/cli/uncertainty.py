@@ -30,7 +30,7 @@ def uncertainty(
             data=result.to_dict,
             tables=lambda: uncertainty_tables(result),
             title=loaded.title,
-            chart=lambda plots: plots.uncertainty_figure(result, loaded),
+            chart=lambda charts: charts.uncertainty_chart(result, loaded),
             warnings=warnings_of(loaded, result.warnings),
         )
 

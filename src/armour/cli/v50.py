@@ -59,7 +59,7 @@ def v50(
             data=result.to_dict,
             tables=lambda: v50_tables(result),
             title=str(shots),
-            chart=lambda plots: plots.firing_figure(read, result),
+            chart=lambda charts: charts.v50_chart(read, result),
         )
 
     run(answer, reads=[shots, scenario], plot=plot, as_json=as_json)

@@ -1,14 +1,15 @@
-"""The paper's figures: which curves they show, and the curves computed."""
+"""Figures of the paper: what they show, and their curves computed by the model."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import Field, ValidationError, field_validator
 
-from armour.analysis.quantities import QUANTITIES, Answers, answers_of
-from armour.errors import InputError, NoAnswerError
+from armour.analysis.evaluate import evaluate
+from armour.analysis.quantities import QUANTITIES
+from armour.errors import InputError
 from armour.files import read_toml, shipped
 from armour.scenario.loading import load_scenario
 from armour.scenario.messages import Section, problems_of
@@ -20,14 +21,14 @@ PARITY = "parity_table3"
 
 
 class CurveSection(Section):
-    """A curve: its name and what it changes in the scenario."""
+    """A curve: its label and the changes that it makes to the scenario."""
 
     label: str = ""
     set: dict[str, Any] = {}
 
 
 class MarkSection(Section):
-    """Numbers that the paper's text states, drawn in the colour of the curve that they belong to."""
+    """Numbers stated in the paper's text, drawn in the colour of the curve that ``of`` names."""
 
     label: str
     of: str = ""
@@ -35,14 +36,14 @@ class MarkSection(Section):
 
 
 class LevelSection(Section):
-    """A value at which the text compares."""
+    """A value at which the paper's text compares curves."""
 
     label: str
     value: float
 
 
 class FigureSection(Section):
-    """A figure: quantities of a scenario over one or more of its keys, all given the same value."""
+    """A figure: quantities of a scenario over one or more of its keys, which take the same values."""
 
     name: str
     title: str
@@ -72,16 +73,16 @@ class FigureFile(Section):
 
 
 @dataclass(frozen=True)
-class Curve:
-    """A quantity over the values of the abscissa; None where the question has no answer."""
+class FigureCurve:
+    """A quantity over the abscissa; None where it has no value."""
 
     label: str
     values: tuple[float | None, ...]
 
 
 @dataclass(frozen=True)
-class Mark:
-    """Points that the paper's text states."""
+class FigureMark:
+    """Points stated in the paper's text, and the label of the curve that they belong to."""
 
     label: str
     of: str
@@ -89,29 +90,41 @@ class Mark:
 
 
 @dataclass(frozen=True)
-class Level:
-    """A horizontal line."""
+class FigureLevel:
+    """A value of the ordinate at which the paper's text compares curves."""
 
     label: str
     value: float
 
 
 @dataclass(frozen=True)
-class Chart:
-    """A figure's data."""
+class Figure:
+    """Computed data of a figure.
+
+    Attributes
+    ----------
+    name, title : str
+    x_label, y_label : str
+        Headings of the axes, with the unit.
+    x : tuple of float
+        Abscissa of every curve.
+    curves : tuple of FigureCurve
+    marks : tuple of FigureMark
+    levels : tuple of FigureLevel
+    """
 
     name: str
     title: str
     x_label: str
     y_label: str
     x: tuple[float, ...]
-    curves: tuple[Curve, ...]
-    marks: tuple[Mark, ...]
-    levels: tuple[Level, ...]
+    curves: tuple[FigureCurve, ...]
+    marks: tuple[FigureMark, ...]
+    levels: tuple[FigureLevel, ...]
 
 
 def paper_figures() -> Path:
-    """The file that says what the paper's figures show."""
+    """Return the file that describes the paper's figures."""
     return shipped("suites") / "figures.toml"
 
 
@@ -129,52 +142,43 @@ def read_figures(path: Path) -> list[FigureSection]:
         raise InputError(problems_of(error, FigureFile, str(path))) from None
 
 
-def charts(sections: list[FigureSection], folder: Path) -> Iterator[Chart]:
-    """Compute figures one after the other; what two of them share is computed once.
+def compute_figure(section: FigureSection, folder: Path) -> Figure:
+    """Compute the curves of a figure.
 
     Parameters
     ----------
-    sections : list of FigureSection
+    section : FigureSection
     folder : Path
-        Where the scenarios that they name are looked for from.
+        Folder that the path of its scenario is relative to.
+
+    Raises
+    ------
+    InputError
+        If the scenario does not allow a value, or a run does not end.
     """
-    answers: dict[str, Answers] = {}
-    for section in sections:
-        yield chart(section, folder, answers)
-
-
-def chart(section: FigureSection, folder: Path, answers: dict[str, Answers]) -> Chart:
-    """Compute a figure; scenarios that were asked before give what they have."""
     base = load_scenario(folder / section.scenario)
     x = section.range.values()
     curves = []
     for curve in section.curve:
-        scenario = base.replaced(curve.set)
-        asked = [answers_of(answers, scenario.replaced(dict.fromkeys(section.over, value))) for value in x]
+        columns = dict.fromkeys(section.over, np.array(x))
+        found = evaluate(base.replaced(curve.set), columns, section.quantities)
         for name in section.quantities:
-            label = ", ".join(part for part in (curve.label, QUANTITIES[name].words) if part)
+            label = ", ".join(part for part in (curve.label, QUANTITIES[name].label) if part)
             shown = curve.label if len(section.quantities) == 1 and curve.label else label
-            curves.append(Curve(shown, tuple(_value(name, one) for one in asked)))
-    return Chart(
+            values = tuple(float(value) if np.isfinite(value) else None for value in found[name])
+            curves.append(FigureCurve(shown, values))
+    return Figure(
         name=section.name,
         title=section.title,
         x_label=section.x_label,
         y_label=section.y_label,
         x=x,
         curves=tuple(curves),
-        marks=tuple(Mark(mark.label, mark.of, tuple((x, y) for x, y in mark.points)) for mark in section.mark),
-        levels=tuple(Level(level.label, level.value) for level in section.level),
+        marks=tuple(FigureMark(mark.label, mark.of, tuple((x, y) for x, y in mark.points)) for mark in section.mark),
+        levels=tuple(FigureLevel(level.label, level.value) for level in section.level),
     )
 
 
-def _value(name: str, answers: Answers) -> float | None:
-    try:
-        value = QUANTITIES[name].of(answers)
-    except NoAnswerError:
-        return None
-    return None if isinstance(value, str) else value
-
-
 def parity_of_table_3() -> SuiteResult:
-    """Table 3 of the paper, computed."""
+    """Compute table 3 of the paper."""
     return validate(load_suite(paper_suite()).only("table 3"))

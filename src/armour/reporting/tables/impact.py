@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 from armour.reporting.table import Column, Table, record
 
 if TYPE_CHECKING:
+    from armour.analysis.energy import EnergyBalance
     from armour.analysis.history import History
     from armour.analysis.impact import ImpactResult
-    from armour.reporting.contents import EnergyBalance
 
 STAGES = {
     "i": "intact ceramic, penetrated; rod erodes",

@@ -8,7 +8,7 @@ from armour.reporting.table import Column, Table
 from armour.units import words_and_unit
 
 if TYPE_CHECKING:
-    from armour.validation.figures import Chart
+    from armour.validation.figures import Figure
     from armour.validation.suite import Case
     from armour.validation.update import Update
     from armour.validation.validate import Check, SuiteResult
@@ -137,10 +137,10 @@ def update_table(updates: Sequence["Update"]) -> Table:
     return Table(columns, tuple((update.case.full_name, update.old, update.new) for update in updates))
 
 
-def figure_table(chart: "Chart") -> Table:
+def figure_table(figure: "Figure") -> Table:
     """Return the curves of a figure, a column each."""
-    labels = [chart.x_label, *(f"{curve.label}: {chart.y_label}" for curve in chart.curves)]
-    values = [chart.x, *(curve.values for curve in chart.curves)]
+    labels = [figure.x_label, *(f"{curve.label}: {figure.y_label}" for curve in figure.curves)]
+    values = [figure.x, *(curve.values for curve in figure.curves)]
     return Table(tuple(Column(label, spec="g", key=label) for label in labels), tuple(zip(*values, strict=True)))
 
 

@@ -1,0 +1,51 @@
+import math
+
+import pytest
+
+from armour.analysis.energy import energy_balance
+from armour.analysis.impact import simulate
+from armour.scenario.loading import load_scenario
+from tests.cases import SCENARIOS, scenario
+
+NAMES = ["wilkins", "dwell", "bare_plate", "paper/fig10_20mm"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_balance_closes_to_rounding(name: str):
+    case = load_scenario(SCENARIOS / f"{name}.toml")
+    energy = energy_balance(case, simulate(case, history=True))
+    assert abs(energy.difference) <= 1e-12 * energy.before
+    assert all(row.eroded >= 0.0 and row.braked >= 0.0 for row in energy.rows)
+    assert all(row.total == row.eroded + row.braked for row in energy.rows)
+    assert 0.0 <= energy.left <= energy.before
+
+
+def test_the_energy_at_impact_and_left_is_the_projectiles():
+    case = scenario(velocity=800.0)
+    impact = simulate(case, history=True)
+    energy = energy_balance(case, impact)
+    mass = case.entry("projectile", "7.62 mm AP")["penetrator_mass_g"] / 1000.0
+    assert energy.before == pytest.approx(0.5 * mass * 800.0**2)
+    residual = 0.5 * impact.residual_mass_g / 1000.0 * impact.residual_velocity_m_s**2
+    assert energy.left == pytest.approx(residual)
+
+
+def test_eroded_material_carries_off_its_energy():
+    """In dwell the loss by braking has a closed form: the rod's strength times area times the length eroded."""
+    case = load_scenario(SCENARIOS / "dwell.toml")
+    impact = simulate(case, history=True)
+    first = energy_balance(case, impact).rows[0]
+    a, history = case.core_armour(), impact.history
+    assert history is not None
+    inside = history.time_us <= impact.stages[0].end_us
+    length, velocity = history.length_mm[inside][-1] / 1000.0, history.velocity_m_s[inside][-1]
+    area = math.pi * a.D0**2 / 4.0
+    lost = 0.5 * a.rho_p * area * (a.L0 * case.impact.velocity_m_s**2 - length * velocity**2)
+    assert first.braked == pytest.approx(a.Yp * area * (a.L0 - length), rel=5e-4)  # by steps
+    assert first.total == pytest.approx(lost, rel=1e-9)
+
+
+def test_a_history_is_needed():
+    case = scenario()
+    with pytest.raises(ValueError, match="history=True"):
+        energy_balance(case, simulate(case))

@@ -1,0 +1,93 @@
+"""Results that several tests of reports show."""
+
+from functools import cache
+
+from armour.analysis.estimates import Estimate
+from armour.analysis.impact import ImpactResult, simulate
+from armour.design.optimise import BestDesign, Design, DesignResult, Pair
+from armour.statistics.uncertainty import Index, ProbabilityCurve, UncertaintyResult
+from tests.cases import scenario
+
+THREAT, OTHER = "7.62 mm AP at 800 m/s", "M2"
+
+
+@cache
+def impact(velocity: float = 800.0) -> ImpactResult:
+    """The impact of the Wilkins case, with its history."""
+    return simulate(scenario(velocity=velocity), history=True)
+
+
+def design(ceramic: str, ceramic_mm: float, backing_mm: float, areal_density: float, cost: float = 0.0) -> Design:
+    """A design on 6061-T6."""
+    return Design(ceramic, "6061-T6", ceramic_mm, backing_mm, areal_density, ceramic_mm + backing_mm, cost, None)
+
+
+def best(ceramic: str, ceramic_mm: float, backing_mm: float, areal_density: float, cost: float = 0.0) -> BestDesign:
+    """A best design on 6061-T6."""
+    return BestDesign(
+        **vars(design(ceramic, ceramic_mm, backing_mm, areal_density, cost)),
+        ballistic_limit_m_s=820.0,
+        ceramic_density_kg_m3=3430.0,
+        backing_density_kg_m3=2700.0,
+        margins_m_s={THREAT: 20.0},
+        governing=THREAT,
+        probabilities={},
+    )
+
+
+def design_result(
+    *, refined: bool = False, threats: tuple[str, ...] = (THREAT,), pareto: bool = False, ceramic: str = "AD85"
+) -> DesignResult:
+    """Three designs of a pair, of which the second is the best, and a pair that is heavier."""
+    found = best(ceramic, 8.0, 6.0, 43.6, 100.0)
+    frontier = (design(ceramic, 10.0, 4.0, 45.0), design(ceramic, 8.0, 6.0, 43.6), design(ceramic, 7.0, 8.0, 45.6))
+    heavier = Pair("AD99.5", "6061-T6", best("AD99.5", 7.5, 7.0, 48.0, 80.0), 10.1, "10.1 % heavier")
+    none = Pair("Al-N", "6061-T6", None, None, "perforated by M2")
+    return DesignResult(
+        minimised="areal_density_kg_m2",
+        threats=threats,
+        best=found,
+        frontier=frontier,
+        frontier_governed_by=(threats[-1],) * 3,
+        refined=best(ceramic, 8.1, 5.8, 43.4) if refined else None,
+        pairs=(Pair(ceramic, "6061-T6", found, 0.0, ""), *((heavier, none) if pareto else ())),
+        criteria=("areal_density_kg_m2", "cost_per_m2") if pareto else (),
+        pareto=(design(ceramic, 8.0, 6.0, 43.6, 100.0), design("AD99.5", 7.5, 7.0, 48.0, 80.0)) if pareto else (),
+        designs=100,
+        examined=40,
+        runs=200,
+        not_monotonic_mm=(),
+        warnings=(),
+    )
+
+
+def uncertainty_result() -> UncertaintyResult:
+    """A probability that rises from 640 to 810 m/s, from two inputs."""
+    velocities = (600.0, 640.0, 680.0, 720.0, 770.0, 810.0, 900.0)
+    probabilities = (0.0, 0.0, 0.05, 0.5, 0.95, 1.0, 1.0)
+    return UncertaintyResult(
+        samples=1024,
+        seed=1,
+        method="sobol",
+        confidence=0.95,
+        probability_of_perforation=Estimate(0.21, 0.2, 0.22),
+        ballistic_limit_m_s={
+            "V05": Estimate(680.0, 678.0, 682.0),
+            "V50": Estimate(720.0, 719.0, 721.0),
+            "V95": Estimate(770.0, 768.0, 772.0),
+        },
+        mean_m_s=721.0,
+        standard_deviation_m_s=27.0,
+        deterministic_m_s=723.8,
+        curve=ProbabilityCurve(
+            velocities,
+            probabilities,
+            tuple(max(p - 0.01, 0.0) for p in probabilities),
+            tuple(min(p + 0.01, 1.0) for p in probabilities),
+        ),
+        inputs=(
+            Index("ceramic.flow_stress_GPa", None, None, (677.0, 769.0)),
+            Index("projectile.penetrator_mass_g", None, None, (729.0, 718.0)),
+        ),
+        warnings=(),
+    )

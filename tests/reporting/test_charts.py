@@ -1,0 +1,340 @@
+from typing import Any, TypeVar
+
+import numpy as np
+import pytest
+
+from armour.analysis.ballistic_limit import ballistic_limit, curve_velocities, residual_velocity_curve
+from armour.analysis.comparison import compare
+from armour.analysis.energy import EnergyBalance, StageEnergy
+from armour.analysis.impact import simulate
+from armour.reporting import charts
+from armour.reporting.chart import Bars, Chart, Contours, Line, Map, Panel, Points, Rule, Series, Spans
+from armour.scenario.parameters import BACKING, CERAMIC
+from armour.statistics.calibration import CalibrationResult, Residual
+from armour.statistics.sensitivity import Elasticity, SensitivityResult
+from armour.statistics.v50 import Shots, v50
+from armour.validation.figures import Figure, FigureCurve, FigureLevel, FigureMark
+from tests.cases import scenario
+from tests.reporting.results import OTHER, THREAT, design_result, impact, uncertainty_result
+from tests.suites import TABLE, WILKINS_LIMIT, case, result
+
+Kind = TypeVar("Kind", Line, Points, Bars, Rule, Spans, Map, Contours)
+
+
+def some(panel: Panel, kind: type[Kind]) -> list[Kind]:
+    return [item for item in panel.series if isinstance(item, kind)]
+
+
+def labels(*panels: Panel) -> list[str]:
+    return [label for panel in panels for item in panel.series if (label := getattr(item, "label", ""))]
+
+
+def headings(chart: Chart) -> list[tuple[str, str]]:
+    return [(panel.x.heading, panel.y.heading) for panel in chart.panels]
+
+
+def assert_matched(chart: Chart) -> None:
+    """Every point has a coordinate of each kind and, where it has words, words of its own."""
+    for panel in chart.panels:
+        for item in panel.series:
+            if isinstance(item, Line | Points):
+                assert len(item.x) == len(item.y)
+                assert len(item.text) in (0, len(item.x))
+            if isinstance(item, Bars):
+                assert len(item.starts) == len(item.ends) == len(item.text) == len(panel.y.categories)
+
+
+@pytest.mark.parametrize(
+    ("name", "heading"),
+    [
+        ("ballistic_limit_m_s", "ballistic limit, m/s"),
+        ("duration_us", "duration, µs"),
+        ("ceramic.flow_stress_GPa", "ceramic flow stress, GPa"),
+        ("backing.dynamic_yield_strength_MPa", "back plate dynamic yield strength, MPa"),
+        ("armour.backing_thickness_mm", "back plate thickness, mm"),
+        ("impact.velocity_m_s", "impact velocity, m/s"),
+        ("projectile.penetrator_mass_g", "penetrator mass, g"),
+        ("projectile.density_kg_m3", "projectile density, kg/m³"),
+        ("ceramic.youngs_modulus_GPa", "ceramic Young's modulus, GPa"),
+        ("cost_per_m2", "cost per m²"),
+    ],
+)
+def test_an_axis_is_in_words_with_its_unit(name: str, heading: str):
+    assert charts.quantity_axis(name).heading == heading
+
+
+def test_an_impact():
+    found = impact()
+    chart = charts.impact_chart(found, "A title")
+    assert chart.title == f"A title\nperforated at 800 m/s, residual velocity {found.residual_velocity_m_s:.1f} m/s"
+    time = "time since impact, µs"
+    assert headings(chart) == [(time, "velocity, m/s"), (time, "rod length, mm"), (time, "depth, bulge, mm")]
+    expected = ["projectile V", "penetration U", "target W", "rod length L", "depth Z", "bulge h"]
+    assert labels(*chart.panels) == expected
+    [spans] = some(chart.panels[0], Spans)
+    assert spans.names == tuple(stage.stage for stage in found.stages)
+    assert "stage i: intact ceramic, penetrated; rod erodes" in spans.text[0]
+    assert all(name in chart.note for name in spans.names)
+    assert some(chart.panels[0], Line)[0].y[0] == 800.0
+    assert_matched(chart)
+
+
+def test_an_impact_without_its_history():
+    with pytest.raises(ValueError, match="history=True"):
+        charts.impact_chart(simulate(scenario()), "")
+
+
+def test_a_long_tail_is_left_out():
+    slow = simulate(scenario(ceramic_mm=12.0, velocity=300.0), history=True)
+    chart = charts.impact_chart(slow, "")
+    assert chart.title == "defeated at 300 m/s"
+    for panel in chart.panels:
+        assert panel.x.limits is not None
+        assert panel.x.limits[1] < 0.3 * slow.duration_us
+        assert all(max(line.x) <= panel.x.limits[1] for line in some(panel, Line))  # type: ignore[type-var, operator]
+
+
+def test_a_ballistic_limit():
+    limit = ballistic_limit(scenario())
+    velocities = curve_velocities(limit, scenario())
+    chart = charts.limit_chart(limit, residual_velocity_curve(scenario(), velocities), "T")
+    [panel] = chart.panels
+    assert labels(panel) == ["no armour", "projectile", "plug", f"ballistic limit {WILKINS_LIMIT:.1f} m/s"]
+    assert some(panel, Line)[1].y[0] == 0.0
+    assert some(panel, Rule)[0].at == limit.ballistic_limit_m_s
+
+
+def test_designs_of_a_pair():
+    found = design_result(refined=True)
+    chart = charts.design_chart(found, "T")
+    areal, required = chart.panels
+    x = "back plate thickness, mm"
+    assert headings(chart) == [(x, "areal density, kg/m²"), (x, "required ceramic thickness, mm")]
+    assert labels(areal) == [
+        "AD85 on 6061-T6",
+        "best: 8 on 6 mm, 43.60 kg/m²",
+        "refined: 8.1 on 5.8 mm, 43.40 kg/m²",
+    ]
+    assert labels(required) == []
+    assert some(areal, Line)[0].y == [45.0, 43.6, 45.6]
+    assert some(required, Line)[0].y == [10.0, 8.0, 7.0]
+    assert [list(mark.x) for mark in some(areal, Points)] == [[6.0], [5.8]]
+    assert some(areal, Line)[0].text[0] == "10 on 4 mm, 45.00 kg/m²"
+    assert_matched(chart)
+
+
+def test_designs_of_several_pairs_against_several_threats():
+    chart = charts.design_chart(design_result(threats=(THREAT, OTHER), pareto=True), "T")
+    areal, _, front = chart.panels
+    assert "AD99.5 on 6061-T6: 10.1 % heavier" in labels(areal)
+    assert not any("Al-N" in label for label in labels(*chart.panels))
+    assert some(areal, Line)[0].text[0].endswith("\ngoverned by M2")
+    assert (front.x.heading, front.y.heading) == ("areal density, kg/m²", "cost per m²")
+    looks: dict[str, Any] = {item.text[0].split("\n")[0]: (item.colour, item.marker) for item in some(front, Points)}
+    assert looks.keys() == {"AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"}
+    assert looks["AD99.5 on 6061-T6"] == (some(areal, Points)[0].colour, some(areal, Points)[0].marker)
+    assert "cost" not in some(areal, Line)[0].text[0]
+    assert_matched(chart)
+
+
+def test_a_pareto_front_of_its_own_names_its_pairs():
+    [panel] = charts.pareto_chart(design_result(pareto=True), "Pareto front").panels
+    assert labels(panel) == ["AD85 on 6061-T6", "AD99.5 on 6061-T6"]
+
+
+def figure() -> Figure:
+    curves = (FigureCurve("A", (1.0, None, 9.0)), FigureCurve("B", (2.0, 3.0, 4.0)))
+    marks = (FigureMark("printed", "B", ((5.0, 3.0),)), FigureMark("another", "", ((6.0, 2.0),)))
+    return Figure(
+        "f", "T", "each, mm", "residual velocity, m/s", (4.0, 6.0, 8.0), curves, marks, (FigureLevel("L", 5.0),)
+    )
+
+
+def test_a_figure_of_the_paper():
+    chart = charts.figure_chart(figure())
+    [panel] = chart.panels
+    assert labels(panel) == ["A", "B", "L", "printed", "another"]
+    assert (panel.x.unit, panel.y.unit, panel.x.limits) == ("mm", "m/s", (4.0, 8.0))
+    assert panel.y.from_zero
+    curves, marks = some(panel, Line), some(panel, Points)
+    assert marks[0].colour == curves[1].colour
+    assert marks[1].colour not in [curve.colour for curve in curves]
+    assert chart.width < 4.0
+
+
+def test_parity_of_the_tables_of_a_suite(folder):
+    chart = charts.parity_chart(result(folder, TABLE + case("own", 700.0, "band = 100.0")))
+    [panel] = chart.panels
+    [points] = some(panel, Points)
+    assert headings(chart) == [("expected ballistic limit, m/s", "computed ballistic limit, m/s")]
+    assert list(points.x) == [720.0, 730.0]
+    assert list(points.y) == pytest.approx([WILKINS_LIMIT] * 2)
+    assert panel.x.limits == panel.y.limits
+    assert panel.square
+    assert points.text[0] == "ceramic thickness 6.35 mm\nexpected 720 m/s, computed 723.77 m/s"
+    assert labels(panel) == ["t", "agreement", "± 10 %"]
+
+
+def test_parity_of_a_suite_without_tables(folder):
+    chart = charts.parity_chart(result(folder, case("own", 700.0, "band = 100.0")))
+    assert labels(*chart.panels)[0] == "cases"
+    outcome = 'scenario = "wilkins.toml"\nquantity = "outcome"\nexpected = "perforated"'
+    assert charts.parity_chart(result(folder, f'[[case]]\nname = "o"\n{outcome}\n')).panels == ()
+
+
+def test_a_comparison():
+    found = compare(scenario())
+    [panel] = charts.comparison_chart(found, "T").panels
+    assert labels(panel)[0] == f"this model: ballistic limit {WILKINS_LIMIT:.1f} m/s"
+    assert len(some(panel, Line)) == 1 + len(found.fits)
+    assert [rule.at for rule in some(panel, Rule)] == [florence.ballistic_limit_m_s for florence in found.florence]
+
+
+def calibrated(count: int = 3) -> CalibrationResult:
+    residuals = [
+        Residual(f"test {i}", "ballistic_limit_m_s", 700.0 + 10.0 * i, 705.0 + 9.0 * i, 707.0 + 9.0 * i, "")
+        for i in range(count)
+    ]
+    residuals.append(Residual("bound", "ballistic_limit_m_s", 690.0, 700.0, None, "at least"))
+    return CalibrationResult("t.csv", "", "relative", (), (), tuple(residuals), 1.0, 2.0, 1, 0.1, 8, 8, 0.95)
+
+
+def test_a_calibration():
+    chart = charts.calibration_chart(calibrated(), "T")
+    parity, deviations = chart.panels
+    assert (parity.x.heading, parity.y.heading) == ("measured ballistic limit, m/s", "computed ballistic limit, m/s")
+    assert labels(parity) == ["measured", "defeated at", "agreement"]
+    assert deviations.y.categories == ("test 0", "test 1", "test 2")
+    fitted, left_out = some(deviations, Bars)
+    assert fitted.ends[0] == pytest.approx(100.0 * (705.0 / 700.0 - 1.0))
+    assert left_out.label == "leave-one-out"
+    assert (fitted.slot, left_out.slot) == (0, 1)
+    assert_matched(chart)
+
+
+def test_a_calibration_to_many_tests_shows_the_largest_deviations():
+    _, deviations = charts.calibration_chart(calibrated(60), "T").panels
+    assert len(deviations.y.categories) == charts.MAX_ROWS
+    assert deviations.title == "deviation of the ballistic limit, the 40 largest of 60"
+    assert deviations.y.categories[0] == "test 59"
+
+
+def test_a_sensitivity_is_ordered_by_the_largest_elasticity_of_any_answer():
+    def item(name: str, limit: float, areal: float | None) -> Elasticity:
+        return Elasticity(name, 1.0, {"ballistic_limit_m_s": limit, "residual_velocity_m_s": None, LEAST: areal})
+
+    found = SensitivityResult(
+        {"ballistic_limit_m_s": 700.0, "residual_velocity_m_s": None, LEAST: 50.0},
+        (
+            item("ceramic.flow_stress_GPa", 0.5, -0.4),
+            item("impact.velocity_m_s", 0.0, 1.7),
+            item(CERAMIC, -0.6, None),
+        ),
+    )
+    chart = charts.sensitivity_chart(found, "T")
+    [panel] = chart.panels
+    assert panel.y.categories == ("impact velocity", "ceramic thickness", "ceramic flow stress")
+    assert labels(panel) == ["ballistic limit", "least areal density"]
+    assert [bars.slots for bars in some(panel, Bars)] == [2, 2]
+    assert some(panel, Bars)[1].ends == [1.7, None, -0.4]
+    assert_matched(chart)
+
+
+LEAST = "least_areal_density_kg_m2"
+SHOTS = Shots((700.0, 710.0, 715.0, 720.0, 725.0, 730.0), (False, False, True, False, True, True), "shots.csv")
+
+
+def test_a_v50():
+    found = v50(SHOTS, scenario())
+    chart = charts.v50_chart(SHOTS, found)
+    [panel] = chart.panels
+    assert chart.title == "shots.csv"
+    assert f"this model: ballistic limit {WILKINS_LIMIT:.1f} m/s" in labels(panel)
+    assert [item.text[0] for item in some(panel, Points)][:2] == [
+        "partial penetration at 700 m/s",
+        "complete penetration at 715 m/s",
+    ]
+    for line in some(panel, Line):
+        assert all(b >= a for a, b in zip(line.y, line.y[1:], strict=False))  # type: ignore[operator]
+    bars = [item for item in some(panel, Points) if item.x_ends]
+    assert all(low <= item.x[0] <= high for item in bars for low, high in item.x_ends)  # type: ignore[operator]
+
+
+def test_a_limit_outside_the_axis_of_a_v50_is_said_to_be_there():
+    thick = scenario(ceramic_mm=9.0)
+    found = v50(SHOTS, thick)
+    [panel] = charts.v50_chart(SHOTS, found).panels
+    assert panel.x.limits is not None
+    assert found.model_ballistic_limit_m_s is not None
+    assert found.model_ballistic_limit_m_s > panel.x.limits[1]
+    assert any(label.endswith("m/s, outside the axis") for label in labels(panel))
+
+
+def test_an_uncertainty():
+    found = uncertainty_result()
+    chart = charts.uncertainty_chart(found, scenario(velocity=700.0))
+    curve, swings = chart.panels
+    assert "at 700 m/s: 0.210, 0.200 to 0.220" in labels(curve)
+    assert swings.y.categories == ("ceramic flow stress", "penetrator mass")
+    low, high = some(swings, Bars)
+    assert (list(low.ends), list(high.ends)) == ([677.0, 729.0], [769.0, 718.0])
+    assert curve.x.limits is not None
+    assert 640.0 < curve.x.limits[0] < 677.0
+    assert 770.0 < curve.x.limits[1] < 810.0
+    assert_matched(chart)
+
+
+def test_an_energy_balance():
+    energy = EnergyBalance(100.0, (StageEnergy("i", 20.0, 30.0), StageEnergy("iii.4", 0.0, 40.0)), 10.0)
+    [panel] = charts.energy_chart(energy).panels
+    assert panel.y.categories == ("1. stage i", "2. stage iii.4", "left")
+    eroded, braked, left = some(panel, Bars)
+    assert (eroded.ends, braked.starts, braked.ends) == ([20.0, 0.0, 0.0], [20.0, 0.0, 0.0], [50.0, 40.0, 0.0])
+    assert left.ends[-1] == 10.0
+    assert braked.text[0] == "1. stage i: braking\n30.00 J, 30.0 %"
+
+
+def table(*keys: str) -> dict[str, Any]:
+    first, second = (values.ravel() for values in np.meshgrid([4.0, 6.0, 8.0], [5.0, 7.0], indexing="ij"))
+    answer = 100.0 * first + second
+    return {keys[0]: first, keys[1]: second, "ballistic_limit_m_s": answer}
+
+
+def test_a_sweep_over_one_key():
+    columns = {CERAMIC: np.array([4.0, 6.0]), "ballistic_limit_m_s": np.array([500.0, np.nan])}
+    [panel] = charts.sweep_chart(columns, [CERAMIC], "ballistic_limit_m_s", scenario()).panels
+    assert (panel.x.heading, panel.y.heading) == ("ceramic thickness, mm", "ballistic limit, m/s")
+    assert some(panel, Line)[0].y == [500.0, None]
+
+
+@pytest.mark.parametrize("keys", [(CERAMIC, BACKING), (BACKING, CERAMIC)])
+def test_a_sweep_over_both_thicknesses(keys: tuple[str, str]):
+    chart = charts.sweep_chart(table(*keys), keys, "ballistic_limit_m_s", scenario())
+    [panel] = chart.panels
+    [colours] = some(panel, Map)
+    assert colours.z == [[405.0, 605.0, 805.0], [407.0, 607.0, 807.0]]
+    _, areal = some(panel, Contours)
+    thickness = dict(zip(keys, (4.0, 5.0), strict=True))
+    assert areal.z[0][0] == pytest.approx(scenario().areal_density_kg_m2(thickness[CERAMIC], thickness[BACKING]))
+    assert "areal density, kg/m²" in chart.note
+
+
+def test_a_sweep_over_other_keys_has_no_areal_densities():
+    keys = ("ceramic.flow_stress_GPa", CERAMIC)
+    chart = charts.sweep_chart(table(*keys), keys, "ballistic_limit_m_s", scenario())
+    assert headings(chart) == [("ceramic flow stress, GPa", "ceramic thickness, mm")]
+    assert len(some(chart.panels[0], Contours)) == 1
+    assert chart.note == ""
+
+
+def test_a_key_of_a_library_entry_names_it():
+    keys = ["library.ceramic.Mine.flow_stress_GPa"]
+    columns = {keys[0]: np.array([4.0, 6.0]), "residual_velocity_m_s": np.array([500.0, 300.0])}
+    [panel] = charts.sweep_chart(columns, keys, "residual_velocity_m_s", scenario()).panels
+    assert panel.x.heading == "Mine flow stress, GPa"
+
+
+def test_series_differ_in_more_than_colour():
+    series: tuple[Series, ...] = charts.figure_chart(figure()).panels[0].series
+    looks = [item.style for item in series if isinstance(item, Line)]
+    assert len(set(looks)) == len(looks)

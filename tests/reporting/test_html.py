@@ -1,0 +1,133 @@
+"""Reports as HTML: one file, without scripts or links, with every chart and table."""
+
+import re
+from dataclasses import replace
+from functools import cache
+from html.parser import HTMLParser
+
+import pytest
+
+from armour.reporting.contents import Contents, contents_of
+from armour.reporting.html import scenario_page, suite_page
+from armour.scenario.loading import load_scenario
+from tests.cases import SCENARIOS, scenario
+from tests.reporting.results import OTHER, THREAT, design_result, uncertainty_result
+from tests.suites import TABLE, case, result
+
+
+@cache
+def contents(name: str) -> Contents:
+    return contents_of(load_scenario(SCENARIOS / f"{name}.toml"))
+
+
+def page(found: Contents) -> str:
+    return scenario_page(found, "armour report case.toml")
+
+
+def headings(content: str) -> list[str]:
+    return re.findall(r"<h2>(.*?)</h2>", content)
+
+
+class Nesting(HTMLParser):
+    """Checks that elements are closed in the order in which they were opened."""
+
+    VOID = ("meta",)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+
+    def handle_starttag(self, tag: str, _attributes: object) -> None:
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attributes: object) -> None:
+        """An element that is closed at once."""
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+@pytest.mark.parametrize("name", ["wilkins", "bare_plate", "paper/optimum_7.62mm_AP", "catalogue"])
+def test_a_page_is_one_file_without_scripts_and_links(name: str):
+    content = page(contents(name))
+    assert len(content.encode()) < 400_000
+    assert "<script" not in content
+    assert not re.findall(r" (?:src|href)=|https?://(?!www\.w3\.org)|@import|url\((?!#chart)", content)
+    assert "default-src 'none'" in content
+    nesting = Nesting()
+    nesting.feed(content)
+    assert nesting.open == []
+    ids = re.findall(r' id="([^"]*)"', content)
+    assert len(ids) == len(set(ids))
+
+
+def test_every_chart_and_table_has_its_heading():
+    found = headings(page(contents_of(scenario())))
+    assert found.pop(2).startswith("Impact of the 7.62 mm AP: perforated at 800 m/s, residual velocity 277")
+    assert found == [
+        "Cross-section, to scale",
+        "Sensitivity to the inputs",
+        "Where the projectile&#39;s energy went",
+        "Energy balance of the projectile",
+        "Stages of the impact",
+        "Sensitivity to the inputs",
+        "Projectile: 7.62 mm AP",
+        "Ceramic: AD85",
+        "Metal: 6061-T6",
+        "Scenario",
+        "Origin",
+    ]
+
+
+def test_a_design_and_an_uncertainty_are_shown():
+    several = replace(
+        contents("wilkins"),
+        design=design_result(threats=(THREAT, OTHER), pareto=True),
+        uncertainty=uncertainty_result(),
+    )
+    found = headings(page(several))
+    for heading in ("Pareto front", "Probability of perforation", "Pairs of materials", "Margins against the threats"):
+        assert heading in found
+    assert found.count("Pareto front") == 2
+
+
+def test_numbers_are_aligned_to_the_right():
+    content = page(contents("wilkins"))
+    assert '<th scope="col" class="number">energy lost, J</th>' in content
+    assert re.search(r'<td class="number">\d+\.\d</td>', content)
+    assert '<td class="prose">intact ceramic, penetrated; rod erodes</td>' in content
+
+
+def test_texts_of_users_are_text():
+    title = '<script>alert("x")</script> </script> & "quotes" <!--'
+    found = contents_of(load_scenario(SCENARIOS / "bare_plate.toml", {"title": title}))
+    content = scenario_page(found, "armour report '<b>'")
+    assert "<script" not in content
+    assert "<!--" not in content
+    assert "&lt;script&gt;alert" in content
+    assert "&lt;b&gt;" in content
+
+
+def test_names_of_materials_are_text():
+    name = "<!--<script>"
+    library = {"ceramic": {name: {"based_on": "AD85"}}}
+    content = page(contents_of(scenario(ceramic=name, library=library)))
+    assert "<script" not in content
+    assert content.count("<!--") == 0
+
+
+def test_a_suite(folder):
+    content = suite_page(result(folder, TABLE + case("own", 700.0, "band = 100.0")), "armour report s.toml")
+    assert "3 of 4 within their bands" in content
+    assert content.count('class="chart"') == 1
+    assert "computed ballistic limit, m/s" in content
+    nesting = Nesting()
+    nesting.feed(content)
+    assert nesting.open == []
+
+
+def test_a_suite_without_numbers_has_no_chart(folder):
+    outcome = 'scenario = "wilkins.toml"\nquantity = "outcome"\nexpected = "perforated"'
+    content = suite_page(result(folder, f'[[case]]\nname = "o"\n{outcome}\n'), "armour report s.toml")
+    assert 'class="chart"' not in content

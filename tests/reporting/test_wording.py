@@ -1,0 +1,116 @@
+"""What a report says in words."""
+
+from dataclasses import replace
+from functools import cache
+
+import pytest
+
+from armour.reporting.contents import Contents, contents_of
+from armour.reporting.markdown_report import scenario_markdown
+from armour.reporting.wording import cards_of, energy_section, question_of, sections_of, title_of
+from tests.cases import scenario
+from tests.reporting.results import OTHER, THREAT, design_result, uncertainty_result
+
+
+@cache
+def wilkins() -> Contents:
+    return contents_of(scenario(title="A title"))
+
+
+def statements(contents: Contents) -> dict[str, tuple[str, str]]:
+    return {card.subject: (card.statement, card.detail) for card in cards_of(contents)}
+
+
+def test_the_title_is_the_scenarios_or_its_file():
+    assert title_of(wilkins()) == wilkins().scenario.title
+    untitled = replace(wilkins(), scenario=wilkins().scenario.replaced({"title": ""}))
+    assert title_of(untitled) == untitled.scenario.file
+
+
+def test_questions():
+    impact = wilkins().scenario.impact
+    assert question_of(wilkins()) == f"Does this armour defeat the 7.62 mm AP at {impact.velocity_m_s:g} m/s?"
+    one = question_of(replace(wilkins(), design=design_result()))
+    assert one == "Which is the lightest AD85 on 6061-T6 that defeats the 7.62 mm AP at 800 m/s?"
+    several = question_of(replace(wilkins(), design=design_result(threats=(THREAT, OTHER), pareto=True)))
+    assert several == "Which is the lightest armour on offer that defeats the 7.62 mm AP at 800 m/s and the M2?"
+    bare = question_of(replace(wilkins(), design=design_result(ceramic="")))
+    assert bare.startswith("Which is the lightest 6061-T6 that defeats")
+
+
+def test_the_answer_without_a_design():
+    found = statements(wilkins())
+    assert found["Armour"] == ("6.35 mm AD85 on 6.35 mm 6061-T6", "12.7 mm thick")
+    assert found["Areal density"] == (f"{wilkins().impact.areal_density_kg_m2:.1f} kg/m²", "")
+    outcome = {"defeated": "projectile defeated", "perforated": "armour perforated"}[wilkins().impact.outcome]
+    assert found["Outcome"][0] == outcome
+    assert "ballistic limit 723.8 m/s, margin " in found["Outcome"][1]
+    statement, detail = found["Mean error of the ballistic limit"]
+    assert statement == "± 37 m/s"
+    assert "5.1 % on average, 11.3 % at most" in detail
+
+
+@pytest.mark.parametrize(("velocity", "words"), [(720.0, "within the mean error: test before use"), (600.0, "beyond")])
+def test_a_margin_is_compared_with_the_models_error(velocity: float, words: str):
+    found = replace(wilkins(), answer=wilkins().answer.replaced({"impact.velocity_m_s": velocity}))
+    assert words in statements(found)["Mean error of the ballistic limit"][1]
+
+
+def test_the_answer_with_a_design():
+    one = statements(replace(wilkins(), design=design_result()))
+    assert "Best design" in one
+    assert one["Areal density"] == ("43.6 kg/m²", "cost 100 per m²")
+    several = statements(replace(wilkins(), design=design_result(threats=(THREAT, OTHER))))
+    assert several["Defeats"][0] == f"{THREAT} and {OTHER}"
+    assert several["Defeats"][1].startswith(f"governed by {THREAT}: ballistic limit")
+
+
+def test_the_answer_with_distributions():
+    found = statements(replace(wilkins(), uncertainty=uncertainty_result()))
+    assert found["Probability of perforation"][0] == "21.0 %"
+    assert found["Probability of perforation"][1].startswith("95 % interval 20.0 to 22.0 %")
+
+
+def test_the_answer_without_a_limit():
+    found = statements(replace(wilkins(), limit=None))
+    assert "ballistic limit outside the range searched" in found["Outcome"][1]
+    assert found["Mean error of the ballistic limit"][0] == "5.1 %"
+
+
+def test_the_energy_section():
+    section = energy_section(wilkins())
+    energy = wilkins().energy
+    assert f"{energy.before:.2f} J at impact and {energy.left:.2f} J at the end" in section.paragraphs[0]
+    [table] = section.tables
+    assert len(table.rows) == len(energy.rows) + 1
+
+
+def test_sections_follow_the_results():
+    def headings(contents: Contents) -> list[str]:
+        return [section.heading for section in sections_of(contents)]
+
+    entries = ["Projectile: 7.62 mm AP", "Ceramic: AD85", "Metal: 6061-T6"]
+    assert headings(wilkins()) == ["Stages of the impact", "Sensitivity to the inputs", *entries]
+    full = replace(
+        wilkins(), design=design_result(threats=(THREAT, OTHER), pareto=True), uncertainty=uncertainty_result()
+    )
+    assert headings(full)[:4] == ["Best design", "Margins against the threats", "Pairs of materials", "Pareto front"]
+    assert "Results under uncertain inputs" in headings(full)
+    assert "Required ceramic for each back plate" in headings(replace(wilkins(), design=design_result()))
+
+
+def test_markdown_says_the_same():
+    full = replace(wilkins(), design=design_result(pareto=True), warnings=("a_key: is odd",))
+    text = scenario_markdown(full, "armour report x.toml")
+    assert text.startswith("# ")
+    for card in cards_of(full):
+        assert f"* {card.subject}: **{card.statement}**" in text
+    for section in (energy_section(full), *sections_of(full)):
+        assert f"\n## {section.heading}\n" in text
+    assert "Warning: a\\_key: is odd" in text
+    assert "```console\narmour report x.toml\n```" in text
+
+
+def test_a_fence_is_longer_than_any_in_the_scenario():
+    fenced = replace(wilkins(), scenario=wilkins().scenario.replaced({"title": "a ```` b"}))
+    assert "`````toml\n" in scenario_markdown(fenced, "")
