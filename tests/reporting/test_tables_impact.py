@@ -3,7 +3,6 @@ from io import StringIO
 from types import SimpleNamespace
 from typing import Any
 
-from armour.analysis.energy import EnergyBalance, StageEnergy
 from armour.analysis.impact import simulate
 from armour.core.stages import stage_name
 from armour.core.state import Medium, Stage
