@@ -100,6 +100,13 @@ def test_one_line_of_a_pipe(tmp_path: Path):
     assert (code, output, messages) == (0, "6.35 mm AD85 on 6.35 mm 6061-T6, 7.62 mm AP\n", "")
 
 
+def test_an_encoding_without_the_units(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("PYTHONIOENCODING", "ascii")
+    done = process("-m", "armour", "simulate", SCENARIOS / "wilkins.toml", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "38.85 \\xb5s" in done.stdout
+
+
 def test_a_failed_check_is_told_through_a_closed_pipe(tmp_path: Path):
     assert closed(
         "validate --only 'table 3' --set impact.velocity_m_s=500 --set model.shear_perimeter=projectile", tmp_path

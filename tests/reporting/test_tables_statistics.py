@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 
 from armour.analysis.estimates import Estimate
@@ -71,7 +73,14 @@ def test_coefficients(calibration: CalibrationResult):
 def test_residuals(calibration: CalibrationResult):
     assert residual_table(calibration).texts() == [
         ["1", "ballistic limit", "", "m/s", "700", "714.00", "+2.00", "+3.00", ""],
-        ["2", "ballistic limit", "at least", "m/s", "800", "790.00", "", "", "not met"],
+        ["2", "ballistic limit", "at least", "m/s", "800", "790.00", "", "", "no"],
+    ]
+
+
+def test_tests_without_a_bound_have_no_column_for_it(calibration: CalibrationResult):
+    exact = replace(calibration, residuals=calibration.residuals[:1])
+    assert residual_table(exact).texts() == [
+        ["1", "ballistic limit", "m/s", "700", "714.00", "+2.00", "+3.00"],
     ]
 
 

@@ -25,8 +25,20 @@ def outcome(folder: Path) -> SuiteResult:
 def test_checks_stand_below_their_table(outcome: SuiteResult):
     assert list(check_groups(outcome)) == ["t", "cases"]
     table = check_table(check_groups(outcome)["cases"])
-    assert table.texts() == [["out", "m/s", "725", "723.8", "-1.2", "-0.17", "1", "outside"]]
-    assert table.alignments()[2:7] == ["right"] * 5
+    assert table.headings()[1:4] == ["expected, m/s", "computed, m/s", "deviation, m/s"]
+    assert table.texts() == [["out", "725", "723.8", "-1.2", "-0.17", "1", "outside"]]
+    assert table.alignments()[1:6] == ["right"] * 5
+
+
+def test_checks_of_several_quantities_have_units_of_their_own(folder: Path):
+    other = (
+        case("outcome", 0.0, "")
+        .replace("expected = 0.0", 'expected = "perforated"')
+        .replace("ballistic_limit_m_s", "outcome")
+    )
+    table = check_table(result(folder, case("out", 725.0, "band = 1.0") + other).checks)
+    assert [row[1] for row in table.rows] == ["m/s", ""]
+    assert table.texts()[1] == ["outcome", "", "perforated", "perforated", "", "", "", "within"]
 
 
 def test_a_suite_has_its_tables_as_a_whole(outcome: SuiteResult):

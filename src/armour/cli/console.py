@@ -17,10 +17,10 @@ from armour.reporting.text import printable
 if TYPE_CHECKING:
     from rich.console import Console
 
-# Room between two columns of a table, and between label and value of a block.
-GAP, BLOCK_GAP = 3, 2
+# Room between two columns.
+GAP = 2
 # Least width of a column of prose before the table becomes blocks.
-PROSE_WIDTH = 24
+PROSE_WIDTH = 16
 # Width to measure texts in, and to lay out what goes into a pipe.
 UNLIMITED = 1_000_000
 
@@ -126,7 +126,10 @@ def _column_size(column: Column, heading: str, texts: Sequence[str], *, stacked:
     """Return the least and the greatest width that a column can use."""
     head, cells = _size([heading]), _size(texts)
     least = max(cells.word, min(cells.line, PROSE_WIDTH)) if column.prose else cells.line
-    return _Size(max(least, head.word if stacked else head.line), max(cells.line, head.line))
+    # Rich gives an empty column a cell of its own.
+    least = max(least, head.word if stacked else head.line, 1)
+    # Stacked headings take no room from prose.
+    return _Size(least, max(least, cells.line))
 
 
 def _widths(sizes: Sequence[_Size], room: int) -> list[int] | None:
@@ -167,7 +170,8 @@ def _print_grid(
     from rich.table import Table as Grid
     from rich.text import Text
 
-    grid = Grid(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    # Of the gap, the box fills one cell.
+    grid = Grid(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, GAP - 1, 0, 0))
     for column, heading, width in zip(table.columns, headings, widths, strict=True):
         grid.add_column(Text(_wrapped(heading, width)), justify=column.alignment, width=width, no_wrap=True)
     for row in texts:
@@ -188,8 +192,8 @@ def _print_blocks(table: Table, console: "Console", room: int) -> None:
             for column, text in found
         ]
         sizes = [_size(line[part] for line in lines) for part in (0, 1)]
-        widths = _widths(sizes, room - BLOCK_GAP) or [size.word for size in sizes]
-        grid = Grid.grid(padding=(0, BLOCK_GAP, 0, 0))
+        widths = _widths(sizes, room - GAP) or [size.word for size in sizes]
+        grid = Grid.grid(padding=(0, GAP, 0, 0))
         for width in widths:
             grid.add_column(width=width, no_wrap=True)
         for line in lines:

@@ -12,14 +12,14 @@ if TYPE_CHECKING:
 def comparison_table(result: "Comparison") -> Table:
     """Return ballistic limits by the model and by Florence, with the thicknesses that are best by Florence."""
     columns = (
-        Column("ballistic limit by"),
+        Column("formula", prose=True),
         Column("ballistic limit", "m/s", ".2f"),
-        Column("difference from the model", "%", "+.1f"),
-        Column("best ceramic thickness", "mm", ".3f"),
-        Column("best back plate thickness", "mm", ".3f"),
-        Column("their ratio", spec=".3f"),
+        Column("to the model", "%", "+.1f"),
+        Column("best ceramic", "mm", ".3f"),
+        Column("best back plate", "mm", ".3f"),
+        Column("ratio", spec=".3f"),
         Column("limit of the best", "m/s", ".2f"),
-        Column("limit of the best by the model", "m/s", ".2f"),
+        Column("by the model", "m/s", ".2f"),
     )
     found = result.limit.ballistic_limit_m_s
     florence = (
@@ -41,7 +41,7 @@ def comparison_table(result: "Comparison") -> Table:
 def fit_table(result: "Comparison") -> Table:
     """Return the fits to the model's residual velocities."""
     columns = (
-        Column("residual velocity by"),
+        Column("residual velocity by", prose=True),
         Column("ratio", spec=".4f"),
         Column("exponent", spec=".3f"),
         Column("RMS deviation", "m/s", ".2f"),

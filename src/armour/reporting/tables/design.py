@@ -60,7 +60,7 @@ def frontier_table(result: "DesignResult") -> Table:
         BACKING_THICKNESS,
         AREAL_DENSITY,
         *_if(margins, MARGIN),
-        *_if(governed, Column("governed by")),
+        *_if(governed, Column("governed by", prose=True)),
         Column(""),
     )
     rows = tuple(
@@ -88,7 +88,7 @@ def margin_table(result: "DesignResult") -> Table:
     """Return the best design's margin against each threat, and the probability of perforation where it is bounded."""
     best = result.best
     sampled_columns = (Column("probability of perforation", spec=".4f"), Column("interval"))
-    columns = (Column("threat"), MARGIN, *(sampled_columns if best.probabilities else ()))
+    columns = (Column("threat", prose=True), MARGIN, *(sampled_columns if best.probabilities else ()))
     rows: list[tuple[Cell, ...]] = []
     for threat, margin in best.margins_m_s.items():
         estimate = best.probabilities.get(threat)
@@ -111,7 +111,7 @@ def pair_table(result: "DesignResult") -> Table:
         AREAL_DENSITY,
         THICKNESS,
         *_if(costs, COST),
-        *_if(governed, Column("governed by")),
+        *_if(governed, Column("governed by", prose=True)),
         Column("result", prose=True),
     )
     rows: list[tuple[Cell, ...]] = []

@@ -63,24 +63,28 @@ def correlation_table(result: "CalibrationResult") -> Table:
 
 
 def residual_table(result: "CalibrationResult") -> Table:
-    """Return measured and computed values, test by test."""
+    """Return measured and computed values, test by test; one-sided tests have a bound and no deviation."""
+    bounds = any(residual.bound for residual in result.residuals)
     columns = (
         Column("test", prose=True),
-        Column("quantity"),
-        Column("bound"),
+        Column("quantity", prose=True),
+        *([Column("bound")] if bounds else []),
         Column("unit"),
         Column("measured", spec="g"),
         Column("computed", spec=".2f"),
         Column("deviation", "%", "+.2f"),
         Column("leave-one-out deviation", "%", "+.2f"),
-        Column(""),
+        *([Column("bound met")] if bounds else []),
     )
-    rows = []
+    rows: list[tuple[Cell, ...]] = []
     for r in result.residuals:
         words, unit = words_and_unit(r.quantity)
-        deviations = (None if r.bound else _percent_off(value, r.measured) for value in (r.computed, r.left_out))
-        met = "" if not r.bound or r.met else "not met"
-        rows.append((r.test, words, r.bound, unit, r.measured, r.computed, *deviations, met))
+        deviations = [None if r.bound else _percent_off(value, r.measured) for value in (r.computed, r.left_out)]
+        row: list[Cell] = [r.test, words, unit, r.measured, r.computed, *deviations]
+        if bounds:
+            row.insert(2, r.bound)
+            row.append("" if not r.bound else "yes" if r.met else "no")
+        rows.append(tuple(row))
     return Table(columns, tuple(rows))
 
 

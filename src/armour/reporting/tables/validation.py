@@ -24,29 +24,31 @@ def check_groups(result: "SuiteResult") -> dict[str, list["Check"]]:
 
 def check_table(checks: Sequence["Check"], title: str = "") -> Table:
     """Return expected and computed values with the bands they are held to."""
+    units = [words_and_unit(check.case.quantity)[1] for check in checks]
+    shared = units[0] if len(set(units)) == 1 else ""
     columns = (
         Column("case", prose=True),
-        Column("unit"),
-        Column("expected", spec=".10g"),
-        Column("computed", spec="g"),
-        Column("deviation", spec="g"),
+        *([] if shared else [Column("unit")]),
+        Column("expected", shared, ".10g"),
+        Column("computed", shared, "g"),
+        Column("deviation", shared, "g"),
         Column("deviation", "%", "+.2f"),
-        Column("band ±", spec=".4g"),
+        Column("band ±", shared, ".4g"),
         Column("status"),
     )
-    # Each case has decimals of its own, so that computed value and deviation are formatted here.
     rows = tuple(
         (
             check.case.name,
-            words_and_unit(check.case.quantity)[1],
+            *([] if shared else [unit]),
             check.case.expected,
+            # Each case has decimals of its own, so that computed value and deviation are formatted here.
             _decimal(check.computed, _decimals(check.case)),
             _decimal(check.deviation, _decimals(check.case), sign="+"),
             check.deviation_percent,
             check.case.band,
             check.status,
         )
-        for check in checks
+        for check, unit in zip(checks, units, strict=True)
     )
     return Table(columns, rows, title)
 
