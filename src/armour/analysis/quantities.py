@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from armour.analysis import searches
 from armour.analysis import variants as rows
 from armour.analysis.variants import Bools, Floats, Variants
 from armour.core.equations import cross_section
@@ -52,22 +53,22 @@ class Answers:
     @cached_property
     def ballistic_limits(self) -> Floats:
         """Ballistic limits, m/s; NaN where there is none in the range of the search."""
-        return rows.ballistic_limits(self.variants, threads=self.threads)
+        return searches.ballistic_limits(self.variants, self.threads)
 
     @cached_property
     def with_least_ceramic(self) -> Variants:
         """The variants with the least ceramic that defeats the impact; of NaN where none does."""
-        return rows.with_thicknesses(self.variants, ceramic_mm=rows.least_ceramics_mm(self.variants, self.threads))
+        return rows.with_thicknesses(self.variants, ceramic_mm=searches.least_ceramics_mm(self.variants, self.threads))
 
     @cached_property
     def with_least_backing(self) -> Variants:
         """The variants with the least back plate that defeats the impact; of NaN where none does."""
-        return rows.with_thicknesses(self.variants, backing_mm=rows.least_backings_mm(self.variants, self.threads))
+        return rows.with_thicknesses(self.variants, backing_mm=searches.least_backings_mm(self.variants, self.threads))
 
     @cached_property
     def in_proportion(self) -> Variants:
         """The variants made as thin, in proportion, as defeats the impact; of NaN where none does."""
-        return rows.least_in_proportion(self.variants, self.threads)
+        return searches.least_in_proportion(self.variants, self.threads)
 
 
 class Quantity(NamedTuple):
@@ -104,7 +105,7 @@ QUANTITIES: dict[str, Quantity] = {
     "bulge_height_mm": Quantity("bulge height", "mm", lambda a: a.impacts.h / MM),
     "plug_velocity_m_s": Quantity("plug velocity", "m/s", lambda a: np.where(a.perforated, a.impacts.W, 0.0)),
     "duration_us": Quantity("duration", "µs", lambda a: a.impacts.t / US),
-    "areal_density_kg_m2": Quantity("areal density", "kg/m²", lambda a: rows.areal_densities_kg_m2(a.variants)),
+    "areal_density_kg_m2": Quantity("areal density", "kg/m²", lambda a: a.variants.areal_densities_kg_m2),
     "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", lambda a: a.ballistic_limits),
     "required_ceramic_thickness_mm": Quantity(
         "required ceramic thickness", "mm", lambda a: a.with_least_ceramic.ceramics_mm, on_grid=True
@@ -118,7 +119,7 @@ QUANTITIES: dict[str, Quantity] = {
     "required_areal_density_kg_m2": Quantity(
         "areal density with the required ceramic",
         "kg/m²",
-        lambda a: rows.areal_densities_kg_m2(a.with_least_ceramic),
+        lambda a: a.with_least_ceramic.areal_densities_kg_m2,
         on_grid=True,
     ),
 }

@@ -8,7 +8,7 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import groups_of
 from armour.analysis.quantities import QUANTITIES
 from armour.analysis.quantities import Answers as RowAnswers
-from armour.analysis.variants import Variants, areal_densities_kg_m2, grid_of
+from armour.analysis.variants import Variants, grid_of
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import InputError, NoDesignError, Problem
 from armour.scenario.loading import Scenario
@@ -75,7 +75,7 @@ def _thickness_saved(asked: Asked) -> float:
 
 
 def _weight_saved(asked: Asked) -> float:
-    before, after = (float(areal_densities_kg_m2(found)[0]) for found in asked.required)
+    before, after = (float(found.areal_densities_kg_m2[0]) for found in asked.required)
     return _saved_percent(before, after)
 
 
