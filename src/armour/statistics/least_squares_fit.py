@@ -8,8 +8,8 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import norm, t
 
+from armour.analysis.answers import Answers
 from armour.analysis.estimates import CONFIDENCE
-from armour.analysis.quantities import QUANTITIES, Answers
 from armour.analysis.searches import smooth_limits
 from armour.analysis.variants import Bools, Floats, Variants, perforated, variants_of
 from armour.errors import InputError, Problem
@@ -146,7 +146,7 @@ def _model_values(variants: Variants, needed: Mapping[str, Bools]) -> dict[str, 
     if len(shots):
         answers = Answers(variants.at(shots))
         found[RESIDUAL][shots] = answers.impacts.V
-        found[MASS][shots] = QUANTITIES[MASS].column(answers)
+        found[MASS][shots] = answers.residual_masses
         needs_limit[shots] |= ~answers.perforated & needed[RESIDUAL][shots]
     where = np.flatnonzero(needs_limit)
     if len(where):
