@@ -10,7 +10,7 @@ from armour.analysis import searches
 from armour.analysis import variants as rows
 from armour.analysis.variants import Bools, Floats, Variants
 from armour.core.equations import cross_section
-from armour.core.state import Outcome, Parameters
+from armour.core.state import Outcome
 from armour.engine import batch
 from armour.units import MM, US, G
 
@@ -23,12 +23,6 @@ class Answers:
 
     def __init__(self, variants: Variants, threads: int | None = None) -> None:
         self.variants, self.threads = variants, threads
-
-    @property
-    def parameters(self) -> Parameters:
-        """Parameters of the model, as arrays."""
-        found: Parameters = batch.fields(self.variants.parameters)
-        return found
 
     @cached_property
     def impacts(self) -> batch.Impacts:
@@ -64,8 +58,9 @@ class Answers:
     @cached_property
     def residual_masses(self) -> Floats:
         """Residual masses of the penetrators, g."""
-        p = self.parameters
-        return np.asarray(p.rho_p) * cross_section(np.asarray(p.D0)) * self.impacts.L / G
+        p: Any = batch.fields(self.variants.parameters)
+        found: Floats = p.rho_p * cross_section(p.D0) * self.impacts.L / G
+        return found
 
     @cached_property
     def required_totals_mm(self) -> Floats:
@@ -80,7 +75,7 @@ COLUMNS: dict[str, Callable[[Answers], Any]] = {
     "residual_mass_g": lambda a: a.residual_masses,
     "residual_length_mm": lambda a: a.impacts.L / MM,
     "velocity_lost_percent": lambda a: 100.0 * (1.0 - a.residual_velocities / a.variants.velocities),
-    "mass_lost_percent": lambda a: 100.0 * (1.0 - (a.impacts.L / MM) / (a.parameters.L0 / MM)),
+    "mass_lost_percent": lambda a: 100.0 * (1.0 - (a.impacts.L / MM) / (batch.fields(a.variants.parameters).L0 / MM)),
     "penetration_depth_mm": lambda a: a.impacts.Z / MM,
     "bulge_height_mm": lambda a: a.impacts.h / MM,
     "plug_velocity_m_s": lambda a: np.where(a.perforated, a.impacts.W, 0.0),
