@@ -12,7 +12,7 @@ from pathlib import Path
 import jsonschema
 import pytest
 
-from armour.cli.app import COMMANDS
+from armour.cli.app import COMMANDS, app
 from tests.cases import SCENARIOS
 
 REPOSITORY = SCENARIOS.parent
@@ -20,17 +20,17 @@ WILKINS = SCENARIOS / "wilkins.toml"
 TAKE_A_SCENARIO = ("simulate", "ballistic-limit", "optimise", "sensitivity", "compare", "uncertainty")
 
 
-@pytest.mark.parametrize("example", [e for _, examples in COMMANDS.values() for e in examples])
+@pytest.mark.parametrize("example", [example for examples in COMMANDS.values() for example in examples])
 def test_the_examples_of_the_help_run(cli, folder: Path, example: str):
     for name in ("scenarios", "suites"):
         (folder / name).symlink_to(REPOSITORY / name)
     if "--force" in example:
         (folder / "mine.toml").touch()
-    result = cli(*shlex.split(example)[1:])
+    result = cli(*shlex.split(example))
     assert result.exit_code == 0, result.output
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", [command.name for command in app.registered_commands])
 def test_the_help_shows_examples(cli, command: str):
     text = " ".join(cli(command, "--help").stdout.split())
     assert "Examples:" in text

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from armour import MODEL_VERSION, __version__
+from armour.engine import cache
 from tests.cases import SCENARIOS
 
 REPOSITORY = SCENARIOS.parent
@@ -149,3 +150,12 @@ def test_the_first_use_says_that_it_compiles_and_the_second_does_not(tmp_path: P
     assert first.stderr.startswith("compiling, once after an installation")
     second = process(*command, tmp_path / "b.csv")
     assert second.stderr == f"wrote {tmp_path / 'b.csv'}: 1 rows\n"
+
+
+def test_where_compiled_code_cannot_be_kept_it_says_so(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(cache, "archive_path", lambda: None)
+    result = cli("sweep", SCENARIOS / "wilkins.toml", "--over", "impact.velocity_m_s=800", "-o", folder / "a.csv")
+    assert result.stderr.splitlines() == [
+        "compiling, some ten seconds at every start: compiled code cannot be kept without a user cache directory",
+        f"wrote {folder / 'a.csv'}: 1 rows",
+    ]

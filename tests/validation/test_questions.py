@@ -1,9 +1,9 @@
 """Questions that compare designs; those of one row are tested with the quantities."""
 
 import pytest
-from armour.design.optimise import optimise
 
 from armour.analysis.evaluate import evaluate
+from armour.design.optimise import optimise
 from armour.errors import InputError, NoDesignError, NoLimitError
 from armour.scenario.loading import Scenario
 from armour.validation.questions import QUESTIONS, Asked, answer, check_answerable

@@ -6,25 +6,17 @@ from typing import Annotated
 import typer
 
 from armour import MODEL_VERSION, __version__
-from armour.cli import (
-    ballistic_limit,
-    calibrate,
-    compare,
-    figures,
-    init,
-    library,
-    optimise,
-    report,
-    schema,
-    sensitivity,
-    simulate,
-    sweep,
-    uncertainty,
-    v50,
-    validate,
-)
-from armour.cli.options import flag
+from armour.cli.calibrate import calibrate
+from armour.cli.figures import figures
+from armour.cli.library import app as library
+from armour.cli.options import option
+from armour.cli.report import report
 from armour.cli.runner import Command, Reporting
+from armour.cli.scenario_commands import ballistic_limit, compare, optimise, sensitivity, simulate, uncertainty
+from armour.cli.scenario_files import init, schema
+from armour.cli.sweep import sweep
+from armour.cli.v50 import v50
+from armour.cli.validate import validate
 
 app = typer.Typer(
     cls=Reporting,
@@ -43,7 +35,7 @@ def _version(asked: bool) -> None:
 
 @app.callback()
 def _armour(
-    version: Annotated[bool, flag("--version", "Show the version.", callback=_version, is_eager=True)] = False,
+    version: Annotated[bool, option("Show the version.", "--version", callback=_version, is_eager=True)] = False,
 ) -> None:
     """Predict whether a ceramic/metal light armour stops a projectile, and find the lightest that does.
 
@@ -54,45 +46,26 @@ def _armour(
 W, P = "scenarios/wilkins.toml", "scenarios/paper"
 
 # Each command with examples, which the tests run.
-COMMANDS: dict[str, tuple[Callable[..., None], tuple[str, ...]]] = {
-    "simulate": (
-        simulate.simulate,
-        (f"armour simulate {W}", f"armour simulate {W} --velocity 900 --history run.csv --plot run.svg"),
+COMMANDS: dict[Callable[..., None], tuple[str, ...]] = {
+    simulate: (f"simulate {W}", f"simulate {W} --velocity 900 --history run.csv --plot run.svg"),
+    ballistic_limit: (f"ballistic-limit {W}", f"ballistic-limit {W} --set armour.ceramic_thickness_mm=8 --json"),
+    optimise: (
+        f"optimise {P}/optimum_7.62mm_AP.toml --refine --plot optimum.svg",
+        "optimise scenarios/catalogue.toml --csv front.csv",
     ),
-    "ballistic-limit": (
-        ballistic_limit.ballistic_limit,
-        (f"armour ballistic-limit {W}", f"armour ballistic-limit {W} --set armour.ceramic_thickness_mm=8 --json"),
-    ),
-    "optimise": (
-        optimise.optimise,
-        (
-            f"armour optimise {P}/optimum_7.62mm_AP.toml --refine --plot optimum.svg",
-            "armour optimise scenarios/catalogue.toml --csv front.csv",
-        ),
-    ),
-    "sweep": (
-        sweep.sweep,
-        (f"armour sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",),
-    ),
-    "calibrate": (
-        calibrate.calibrate,
-        (f"armour calibrate scenarios/tests/wilkins.csv {W} --write mine.toml --plot fit.svg",),
-    ),
-    "uncertainty": (uncertainty.uncertainty, ("armour uncertainty scenarios/uncertain.toml --plot uncertainty.svg",)),
-    "sensitivity": (sensitivity.sensitivity, (f"armour sensitivity {W} --plot sensitivity.svg",)),
-    "v50": (v50.v50, (f"armour v50 scenarios/tests/shots.csv {W} --plot v50.svg",)),
-    "report": (
-        report.report,
-        (f"armour report {P}/optimum_7.62mm_AP.toml -o report.html", "armour report suites/paper.toml -o suite.html"),
-    ),
-    "compare": (compare.compare, (f"armour compare {W}",)),
-    "validate": (validate.validate, ("armour validate", "armour validate suites/paper.toml --junit junit.xml")),
-    "figures": (figures.figures, ("armour figures . --only fig09",)),
-    "init": (init.init, ("armour init mine.toml", "armour init mine.toml --from paper/fig9_4mm --force")),
-    "schema": (schema.schema, ("armour schema",)),
+    sweep: (f"sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",),
+    calibrate: (f"calibrate scenarios/tests/wilkins.csv {W} --write mine.toml --plot fit.svg",),
+    uncertainty: ("uncertainty scenarios/uncertain.toml --plot uncertainty.svg",),
+    sensitivity: (f"sensitivity {W} --plot sensitivity.svg",),
+    v50: (f"v50 scenarios/tests/shots.csv {W} --plot v50.svg",),
+    report: (f"report {P}/optimum_7.62mm_AP.toml -o report.html", "report suites/paper.toml -o suite.html"),
+    compare: (f"compare {W}",),
+    validate: ("validate", "validate suites/paper.toml --junit junit.xml"),
+    figures: ("figures . --only fig09",),
+    init: ("init mine.toml", "init mine.toml --from paper/fig9_4mm --force"),
+    schema: ("schema",),
 }
-for _name, (_command, _examples) in COMMANDS.items():
-    app.command(_name, cls=Command, epilog="\n\n".join(("Examples:", *(f"`{example}`" for example in _examples))))(
-        _command
-    )
-app.add_typer(library.app, name="library")
+for _command, _examples in COMMANDS.items():
+    _epilog = "\n\n".join(("Examples:", *(f"`armour {example}`" for example in _examples)))
+    app.command(_command.__name__.replace("_", "-"), cls=Command, epilog=_epilog)(_command)
+app.add_typer(library, name="library")

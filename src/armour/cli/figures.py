@@ -6,15 +6,14 @@ from typing import Annotated, Literal
 import typer
 
 from armour.cli.console import progress
+from armour.cli.options import argument, option
 from armour.cli.runner import check_outputs, say_if_compiling, write
 from armour.errors import InputError, Problem
 
 
 def figures(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to draw to.", show_default=False)],
-    only: Annotated[
-        str, typer.Option(metavar="TEXT", help="Draw only figures whose name contains the text.", show_default=False)
-    ] = "",
+    folder: Annotated[Path, argument("DIR", "Folder to draw to.")],
+    only: Annotated[str, option("Draw only figures whose name contains the text.", metavar="TEXT")] = "",
     image: Annotated[Literal["png", "svg"], typer.Option("--format", help="Format of the figures.")] = "png",
 ) -> None:
     """Draw the paper's figures.
@@ -27,27 +26,26 @@ def figures(
     from armour.validation.figures import PARITY, compute_figure, paper_figures, parity_of_table_3, read_figures
 
     path = paper_figures()
-    sections = read_figures(path)
-    chosen = [section for section in sections if only in section.name]
-    parity = only in PARITY
-    if not chosen and not parity:
-        known = ", ".join([*(section.name for section in sections), PARITY])
-        raise InputError([Problem("figures", "--only", f'must be part of a name, found "{only}"; there are {known}')])
+    sections = {section.name: section for section in read_figures(path)}
+    names = [*sections, PARITY]
+    chosen = [name for name in names if only in name]
+    if not chosen:
+        message = f'must be part of a name, found "{only}"; there are {", ".join(names)}'
+        raise InputError([Problem("figures", "--only", message)])
     _make(folder)
     say_if_compiling()
-    total = len(chosen) + parity
     # Each figure is written as soon as it is computed: all of them take a while.
-    with progress("figures") as count:
-        for section in chosen:
-            figure = compute_figure(section, path.parent)
-            write(folder / f"{figure.name}.csv", csv_text(figure_table(figure)))
-            write(folder / f"{figure.name}.{image}", plots.rendered(charts.figure_chart(figure), f".{image}"))
-            count(total)
-        if parity:
-            result = parity_of_table_3()
-            write(folder / f"{PARITY}.csv", csv_text(parity_table(result)))
-            write(folder / f"{PARITY}.{image}", plots.rendered(charts.parity_chart(result), f".{image}"))
-            count(total)
+    with progress("figures", len(chosen)) as count:
+        for name in chosen:
+            if name == PARITY:
+                result = parity_of_table_3()
+                table, chart = parity_table(result), charts.parity_chart(result)
+            else:
+                figure = compute_figure(sections[name], path.parent)
+                table, chart = figure_table(figure), charts.figure_chart(figure)
+            write(folder / f"{name}.csv", csv_text(table))
+            write(folder / f"{name}.{image}", plots.rendered(chart, f".{image}"))
+            count(1)
 
 
 def _make(folder: Path) -> None:

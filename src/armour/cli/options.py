@@ -5,32 +5,33 @@ from typing import Annotated, Any
 
 import typer
 
-ScenarioFile = Annotated[
-    Path, typer.Argument(metavar="SCENARIO", help="Scenario file (TOML); - for standard input.", show_default=False)
-]
-Changes = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="KEY=VALUE",
-        help="Change a value of the scenario; may be given several times.",
-        show_default=False,
-    ),
+
+def argument(metavar: str, description: str) -> Any:
+    """Make an argument whose default, if any, the help does not show."""
+    return typer.Argument(metavar=metavar, help=description, show_default=False)
+
+
+def option(description: str, *names: str, **settings: Any) -> Any:
+    """Make an option whose default the help does not show."""
+    return typer.Option(*names, help=description, show_default=False, **settings)
+
+
+def output(description: str, *names: str, metavar: str = "FILE") -> Any:
+    """Make an option for a file that a command writes."""
+    return option(description, *names, metavar=metavar)
+
+
+def _changes(description: str) -> Any:
+    return option(f"{description}; may be given several times.", "--set", metavar="KEY=VALUE")
+
+
+ScenarioFile = Annotated[Path, argument("SCENARIO", "Scenario file (TOML); - for standard input.")]
+Changes = Annotated[list[str] | None, _changes("Change a value of the scenario")]
+SuiteChanges = Annotated[
+    list[str] | None, _changes("Change a value of every scenario, such as model.shear_perimeter=projectile")
 ]
 PLOT = "Draw to a .png, .svg or .pdf file."
-PlotFile = Annotated[Path | None, typer.Option("--plot", metavar="FILE", help=PLOT, show_default=False)]
+PlotFile = Annotated[Path | None, output(PLOT, "--plot")]
 # Of commands that write no other file.
-OnlyPlotFile = Annotated[Path | None, typer.Option("--plot", "-o", metavar="FILE", help=PLOT, show_default=False)]
-
-
-def flag(name: str, description: str, **more: Any) -> Any:
-    """Make an option without a value."""
-    return typer.Option(name, help=description, show_default=False, **more)
-
-
-def output(name: str, description: str, metavar: str = "FILE") -> Any:
-    """Make an option for the file that a command writes its result to."""
-    return typer.Option(name, "-o", metavar=metavar, help=description, show_default=False)
-
-
-AsJson = Annotated[bool, flag("--json", "Print one JSON object and nothing else.")]
+OnlyPlotFile = Annotated[Path | None, output(PLOT, "--plot", "-o")]
+AsJson = Annotated[bool, option("Print one JSON object and nothing else.", "--json")]

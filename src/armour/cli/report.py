@@ -7,15 +7,14 @@ from typing import Annotated
 import typer
 
 from armour.cli.console import progress
-from armour.cli.options import Changes
+from armour.cli.options import Changes, argument
 from armour.cli.runner import check_outputs, read_scenario, say_if_compiling, write
 from armour.errors import InputError
+from armour.files import read_toml, wrong_ending
 
 
 def report(
-    source: Annotated[
-        Path, typer.Argument(metavar="SCENARIO|SUITE", help="Scenario or suite file (TOML).", show_default=False)
-    ],
+    source: Annotated[Path, argument("SCENARIO|SUITE", "Scenario or suite file (TOML).")],
     output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write, .html or .md.")] = Path(
         "report.html"
     ),
@@ -25,8 +24,6 @@ def report(
 
     It is one file: the answer, its uncertainty, charts (in HTML) and the sources of all values.
     """
-    from armour.files import read_toml, wrong_ending
-
     check_outputs(output, reads=[source])
     if problems := wrong_ending(output, (".html", ".md")):
         raise InputError(problems)
@@ -53,16 +50,17 @@ def _scenario_page(source: Path, changes: list[str], command: str, *, as_markdow
 
 
 def _suite_page(source: Path, changes: list[str], command: str, *, as_markdown: bool) -> str:
-    from armour.reporting.markdown import suite_markdown
     from armour.scenario.assignments import changes_of
     from armour.validation.suite import load_suite
     from armour.validation.validate import validate
 
     suite = load_suite(source, changes_of(changes))
     say_if_compiling()
-    with progress("cases") as count:
-        result = validate(suite, on_check=lambda _check, total: count(total))
+    with progress("cases", len(suite.cases)) as count:
+        result = validate(suite, on_check=lambda _check, _total: count(1))
     if as_markdown:
+        from armour.reporting.markdown import suite_markdown
+
         return suite_markdown(result)
     from armour.reporting.html import suite_page
 

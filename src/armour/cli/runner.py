@@ -1,20 +1,18 @@
-"""Run a command: check outputs, read, compute, write files, show, warn, in this order.
+"""What every command does: check the outputs, read, compute, write files, show, warn, in this order.
 
 Files are written before anything is printed, so that a reader that closes the pipe loses none.
 """
 
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
 from typer.core import TyperCommand, TyperGroup
 
 from armour.cli.console import say, show, show_json
 from armour.errors import ArmourError, InputError, NoAnswerError, Problem
-from armour.files import check_writable, write_atomic, wrong_ending
+from armour.files import check_writable, decoded, parse_toml, read_text, write_atomic, wrong_ending
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -29,129 +27,18 @@ STANDARD_INPUT = "standard input"
 PLOT_ENDINGS = (".png", ".svg", ".pdf")
 
 
-@dataclass(frozen=True)
-class Answer:
-    """What a command has computed, and how it is shown; what is not asked for is not made.
-
-    Attributes
-    ----------
-    data : callable
-        Gives the JSON object.
-    tables : callable
-        Gives what is printed: tables, and plain lines.
-    title : str
-        Printed above the tables.
-    files : sequence of callable
-        Give the contents of the files that the command writes, in the order of ``writes`` of `run`; None where there
-        is nothing to write.
-    chart : callable
-        Gives the chart that is plotted, by the functions of `armour.reporting.charts`, which it is given.
-    warnings : sequence of str
-        Lines for standard error.
-    exit_code : int
-    """
-
-    data: Callable[[], Mapping[str, Any]]
-    tables: Callable[[], "Iterable[Table | str]"]
-    title: str = ""
-    files: Sequence[Callable[[], str | bytes | None]] = ()
-    chart: Callable[[Any], Any] | None = None
-    warnings: Sequence[str] = ()
-    exit_code: int = 0
-
-
-def run(
-    answer: Callable[[], Answer],
-    *,
-    reads: Sequence[Path | None] = (),
-    writes: Sequence[Path | None] = (),
-    makes: Sequence[Path] = (),
-    plot: Path | None = None,
-    as_json: bool = False,
-) -> None:
-    """Run a command.
-
-    Parameters
-    ----------
-    answer : callable
-        Reads the input and computes.
-    reads : sequence of Path or None
-        Files that are read; no output may be one of them.
-    writes : sequence of Path or None
-        Files to write; None where one is not asked for.
-    makes : sequence of Path
-        Files that ``answer`` writes itself.
-    plot : Path or None
-        File to draw to.
-    as_json : bool
-        Whether to print JSON in place of the tables.
-
-    Raises
-    ------
-    InputError
-        If an output cannot be written, or the input is wrong.
-    NoAnswerError
-        If the question has no answer.
-    """
-    check_outputs(*writes, *makes, plot=plot, reads=reads)
-    found = answer()
-    try:
-        for path, content in zip(writes, found.files, strict=True):
-            if path is not None and (text := content()) is not None:
-                write(path, text)
-        if plot is not None and found.chart is not None:
-            from armour.reporting import charts, plots
-
-            write(plot, plots.rendered(found.chart(charts), plot.suffix.lower()))
-    finally:
-        # A file that cannot be made or written does not cost the answer.
-        if as_json:
-            show_json(found.data())
-        else:
-            show(*found.tables(), title=found.title)
-    say(*found.warnings)
-    if found.exit_code:
-        raise typer.Exit(found.exit_code)
-
-
-def read_scenario(
-    path: Path, assignments: Sequence[str] | None, more: Mapping[str, object] | None = None
-) -> "Scenario":
-    """Read the scenario of a file, or of standard input where it is "-", with changes.
-
-    Raises
-    ------
-    InputError
-        With every mistake in it.
-    """
-    from armour.files import decoded, parse_toml
-    from armour.scenario.assignments import changes_of
-    from armour.scenario.loading import changed, load_scenario, parse_scenario
-
-    changes = changed(changes_of(assignments or ()), more or {})
-    if str(path) != "-":
-        return load_scenario(path, changes)
-    data = parse_toml(decoded(sys.stdin.buffer, STANDARD_INPUT), STANDARD_INPUT)
-    return parse_scenario(changed(data, changes), file=STANDARD_INPUT)
-
-
 def check_outputs(*writes: Path | None, plot: Path | None = None, reads: Sequence[Path | None] = ()) -> None:
-    """Check that all outputs can be written, and that none is another one or a file that is read.
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong with them.
-    """
+    """Check that all outputs can be written, and that none is another one or a file that is read."""
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
     paths = [path for path in (*writes, plot) if path is not None]
+    sources = [path for path in reads if path is not None and path.exists()]
     for path in paths:
         try:
             check_writable(path)
         except InputError as error:
-            problems.extend(error.problems)
+            problems += error.problems
             continue
-        if path.exists() and any(source is not None and source.exists() and path.samefile(source) for source in reads):
+        if path.exists() and any(path.samefile(source) for source in sources):
             problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
     if not problems:
         resolved = [path.resolve() for path in paths]
@@ -159,6 +46,57 @@ def check_outputs(*writes: Path | None, plot: Path | None = None, reads: Sequenc
         problems += (Problem(path, "", "must not be written twice; choose another name") for path in twice)
     if problems:
         raise InputError(problems)
+
+
+def read_scenario(
+    path: Path, assignments: Sequence[str] | None, more: Mapping[str, float | None] | None = None
+) -> "Scenario":
+    """Read the scenario of a file, or of standard input where it is "-".
+
+    ``assignments`` are those of ``--set``; ``more`` are values of other options by key, None where one is not given.
+    """
+    from armour.scenario.assignments import changes_of
+    from armour.scenario.loading import changed, load_scenario, parse_scenario
+
+    given = {key: value for key, value in (more or {}).items() if value is not None}
+    changes = changed(changes_of(assignments or ()), given)
+    if str(path) != "-":
+        return load_scenario(path, changes)
+    data = parse_toml(decoded(sys.stdin.buffer, STANDARD_INPUT), STANDARD_INPUT)
+    return parse_scenario(changed(data, changes), file=STANDARD_INPUT)
+
+
+def respond(
+    data: Mapping[str, Any],
+    tables: "Iterable[Table | str]",
+    *,
+    as_json: bool,
+    title: str = "",
+    files: Iterable[tuple[Path | None, Callable[[], str | bytes | None]]] = (),
+    plot: Path | None = None,
+    chart: Callable[[Any], Any] | None = None,
+    warnings: Iterable[str] = (),
+) -> None:
+    """Write the files that are asked for, show an answer as tables or JSON, and warn.
+
+    ``files`` are paths with functions that make the contents, or None where there is nothing to write.  ``chart`` makes
+    the chart for ``plot`` by the functions of `armour.reporting.charts`, which it is given.
+    """
+    try:
+        for path, content in files:
+            if path is not None and (made := content()) is not None:
+                write(path, made)
+        if plot is not None and chart is not None:
+            from armour.reporting import charts, plots
+
+            write(plot, plots.rendered(chart(charts), plot.suffix.lower()))
+    finally:
+        # A file that cannot be made or written does not cost the answer.
+        if as_json:
+            show_json(data)
+        else:
+            show(*tables, title=title)
+    say(*warnings)
 
 
 def write(path: Path, content: str | bytes) -> None:
@@ -173,10 +111,12 @@ def warnings_of(scenario: "Scenario", warnings: Iterable[str]) -> list[str]:
 
 
 def say_if_compiling() -> None:
-    """Say on standard error that the first use after an installation compiles."""
+    """Say on standard error that the engine is compiled, which takes a while."""
     from armour.engine import cache
 
-    if not cache.is_compiled():
+    if cache.archive_path() is None:
+        say("compiling, some ten seconds at every start: compiled code cannot be kept without a user cache directory")
+    elif not cache.is_compiled():
         say("compiling, once after an installation: some ten seconds")
 
 
@@ -200,7 +140,7 @@ class Reporting(TyperGroup):
         try:
             return super().invoke(ctx)
         except ArmourError as error:
-            say(*(located(error.problems) if isinstance(error, InputError) else [str(error)]))
+            say(*(_located(error.problems) if isinstance(error, InputError) else [str(error)]))
             ctx.exit(NO_ANSWER if isinstance(error, NoAnswerError) else WRONG_INPUT)
         except KeyboardInterrupt:
             say("interrupted")
@@ -214,21 +154,24 @@ def _without_types_of_flags(params: list[Any]) -> list[Any]:
     return params
 
 
-def located(problems: Sequence[Problem]) -> list[str]:
-    """Return the messages of problems, with the line of the TOML file where there is one."""
-    from armour.files import read_text
-    from armour.scenario.toml_lines import line_of, lines_of
+def _located(problems: Sequence[Problem]) -> list[str]:
+    """Return the messages of problems, with the lines of TOML files where their keys are."""
+    from armour.scenario.toml_lines import line_of
 
-    lines: dict[str, dict[str, int]] = {}
+    files = {problem.file for problem in problems if problem.key and problem.file.endswith(".toml")}
+    lines = {file: _lines(file) for file in files}
     messages = []
     for problem in problems:
-        line = None
-        if problem.key and problem.file.endswith(".toml"):
-            if problem.file not in lines:
-                try:
-                    lines[problem.file] = lines_of(read_text(Path(problem.file)))
-                except InputError:
-                    lines[problem.file] = {}
-            line = line_of(problem.key, lines[problem.file])
-        messages.append(f"{problem}" + ("" if line is None else f" (line {line})"))
+        line = line_of(problem.key, lines.get(problem.file, {}))
+        messages.append(str(problem) if line is None else f"{problem} (line {line})")
     return messages
+
+
+def _lines(file: str) -> dict[str, int]:
+    """Return the lines of the keys of a TOML file; none where it cannot be read."""
+    from armour.scenario.toml_lines import lines_of
+
+    try:
+        return lines_of(read_text(Path(file)))
+    except InputError:
+        return {}

@@ -6,33 +6,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from armour.cli.console import rate, say
-from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile
-from armour.cli.runner import Answer, read_scenario, run, say_if_compiling
+from armour.analysis.quantities import QUANTITIES
+from armour.cli.console import progress, say
+from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, option
+from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
 from armour.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from armour.sweeps.cases import Cases, Grid
-
-# Named here as well because the help may not import what computes them.
-QUANTITIES = (
-    "outcome",
-    "residual_velocity_m_s",
-    "residual_mass_g",
-    "residual_length_mm",
-    "velocity_lost_percent",
-    "mass_lost_percent",
-    "penetration_depth_mm",
-    "bulge_height_mm",
-    "plug_velocity_m_s",
-    "duration_us",
-    "areal_density_kg_m2",
-    "ballistic_limit_m_s",
-    "required_ceramic_thickness_mm",
-    "required_backing_thickness_mm",
-    "required_total_thickness_mm",
-    "required_areal_density_kg_m2",
-)
 
 
 def sweep(
@@ -40,61 +21,49 @@ def sweep(
     output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="Table to write, .csv or .parquet.")],
     over: Annotated[
         list[str] | None,
-        typer.Option(
+        option(
+            "Key of the scenario and its values, as MIN:MAX:STEP or V,V,...; may be given several times, which spans "
+            "a grid.",
             metavar="KEY=VALUES",
-            help="Key of the scenario and its values, as MIN:MAX:STEP or V,V,...; may be given several times, which "
-            "spans a grid.",
-            show_default=False,
         ),
     ] = None,
     cases: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE", help="CSV file of cases in place of --over: keys as its header.", show_default=False
-        ),
+        Path | None, option("CSV file of cases in place of --over: keys as its header.", metavar="FILE")
     ] = None,
     quantities: Annotated[
         str, typer.Option(metavar="NAME,...", help=f"Quantities to compute: {', '.join(QUANTITIES)}.")
     ] = "ballistic_limit_m_s",
     plot: PlotFile = None,
-    threads: Annotated[
-        int | None, typer.Option(min=1, help="Number of threads; by default one per core.", show_default=False)
-    ] = None,
+    threads: Annotated[int | None, option("Number of threads; by default one per core.", min=1)] = None,
     scheduler: Annotated[
-        str,
-        typer.Option(
-            metavar="ADDRESS",
-            help='Compute on the Dask cluster at this address; "local" starts one.',
-            show_default=False,
-        ),
+        str, option('Compute on the Dask cluster at this address; "local" starts one.', metavar="ADDRESS")
     ] = "",
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
+    from armour.sweeps import sweep as sweeps
     from armour.sweeps.checkpoint import read_table
     from armour.sweeps.dask import connected, on_cluster
-    from armour.sweeps.sweep import in_process
-    from armour.sweeps.sweep import sweep as compute_rows
 
-    def answer() -> Answer:
-        loaded = read_scenario(scenario, changes)
-        source = _source(over or [], cases)
-        names = [name.strip() for name in quantities.split(",")]
-        if plot is not None:
-            _check_plot(source, names)
-        say_if_compiling()
-        with connected(scheduler) if scheduler else nullcontext() as client, rate("rows", source.count) as count:
-            compute = in_process(threads) if client is None else on_cluster(client)
-            rows = compute_rows(loaded, source, names, output, compute=compute, on_chunk=lambda n, _before: count(n))
-        say(f"wrote {output}: {rows} rows")
-        return Answer(
-            data=lambda: {"rows": rows, "output": str(output)},
-            tables=tuple,
-            chart=lambda charts: charts.sweep_chart(read_table(output), source.keys, names[0], loaded),
-        )
-
-    run(answer, reads=[scenario, cases], makes=[output], plot=plot, as_json=as_json)
+    check_outputs(output, plot=plot, reads=[scenario, cases])
+    loaded = read_scenario(scenario, changes)
+    source = _source(over or [], cases)
+    names = [name.strip() for name in quantities.split(",")]
+    if plot is not None:
+        _check_plot(source, names)
+    say_if_compiling()
+    with connected(scheduler) if scheduler else nullcontext() as client, progress("rows", source.count) as count:
+        compute = sweeps.in_process(threads) if client is None else on_cluster(client)
+        rows = sweeps.sweep(loaded, source, names, output, compute=compute, on_chunk=lambda n, _stored: count(n))
+    say(f"wrote {output}: {rows} rows")
+    respond(
+        {"rows": rows, "output": str(output)},
+        (),
+        as_json=as_json,
+        plot=plot,
+        chart=lambda charts: charts.sweep_chart(read_table(output), source.keys, names[0], loaded),
+    )
 
 
 def _source(over: list[str], cases: Path | None) -> "Grid | Cases":

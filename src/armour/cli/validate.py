@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from armour.cli.console import progress, say, show
-from armour.cli.options import AsJson, flag, output
-from armour.cli.runner import CHECK_FAILED, Answer, run, say_if_compiling
+from armour.cli.options import AsJson, SuiteChanges, argument, option, output
+from armour.cli.runner import CHECK_FAILED, check_outputs, respond, say_if_compiling
 from armour.errors import InputError, Problem
 
 if TYPE_CHECKING:
@@ -18,30 +18,12 @@ if TYPE_CHECKING:
 
 
 def validate(
-    suite: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="SUITE", help="Suite file (TOML); by default what the paper publishes.", show_default=False
-        ),
-    ] = None,
-    only: Annotated[
-        str, typer.Option(metavar="TEXT", help="Check only cases whose name contains the text.", show_default=False)
-    ] = "",
-    changes: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="Change a value of every scenario, such as model.shear_perimeter=projectile; may be given several "
-            "times.",
-            show_default=False,
-        ),
-    ] = None,
-    update: Annotated[bool, flag("--update", "List the computed values and write them into the suite.")] = False,
-    markdown: Annotated[Path | None, output("--markdown", "Write the result as Markdown.")] = None,
-    junit: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write the result as JUnit XML.", show_default=False)
-    ] = None,
+    suite: Annotated[Path | None, argument("SUITE", "Suite file (TOML); by default what the paper publishes.")] = None,
+    only: Annotated[str, option("Check only cases whose name contains the text.", metavar="TEXT")] = "",
+    changes: SuiteChanges = None,
+    update: Annotated[bool, option("List the computed values and write them into the suite.", "--update")] = False,
+    markdown: Annotated[Path | None, output("Write the result as Markdown.", "--markdown", "-o")] = None,
+    junit: Annotated[Path | None, output("Write the result as JUnit XML.", "--junit")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Check the model against a suite of cases.
@@ -56,35 +38,33 @@ def validate(
 
     if update:
         _check_update(suite, changes)
-
-    def answer() -> Answer:
-        chosen = load_suite(suite or paper_suite(), changes_of(changes or ())).only(only)
-        say_if_compiling()
-        result = _computed(chosen, quiet=as_json)
-        return Answer(
-            data=result.to_dict,
-            tables=lambda: _tables(result),
-            files=[
-                lambda: suite_markdown(result),
-                lambda: suite_junit(result),
-                lambda: _updated(chosen.file, result),
-            ],
-            exit_code=0 if result.passed or update else CHECK_FAILED,
-        )
-
     updated = suite if update else None
-    run(answer, reads=[] if update else [suite], writes=[markdown, junit, updated], as_json=as_json)
+    check_outputs(markdown, junit, updated, reads=[] if update else [suite])
+    chosen = load_suite(suite or paper_suite(), changes_of(changes or ())).only(only)
+    say_if_compiling()
+    result = _computed(chosen, quiet=as_json)
+    respond(
+        result.to_dict(),
+        _tables(result),
+        as_json=as_json,
+        files=[
+            (markdown, lambda: suite_markdown(result)),
+            (junit, lambda: suite_junit(result)),
+            (updated, lambda: _updated(chosen.file, result)),
+        ],
+    )
+    if not (result.passed or update):
+        raise typer.Exit(CHECK_FAILED)
 
 
 def _check_update(suite: Path | None, changes: Sequence[str] | None) -> None:
-    """Refuse an update of what the paper publishes, and one that holds only with other values."""
+    """Refuse to update the shipped suite, or a suite with values that only hold with ``--set``."""
     problems = []
     if suite is None:
         problems.append(Problem("validate", "--update", "must be given a suite; what is published stays"))
     if changes:
-        problems.append(
-            Problem("validate", "--update", "must not be given with --set: the suite would not hold without")
-        )
+        message = "must not be given with --set: the suite would not hold without"
+        problems.append(Problem("validate", "--update", message))
     if problems:
         raise InputError(problems)
 
@@ -96,11 +76,11 @@ def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":
 
     done: list[Check] = []
     try:
-        with progress("cases") as count:
+        with progress("cases", len(suite.cases)) as count:
 
-            def on_check(check: "Check", total: int) -> None:
+            def on_check(check: "Check", _total: int) -> None:
                 done.append(check)
-                count(total)
+                count(1)
 
             return run_suite(suite, on_check=on_check)
     except KeyboardInterrupt:

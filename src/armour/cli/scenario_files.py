@@ -1,28 +1,24 @@
-"""``armour init``."""
+"""Commands that help to write a scenario file."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from armour.cli.console import say, show
-from armour.cli.options import flag
+from armour.cli.console import say, show, show_json
+from armour.cli.options import option
 from armour.cli.runner import check_outputs, write
 from armour.errors import InputError, Problem, suggestion
 from armour.files import shipped
-
-TEMPLATE = "template"
 
 
 def init(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write the scenario to.")] = Path(
         "scenario.toml"
     ),
-    source: Annotated[
-        str, typer.Option("--from", metavar="NAME", help="Copy a shipped scenario.", show_default=False)
-    ] = TEMPLATE,
-    names: Annotated[bool, flag("--list", "List the shipped scenarios.")] = False,
-    force: Annotated[bool, flag("--force", "Replace an existing file.")] = False,
+    source: Annotated[str, option("Copy a shipped scenario.", "--from", metavar="NAME")] = "template",
+    names: Annotated[bool, option("List the shipped scenarios.", "--list")] = False,
+    force: Annotated[bool, option("Replace an existing file.", "--force")] = False,
 ) -> None:
     """Write a scenario to start from."""
     folder = shipped("scenarios")
@@ -39,3 +35,13 @@ def init(
         raise InputError([Problem(str(file), "", "exists already; choose another name, or --force")])
     write(file, known[source].read_bytes())
     say(f"next: armour simulate {file}")
+
+
+def schema() -> None:
+    """Print the JSON Schema of a scenario.
+
+    Editors complete and check scenario files with it.
+    """
+    from armour.scenario.loading import scenario_schema
+
+    show_json(scenario_schema())

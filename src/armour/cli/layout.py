@@ -1,0 +1,134 @@
+"""Tables and lines laid out for a given width, with every word, name and number whole.
+
+A table that is too wide first gets headings of several lines, then becomes a block of lines for each row.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+
+from rich.cells import cell_len
+
+from armour.reporting.table import Column, Table
+from armour.reporting.text import printable
+
+GAP = "  "
+# Least width of a column of prose before the table becomes blocks.
+PROSE_WIDTH = 16
+
+
+def rendered(items: Iterable[Table | str], room: int, *, title: str = "", bold: Callable[[str], str] = str) -> str:
+    """Format tables and lines, with an empty line between a table and what stands above it."""
+    lines = [bold(printable(title))] if title else []
+    for index, item in enumerate(items):
+        if isinstance(item, str):
+            lines.append(printable(item))
+            continue
+        if index or (title and item.title):
+            lines.append("")
+        if item.title:
+            lines.append(bold(printable(item.title)))
+        lines += _table_lines(item, room, bold)
+    return "".join(f"{line.rstrip(' ')}\n" for line in lines)
+
+
+def _table_lines(table: Table, room: int, bold: Callable[[str], str]) -> list[str]:
+    texts = [[printable(text) for text in row] for row in table.texts()]
+    for stacked in () if table.record else (False, True):
+        headings = [_heading(column, stacked=stacked) for column in table.columns]
+        cells = [[row[index] for row in texts] for index in range(len(headings))]
+        limits = [_limits(*column, stacked=stacked) for column in zip(table.columns, headings, cells, strict=True)]
+        widths = _shared(limits, room)
+        if widths is not None:
+            right = [column.numeric for column in table.columns]
+            head = [bold(line) for line in _grid([headings], widths, right, at_bottom=True)]
+            rule = "─" * (sum(widths) + len(GAP) * (len(widths) - 1))
+            return [*head, rule, *_grid(texts, widths, right)]
+    return _blocks(table, texts, room)
+
+
+def _heading(column: Column, *, stacked: bool) -> str:
+    """Return a heading; stacked, its unit has a line of its own."""
+    separator = ",\n" if stacked else ", "
+    return separator.join(printable(part) for part in (column.label, column.unit) if part)
+
+
+def _limits(column: Column, heading: str, cells: Sequence[str], *, stacked: bool) -> tuple[int, int]:
+    """Return the least and the greatest width that a column can use."""
+    longest = _longest(cells)
+    least = max(_longest_word(cells), min(longest, PROSE_WIDTH)) if column.prose else longest
+    # Stacked headings are wrapped, and take no room from prose.
+    least = max(least, _longest_word([heading]) if stacked else cell_len(heading))
+    return least, max(least, longest)
+
+
+def _longest(texts: Iterable[str]) -> int:
+    return max(map(cell_len, texts), default=0)
+
+
+def _longest_word(texts: Iterable[str]) -> int:
+    return _longest(word for text in texts for line in text.split("\n") for word in line.split(" "))
+
+
+def _shared(limits: Sequence[tuple[int, int]], room: int) -> list[int] | None:
+    """Return the widths of columns, with room for those first that lack least; None where it is too little."""
+    widths = [least for least, _ in limits]
+    spare = room - sum(widths) - len(GAP) * (len(widths) - 1)
+    if spare < 0:
+        return None
+    lacking = [greatest - least for least, greatest in limits]
+    order = sorted(range(len(limits)), key=lacking.__getitem__)
+    for left, index in zip(range(len(order), 0, -1), order, strict=True):
+        more = min(lacking[index], spare // left)
+        widths[index] += more
+        spare -= more
+    return widths
+
+
+def _grid(
+    rows: Iterable[Sequence[str]], widths: Sequence[int], right: Sequence[bool], *, at_bottom: bool = False
+) -> list[str]:
+    """Lay rows out in columns; a row is as high as its text of most lines."""
+    lines = []
+    for row in rows:
+        cells = [_wrapped(text, width) for text, width in zip(row, widths, strict=True)]
+        height = max(map(len, cells), default=0)
+        for cell in cells:
+            missing = [""] * (height - len(cell))
+            cell[:] = [*missing, *cell] if at_bottom else [*cell, *missing]
+        for parts in zip(*cells, strict=True):
+            lines.append(GAP.join(map(_padded, parts, widths, right)))
+    return lines
+
+
+def _padded(text: str, width: int, right: bool) -> str:
+    space = " " * (width - cell_len(text))
+    return space + text if right else text + space
+
+
+def _wrapped(text: str, width: int) -> list[str]:
+    """Wrap a text between words; a word that is too long has a line of its own."""
+    lines: list[str] = []
+    for paragraph in text.split("\n"):
+        line, *words = paragraph.split(" ")
+        for word in words:
+            if cell_len(f"{line} {word}") <= width:
+                line = f"{line} {word}"
+            else:
+                lines.append(line)
+                line = word
+        lines.append(line)
+    return lines
+
+
+def _blocks(table: Table, texts: Sequence[Sequence[str]], room: int) -> list[str]:
+    """Lay out a block for each row: a line for each quantity that it has, with label, value and unit."""
+    lines = []
+    for index, row in enumerate(texts):
+        found = [(column, text) for column, text in zip(table.columns, row, strict=True) if text]
+        number = _longest(text for column, text in found if column.numeric)
+        labels = [printable(column.label) for column, _ in found]
+        values = [f"{text:>{number}} {c.unit}".rstrip() if c.numeric else text for c, text in found]
+        limits = [(_longest_word(texts), _longest(texts)) for texts in (labels, values)]
+        widths = _shared(limits, room) or [least for least, _ in limits]
+        lines += [""] if index else []
+        lines += _grid(zip(labels, values, strict=True), widths, (False, False))
+    return lines

@@ -1,0 +1,168 @@
+"""Commands that answer a question about a scenario."""
+
+from pathlib import Path
+from typing import Annotated
+
+from armour.cli.options import AsJson, Changes, OnlyPlotFile, PlotFile, ScenarioFile, option, output
+from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling, warnings_of
+
+
+def simulate(
+    scenario: ScenarioFile,
+    velocity: Annotated[float | None, option("Impact velocity in place of the scenario's, m/s.")] = None,
+    history: Annotated[Path | None, output("Write the run over time as CSV.", "--history", "-o")] = None,
+    plot: PlotFile = None,
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Simulate one impact."""
+    from armour.analysis import impact
+    from armour.reporting.table import csv_text
+    from armour.reporting.tables.impact import history_table, impact_tables
+
+    check_outputs(history, plot=plot, reads=[scenario])
+    loaded = read_scenario(scenario, changes, {"impact.velocity_m_s": velocity})
+    result = impact.simulate(loaded, history=history is not None or plot is not None)
+    respond(
+        result.to_dict(),
+        impact_tables(result),
+        as_json=as_json,
+        title=loaded.title,
+        files=[(history, lambda: None if result.history is None else csv_text(history_table(result.history)))],
+        plot=plot,
+        chart=lambda charts: charts.impact_chart(result, loaded.title),
+        warnings=warnings_of(loaded, result.warnings),
+    )
+
+
+def ballistic_limit(
+    scenario: ScenarioFile, plot: OnlyPlotFile = None, changes: Changes = None, as_json: AsJson = False
+) -> None:
+    """Find the ballistic limit."""
+    from armour.analysis import ballistic_limit as analysis
+    from armour.reporting.tables.limit import limit_tables
+
+    check_outputs(plot=plot, reads=[scenario])
+    loaded = read_scenario(scenario, changes)
+    result = analysis.ballistic_limit(loaded)
+    velocities = analysis.curve_velocities(result, loaded)
+    several = "the outcome is not monotonic: it changes more than once in the range"
+    respond(
+        result.to_dict(),
+        limit_tables(result),
+        as_json=as_json,
+        title=loaded.title,
+        plot=plot,
+        chart=lambda charts: charts.limit_chart(
+            result, analysis.residual_velocity_curve(loaded, velocities), loaded.title
+        ),
+        warnings=[*([] if result.monotonic else [several]), *warnings_of(loaded, result.warnings)],
+    )
+
+
+def compare(
+    scenario: ScenarioFile, plot: OnlyPlotFile = None, changes: Changes = None, as_json: AsJson = False
+) -> None:
+    """Compare the model with closed-form formulas."""
+    from armour.analysis import comparison
+    from armour.reporting.tables.comparison import comparison_tables
+
+    check_outputs(plot=plot, reads=[scenario])
+    loaded = read_scenario(scenario, changes)
+    result = comparison.compare(loaded)
+    respond(
+        result.to_dict(),
+        comparison_tables(result),
+        as_json=as_json,
+        title=loaded.title,
+        plot=plot,
+        chart=lambda charts: charts.comparison_chart(result, loaded.title),
+        warnings=warnings_of(loaded, result.limit.warnings),
+    )
+
+
+def optimise(
+    scenario: ScenarioFile,
+    refine: Annotated[bool, option("Also find the best design between the values of the grid.", "--refine")] = False,
+    csv: Annotated[
+        Path | None, output("Write the Pareto front or, where none is asked for, the frontier as CSV.", "--csv", "-o")
+    ] = None,
+    plot: PlotFile = None,
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find the lightest armour that defeats the threat.
+
+    The scenario may have several threats, a catalogue of materials, and another quantity to minimise.
+    """
+    from armour.design import optimise as design
+    from armour.reporting.table import csv_text
+    from armour.reporting.tables.design import design_tables, frontier_table, pareto_table
+
+    check_outputs(csv, plot=plot, reads=[scenario])
+    loaded = read_scenario(scenario, changes)
+    say_if_compiling()
+    result = design.optimise(loaded, refine=refine)
+    thicknesses = ", ".join(f"{thickness:g}" for thickness in result.not_monotonic_mm)
+    perforated = [f"a thicker ceramic was perforated on a back plate of {thicknesses} mm"] if thicknesses else []
+    respond(
+        result.to_dict(),
+        design_tables(result),
+        as_json=as_json,
+        title=loaded.title,
+        files=[(csv, lambda: csv_text(pareto_table(result) if result.pareto else frontier_table(result)))],
+        plot=plot,
+        chart=lambda charts: charts.design_chart(result, loaded.title),
+        warnings=[*perforated, *warnings_of(loaded, result.warnings)],
+    )
+
+
+def sensitivity(
+    scenario: ScenarioFile, plot: OnlyPlotFile = None, changes: Changes = None, as_json: AsJson = False
+) -> None:
+    """Rank the inputs by their effect on the answers.
+
+    The effects are elasticities: the change of ballistic limit, residual velocity and least areal density, in per cent,
+    when an input grows by 1 %.
+    """
+    from armour.reporting.tables.statistics import sensitivity_tables
+    from armour.statistics import sensitivity as statistics
+
+    check_outputs(plot=plot, reads=[scenario])
+    loaded = read_scenario(scenario, changes)
+    say_if_compiling()
+    result = statistics.sensitivity(loaded)
+    respond(
+        result.to_dict(),
+        sensitivity_tables(result),
+        as_json=as_json,
+        title=loaded.title,
+        plot=plot,
+        chart=lambda charts: charts.sensitivity_chart(result, loaded.title),
+    )
+
+
+def uncertainty(
+    scenario: ScenarioFile,
+    samples: Annotated[int | None, option("Number of samples in place of the scenario's.", min=1)] = None,
+    plot: OnlyPlotFile = None,
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Propagate input uncertainty to the outcome and the ballistic limit."""
+    from armour.reporting.tables.statistics import uncertainty_tables
+    from armour.statistics import uncertainty as statistics
+
+    check_outputs(plot=plot, reads=[scenario])
+    loaded = read_scenario(scenario, changes, {"uncertainty.samples": samples})
+    say_if_compiling()
+    result = statistics.uncertainty(loaded)
+    respond(
+        result.to_dict(),
+        uncertainty_tables(result),
+        as_json=as_json,
+        title=loaded.title,
+        plot=plot,
+        chart=lambda charts: charts.uncertainty_chart(result, loaded),
+        warnings=warnings_of(loaded, result.warnings),
+    )

@@ -1,0 +1,152 @@
+"""Tables on terminals of several widths and in pipes."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rich.cells import cell_len
+
+from armour.analysis.impact import simulate
+from armour.cli.layout import rendered
+from armour.reporting.table import Column, Table, record
+from armour.reporting.tables.impact import impact_tables
+from armour.reporting.tables.library import library_tables
+from armour.scenario.library import shipped_library
+from tests.cases import scenario
+
+PIPE = 1_000_000
+
+
+def printed(*items: Table | str, width: int, title: str = "") -> list[str]:
+    """Lines of a terminal without colours."""
+    return rendered(items, width, title=title).splitlines()
+
+
+def words(lines: list[str]) -> list[str]:
+    return [word for line in lines for word in line.split()]
+
+
+@pytest.fixture(scope="module")
+def tables() -> list[Table]:
+    items = [*impact_tables(simulate(scenario())), *library_tables(shipped_library())]
+    return [item for item in items if isinstance(item, Table)]
+
+
+@pytest.mark.parametrize("width", [40, 80, 120, PIPE])
+def test_no_word_of_a_table_is_split(tables: list[Table], width: int):
+    for table in tables:
+        lines = printed(table, width=width)
+        assert {word for row in table.texts() for cell in row for word in cell.split()} <= set(words(lines))
+        assert max(cell_len(line) for line in lines) <= width
+
+
+def test_in_a_pipe_every_row_is_a_line(tables: list[Table]):
+    for table in tables:
+        if not table.record:
+            assert len(printed(table, width=PIPE)) == 2 + len(table.rows)
+
+
+@pytest.fixture
+def wide() -> Table:
+    columns = (Column("name"), Column("areal density", "kg/m²", ".1f"), Column("ballistic limit", "m/s", ".1f"))
+    return Table(columns, (("AD85 on 6061-T6", 39.24, 723.77), ("a", None, 1.0)))
+
+
+def test_a_table_that_fits(wide: Table):
+    assert printed(wide, width=70) == [
+        "name             areal density, kg/m²  ballistic limit, m/s",
+        "─" * 59,
+        "AD85 on 6061-T6                  39.2                 723.8",
+        "a                                                       1.0",
+    ]
+
+
+def test_headings_are_stacked_first(wide: Table):
+    assert printed(wide, width=40) == [
+        "                    areal  ballistic",
+        "                 density,     limit,",
+        "name                kg/m²        m/s",
+        "─" * 36,
+        "AD85 on 6061-T6      39.2      723.8",
+        "a                                1.0",
+    ]
+
+
+def test_then_rows_become_blocks(wide: Table):
+    assert printed(wide, width=30) == [
+        "name             AD85 on",
+        "                 6061-T6",
+        "areal density     39.2 kg/m²",
+        "ballistic limit  723.8 m/s",
+        "",
+        "name             a",
+        "ballistic limit  1.0 m/s",
+    ]
+
+
+def test_a_record_is_a_list():
+    table = record(
+        (Column("outcome"), "perforated"), (Column("length", "mm", ".2f"), 14.6), (Column("runs", spec="d"), 3)
+    )
+    assert printed("first", table, width=80) == [
+        "first",
+        "",
+        "outcome  perforated",
+        "length   14.60 mm",
+        "runs         3",
+    ]
+
+
+def test_titles_and_lines():
+    table = Table((Column("a"),), (("1",),), title="of the table")
+    assert printed(table, "a line", width=80, title="above") == ["above", "", "of the table", "a", "─", "1", "a line"]
+    assert printed("a line", table, width=80) == ["a line", "", "of the table", "a", "─", "1"]
+
+
+def test_prose_is_wrapped_between_words_and_names_are_not():
+    table = Table((Column("name"), Column("source", prose=True)), (("AD99.5 initial flow stress", "word " * 20),))
+    lines = printed(table, width=60)
+    assert "AD99.5 initial flow stress" in lines[2]
+    assert len(lines) > 4
+    assert len(printed(table, width=PIPE)) == 3
+
+
+def test_what_no_terminal_can_show_is_not_cut():
+    name = "x" * 50
+    assert name in words(printed(Table((Column("name"),), ((name,),)), width=40))
+
+
+def test_empty_tables():
+    assert printed(Table((Column("a"),), ()), width=80) == ["a", "─"]
+
+
+def test_control_characters_are_not_obeyed():
+    table = Table((Column("na\x1bme"),), (("\x1b]0;title\x07",),), title="\x1b[2J")
+    lines = printed(table, "\x1b[31m", width=80, title="\r")
+    assert lines == ["\\r", "", "\\x1b[2J", "na\\x1bme", "─" * 16, "\\x1b]0;title\\x07", "\\x1b[31m"]
+
+
+WORD = st.text(st.characters(exclude_categories=["C", "Z"]), min_size=1, max_size=9)
+WORDS = st.lists(WORD, max_size=4).map(" ".join)
+
+
+@st.composite
+def tables_of_words(draw: st.DrawFn) -> Table:
+    columns = tuple(
+        Column(draw(WORDS), draw(st.sampled_from(["", "m/s", "kg/m²"])), spec, prose=not spec and draw(st.booleans()))
+        for spec in draw(st.lists(st.sampled_from(["", "", ".2f"]), min_size=1, max_size=8))
+    )
+    number = st.one_of(st.none(), st.floats(-1e6, 1e6))
+    cells = [number if column.numeric else WORDS for column in columns]
+    rows = draw(st.lists(st.tuples(*cells), min_size=1, max_size=4))
+    return Table(columns, tuple(rows))
+
+
+@given(tables_of_words(), st.integers(40, 130))
+def test_no_word_of_any_table_is_split(table: Table, width: int):
+    cells = {word for row in table.texts() for cell in row for word in cell.split()}
+    lines = printed(table, width=width)
+    assert cells <= set(words(lines))
+    assert max((cell_len(line) for line in lines), default=0) <= width
+    piped = printed(table, width=PIPE)
+    assert cells <= set(words(piped))
+    assert len(piped) == 2 + len(table.rows)
