@@ -144,10 +144,9 @@ def test_a_pareto_front_of_its_own_names_its_pairs():
 
 def figure() -> Figure:
     curves = (FigureCurve("A", (1.0, None, 9.0)), FigureCurve("B", (2.0, 3.0, 4.0)))
-    marks = (FigureMark("printed", "B", ((5.0, 3.0),)), FigureMark("another", "", ((6.0, 2.0),)))
-    return Figure(
-        "f", "T", "each, mm", "residual velocity, m/s", (4.0, 6.0, 8.0), curves, marks, (FigureLevel("L", 5.0),)
-    )
+    marks = (FigureMark(label="printed", of="B", points=[[5.0, 3.0]]), FigureMark(label="another", points=[[6.0, 2.0]]))
+    levels = (FigureLevel(label="L", value=5.0),)
+    return Figure("f", "T", "each, mm", "residual velocity, m/s", (4.0, 6.0, 8.0), curves, marks, levels)
 
 
 def test_a_figure_of_the_paper():

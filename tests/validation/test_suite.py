@@ -41,7 +41,7 @@ def test_a_case(folder: Path):
     suite = load(folder, f'title = "T"\nsource = "S"\n{CASE}reason = "R"\nset.armour.ceramic = "AD99.5"')
     [case] = suite.cases
     assert (suite.title, case.name, case.full_name, case.expected, case.band) == ("T", "a", "a", 724.0, 1.0)
-    assert (case.source, case.reason, str(case.place)) == ("S", "R", "case[0].expected")
+    assert (case.source, case.reason, case.place) == ("S", "R", ("case", 0, "expected"))
     assert case.scenario.armour.ceramic == "AD99.5"
 
 
@@ -53,7 +53,7 @@ def test_a_table_is_a_case_a_row(folder: Path):
     assert second.expected == 760.0
     assert second.band == pytest.approx(76.0)
     assert second.rivals == {"they": 750.0}
-    assert str(second.place) == "table[0].rows[1][1]"
+    assert second.place == ("table", 0, "rows", 1, 1)
     [group] = suite.tables
     assert (group.name, group.rms_band, group.rms_band_percent) == ("t", 20.0, None)
 

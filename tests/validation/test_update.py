@@ -12,7 +12,7 @@ def test_an_update_writes_what_is_computed_and_nothing_else(folder: Path):
     text = "# kept\n" + case("a", 725.0, "band = 1.0  # kept too") + case("b", 1.0, 'not_scored = "no"') + TABLE
     found = result(folder, text)
     new = float(f"{ballistic_limit(scenario()).ballistic_limit_m_s:.8g}")
-    assert [(update.case.full_name, update.old, update.new) for update in updates_of(found)] == [
+    assert [(update.case.full_name, update.case.expected, update.expected) for update in updates_of(found)] == [
         ("t: ceramic thickness 6.35 mm", 720.0, new),
         ("t: ceramic thickness 6.35 mm", 730.0, new),
         ("a", 725.0, new),

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, argument, option, output
+from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, argument, option
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
 
 
@@ -25,7 +25,7 @@ def calibrate(
         ),
     ] = "constant",
     library: Annotated[
-        Path | None, output("Write a library file with the fitted entries.", "--write", "-o", metavar="LIB.toml")
+        Path | None, option("Write a library file with the fitted entries.", "--write", "-o", metavar="LIB.toml")
     ] = None,
     plot: PlotFile = None,
     changes: Changes = None,

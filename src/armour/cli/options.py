@@ -16,22 +16,13 @@ def option(description: str, *names: str, **settings: Any) -> Any:
     return typer.Option(*names, help=description, show_default=False, **settings)
 
 
-def output(description: str, *names: str, metavar: str = "FILE") -> Any:
-    """Make an option for a file that a command writes."""
-    return option(description, *names, metavar=metavar)
-
-
-def _changes(description: str) -> Any:
-    return option(f"{description}; may be given several times.", "--set", metavar="KEY=VALUE")
-
-
 ScenarioFile = Annotated[Path, argument("SCENARIO", "Scenario file (TOML); - for standard input.")]
-Changes = Annotated[list[str] | None, _changes("Change a value of the scenario")]
-SuiteChanges = Annotated[
-    list[str] | None, _changes("Change a value of every scenario, such as model.shear_perimeter=projectile")
+Changes = Annotated[
+    list[str] | None,
+    option("Change a value of the scenario; may be given several times.", "--set", metavar="KEY=VALUE"),
 ]
 PLOT = "Draw to a .png, .svg or .pdf file."
-PlotFile = Annotated[Path | None, output(PLOT, "--plot")]
+PlotFile = Annotated[Path | None, option(PLOT, "--plot", metavar="FILE")]
 # Of commands that write no other file.
-OnlyPlotFile = Annotated[Path | None, output(PLOT, "--plot", "-o")]
+OnlyPlotFile = Annotated[Path | None, option(PLOT, "--plot", "-o", metavar="FILE")]
 AsJson = Annotated[bool, option("Print one JSON object and nothing else.", "--json")]

@@ -120,20 +120,23 @@ def say_if_compiling() -> None:
         say("compiling, once after an installation: some ten seconds")
 
 
-class Command(TyperCommand):
-    """A command; its help shows no type beside an option without a value."""
+class _FlagsWithoutType:
+    """Shows no type in the help beside an option without a value."""
 
     def get_params(self, ctx: Any) -> list[Any]:
-        """Return arguments and options."""
-        return _without_types_of_flags(super().get_params(ctx))
+        params: list[Any] = super().get_params(ctx)  # type: ignore[misc]
+        for param in params:
+            if getattr(param, "is_flag", False):
+                param.metavar = ""
+        return params
 
 
-class Reporting(TyperGroup):
+class Command(_FlagsWithoutType, TyperCommand):
+    """A command."""
+
+
+class Reporting(_FlagsWithoutType, TyperGroup):
     """Commands whose errors end in a message and an exit code."""
-
-    def get_params(self, ctx: Any) -> list[Any]:
-        """Return options."""
-        return _without_types_of_flags(super().get_params(ctx))
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command; turn what it raises into a message and an exit code."""
@@ -145,13 +148,6 @@ class Reporting(TyperGroup):
         except KeyboardInterrupt:
             say("interrupted")
             ctx.exit(INTERRUPTED)
-
-
-def _without_types_of_flags(params: list[Any]) -> list[Any]:
-    for param in params:
-        if getattr(param, "is_flag", False):
-            param.metavar = ""
-    return params
 
 
 def _located(problems: Sequence[Problem]) -> list[str]:

@@ -3,14 +3,16 @@
 from pathlib import Path
 from typing import Annotated
 
-from armour.cli.options import AsJson, Changes, OnlyPlotFile, PlotFile, ScenarioFile, option, output
+from armour.cli.options import AsJson, Changes, OnlyPlotFile, PlotFile, ScenarioFile, option
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling, warnings_of
 
 
 def simulate(
     scenario: ScenarioFile,
     velocity: Annotated[float | None, option("Impact velocity in place of the scenario's, m/s.")] = None,
-    history: Annotated[Path | None, output("Write the run over time as CSV.", "--history", "-o")] = None,
+    history: Annotated[
+        Path | None, option("Write the run over time as CSV.", "--history", "-o", metavar="FILE")
+    ] = None,
     plot: PlotFile = None,
     changes: Changes = None,
     as_json: AsJson = False,
@@ -85,7 +87,10 @@ def optimise(
     scenario: ScenarioFile,
     refine: Annotated[bool, option("Also find the best design between the values of the grid.", "--refine")] = False,
     csv: Annotated[
-        Path | None, output("Write the Pareto front or, where none is asked for, the frontier as CSV.", "--csv", "-o")
+        Path | None,
+        option(
+            "Write the Pareto front or, where none is asked for, the frontier as CSV.", "--csv", "-o", metavar="FILE"
+        ),
     ] = None,
     plot: PlotFile = None,
     changes: Changes = None,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from armour.cli.console import progress, say, show
-from armour.cli.options import AsJson, SuiteChanges, argument, option, output
+from armour.cli.options import AsJson, argument, option
 from armour.cli.runner import CHECK_FAILED, check_outputs, respond, say_if_compiling
 from armour.errors import InputError, Problem
 
@@ -20,10 +20,19 @@ if TYPE_CHECKING:
 def validate(
     suite: Annotated[Path | None, argument("SUITE", "Suite file (TOML); by default what the paper publishes.")] = None,
     only: Annotated[str, option("Check only cases whose name contains the text.", metavar="TEXT")] = "",
-    changes: SuiteChanges = None,
+    changes: Annotated[
+        list[str] | None,
+        option(
+            "Change a value of every scenario, such as model.shear_perimeter=projectile; may be given several times.",
+            "--set",
+            metavar="KEY=VALUE",
+        ),
+    ] = None,
     update: Annotated[bool, option("List the computed values and write them into the suite.", "--update")] = False,
-    markdown: Annotated[Path | None, output("Write the result as Markdown.", "--markdown", "-o")] = None,
-    junit: Annotated[Path | None, output("Write the result as JUnit XML.", "--junit")] = None,
+    markdown: Annotated[
+        Path | None, option("Write the result as Markdown.", "--markdown", "-o", metavar="FILE")
+    ] = None,
+    junit: Annotated[Path | None, option("Write the result as JUnit XML.", "--junit", metavar="FILE")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Check the model against a suite of cases.

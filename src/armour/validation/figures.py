@@ -5,16 +5,15 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, ValidationError, field_validator
+from pydantic import Field, field_validator
 
 from armour.analysis.evaluate import evaluate
 from armour.analysis.quantities import QUANTITIES
-from armour.errors import InputError
-from armour.files import read_toml, shipped
+from armour.files import shipped
 from armour.scenario.loading import load_scenario
-from armour.scenario.messages import Section, problems_of
+from armour.scenario.messages import Section
 from armour.scenario.schema import Range
-from armour.validation.suite import load_suite
+from armour.validation.suite import load_suite, read_sections
 from armour.validation.validate import SuiteResult, paper_suite, validate
 
 PARITY = "parity_table3"
@@ -27,16 +26,16 @@ class CurveSection(Section):
     set: dict[str, Any] = {}
 
 
-class MarkSection(Section):
-    """Numbers stated in the paper's text, drawn in the colour of the curve that ``of`` names."""
+class FigureMark(Section):
+    """Points stated in the paper's text, drawn in the colour of the curve that ``of`` names."""
 
     label: str
     of: str = ""
     points: Annotated[list[list[float]], Field(min_length=1)]
 
 
-class LevelSection(Section):
-    """A value at which the paper's text compares curves."""
+class FigureLevel(Section):
+    """A value of the ordinate at which the paper's text compares curves."""
 
     label: str
     value: float
@@ -54,8 +53,8 @@ class FigureSection(Section):
     x_label: str
     y_label: str
     curve: list[CurveSection] = [CurveSection()]
-    mark: list[MarkSection] = []
-    level: list[LevelSection] = []
+    mark: list[FigureMark] = []
+    level: list[FigureLevel] = []
 
     @field_validator("quantities")
     @classmethod
@@ -81,37 +80,8 @@ class FigureCurve:
 
 
 @dataclass(frozen=True)
-class FigureMark:
-    """Points stated in the paper's text, and the label of the curve that they belong to."""
-
-    label: str
-    of: str
-    points: tuple[tuple[float, float], ...]
-
-
-@dataclass(frozen=True)
-class FigureLevel:
-    """A value of the ordinate at which the paper's text compares curves."""
-
-    label: str
-    value: float
-
-
-@dataclass(frozen=True)
 class Figure:
-    """Computed data of a figure.
-
-    Attributes
-    ----------
-    name, title : str
-    x_label, y_label : str
-        Headings of the axes, with the unit.
-    x : tuple of float
-        Abscissa of every curve.
-    curves : tuple of FigureCurve
-    marks : tuple of FigureMark
-    levels : tuple of FigureLevel
-    """
+    """Curves of a figure over the abscissa ``x``, with the marks and levels of the paper's text."""
 
     name: str
     title: str
@@ -129,53 +99,33 @@ def paper_figures() -> Path:
 
 
 def read_figures(path: Path) -> list[FigureSection]:
-    """Read a file of figures.
-
-    Raises
-    ------
-    InputError
-        With every mistake in it.
-    """
-    try:
-        return FigureFile.model_validate(read_toml(path)).figure
-    except ValidationError as error:
-        raise InputError(problems_of(error, FigureFile, str(path))) from None
+    """Read a file of figures."""
+    return read_sections(path, FigureFile).figure
 
 
 def compute_figure(section: FigureSection, folder: Path) -> Figure:
-    """Compute the curves of a figure.
-
-    Parameters
-    ----------
-    section : FigureSection
-    folder : Path
-        Folder that the path of its scenario is relative to.
-
-    Raises
-    ------
-    InputError
-        If the scenario does not allow a value, or a run does not end.
-    """
+    """Compute the curves of a figure, whose scenario is relative to the folder."""
     base = load_scenario(folder / section.scenario)
     x = section.range.values()
+    columns = dict.fromkeys(section.over, np.array(x))
     curves = []
     for curve in section.curve:
-        columns = dict.fromkeys(section.over, np.array(x))
         found = evaluate(base.replaced(curve.set), columns, section.quantities)
         for name in section.quantities:
-            label = ", ".join(part for part in (curve.label, QUANTITIES[name].label) if part)
-            shown = curve.label if len(section.quantities) == 1 and curve.label else label
+            parts = [curve.label] if curve.label else []
+            if len(section.quantities) > 1 or not parts:
+                parts.append(QUANTITIES[name].label)
             values = tuple(float(value) if np.isfinite(value) else None for value in found[name])
-            curves.append(FigureCurve(shown, values))
+            curves.append(FigureCurve(", ".join(parts), values))
     return Figure(
-        name=section.name,
-        title=section.title,
-        x_label=section.x_label,
-        y_label=section.y_label,
-        x=x,
-        curves=tuple(curves),
-        marks=tuple(FigureMark(mark.label, mark.of, tuple((x, y) for x, y in mark.points)) for mark in section.mark),
-        levels=tuple(FigureLevel(level.label, level.value) for level in section.level),
+        section.name,
+        section.title,
+        section.x_label,
+        section.y_label,
+        x,
+        tuple(curves),
+        tuple(section.mark),
+        tuple(section.level),
     )
 
 

@@ -1,28 +1,21 @@
 """Questions a suite may ask: any quantity, the lightest design, and what replacing one material saves."""
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 from armour.analysis.answers import COLUMNS, Answers
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import groups_of
 from armour.analysis.quantities import QUANTITIES
-from armour.analysis.variants import Variants, grid_of
-from armour.design.optimise import DesignResult, optimise
+from armour.analysis.variants import Floats, Variants, grid_of
+from armour.design.optimise import BestDesign, optimise
 from armour.errors import InputError, NoDesignError, Problem
 from armour.scenario.loading import Scenario
 
 
 class Asked:
-    """A scenario that is asked; each computation is done once, when it is first needed.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    replacement : Scenario, optional
-        The scenario with one material replaced by another, for what that saves.
-    """
+    """A scenario, and the one with a material replaced where there is one; what is computed is computed once."""
 
     def __init__(self, scenario: Scenario, replacement: Scenario | None = None) -> None:
         self.scenario, self.replacement = scenario, replacement
@@ -33,9 +26,9 @@ class Asked:
         return Answers(groups_of(self.scenario, {})[0].variants)
 
     @cached_property
-    def lightest(self) -> DesignResult:
+    def lightest(self) -> BestDesign:
         """The lightest design of the scenario's grid."""
-        return optimise(self.scenario)
+        return optimise(self.scenario).best
 
     @cached_property
     def required(self) -> tuple[Variants, Variants]:
@@ -50,62 +43,37 @@ class Asked:
 class Question(NamedTuple):
     """A number, or the outcome, that a suite may ask."""
 
-    label: str
-    unit: str
     answer: Callable[[Asked], float | str]
-    on_grid: bool = False  # needs the scenario's grid of designs
+    on_grid: bool = True  # needs the scenario's grid of designs
     of_two: bool = False  # compares the scenario with its replacement
 
 
-def _of_quantity(name: str) -> Callable[[Asked], float | str]:
-    def answer(asked: Asked) -> float | str:
-        value: float | str = COLUMNS[name](asked.answers)[0].item()
-        return value
-
-    return answer
+def _quantity(name: str, asked: Asked) -> float | str:
+    value: float | str = COLUMNS[name](asked.answers)[0].item()
+    return value
 
 
-def _saved_percent(before: float, after: float) -> float:
+def _saved_percent(amount: Callable[[Variants], Floats], asked: Asked) -> float:
+    before, after = (float(amount(armours)[0]) for armours in asked.required)
     return 100.0 * (1.0 - after / before)
 
 
-def _thickness_saved(asked: Asked) -> float:
-    before, after = (float((found.ceramics_mm + found.backings_mm)[0]) for found in asked.required)
-    return _saved_percent(before, after)
-
-
-def _weight_saved(asked: Asked) -> float:
-    before, after = (float(found.areal_densities_kg_m2[0]) for found in asked.required)
-    return _saved_percent(before, after)
-
-
 QUESTIONS: dict[str, Question] = {
-    **{name: Question(q.label, q.unit, _of_quantity(name), q.on_grid) for name, q in QUANTITIES.items()},
-    "optimum_ceramic_thickness_mm": Question(
-        "ceramic thickness of the lightest design", "mm", lambda a: a.lightest.best.ceramic_thickness_mm, on_grid=True
+    **{name: Question(partial(_quantity, name), quantity.on_grid) for name, quantity in QUANTITIES.items()},
+    "optimum_ceramic_thickness_mm": Question(lambda asked: asked.lightest.ceramic_thickness_mm),
+    "optimum_backing_thickness_mm": Question(lambda asked: asked.lightest.backing_thickness_mm),
+    "optimum_areal_density_kg_m2": Question(lambda asked: asked.lightest.areal_density_kg_m2),
+    "thickness_saved_percent": Question(
+        partial(_saved_percent, lambda armours: armours.ceramics_mm + armours.backings_mm), of_two=True
     ),
-    "optimum_backing_thickness_mm": Question(
-        "back plate thickness of the lightest design",
-        "mm",
-        lambda a: a.lightest.best.backing_thickness_mm,
-        on_grid=True,
+    "weight_saved_percent": Question(
+        partial(_saved_percent, lambda armours: armours.areal_densities_kg_m2), of_two=True
     ),
-    "optimum_areal_density_kg_m2": Question(
-        "least areal density", "kg/m²", lambda a: a.lightest.best.areal_density_kg_m2, on_grid=True
-    ),
-    "thickness_saved_percent": Question("thickness saved", "%", _thickness_saved, on_grid=True, of_two=True),
-    "weight_saved_percent": Question("weight saved", "%", _weight_saved, on_grid=True, of_two=True),
 }
 
 
 def answer(name: str, asked: Asked) -> float | str:
-    """Answer a question.
-
-    Raises
-    ------
-    NoAnswerError
-        If the question has no answer in the scenario's range.
-    """
+    """Answer a question; raise NoAnswerError if it has no answer in the scenario's range."""
     found = QUESTIONS[name].answer(asked)
     if found == found:
         return found
@@ -119,25 +87,12 @@ def answer(name: str, asked: Asked) -> float | str:
 
 
 def check_answerable(name: str, scenario: Scenario, replacement: Scenario | None = None) -> None:
-    """Make sure that a scenario has what a question needs.
-
-    Raises
-    ------
-    InputError
-        If the grid is missing, or not exactly one material is replaced.
-    """
+    """Check that a scenario has the grid that a question needs, and that exactly one material is replaced."""
     question = QUESTIONS[name]
     if question.on_grid:
         grid_of(scenario)
     if question.of_two:
-        pairs = (
-            []
-            if replacement is None
-            else [
-                (scenario.armour.ceramic, replacement.armour.ceramic),
-                (scenario.armour.backing, replacement.armour.backing),
-            ]
-        )
-        if sum(before != after for before, after in pairs) != 1:
+        before, after = scenario.armour, (replacement or scenario).armour
+        if (before.ceramic != after.ceramic) == (before.backing != after.backing):
             message = "must name another ceramic or another backing, and not both"
             raise InputError([Problem(scenario.file, "replaced_by", message)])

@@ -1,11 +1,12 @@
 """Suites: cases with expected values and the bands within which the computed values must lie."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import reduce
 from math import isfinite
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, TypeVar
 
 from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
 
@@ -31,6 +32,7 @@ def _number_or_text(value: object) -> object:
 
 Name = Annotated[str, Field(min_length=1)]
 Width = Annotated[float, Field(ge=0.0)]
+SectionT = TypeVar("SectionT", bound=Section)
 
 
 class _Expectation(Section):
@@ -68,9 +70,7 @@ class _Expectation(Section):
 
     def width(self, expected: float | str) -> float | None:
         """Return the half-width of the band around the expected value, in the unit of the quantity."""
-        if self.band_percent is not None and not isinstance(expected, str):
-            return self.band_percent / 100.0 * abs(expected)
-        return self.band
+        return self.band if self.band_percent is None else self.band_percent / 100.0 * abs(float(expected))
 
 
 class CaseSection(_Expectation):
@@ -110,13 +110,10 @@ class TableSection(_Expectation):
         missing = [name for name in (EXPECTED, *self.rivals) if name not in self.columns]
         if missing:
             raise ValueError(f"columns must hold {', '.join(missing)}")
-        lengths = [len(row) for row in self.rows]
-        wrong = [index for index, length in enumerate(lengths) if length != len(self.columns)]
-        if wrong:
-            raise ValueError(
-                f"every row must have the {len(self.columns)} numbers of the columns, "
-                f"found {lengths[wrong[0]]} in rows[{wrong[0]}]"
-            )
+        for index, row in enumerate(self.rows):
+            if len(row) != len(self.columns):
+                must = f"every row must have the {len(self.columns)} numbers of the columns"
+                raise ValueError(f"{must}, found {len(row)} in rows[{index}]")
         if self.rms_band is not None and self.rms_band_percent is not None:
             raise ValueError("must have rms_band or rms_band_percent, found both")
         return self
@@ -129,15 +126,6 @@ class SuiteSection(Section):
     source: str = ""
     case: list[CaseSection] = []
     table: list[TableSection] = []
-
-
-class Place(NamedTuple):
-    """Location of an expected value in the file."""
-
-    keys: tuple[str | int, ...]
-
-    def __str__(self) -> str:
-        return key_name(self.keys)
 
 
 @dataclass(frozen=True)
@@ -163,10 +151,10 @@ class Case:
         Source of the expected value.
     not_scored : str
         Reason why the case is shown but not scored; empty where it is scored.
+    place : tuple of str and int
+        Keys and indices of the expected value in the file.
     rivals : mapping of str to float
         Predictions of other methods, by name.
-    place : Place
-        Location of the expected value in the file.
     """
 
     group: str
@@ -179,7 +167,7 @@ class Case:
     reason: str
     source: str
     not_scored: str
-    place: Place
+    place: tuple[str | int, ...]
     rivals: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -189,38 +177,30 @@ class Case:
 
 
 @dataclass(frozen=True)
-class TableBand:
-    """A table of a suite with the band of its root mean square deviation."""
-
-    name: str
-    rms_band: float | None
-    rms_band_percent: float | None
-
-
-@dataclass(frozen=True)
 class Suite:
-    """Cases, and the tables to which they belong."""
+    """Cases, and the tables to which they belong.
+
+    Attributes
+    ----------
+    title : str
+    file : Path
+    cases : tuple of Case
+    tables : tuple of TableSection
+    """
 
     title: str
     file: Path
     cases: tuple[Case, ...]
-    tables: tuple[TableBand, ...]
+    tables: tuple[TableSection, ...]
 
     def only(self, text: str) -> "Suite":
-        """Return the suite with only the cases whose name contains the text.
-
-        Raises
-        ------
-        InputError
-            If there is none.
-        """
+        """Return the suite with only the cases whose name contains the text; raise InputError if there is none."""
         cases = tuple(case for case in self.cases if text.lower() in case.full_name.lower())
         if not cases:
-            raise InputError(
-                [Problem(str(self.file), "", f'must have a case whose name contains "{text}", found none')]
-            )
+            message = f'must have a case whose name contains "{text}", found none'
+            raise InputError([Problem(str(self.file), "", message)])
         kept = {case.group for case in cases}
-        return Suite(self.title, self.file, cases, tuple(table for table in self.tables if table.name in kept))
+        return replace(self, cases=cases, tables=tuple(table for table in self.tables if table.name in kept))
 
 
 def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None = None) -> Suite:
@@ -239,90 +219,79 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
         With every mistake in the suite and in its scenarios.
     """
     path = Path(path)
-    try:
-        section = SuiteSection.model_validate(read_toml(path))
-    except ValidationError as error:
-        raise InputError(problems_of(error, SuiteSection, str(path))) from None
-    if not section.case and not section.table:
+    suite = read_sections(path, SuiteSection)
+    if not suite.case and not suite.table:
         raise InputError([Problem(str(path), "case", "is missing: a suite must have at least one case or table")])
-    problems: list[Problem] = []
-    cases = [case for found in _cases(section, path, changes or {}, problems) for case in found]
+    cases, problems = [], []
+    for row in _rows(suite):
+        try:
+            cases.append(_case(row, suite, path.parent, changes or {}))
+        except InputError as error:
+            where = key_name([*row.place[:2], "scenario"])
+            problems += [Problem(str(path), where, f"must be a valid scenario: {found}") for found in error.problems]
     if problems:
         raise InputError(list(dict.fromkeys(problems)))
-    tables = (TableBand(table.name, table.rms_band, table.rms_band_percent) for table in section.table)
-    return Suite(section.title, path, tuple(cases), tuple(tables))
+    return Suite(suite.title, path, tuple(cases), tuple(suite.table))
 
 
-def _cases(
-    suite: SuiteSection, path: Path, changes: Mapping[str, object], problems: list[Problem]
-) -> Iterator[list[Case]]:
-    """Yield the cases of each table and each single case; mistakes are added to the problems."""
-    for index, table in enumerate(suite.table):
-        inputs = [name for name in table.columns if name not in (EXPECTED, *table.rivals)]
-        column = table.columns.index(EXPECTED)
-        for number, row in enumerate(table.rows):
-            values = dict(zip(table.columns, row, strict=True))
-            own = {name: values[name] for name in inputs}
-            place = Place(("table", index, "rows", number, column))
-            yield _case(table, path, (table.set, own, changes), place, suite.source, problems, values)
-    for index, case in enumerate(suite.case):
-        place = Place(("case", index, EXPECTED))
-        yield _case(case, path, (case.set, changes), place, suite.source, problems)
-
-
-def _case(
-    section: CaseSection | TableSection,
-    path: Path,
-    changes: tuple[Mapping[str, object], ...],
-    place: Place,
-    source: str,
-    problems: list[Problem],
-    values: Mapping[str, float] | None = None,
-) -> list[Case]:
-    """Return the case of a section in a list, which is empty where its scenario is wrong."""
-    file = path.parent / section.scenario
-    replacement = None
+def read_sections(path: Path, model: type[SectionT]) -> SectionT:
+    """Read a TOML file as the sections of a model."""
     try:
-        scenario = _scenario(file, changes)
-        if isinstance(section, CaseSection) and section.replaced_by is not None:
-            replacement = _scenario(file, (*changes[:-1], section.replaced_by, changes[-1]))
-        check_answerable(section.quantity, scenario, replacement)
-    except InputError as error:
-        where = key_name([*place.keys[:2], "scenario"])
-        problems += (Problem(str(path), where, f"must be a valid scenario: {problem}") for problem in error.problems)
-        return []
-    table = section if isinstance(section, TableSection) else None
-    expected = section.expected if isinstance(section, CaseSection) else (values or {})[EXPECTED]
-    return [
-        Case(
-            group=table.name if table else "",
-            name=_row_name(table, values or {}) if table else section.name,
-            scenario=scenario,
-            replacement=replacement,
-            quantity=section.quantity,
-            expected=expected,
-            band=section.width(expected),
-            reason=section.reason,
-            source=section.source or source,
-            not_scored=section.not_scored,
-            place=place,
-            rivals={name: (values or {})[name] for name in table.rivals} if table else {},
-        )
-    ]
+        return model.model_validate(read_toml(path))
+    except ValidationError as error:
+        raise InputError(problems_of(error, model, str(path))) from None
 
 
-def _scenario(file: Path, changes: tuple[Mapping[str, object], ...]) -> Scenario:
+class _Row(NamedTuple):
+    """A case as the file gives it: a section of its own, or a row of a table."""
+
+    section: CaseSection | TableSection
+    place: tuple[str | int, ...]
+    expected: float | str
+    inputs: Mapping[str, float] = {}
+    rivals: Mapping[str, float] = {}
+
+
+def _rows(suite: SuiteSection) -> Iterator[_Row]:
+    for index, table in enumerate(suite.table):
+        column = table.columns.index(EXPECTED)
+        for number, numbers in enumerate(table.rows):
+            values = dict(zip(table.columns, numbers, strict=True))
+            rivals = {name: values[name] for name in table.rivals}
+            inputs = {name: value for name, value in values.items() if name not in (EXPECTED, *rivals)}
+            yield _Row(table, ("table", index, "rows", number, column), values[EXPECTED], inputs, rivals)
+    for index, case in enumerate(suite.case):
+        yield _Row(case, ("case", index, EXPECTED), case.expected)
+
+
+def _case(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object]) -> Case:
+    section = row.section
+    file = folder / section.scenario
+    scenario = _scenario(file, section.set, row.inputs, changes)
+    replacement = None
+    if isinstance(section, CaseSection) and section.replaced_by is not None:
+        replacement = _scenario(file, section.set, section.replaced_by, changes)
+    check_answerable(section.quantity, scenario, replacement)
+    in_table = isinstance(section, TableSection)
+    return Case(
+        group=section.name if in_table else "",
+        name=", ".join(map(_in_words, row.inputs, row.inputs.values())) if in_table else section.name,
+        scenario=scenario,
+        replacement=replacement,
+        quantity=section.quantity,
+        expected=row.expected,
+        band=section.width(row.expected),
+        reason=section.reason,
+        source=section.source or suite.source,
+        not_scored=section.not_scored,
+        place=row.place,
+        rivals=row.rivals,
+    )
+
+
+def _scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:
     """Read a scenario and apply the changes one after the other."""
-    data = read_toml(file)
-    for change in changes:
-        data = changed(data, change)
-    return parse_scenario(data, file=str(file), folder=file.parent)
-
-
-def _row_name(table: TableSection, values: Mapping[str, float]) -> str:
-    """Return the name of a row: its input values."""
-    inputs = [name for name in table.columns if name not in (EXPECTED, *table.rivals)]
-    return ", ".join(_in_words(name, values[name]) for name in inputs)
+    return parse_scenario(reduce(changed, changes, read_toml(file)), file=str(file), folder=file.parent)
 
 
 def _in_words(key: str, value: float) -> str:

@@ -1,8 +1,7 @@
 """Write computed values into a suite file as its expected values."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import tomlkit
 
@@ -13,24 +12,22 @@ from armour.validation.validate import SuiteResult
 DIGITS = 8
 
 
-@dataclass(frozen=True)
-class Update:
-    """An expected value that changes."""
+class Update(NamedTuple):
+    """A case and its new expected value."""
 
     case: Case
-    old: float | str
-    new: float | str
+    expected: float | str
 
 
 def updates_of(result: SuiteResult) -> list[Update]:
     """Return the expected values that differ from the computed ones to the digits that are written."""
     updates = []
-    for item in result.checks:
-        if item.computed is None or item.case.not_scored:
+    for case, computed in ((check.case, check.computed) for check in result.checks):
+        if computed is None or case.not_scored:
             continue
-        new = float(f"{item.computed:.{DIGITS}g}") if isinstance(item.computed, float) else item.computed
-        if new != item.case.expected:
-            updates.append(Update(item.case, item.case.expected, new))
+        new = float(f"{computed:.{DIGITS}g}") if isinstance(computed, float) else computed
+        if new != case.expected:
+            updates.append(Update(case, new))
     return updates
 
 
@@ -39,8 +36,8 @@ def updated_text(text: str, updates: Sequence[Update]) -> str:
     document = tomlkit.parse(text)
     for update in updates:
         table: Any = document
-        *path, last = update.case.place.keys
+        *path, last = update.case.place
         for key in path:
             table = table[key]
-        table[last] = update.new
+        table[last] = update.expected
     return tomlkit.dumps(document)

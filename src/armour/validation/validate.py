@@ -10,12 +10,12 @@ from armour.analysis.comparison import BODIES, bodies_of, florence_ballistic_lim
 from armour.errors import NoAnswerError
 from armour.files import shipped
 from armour.scenario.parameters import NAMES, entry_of, inputs_of, name_of
-from armour.validation.questions import QUESTIONS, Asked, answer
-from armour.validation.suite import Case, Suite, TableBand
+from armour.units import words_and_unit
+from armour.validation.questions import Asked, answer
+from armour.validation.suite import Case, Suite, TableSection
 
 Status = Literal["within", "outside", "no answer", "not scored"]
 FAILED: tuple[Status, ...] = ("outside", "no answer")
-THIS_MODEL = "this model"
 
 
 @dataclass(frozen=True)
@@ -72,19 +72,9 @@ class Check:
 
 @dataclass(frozen=True)
 class Summary:
-    """Deviations of all rows of a table, in the unit of the quantity or, where the band is relative, in per cent.
+    """Mean, root mean square and largest magnitude of the deviations of a table's rows.
 
-    Attributes
-    ----------
-    name : str
-    count : int
-        Number of rows with a deviation.
-    unit : str
-    mean, rms, largest : float
-        Mean, root mean square and largest magnitude of the deviations.
-    rms_band : float or None
-        Largest root mean square allowed.
-    status : {"within", "outside", "no answer", "not scored"}
+    They have the unit of the quantity or, where the band of the root mean square is relative, are in per cent.
     """
 
     name: str
@@ -99,16 +89,7 @@ class Summary:
 
 @dataclass(frozen=True)
 class Error:
-    """Error of one method of prediction against the expected values of a table.
-
-    Attributes
-    ----------
-    table, predictor : str
-    count : int
-        Number of predictions.
-    mean_percent, largest_percent : float
-        Mean and largest magnitude of the relative errors.
-    """
+    """Mean and largest magnitude of the relative errors of a method of prediction for a table."""
 
     table: str
     predictor: str
@@ -197,14 +178,14 @@ def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
         title=suite.title,
         file=str(suite.file),
         checks=tuple(checks),
-        summaries=tuple(summary_of(table, rows) for table, rows in tables if rows),
-        errors=tuple(error for _, rows in tables if rows for error in errors_of(rows)),
+        summaries=tuple(_summary(table, rows) for table, rows in tables if rows),
+        errors=tuple(error for _, rows in tables for error in _errors(rows)),
     )
 
 
 def check(case: Case, known: dict[str, Asked]) -> Check:
     """Compute a case; scenarios that several cases share are computed once and kept in ``known``."""
-    calibrated = calibrated_to(case)
+    calibrated = _calibrated_to(case)
     unscored = bool(case.not_scored or calibrated)
     try:
         computed = answer(case.quantity, _asked(case, known))
@@ -219,11 +200,10 @@ def _asked(case: Case, known: dict[str, Asked]) -> Asked:
     return known.setdefault(key, Asked(case.scenario, case.replacement))
 
 
-def calibrated_to(case: Case) -> str:
+def _calibrated_to(case: Case) -> str:
     """Return which value of the case's materials was calibrated to this test; empty where none was."""
-    inputs = inputs_of(case.scenario)
     names = {key: name_of(case.scenario, role) for role, key in NAMES.items()}
-    known: Mapping[str, object] = {**inputs, **names, case.quantity: case.expected}
+    known: Mapping[str, object] = {**inputs_of(case.scenario), **names, case.quantity: case.expected}
     for role in NAMES:
         entry = entry_of(case.scenario, role)
         if entry is None:
@@ -249,8 +229,7 @@ def _status(case: Case, computed: float | str) -> Status:
     return "within" if abs(computed - case.expected) <= case.band else "outside"
 
 
-def summary_of(table: TableBand, rows: Sequence[Check]) -> Summary:
-    """Summarise the deviations of the rows of a table."""
+def _summary(table: TableSection, rows: Sequence[Check]) -> Summary:
     percent = table.rms_band_percent is not None
     deviations = [row.deviation_percent if percent else row.deviation for row in rows]
     numbers = [deviation for deviation in deviations if deviation is not None]
@@ -263,7 +242,7 @@ def summary_of(table: TableBand, rows: Sequence[Check]) -> Summary:
     return Summary(
         name=table.name,
         count=count,
-        unit="%" if percent else QUESTIONS[rows[0].case.quantity].unit,
+        unit="%" if percent else words_and_unit(table.quantity)[1],
         mean=sum(numbers) / count if count else 0.0,
         rms=rms,
         largest=max((abs(d) for d in numbers), default=0.0),
@@ -272,21 +251,24 @@ def summary_of(table: TableBand, rows: Sequence[Check]) -> Summary:
     )
 
 
-def errors_of(rows: Sequence[Check]) -> tuple[Error, ...]:
+def _errors(rows: Sequence[Check]) -> tuple[Error, ...]:
     """Return the errors of this model, of a table's rivals and of Florence's limit; none for a table without rivals."""
-    predictions: dict[str, list[tuple[float, float]]] = {}
+    percents_of: dict[str, list[float]] = {}
     for row in rows:
         expected = row.case.expected
         if not row.case.rivals or isinstance(expected, str) or not expected:
             continue
-        own = {THIS_MODEL: row.computed} if isinstance(row.computed, float) else {}
+        own = {"this model": row.computed} if isinstance(row.computed, float) else {}
         for name, predicted in {**row.case.rivals, **own, **_florence(row.case)}.items():
-            predictions.setdefault(name, []).append((predicted, expected))
-    return tuple(_error(rows[0].case.group, name, pairs) for name, pairs in predictions.items())
+            percents_of.setdefault(name, []).append(100.0 * abs(predicted / expected - 1.0))
+    return tuple(
+        Error(rows[0].case.group, name, len(percents), sum(percents) / len(percents), max(percents))
+        for name, percents in percents_of.items()
+    )
 
 
 def _florence(case: Case) -> Mapping[str, float]:
-    """Florence's limits of a case, for the penetrator and for the whole projectile."""
+    """Return Florence's limits of a case, for the penetrator and for the whole projectile."""
     scenario = case.scenario
     if case.quantity != "ballistic_limit_m_s" or missing_for_florence(scenario):
         return {}
@@ -296,8 +278,3 @@ def _florence(case: Case) -> Mapping[str, float]:
         mass, diameter = (projectile[key] for key in BODIES[body])
         named[f"Florence, {body} ({mass:g} g, {diameter:g} mm)"] = florence_ballistic_limit(scenario, body)
     return named
-
-
-def _error(table: str, predictor: str, pairs: Sequence[tuple[float, float]]) -> Error:
-    percents = [100.0 * abs(predicted / expected - 1.0) for predicted, expected in pairs]
-    return Error(table, predictor, len(pairs), sum(percents) / len(percents), max(percents))

@@ -134,7 +134,7 @@ def suite_tables(result: "SuiteResult") -> list[Table]:
 def update_table(updates: Sequence["Update"]) -> Table:
     """Return the expected values that an update changes."""
     columns = (Column("case", prose=True), Column("expected", spec=".10g"), Column("computed", spec=".10g"))
-    return Table(columns, tuple((update.case.full_name, update.old, update.new) for update in updates))
+    return Table(columns, tuple((update.case.full_name, update.case.expected, update.expected) for update in updates))
 
 
 def figure_table(figure: "Figure") -> Table:
