@@ -49,7 +49,8 @@ def validate(
     Exits with 3 where a value lies outside its band.
     """
     from armour.reporting.junit import suite_junit
-    from armour.reporting.markdown import suite_markdown
+    from armour.reporting.markdown import markdown_report
+    from armour.reporting.suite_report import suite_report
     from armour.scenario.assignments import changes_of
     from armour.validation.suite import load_suite
     from armour.validation.validate import paper_suite
@@ -65,7 +66,7 @@ def validate(
             data=result.to_dict,
             tables=lambda: _tables(result),
             files=[
-                lambda: suite_markdown(result),
+                lambda: markdown_report(suite_report(result)),
                 lambda: suite_junit(result),
                 lambda: _updated(chosen.file, result),
             ],

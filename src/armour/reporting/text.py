@@ -1,6 +1,14 @@
-"""Texts: intervals in words, and text from files made safe for terminals and XML."""
+"""Texts: words of keys, intervals, and text from files made safe for terminals and XML."""
 
 import unicodedata
+
+# Words of keys that people read in another spelling.
+SPELLING = {"backing": "back plate", "caliber": "calibre", "m2": "m²", "youngs": "Young's"}
+
+
+def spelt(words: str) -> str:
+    """Return the words of a key as people read them: "backing thickness" as "back plate thickness"."""
+    return " ".join(SPELLING.get(word, word) for word in words.split(" "))
 
 
 def printable(text: str) -> str:
@@ -13,6 +21,11 @@ def _shown(character: str) -> str:
     category = unicodedata.category(character)
     hidden = category.startswith("C") or category in ("Zl", "Zp")
     return character.encode("unicode_escape").decode("ascii") if hidden else character
+
+
+def percent(part: float) -> str:
+    """Format a part, such as a confidence level, in per cent."""
+    return f"{100.0 * part:g} %"
 
 
 def interval(low: float | None, high: float | None, spec: str) -> str:

@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from armour.reporting.table import Column, Table, record
-from armour.reporting.tables.impact import AREAL_DENSITY
+from armour.reporting.table import Column, Table, column_of, listing, record
+from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT
 
 if TYPE_CHECKING:
     from armour.analysis.ballistic_limit import LimitResult
@@ -11,20 +11,24 @@ if TYPE_CHECKING:
 
 def limit_table(result: "LimitResult") -> Table:
     """Return a ballistic limit, quantity by quantity."""
-    low, high = result.bracket_m_s
     return record(
-        (Column("ballistic limit", "m/s", ".2f"), result.ballistic_limit_m_s),
-        (Column("defeated at", "m/s", ".4f"), low),
-        (Column("perforated at", "m/s", ".4f"), high),
-        (Column("runs", spec="d"), result.runs),
-        (AREAL_DENSITY, result.areal_density_kg_m2),
+        result,
+        BALLISTIC_LIMIT,
+        (Column("defeated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[0]),
+        (Column("perforated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[1]),
+        column_of("runs", "d"),
+        AREAL_DENSITY,
     )
 
 
 def crossing_table(result: "LimitResult") -> Table:
     """Return every change of the outcome with the velocity."""
-    columns = (Column("below", "m/s", ".4f"), Column("above", "m/s", ".4f"), Column("outcome above"))
-    return Table(columns, tuple((*crossing.bracket_m_s, crossing.above) for crossing in result.crossings))
+    return listing(
+        result.crossings,
+        (Column("below", "m/s", ".4f"), lambda crossing: crossing.bracket_m_s[0]),
+        (Column("above", "m/s", ".4f"), lambda crossing: crossing.bracket_m_s[1]),
+        column_of("above", label="outcome above"),
+    )
 
 
 def limit_tables(result: "LimitResult") -> list[Table | str]:
