@@ -93,7 +93,7 @@ def test_then_rows_become_blocks(wide: Table):
 
 def test_a_record_is_a_list():
     table = record(
-        (Column("outcome"), "perforated"), (Column("length", "mm", ".2f"), 14.6), (Column("runs", spec="d"), 3)
+        None, (Column("outcome"), "perforated"), (Column("length", "mm", ".2f"), 14.6), (Column("runs", spec="d"), 3)
     )
     assert printed("first", table, width=80) == [
         "first",

@@ -91,7 +91,9 @@ def test_elasticities():
     )
     result = SensitivityResult(answers, (item,))
     assert quantities(sensitivity_table(result)) == {"ballistic limit, m/s": "723.77", "least areal density": "none"}
-    assert elasticity_table(result).texts() == [["armour.ceramic_thickness_mm", "6.35", "+0.310", ""]]
+    table = elasticity_table(result)
+    assert table.headings() == ["input", "value", "ballistic limit, % per %"]
+    assert table.texts() == [["armour.ceramic_thickness_mm", "6.35", "+0.310"]]
 
 
 def test_firing_results():

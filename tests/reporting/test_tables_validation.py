@@ -7,7 +7,7 @@ from armour.reporting.tables.validation import (
     check_groups,
     check_table,
     figure_table,
-    note_table,
+    note_rows,
     parity_table,
     suite_tables,
     verdict,
@@ -43,7 +43,7 @@ def test_checks_of_several_quantities_have_units_of_their_own(folder: Path):
 
 def test_a_suite_has_its_tables_as_a_whole(outcome: SuiteResult):
     assert [table.title for table in suite_tables(outcome)] == ["t", "cases", "tables as a whole", "errors"]
-    assert note_table(outcome.checks).rows == (("out", "as measured"),)
+    assert note_rows(outcome.checks) == [("out", "as measured")]
     assert verdict(outcome) == "2 of 4 within their bands, 2 outside"
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def suite_report(result: "SuiteResult", command: str = "") -> Report:
-    """Report the outcome of a suite: verdict, tables, and the reasons for the bands; its origin if made by a command."""
+    """Report the outcome of a suite: verdict, tables, and the reasons for the bands; with a command, its origin."""
     sources = {name: _source(checks) for name, checks in check_groups(result).items()}
     sections = [
         Section(table.title[:1].upper() + table.title[1:], sources.get(table.title, ()), tables=(table,))

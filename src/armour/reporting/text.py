@@ -28,8 +28,9 @@ def percent(part: float) -> str:
     return f"{100.0 * part:g} %"
 
 
-def interval(low: float | None, high: float | None, spec: str) -> str:
+def interval(ends: tuple[float | None, float | None], spec: str) -> str:
     """Format an interval; an end that is None is not bounded."""
+    low, high = ends
     if low is None and high is None:
         return "not bounded"
     if low is None:

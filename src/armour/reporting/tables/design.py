@@ -94,7 +94,7 @@ def margin_table(result: "DesignResult") -> Table:
 def _estimate(design: "BestDesign", threat: str) -> tuple[Cell, Cell]:
     """Return the probability of perforation by a threat and its interval, or None for both."""
     estimate = design.probabilities.get(threat)
-    return (None, None) if estimate is None else (estimate.value, interval(estimate.low, estimate.high, ".4f"))
+    return (None, None) if estimate is None else (estimate.value, interval((estimate.low, estimate.high), ".4f"))
 
 
 def pair_table(result: "DesignResult") -> Table:

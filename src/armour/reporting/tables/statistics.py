@@ -44,7 +44,7 @@ def coefficient_table(result: "CalibrationResult") -> Table:
         result.coefficients,
         column_of("name", label="coefficient"),
         (Column("estimate", spec=".4g"), lambda c: "not identified" if c.estimate is None else c.estimate),
-        (_between(result, prose=True), lambda c: c.reason if c.interval is None else interval(*c.interval, spec=".4g")),
+        (_between(result, prose=True), lambda c: c.reason if c.interval is None else interval(c.interval, ".4g")),
     )
 
 
@@ -141,9 +141,9 @@ def curve_table(result: "FiringResult") -> Table:
         result.fits,
         column_of("curve", label="maximum likelihood"),
         column_of("v50_m_s", ".1f", "V50"),
-        (_between(result, "m/s"), lambda fit: interval(*fit.v50_interval_m_s, spec=".1f")),
+        (_between(result, "m/s"), lambda fit: interval(fit.v50_interval_m_s, ".1f")),
         column_of("scale_m_s", ".1f"),
-        (_between(result, "m/s"), lambda fit: interval(*fit.scale_interval_m_s, spec=".1f")),
+        (_between(result, "m/s"), lambda fit: interval(fit.scale_interval_m_s, ".1f")),
     )
 
 
@@ -186,7 +186,7 @@ def estimate_table(result: "UncertaintyResult") -> Table:
         needed = estimate.samples_for(10.0**-decimals, result.samples)
         settled = "yes" if needed <= result.samples else f"no, about {float(f'{needed:.2g}'):,.0f} samples would"
         # A probability and velocities have different decimals, so that the number is formatted here.
-        rows.append((name, unit, f"{estimate.value:{spec}}", interval(estimate.low, estimate.high, spec), settled))
+        rows.append((name, unit, f"{estimate.value:{spec}}", interval((estimate.low, estimate.high), spec), settled))
     return Table(columns, tuple(rows))
 
 
@@ -194,7 +194,7 @@ def index_table(result: "UncertaintyResult") -> Table:
     """Return how much each input matters for the ballistic limit."""
 
     def between(index: Any) -> str | None:
-        return None if index is None else interval(index.low, index.high, ".3f")
+        return None if index is None else interval((index.low, index.high), ".3f")
 
     return listing(
         result.inputs,
