@@ -26,10 +26,10 @@ def test_a_value_is_formatted_by_its_column(column: Column, value: float | str |
     assert column.text(value) == text
 
 
-def test_heading_and_alignment_follow_from_the_column():
+def test_headings_and_texts_follow_from_the_column():
     table = Table((NAME, LENGTH, Column("ratio", spec="g")), (("a", 1.0, 0.5), ("b", None, 2.0)))
     assert table.headings() == ["name", "length, mm", "ratio"]
-    assert table.alignments() == ["left", "right", "right"]
+    assert [column.numeric for column in table.columns] == [False, True, True]
     assert table.texts() == [["a", "1.00", "0.5"], ["b", "", "2"]]
 
 

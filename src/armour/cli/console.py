@@ -173,7 +173,9 @@ def _print_grid(
     # Of the gap, the box fills one cell.
     grid = Grid(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, GAP - 1, 0, 0))
     for column, heading, width in zip(table.columns, headings, widths, strict=True):
-        grid.add_column(Text(_wrapped(heading, width)), justify=column.alignment, width=width, no_wrap=True)
+        grid.add_column(
+            Text(_wrapped(heading, width)), justify="right" if column.numeric else "left", width=width, no_wrap=True
+        )
     for row in texts:
         grid.add_row(*(Text(_wrapped(text, width)) for text, width in zip(row, widths, strict=True)))
     console.print(grid)

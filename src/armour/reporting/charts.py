@@ -35,6 +35,7 @@ from armour.reporting.chart import (
     Style,
 )
 from armour.reporting.tables.impact import STAGES
+from armour.reporting.tables.statistics import deviation_percent
 from armour.reporting.text import percent, spelt
 from armour.scenario.parameters import BACKING, CERAMIC, ROLES, VELOCITY
 
@@ -158,7 +159,7 @@ def _residual_velocity_panel(series: Iterable[Series], limits: tuple[float, floa
 
 
 def design_chart(result: "DesignResult", title: str) -> Chart:
-    """Describe the designs of a search: what each back plate needs, other pairs, the best, and the Pareto front."""
+    """Describe the designs of a search: the frontier, the best of other pairs, and the Pareto front."""
     frontier = frontier_chart(result, title)
     if not result.pareto:
         return frontier
@@ -185,7 +186,7 @@ def _look(index: int) -> dict[str, Any]:
 
 
 def frontier_chart(result: "DesignResult", title: str) -> Chart:
-    """Describe what each back plate of the best pair needs, with the best designs of other pairs."""
+    """Describe areal density and required ceramic over the back plate, with the best designs of other pairs."""
     looks = _looks(result)
     backing = [design.backing_thickness_mm for design in result.frontier]
     text = [_design_text(design) for design in result.frontier]
@@ -359,19 +360,14 @@ def _deviation_panel(quantity: str, residuals: Sequence["Residual"]) -> Panel:
     title = f"deviation of the {quantity_axis(quantity).label}"
     shown = list(residuals)
     if len(shown) > MAX_ROWS:
-        shown = sorted(shown, key=lambda r: -abs(_deviation(r.computed, r.measured) or 0.0))[:MAX_ROWS]
+        shown = sorted(shown, key=lambda r: -abs(deviation_percent(r.computed, r.measured) or 0.0))[:MAX_ROWS]
         title += f", the {MAX_ROWS} largest of {len(residuals)}"
     values = {
-        "fitted": [_deviation(residual.computed, residual.measured) for residual in shown],
-        "leave-one-out": [_deviation(residual.left_out, residual.measured) for residual in shown],
+        "fitted": [deviation_percent(residual.computed, residual.measured) for residual in shown],
+        "leave-one-out": [deviation_percent(residual.left_out, residual.measured) for residual in shown],
     }
     x, names = Axis("deviation", "%", spec="+.2f"), tuple(residual.test for residual in shown)
     return _bars_panel(x, names, values, (BLUE, ORANGE), title)
-
-
-def _deviation(value: float | None, measured: float) -> float | None:
-    """Return the deviation from a measured value, per cent."""
-    return None if value is None else 100.0 * (value / measured - 1.0)
 
 
 def _bars_panel(
@@ -433,7 +429,7 @@ def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
 
 
 def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Chart:
-    """Describe the probability of perforation over velocity, and what each input does to the ballistic limit."""
+    """Describe the probability of perforation over velocity, and the ballistic limits at quantiles of each input."""
     curve, p, at = result.curve, result.probability_of_perforation, scenario.impact.velocity_m_s
     found, level = result.deterministic_m_s, percent(result.confidence)
     points = list(zip(curve.velocity_m_s, curve.probability, curve.low, curve.high, strict=True))
@@ -461,8 +457,12 @@ def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Char
         bars: list[Series] = []
         for side, (quantile, colour) in enumerate((("5 %", ORANGE), ("95 %", PURPLE))):
             limits = [index.limits_m_s[side] for index in result.inputs]
+            text = tuple(
+                f"{name} at its {quantile} quantile\nballistic limit {limit:.1f} m/s"
+                for name, limit in zip(names, limits, strict=True)
+            )
             label = f"input at its {quantile} quantile"
-            bars.append(Bars([found] * len(limits), limits, label=label, colour=colour))
+            bars.append(Bars([found] * len(limits), limits, label=label, colour=colour, text=text))
         title = "Ballistic limit with one input changed"
         bars.append(Rule(found, colour=INK))
         panels.append(Panel(x, Axis(categories=names), tuple(bars), title, height=0.5, shares_x=True))
@@ -470,7 +470,7 @@ def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Char
 
 
 def energy_chart(energy: "EnergyBalance") -> Chart:
-    """Describe where the projectile's kinetic energy went, stage by stage."""
+    """Describe the projectile's loss of kinetic energy, stage by stage."""
     categories = (*(f"{index}. stage {row.stage}" for index, row in enumerate(energy.rows, start=1)), "left")
     parts = (
         ("carried off by eroded material", "carried off", ORANGE, [*(row.eroded for row in energy.rows), 0.0]),

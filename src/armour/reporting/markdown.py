@@ -9,14 +9,12 @@ from armour.reporting.text import printable
 if TYPE_CHECKING:
     from armour.reporting.report import Report, Section
 
-RULES = {"left": "---", "right": "---:"}
-
 
 def markdown_table(table: Table) -> str:
     """Format a table as Markdown, without its title."""
     lines = [
         [markdown_text(heading) for heading in table.headings()],
-        [RULES[alignment] for alignment in table.alignments()],
+        ["---:" if column.numeric else "---" for column in table.columns],
         *([markdown_text(text) for text in texts] for texts in table.texts()),
     ]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)

@@ -68,4 +68,4 @@ def origin_section(command: str) -> Section:
     versions = [("armour", __version__), ("model", MODEL_VERSION), ("Python", sys.version.split()[0])]
     versions += [(name, version(name)) for name in PACKAGES]
     table = Table((Column("program"), Column("version")), tuple(versions))
-    return Section("Origin", (ORIGIN,), command, "console", (table,))
+    return Section("Origin", (ORIGIN, "Made by:"), command, "console", (table,))

@@ -4,7 +4,7 @@ import csv
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from io import StringIO
-from typing import Any, Literal
+from typing import Any
 
 from armour.reporting.text import spelt
 from armour.units import words_and_unit
@@ -32,11 +32,6 @@ class Column:
         """Whether the column holds numbers."""
         return bool(self.spec)
 
-    @property
-    def alignment(self) -> Literal["left", "right"]:
-        """Numbers are aligned to the right, text to the left."""
-        return "right" if self.numeric else "left"
-
     def text(self, value: Cell) -> str:
         """Format a value; None gives an empty text, and a text is returned as it is."""
         if value is None:
@@ -60,10 +55,6 @@ class Table:
     def headings(self) -> list[str]:
         """Return the headings of the columns, with units."""
         return [column.heading for column in self.columns]
-
-    def alignments(self) -> list[Literal["left", "right"]]:
-        """Return the alignments of the columns."""
-        return [column.alignment for column in self.columns]
 
     def texts(self) -> list[list[str]]:
         """Return the rows with every value formatted."""

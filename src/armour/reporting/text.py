@@ -12,7 +12,7 @@ def spelt(words: str) -> str:
 
 
 def printable(text: str) -> str:
-    """Escape control characters, line ends among them, so that a text from a file is shown and not obeyed."""
+    """Escape the control characters of a text from a file, line ends among them."""
     return text if text.isprintable() else "".join(_shown(character) for character in text)
 
 

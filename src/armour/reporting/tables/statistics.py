@@ -59,10 +59,6 @@ def correlation_table(result: "CalibrationResult") -> Table:
 def residual_table(result: "CalibrationResult") -> Table:
     """Return measured and computed values, test by test; one-sided tests have a bound and no deviation."""
     bounds = any(residual.bound for residual in result.residuals)
-
-    def deviation(value: float | None, residual: Any) -> float | None:
-        return None if value is None or residual.bound else 100.0 * (value / residual.measured - 1.0)
-
     return listing(
         result.residuals,
         column_of("test", prose=True),
@@ -71,10 +67,18 @@ def residual_table(result: "CalibrationResult") -> Table:
         (Column("unit"), lambda r: words_and_unit(r.quantity)[1]),
         column_of("measured", "g"),
         column_of("computed", ".2f"),
-        (Column("deviation", "%", "+.2f"), lambda r: deviation(r.computed, r)),
-        (Column("leave-one-out deviation", "%", "+.2f"), lambda r: deviation(r.left_out, r)),
+        (Column("deviation", "%", "+.2f"), lambda r: None if r.bound else deviation_percent(r.computed, r.measured)),
+        (
+            Column("leave-one-out deviation", "%", "+.2f"),
+            lambda r: None if r.bound else deviation_percent(r.left_out, r.measured),
+        ),
         *([(Column("bound met"), lambda r: "" if not r.bound else "yes" if r.met else "no")] if bounds else []),
     )
+
+
+def deviation_percent(value: float | None, measured: float) -> float | None:
+    """Return the deviation of a value from the measured one, per cent."""
+    return None if value is None else 100.0 * (value / measured - 1.0)
 
 
 def calibration_tables(result: "CalibrationResult") -> list[Table | str]:
@@ -114,7 +118,7 @@ def sensitivity_tables(result: "SensitivityResult") -> list[Table | str]:
 
 
 def v50_table(result: "FiringResult") -> Table:
-    """Return what firing results say of V50 without a fitted curve."""
+    """Return the extreme velocities of the shots, and V50 by the rule of MIL-STD-662F."""
     mean = result.mean
     rule: list[Source] = [(Column("V50, MIL-STD-662F"), "none: too few shots of each kind within the span allowed")]
     if mean is not None:
@@ -148,7 +152,7 @@ def curve_table(result: "FiringResult") -> Table:
 
 
 def v50_tables(result: "FiringResult") -> list[Table | str]:
-    """Return all tables of firing results, with what to know of them."""
+    """Return all tables of firing results, with notes on them."""
     found: list[Table | str] = [v50_table(result), curve_table(result)]
     if result.separated:
         found.append("every complete penetration was faster than every partial one: any V50 between them is as likely")
@@ -170,7 +174,7 @@ def uncertainty_table(result: "UncertaintyResult") -> Table:
 
 
 def estimate_table(result: "UncertaintyResult") -> Table:
-    """Return probability and quantiles with their intervals, and whether the samples settle the last digit."""
+    """Return the estimated probability and quantiles, and whether the samples settle their last digits."""
     columns = (
         Column("quantity"),
         Column("unit"),
@@ -191,7 +195,7 @@ def estimate_table(result: "UncertaintyResult") -> Table:
 
 
 def index_table(result: "UncertaintyResult") -> Table:
-    """Return how much each input matters for the ballistic limit."""
+    """Return the Sobol' indices of each input, and the ballistic limits at its quantiles."""
 
     def between(index: Any) -> str | None:
         return None if index is None else interval((index.low, index.high), ".3f")
