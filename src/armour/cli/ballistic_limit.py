@@ -9,7 +9,7 @@ def ballistic_limit(
 ) -> None:
     """Find the ballistic limit."""
     from armour.analysis import ballistic_limit as analysis
-    from armour.reporting.tables.limit import limit_tables
+    from armour.reporting.tables.impact import limit_tables
 
     def answer() -> Answer:
         loaded = read_scenario(scenario, changes)

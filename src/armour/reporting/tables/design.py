@@ -22,11 +22,6 @@ def best_table(result: "DesignResult") -> Table:
     return _design_record(result.best, f"{SUPERLATIVES[result.minimised]} design")
 
 
-def refined_table(result: "DesignResult", refined: "BestDesign") -> Table:
-    """Return the best design of continuous thicknesses, quantity by quantity."""
-    return _design_record(refined, f"{SUPERLATIVES[result.minimised]} design between the values of the grid")
-
-
 def _design_record(design: "BestDesign", title: str) -> Table:
     limit: Source = BALLISTIC_LIMIT
     if design.ballistic_limit_m_s is None:
@@ -125,7 +120,8 @@ def design_tables(result: "DesignResult") -> list[Table | str]:
     """
     tables: list[Table | str] = [best_table(result)]
     if result.refined is not None:
-        tables.append(refined_table(result, result.refined))
+        title = f"{SUPERLATIVES[result.minimised]} design between the values of the grid"
+        tables.append(_design_record(result.refined, title))
     if len(result.threats) > 1 or result.best.probabilities:
         tables.append(margin_table(result))
     tables.append(frontier_table(result) if len(result.pairs) == 1 else pair_table(result))

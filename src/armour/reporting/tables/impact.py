@@ -1,4 +1,4 @@
-"""Tables of one impact: result, stages, history and energy."""
+"""Tables of an impact (result, stages, history and energy) and of a ballistic limit."""
 
 from dataclasses import fields
 from typing import TYPE_CHECKING
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from armour.reporting.table import Column, Table, column_of, listing, record
 
 if TYPE_CHECKING:
+    from armour.analysis.ballistic_limit import LimitResult
     from armour.analysis.energy import EnergyBalance
     from armour.analysis.history import History
     from armour.analysis.impact import ImpactResult
@@ -84,3 +85,30 @@ def energy_table(energy: "EnergyBalance") -> Table:
             lambda row: 100.0 * row[3] / energy.before if energy.before else 0.0,
         ),
     )
+
+
+def limit_table(result: "LimitResult") -> Table:
+    """Return a ballistic limit, quantity by quantity."""
+    return record(
+        result,
+        BALLISTIC_LIMIT,
+        (Column("defeated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[0]),
+        (Column("perforated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[1]),
+        column_of("runs", "d"),
+        AREAL_DENSITY,
+    )
+
+
+def crossing_table(result: "LimitResult") -> Table:
+    """Return every change of the outcome with the velocity."""
+    return listing(
+        result.crossings,
+        (Column("below", "m/s", ".4f"), lambda crossing: crossing.bracket_m_s[0]),
+        (Column("above", "m/s", ".4f"), lambda crossing: crossing.bracket_m_s[1]),
+        column_of("above", label="outcome above"),
+    )
+
+
+def limit_tables(result: "LimitResult") -> list[Table | str]:
+    """Return all tables of a ballistic limit: the changes of the outcome only where there are several."""
+    return [limit_table(result)] if result.monotonic else [limit_table(result), crossing_table(result)]
