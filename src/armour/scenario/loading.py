@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import tomli_w
-from pydantic import PrivateAttr, ValidationError, field_validator
+from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem
@@ -30,11 +30,11 @@ from armour.scenario.schema import (
     DesignSection,
     Impact,
     LibrarySection,
+    Line,
     Model,
     Optimise,
     Solver,
     Threat,
-    printable,
 )
 from armour.units import GPA, MM, MPA
 
@@ -53,7 +53,7 @@ class Scenario(Section):
     `load_scenario` and `parse_scenario` make scenarios.
     """
 
-    title: str = ""
+    title: Line = ""
     impact: Impact
     armour: ArmourSection
     model: Model = Model()
@@ -64,11 +64,6 @@ class Scenario(Section):
     design: DesignSection | None = None
     uncertainty: Uncertainty | None = None
     library: LibrarySection = LibrarySection()
-
-    @field_validator("title")
-    @classmethod
-    def _title(cls, title: str) -> str:
-        return printable(title)
 
     _entries: Library = PrivateAttr(default_factory=Library)
     _source: _Source = PrivateAttr(default=_Source({}, "", Path()))
