@@ -192,9 +192,9 @@ class Library:
         return found
 
     def extended(self, tables: LibraryTables, file: str, prefix: str = "") -> "Library":
-        """Return the library with more entries, which may be based on those it has and replace those of their names.
+        """Return the library with added entries, which may be based on existing ones or replace those of the same name.
 
-        `file` is their file, also the source of values without one, and `prefix` the key of their tables in it.
+        `file` holds the entries and is the source of values without one; `prefix` is the key of the tables in it.
         """
         entries: dict[Kind, dict[str, LibraryEntry]] = {kind: dict(self.entries[kind]) for kind in KINDS}
         problems: dict[str, Problem] = {}
@@ -213,7 +213,7 @@ class Library:
 
 
 class _EntryError(Exception):
-    """An entry that cannot be completed, with keys and messages."""
+    """Mistakes that prevent an entry from being completed: keys and messages."""
 
     def __init__(self, name: str, *mistakes: tuple[str, str]) -> None:
         self.name = name
@@ -313,7 +313,7 @@ def read_library(path: Path, onto: Library) -> Library:
 
 
 def library_toml(tables: Mapping[str, Any]) -> str:
-    """Return the text of a library file of entries as plain data, by kind and name, which are validated."""
+    """Validate entries, plain data by kind and name, and return them as the text of a library file."""
     validated_tables(tables, "library")
     return tomli_w.dumps(tables)
 

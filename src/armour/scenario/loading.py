@@ -204,9 +204,7 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[P
     A name is known even if its entry has a mistake, so that one mistake gives one message.
     """
     library, problems = shipped_library(), []
-    names: dict[Kind, list[str]] = {}
-    tables = source.data.get("library")
-    tables = tables if isinstance(tables, dict) else {}
+    tables = _table(source.data, "library")
     files = tables.get("files")
     for index, file in enumerate(files if isinstance(files, list) else []):
         if not isinstance(file, str):
@@ -218,14 +216,17 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[P
             for problem in error.problems:
                 whole = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
                 problems.append(problem if problem.key else whole)
-    for kind in KINDS:
-        inline = tables.get(kind)
-        names[kind] = [*library.names(kind), *(inline if isinstance(inline, dict) else ())]
+    names: dict[Kind, list[str]] = {kind: [*library.names(kind), *_table(tables, kind)] for kind in KINDS}
     try:
-        section = LibrarySection.model_validate(tables)
-        library = library.extended(section, source.file, "library")
+        library = library.extended(LibrarySection.model_validate(tables), source.file, "library")
     except ValidationError:
         pass  # the validation of the whole scenario reports it
     except InputError as error:
         problems.extend(error.problems)
     return library, names, problems
+
+
+def _table(data: Mapping[str, Any], key: str) -> dict[str, Any]:
+    """Return a table of data that is not validated yet; {} if there is none."""
+    found = data.get(key)
+    return found if isinstance(found, dict) else {}
