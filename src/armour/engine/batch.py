@@ -47,11 +47,6 @@ class Brackets(NamedTuple):
         """Whether the outcome changes within the range, shape (n,)."""
         return np.isfinite(self.defeated) & np.isfinite(self.perforated)
 
-    def within(self, low: float, high: float) -> Floats:
-        """Return the perforated ends, or the end of the range (low, high) where the outcome does not change in it."""
-        highest = np.where(np.isfinite(self.perforated), self.perforated, high)
-        return np.where(np.isfinite(self.defeated), highest, low)
-
 
 class SolverOptions(NamedTuple):
     """Options of the solver."""
