@@ -114,22 +114,7 @@ def ballistic_limit(scenario: Scenario) -> LimitResult:
 def find_crossings(
     perforates: Callable[[float], bool], low: float, high: float, tolerance: float
 ) -> tuple[Crossing, ...]:
-    """Find the velocities at which the outcome changes, by a coarse scan and a bisection of each change.
-
-    Parameters
-    ----------
-    perforates : callable
-        Returns whether a velocity, m/s, perforates.
-    low, high : float
-        Range of velocities, m/s.
-    tolerance : float
-        Greatest width of the brackets, m/s.
-
-    Returns
-    -------
-    tuple of Crossing
-        In ascending order of velocity.
-    """
+    """Find the velocities, m/s, at which the outcome changes, by a coarse scan and a bisection of each change."""
     velocities = scan(low, high, SCAN_POINTS)
     outcomes = [(velocity, perforates(velocity)) for velocity in velocities]
     return tuple(
@@ -143,20 +128,7 @@ def find_crossings(
 
 
 def residual_velocity_curve(scenario: Scenario, velocities: Sequence[float]) -> tuple[ImpactResult, ...]:
-    """Compute the impacts of a scenario at several velocities.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Its impact velocity is not used.
-    velocities : sequence of float
-        Impact velocities, m/s.
-
-    Raises
-    ------
-    InputError
-        If a run does not end within the maximum number of steps.
-    """
+    """Compute the impacts of a scenario at several impact velocities, m/s."""
     return tuple(impact_at(scenario, velocity) for velocity in velocities)
 
 
@@ -165,12 +137,6 @@ def curve_velocities(limit: LimitResult, scenario: Scenario) -> list[float]:
 
     They are dense just above the limit, where the residual velocity rises as a square root, and extend beyond the
     last crossing.
-
-    Parameters
-    ----------
-    limit : LimitResult
-        Ballistic limit of the scenario's armour.
-    scenario : Scenario
     """
     search = scenario.ballistic_limit
     found = limit.ballistic_limit_m_s
@@ -188,22 +154,7 @@ def scan(low: float, high: float, count: int) -> list[float]:
 
 
 def bisect(holds: Callable[[float], bool], low: float, high: float, tolerance: float) -> tuple[float, float]:
-    """Narrow a bracket to a tolerance by bisection.
-
-    Parameters
-    ----------
-    holds : callable
-        Condition that holds at `high` and not at `low`.
-    low, high : float
-        Ends of the bracket.
-    tolerance : float
-        Greatest width of the narrowed bracket; the floating-point spacing limits it from below.
-
-    Returns
-    -------
-    tuple of float
-        Ends of the narrowed bracket; the condition holds at the upper end and not at the lower.
-    """
+    """Narrow a bracket, at whose upper end alone a condition holds, to a tolerance by bisection."""
     while high - low > tolerance:
         middle = 0.5 * (low + high)
         if not low < middle < high:

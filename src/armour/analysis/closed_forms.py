@@ -37,27 +37,14 @@ class Plates(NamedTuple):
 
 
 def conoid_radius(r: float, h1: float) -> float:
-    """Return the radius a of the loaded area of the back plate, m: ``r + 2 h1``.
-
-    Parameters
-    ----------
-    r : float
-        Radius of the projectile, m.
-    h1 : float
-        Thickness of the ceramic, m.
-    """
+    """Return the radius a of the loaded area of the back plate, m: ``r + 2 h1``."""
     return r + 2.0 * h1
 
 
 def florence_limit(m: float, r: float, plates: Plates) -> float:
-    """Compute Florence's ballistic limit in the form of Hetherington and Rajagopalan, m/s.
+    """Compute Florence's ballistic limit, m/s, in the form of Hetherington and Rajagopalan.
 
-    Parameters
-    ----------
-    m, r : float
-        Mass, kg, and radius, m, of the projectile.
-    plates : Plates
-        The armour.
+    The projectile has the mass m, kg, and the radius r, m.
     """
     area = pi * conoid_radius(r, plates.h1) ** 2
     areal_density = plates.rho1 * plates.h1 + plates.rho2 * plates.h2
@@ -70,20 +57,6 @@ def florence_split(m: float, r: float, rho1: float, rho2: float, areal_density: 
 
     They satisfy ``rho1/(rho2 h2) = (4/a) (1 + pi a^2 A/(m + pi a^2 A))``.  The left side falls with h2 and the right
     side rises, so that there is at most one solution; a very thin armour has none, and a bare plate is best.
-
-    Parameters
-    ----------
-    m, r : float
-        Mass, kg, and radius, m, of the projectile.
-    rho1, rho2 : float
-        Densities of ceramic and back plate, kg/m³.
-    areal_density : float
-        Areal density A of the armour, kg/m².
-
-    Returns
-    -------
-    h1, h2 : float
-        Thicknesses of ceramic and back plate, m.
     """
 
     def ceramic(h2: float) -> float:
@@ -122,15 +95,7 @@ class ResidualVelocityFit:
 
 
 def residual_velocity(V: float, limit: float, ratio: float, exponent: float) -> float:
-    """Compute the residual velocity after Lambert and Jonas, m/s; exponent 2 gives Recht and Ipson's formula.
-
-    Parameters
-    ----------
-    V, limit : float
-        Impact velocity and ballistic limit, m/s.
-    ratio, exponent : float
-        Parameters of the formula.
-    """
+    """Compute the residual velocity after Lambert and Jonas, m/s; exponent 2 gives Recht and Ipson's formula."""
     if limit >= V:
         return 0.0
     # Dividing by V keeps the powers from overflowing.
@@ -138,19 +103,7 @@ def residual_velocity(V: float, limit: float, ratio: float, exponent: float) -> 
 
 
 def fit_lambert_jonas(impact: Sequence[float], residual: Sequence[float], limit: float) -> ResidualVelocityFit:
-    """Fit ratio and exponent of Lambert and Jonas by least squares.
-
-    Parameters
-    ----------
-    impact, residual : sequence of float
-        Impact velocities above the limit and their residual velocities, m/s.
-    limit : float
-        Ballistic limit, m/s.
-
-    Returns
-    -------
-    ResidualVelocityFit
-    """
+    """Fit ratio and exponent of Lambert and Jonas by least squares."""
     # Imported here because Florence's formula, which `armour validate` computes, does not need scipy.
     from scipy.optimize import minimize_scalar
 
@@ -162,19 +115,7 @@ def fit_lambert_jonas(impact: Sequence[float], residual: Sequence[float], limit:
 
 
 def fit_recht_ipson(impact: Sequence[float], residual: Sequence[float], limit: float) -> ResidualVelocityFit:
-    """Fit the ratio of Recht and Ipson by least squares; the exponent is 2.
-
-    Parameters
-    ----------
-    impact, residual : sequence of float
-        Impact velocities above the limit and their residual velocities, m/s.
-    limit : float
-        Ballistic limit, m/s.
-
-    Returns
-    -------
-    ResidualVelocityFit
-    """
+    """Fit the ratio of Recht and Ipson by least squares; the exponent is 2."""
     return _fit_ratio("Recht-Ipson", impact, residual, limit, 2.0)
 
 

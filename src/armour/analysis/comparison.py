@@ -160,29 +160,13 @@ def bodies_of(scenario: Scenario) -> list[Body]:
 
 
 def florence_ballistic_limit(scenario: Scenario, body: Body = "penetrator") -> float:
-    """Compute Florence's limit of a scenario's armour, m/s.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Has all that `missing_for_florence` checks.
-    body : {"penetrator", "whole projectile"}
-        Body taken as the projectile.
-    """
+    """Compute Florence's limit of a scenario's armour, m/s."""
     mass_g, diameter_mm = _body(scenario, body)
     return florence_limit(mass_g * G, diameter_mm * MM / 2.0, _plates(scenario))
 
 
 def florence_result(scenario: Scenario, body: Body) -> FlorenceResult:
-    """Compute Florence's limit and the best armour of the same areal density according to it.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Has all that `missing_for_florence` checks.
-    body : {"penetrator", "whole projectile"}
-        Body taken as the projectile.
-    """
+    """Compute Florence's limit and the best armour of the same areal density according to it."""
     mass_g, diameter_mm = _body(scenario, body)
     m, r, plates = mass_g * G, diameter_mm * MM / 2.0, _plates(scenario)
     h1, h2 = florence_split(m, r, plates.rho1, plates.rho2, scenario.areal_density_kg_m2())

@@ -60,17 +60,6 @@ def energy_balance(scenario: Scenario, impact: ImpactResult) -> EnergyBalance:
 
     Eroded material carries off the energy of its velocity, summed over the history as if velocity fell linearly with
     length between two instants; the rest of a stage's loss brakes the rod.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    impact : ImpactResult
-        Of the scenario.
-
-    Raises
-    ------
-    ValueError
-        If the result has no history.
     """
     history = impact.history
     if history is None:

@@ -22,15 +22,7 @@ class Estimate:
     high: float
 
     def samples_for(self, last_digit: float, samples: int) -> int:
-        """Estimate the number of samples that would settle a digit.
-
-        Parameters
-        ----------
-        last_digit : float
-            Value of one unit of the digit.
-        samples : int
-            Number of samples behind this estimate.
-        """
+        """Estimate the number of samples that would settle a digit of this value, from the n samples that gave it."""
         half = 0.5 * (self.high - self.low)
         return max(samples, ceil(samples * (half / (0.5 * last_digit)) ** 2)) if half > 0.5 * last_digit else samples
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from armour.analysis.quantities import QUANTITIES, Answers
+from armour.analysis.answers import COLUMNS, Answers
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.scenario.assignments import changes_of_values
 from armour.scenario.loading import Scenario
@@ -27,41 +27,20 @@ class Group(NamedTuple):
 def evaluate(
     scenario: Scenario, columns: Mapping[str, Floats], quantities: Sequence[str], threads: int | None = None
 ) -> dict[str, Any]:
-    """Evaluate quantities for rows of values.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    columns : mapping of str to array, (n,)
-        Values by key of the scenario or name of input, such as "ceramic.flow_stress_GPa"; empty for the scenario as it
-        stands.
-    quantities : sequence of str
-        Names of `armour.analysis.quantities.QUANTITIES`.
-    threads : int, optional
-        By default one per core; the results do not depend on it.
+    """Evaluate quantities for n rows of values, by key of the scenario or name of input; without any, for its own.
 
     Returns
     -------
     dict of str to array, (n,)
-        NaN where a question has no answer.
-
-    Raises
-    ------
-    InputError
-        If a value is not allowed, or a run does not end.
+        By name of the quantity; NaN where a question has no answer.
     """
     return evaluate_groups(groups_of(scenario, columns), quantities, threads)
 
 
 def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:
-    """Rows of values as variants of the scenario.
+    """Return rows of values as variants of the scenario, grouped by their settings.
 
-    Inputs go straight into the engine's arrays; every combination of values of other keys makes a scenario.
-
-    Raises
-    ------
-    InputError
-        If a value is not allowed.
+    Inputs go straight into the engine's arrays; each combination of values of other keys makes a scenario.
     """
     count = len(next(iter(columns.values()))) if columns else 1
     others = [key for key in columns if key not in INPUTS]
@@ -84,4 +63,4 @@ def evaluate_groups(groups: Sequence[Group], quantities: Sequence[str], threads:
     """Evaluate quantities for groups of rows, see `evaluate`."""
     answers = [Answers(group.variants, threads) for group in groups]
     order = np.argsort(np.concatenate([group.where for group in groups]), kind="stable")
-    return {name: np.concatenate([QUANTITIES[name].column(answer) for answer in answers])[order] for name in quantities}
+    return {name: np.concatenate([COLUMNS[name](answer) for answer in answers])[order] for name in quantities}

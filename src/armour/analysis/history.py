@@ -55,19 +55,7 @@ class History:
 
 
 def history_of(trace: Sequence[Instant], armour: Parameters) -> History:
-    """Return the history of a traced run.
-
-    Parameters
-    ----------
-    trace : sequence of Instant
-        All instants of the run, SI units.
-    armour : Parameters
-        Projectile and armour of the run.
-
-    Returns
-    -------
-    History
-    """
+    """Return the history of a traced run, in the units of the result."""
 
     def column(values: Sequence[float], unit: float = 1.0) -> NDArray[np.float64]:
         return np.array(values) / unit

@@ -124,26 +124,7 @@ def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
 
 
 def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> ImpactResult:
-    """Compute the impact of a scenario at another velocity.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Its impact velocity is not used.
-    velocity : float
-        Impact velocity, m/s.
-    history : bool, default False
-        Whether to record the quantities over time.
-
-    Returns
-    -------
-    ImpactResult
-
-    Raises
-    ------
-    InputError
-        If the run does not end within the maximum number of steps.
-    """
+    """Compute the impact of a scenario at another impact velocity, m/s."""
     armour = scenario.core_armour()
     trace: list[Instant] = []
     end = run_impact(scenario, armour, velocity, trace)
@@ -173,49 +154,12 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
 
 
 def perforates(scenario: Scenario, armour: Parameters, velocity: float) -> bool:
-    """Return whether the projectile perforates the armour.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Gives the solver's settings.
-    armour : Parameters
-        Projectile and armour.
-    velocity : float
-        Impact velocity, m/s.
-
-    Raises
-    ------
-    InputError
-        If the run does not end within the maximum number of steps.
-    """
+    """Return whether the projectile perforates the armour at an impact velocity, m/s."""
     return run_impact(scenario, armour, velocity).outcome == Outcome.PERFORATED
 
 
 def run_impact(scenario: Scenario, armour: Parameters, velocity: float, trace: list[Instant] | None = None) -> Run:
-    """Run the core with the solver's settings of a scenario.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Gives the solver's settings.
-    armour : Parameters
-        Projectile and armour.
-    velocity : float
-        Impact velocity, m/s.
-    trace : list of Instant, optional
-        List to which all instants of the run are appended.
-
-    Returns
-    -------
-    Run
-        Perforated or defeated.
-
-    Raises
-    ------
-    InputError
-        If the run does not end within the maximum number of steps.
-    """
+    """Run the core with the settings of a scenario; the instants of the run are appended to the trace."""
     dt = time_step(scenario, armour, velocity)
     end = run(armour, velocity, dt, scenario.solver.arrest_velocity_m_s, MAX_STEPS, trace)
     if end.outcome == Outcome.UNRESOLVED:
@@ -224,19 +168,7 @@ def run_impact(scenario: Scenario, armour: Parameters, velocity: float, trace: l
 
 
 def unresolved_error(solver: Solver, file: str, velocity: float) -> InputError:
-    """Return the error for a run that does not end within the maximum number of steps.
-
-    It names the time step if one is given, and the arrest velocity otherwise.
-
-    Parameters
-    ----------
-    solver : Solver
-        The solver's settings.
-    file : str
-        File that holds them.
-    velocity : float
-        Impact velocity of the run, m/s.
-    """
+    """Return the error of a run that does not end: it names the time step if one is given, else the arrest velocity."""
     if solver.time_step_us is not None:
         key, found, advice = "solver.time_step_us", solver.time_step_us, "raise it or leave it out"
     else:
@@ -246,17 +178,7 @@ def unresolved_error(solver: Solver, file: str, velocity: float) -> InputError:
 
 
 def time_step(scenario: Scenario, armour: Parameters, velocity: float) -> float:
-    """Return the time step of an impact, s: the scenario's, within limits, or the default.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Gives the solver's settings.
-    armour : Parameters
-        Projectile and armour.
-    velocity : float
-        Impact velocity, m/s.
-    """
+    """Return the time step of an impact, s: the scenario's, within limits, or the default."""
     return stepping.time_step(armour, velocity, scenario.solver.time_step)
 
 

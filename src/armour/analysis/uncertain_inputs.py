@@ -10,13 +10,7 @@ from armour.scenario.parameters import check_names, check_ranges, inputs_of
 
 
 def section_of(scenario: Scenario) -> Uncertainty:
-    """Return the distributions of a scenario.
-
-    Raises
-    ------
-    InputError
-        If there are none, or one is of an input that the scenario does not have.
-    """
+    """Return the distributions of a scenario."""
     section = scenario.uncertainty
     if section is None or not section.inputs():
         message = "is missing and must be given: the distributions of inputs, as in docs/howto/uncertainty.md"
@@ -34,19 +28,7 @@ def section_of(scenario: Scenario) -> Uncertainty:
 
 
 def check_samples(scenario: Scenario, columns: Mapping[str, Floats]) -> None:
-    """Check that the scenario allows every sampled value.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    columns : mapping of str to array, (samples,)
-        Sampled values by name of input.
-
-    Raises
-    ------
-    InputError
-        With every distribution that reaches values that are not allowed.
-    """
+    """Check that the scenario allows every sampled value."""
     problems = []
     for name, values in columns.items():
         try:

@@ -4,16 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from armour.analysis.variants import (
-    Bools,
-    Floats,
-    Ints,
-    Variants,
-    areal_densities_kg_m2,
-    least_ceramics_mm,
-    least_values_mm,
-    with_thicknesses,
-)
+from armour.analysis.searches import least_ceramics_mm, least_values_mm
+from armour.analysis.variants import Bools, Floats, Ints, Variants, with_thicknesses
 from armour.design.requirement import Requirement
 from armour.scenario.schema import Layer, Range
 
@@ -107,7 +99,7 @@ def least_areal_densities(variants: Variants) -> Floats:
         many = variants.at(np.repeat(np.arange(count), backings.shape[1]))
         many = with_thicknesses(many, backing_mm=backings.ravel())
         many = with_thicknesses(many, ceramic_mm=least_ceramics_mm(many))
-        return np.nan_to_num(areal_densities_kg_m2(many), nan=np.inf).reshape(backings.shape)
+        return np.nan_to_num(many.areal_densities_kg_m2, nan=np.inf).reshape(backings.shape)
 
     section = grid.backing_thickness_mm
     least = _minimise(values_of, np.tile(section.values(), (count, 1)), section.min, section.max, section.step)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from armour.analysis import variants as rows
+from armour.analysis.searches import lowest_limits
 from armour.analysis.variants import Bools, Floats, Ints
 from armour.design.catalogue import Catalogue
 from armour.scenario.schema import FASTEST_M_S
@@ -81,6 +82,6 @@ class Requirement:
         return passed
 
     def _searched(self, variants: rows.Variants, low: float, high: float) -> Floats:
-        limits, runs = rows.lowest_limits(variants, low, high)
+        limits, runs = lowest_limits(variants, low, high)
         self.runs += runs
         return limits

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from armour.analysis.variants import Bools, Floats, Ints, ballistic_limits
+from armour.analysis.searches import ballistic_limits
+from armour.analysis.variants import Bools, Floats, Ints
 from armour.design.catalogue import Candidates
 from armour.design.free import free_designs, is_free
 from armour.design.pareto import verified_front

@@ -8,9 +8,10 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import norm, t
 
+from armour.analysis.answers import Answers
 from armour.analysis.estimates import CONFIDENCE
-from armour.analysis.quantities import QUANTITIES, Answers
-from armour.analysis.variants import Bools, Floats, Variants, ballistic_limits, perforated, variants_of
+from armour.analysis.searches import smooth_limits
+from armour.analysis.variants import Bools, Floats, Variants, perforated, variants_of
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, NAMES, VELOCITY, check_names, name_of
@@ -22,7 +23,7 @@ MIN_RATIO, MAX_RATIO = 0.1, 10.0
 # Starting points of the fit, in the same units.
 STARTS = (1.0, 0.5, 2.0)
 # Tolerance of ballistic limits, m/s, and relative change of coefficients for the derivatives.
-LIMIT_TOLERANCE_M_S = 1e-10
+LIMIT_TOLERANCE_M_S = 1e-6
 DIFFERENCE = 1e-4
 # Coefficients this close to each other are equal.
 EQUAL = 1e-3
@@ -145,7 +146,7 @@ def _model_values(variants: Variants, needed: Mapping[str, Bools]) -> dict[str, 
     if len(shots):
         answers = Answers(variants.at(shots))
         found[RESIDUAL][shots] = answers.impacts.V
-        found[MASS][shots] = QUANTITIES[MASS].column(answers)
+        found[MASS][shots] = answers.residual_masses
         needs_limit[shots] |= ~answers.perforated & needed[RESIDUAL][shots]
     where = np.flatnonzero(needs_limit)
     if len(where):
@@ -158,7 +159,7 @@ def _model_values(variants: Variants, needed: Mapping[str, Bools]) -> dict[str, 
 def _limits_in_range(variants: Variants) -> Floats:
     """Ballistic limits, m/s; the end of the search's range where the limit lies beyond it."""
     search = variants.settings.ballistic_limit
-    limits = ballistic_limits(variants, LIMIT_TOLERANCE_M_S)
+    limits = smooth_limits(variants, LIMIT_TOLERANCE_M_S)
     outside = np.flatnonzero(np.isnan(limits))
     if len(outside):
         slowest = np.full(len(outside), search.velocity_min_m_s)

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from armour.analysis.quantities import Answers
-from armour.analysis.variants import Floats, Variants, ballistic_limits, concatenated, grid_of, variants_of
+from armour.analysis.answers import Answers
+from armour.analysis.searches import smooth_limits
+from armour.analysis.variants import Floats, Variants, concatenated, grid_of, variants_of
 from armour.design.free import least_areal_densities
 from armour.errors import NoAnswerError
 from armour.scenario.loading import Scenario
@@ -17,7 +18,7 @@ from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of
 # Relative change of an input in either direction.
 CHANGE = 0.005
 # Tolerance of the ballistic limits that are subtracted, m/s.
-LIMIT_TOLERANCE_M_S = 1e-10
+LIMIT_TOLERANCE_M_S = 1e-7
 
 LIMIT, RESIDUAL, OPTIMUM = "ballistic_limit_m_s", "residual_velocity_m_s", "least_areal_density_kg_m2"
 # Inputs that an answer does not depend on, because it is the result of a search over them.
@@ -108,7 +109,7 @@ def _answers(scenario: Scenario, variants: Variants) -> dict[str, Floats]:
     """Answers of each variant; NaN where there is none."""
     impacts = Answers(variants)
     answers = {
-        LIMIT: ballistic_limits(variants, LIMIT_TOLERANCE_M_S),
+        LIMIT: smooth_limits(variants, LIMIT_TOLERANCE_M_S),
         RESIDUAL: np.where(impacts.perforated, impacts.residual_velocities, np.nan),
     }
     if scenario.optimise is not None:

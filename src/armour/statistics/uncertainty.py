@@ -9,8 +9,9 @@ import numpy as np
 from scipy.stats import beta, qmc, quantile_test, sobol_indices
 
 from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
+from armour.analysis.searches import ballistic_limits
 from armour.analysis.uncertain_inputs import check_samples, section_of
-from armour.analysis.variants import Floats, Ints, Variants, ballistic_limits, perforated, variants_of
+from armour.analysis.variants import Floats, Ints, Variants, perforated, variants_of
 from armour.errors import NoLimitError
 from armour.scenario.applicability import warnings_of
 from armour.scenario.distributions import Uncertainty

@@ -4,11 +4,11 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import NamedTuple
 
+from armour.analysis.answers import COLUMNS, Answers
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import groups_of
 from armour.analysis.quantities import QUANTITIES
-from armour.analysis.quantities import Answers as RowAnswers
-from armour.analysis.variants import Variants, areal_densities_kg_m2, grid_of
+from armour.analysis.variants import Variants, grid_of
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import InputError, NoDesignError, Problem
 from armour.scenario.loading import Scenario
@@ -28,9 +28,9 @@ class Asked:
         self.scenario, self.replacement = scenario, replacement
 
     @cached_property
-    def answers(self) -> RowAnswers:
+    def answers(self) -> Answers:
         """The engine's answers about the scenario: one row."""
-        return RowAnswers(groups_of(self.scenario, {})[0].variants)
+        return Answers(groups_of(self.scenario, {})[0].variants)
 
     @cached_property
     def lightest(self) -> DesignResult:
@@ -59,7 +59,7 @@ class Question(NamedTuple):
 
 def _of_quantity(name: str) -> Callable[[Asked], float | str]:
     def answer(asked: Asked) -> float | str:
-        value: float | str = QUANTITIES[name].column(asked.answers)[0].item()
+        value: float | str = COLUMNS[name](asked.answers)[0].item()
         return value
 
     return answer
@@ -75,7 +75,7 @@ def _thickness_saved(asked: Asked) -> float:
 
 
 def _weight_saved(asked: Asked) -> float:
-    before, after = (float(areal_densities_kg_m2(found)[0]) for found in asked.required)
+    before, after = (float(found.areal_densities_kg_m2[0]) for found in asked.required)
     return _saved_percent(before, after)
 
 

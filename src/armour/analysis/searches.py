@@ -1,0 +1,214 @@
+"""Ballistic limits and least thicknesses of many variants of a scenario at once."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from armour.analysis.ballistic_limit import SCAN_POINTS, scan
+from armour.analysis.variants import Bools, Floats, Ints, Variants, check_resolved, perforated, with_thicknesses
+from armour.engine import batch
+from armour.units import MM
+
+# Width, mm, to which a least thickness is bisected.
+THICKNESS_TOLERANCE_MM = 1e-6
+
+# Whether a condition holds at values of some rows: (values, rows) -> holds.
+Condition = Callable[[Floats, Ints], Bools]
+
+
+def ballistic_limits(variants: Variants, threads: int | None = None) -> Floats:
+    """Return the ballistic limit of each row, m/s; NaN outside the range of the search.
+
+    Where the outcome changes once in that range, this is, to the last bit, the number that
+    `armour.analysis.ballistic_limit.ballistic_limit` finds.
+    """
+    section = variants.settings.ballistic_limit
+    found = _brackets(variants, section.tolerance_m_s, threads)
+    limits = np.full(len(variants.velocities), np.nan)
+    where = np.flatnonzero(found.bounded)
+    if len(where):
+        holds = perforates(variants.at(where), threads)
+        velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, SCAN_POINTS))
+        interval = _scan_interval(holds, velocities, found.defeated[where], found.perforated[where])
+        limits[where] = bisect_rows(holds, section.tolerance_m_s, *interval)
+    return limits
+
+
+def smooth_limits(variants: Variants, tolerance: float) -> Floats:
+    """Return ballistic limits, m/s, for finite differences: within a tolerance, m/s, but of no particular bracket."""
+    found = _brackets(variants, tolerance)
+    return np.where(found.bounded, found.perforated, np.nan)
+
+
+def _brackets(variants: Variants, tolerance: float, threads: int | None = None) -> batch.Brackets:
+    section = variants.settings.ballistic_limit
+    low, high = section.velocity_min_m_s, section.velocity_max_m_s
+    found = batch.ballistic_limits(variants.parameters, low, high, tolerance, variants.settings.options(threads))
+    check_resolved(found.resolved, variants)
+    return found
+
+
+def perforates(variants: Variants, threads: int | None = None) -> Condition:
+    """Return the condition that rows are perforated at velocities, m/s."""
+    return lambda velocities, rows: perforated(variants.at(rows)._replace(velocities=velocities), threads)
+
+
+def _scan_interval(
+    holds: Condition, values: Floats, below: Floats, above: Floats
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return the interval of the scanned values in which the condition starts to hold, and the bracket within it."""
+    index = np.searchsorted(values, above).clip(1)
+    below, above = below.copy(), above.copy()
+    while len(rows := np.flatnonzero((below < values[index - 1]) & (index > 1))):
+        start = values[index[rows] - 1]
+        beyond = holds(start, rows)
+        above[rows[beyond]] = start[beyond]
+        index[rows[beyond]] -= 1
+        below[rows[~beyond]] = start[~beyond]
+    return values[index - 1], values[index], below, above
+
+
+class Limits(NamedTuple):
+    """Ballistic limits and the number of impacts computed to find them."""
+
+    values: Floats  # m/s, (n,)
+    runs: int
+
+
+def lowest_limits(variants: Variants, low: float, high: float) -> Limits:
+    """Return the lowest ballistic limit of each row between two velocities, m/s, by scan and bisection.
+
+    The outcome need not be monotonic: these are, to the last bit, the numbers that
+    `armour.analysis.ballistic_limit.ballistic_limit` finds in this range.  The limit is -inf where the lowest velocity
+    perforates, inf where none does.
+    """
+    velocities = np.array(scan(low, high, SCAN_POINTS))
+    count = len(variants.velocities)
+    scanned = variants.at(np.repeat(np.arange(count), len(velocities)))
+    scanned = scanned._replace(velocities=np.tile(velocities, count))
+    outcomes = perforated(scanned).reshape(count, len(velocities))
+    runs = outcomes.size
+
+    limits = np.where(outcomes[:, 0], -np.inf, np.inf)
+    where = np.flatnonzero(outcomes.any(axis=1) & ~outcomes[:, 0])
+    holds = perforates(variants.at(where))
+
+    def counted(values: Floats, rows: Ints) -> Bools:
+        nonlocal runs
+        runs += len(values)
+        return holds(values, rows)
+
+    first = outcomes[where].argmax(axis=1)
+    tolerance = variants.settings.ballistic_limit.tolerance_m_s
+    limits[where] = bisect_rows(counted, tolerance, velocities[first - 1], velocities[first])
+    return Limits(limits, runs)
+
+
+def bisect_rows(
+    holds: Condition,
+    tolerance: float,
+    low: Floats,
+    high: Floats,
+    below: Floats | None = None,
+    above: Floats | None = None,
+) -> Floats:
+    """Bisect brackets (low, high), at whose upper ends alone a condition holds, and return the upper ends.
+
+    Narrower brackets (below, above) that are known to contain the change save evaluations, but do not alter the result.
+    """
+    low, high = low.copy(), high.copy()
+    below, above = low if below is None else below, high if above is None else above
+    while True:
+        middle = 0.5 * (low + high)
+        rows = np.flatnonzero((high - low > tolerance) & (low < middle) & (middle < high))
+        if not len(rows):
+            return high
+        values = middle[rows]
+        good = values >= above[rows]
+        unknown = ~good & (values > below[rows])
+        good[unknown] = holds(values[unknown], rows[unknown])
+        high[rows[good]] = values[good]
+        low[rows[~good]] = values[~good]
+
+
+def least_ceramics_mm(variants: Variants, threads: int | None = None) -> Floats:
+    """Return the least ceramic thickness of the grid's range that defeats each impact, mm; NaN where none does."""
+    grid = variants.settings.grid
+    assert grid is not None, "checked before"
+    low, high = grid.ceramic_thickness_mm.min, grid.ceramic_thickness_mm.max
+    found = batch.least_thicknesses(
+        variants.parameters,
+        variants.velocities,
+        low * MM,
+        high * MM,
+        THICKNESS_TOLERANCE_MM * MM,
+        variants.settings.options(threads),
+    )
+    check_resolved(found.resolved, variants)
+    # The perforated end of a bracket of thicknesses is the lower one.
+    below, above = found.perforated / MM, found.defeated / MM
+    least = np.where(np.isfinite(above) & ~np.isfinite(below), low, np.nan)
+    where = np.flatnonzero(np.isfinite(above) & np.isfinite(below))
+    bounded = variants.at(where)
+
+    def defeated(values: Floats, rows: Ints) -> Bools:
+        return ~perforated(with_thicknesses(bounded.at(rows), ceramic_mm=values), threads)
+
+    ends = np.full(len(where), low), np.full(len(where), high)
+    least[where] = bisect_rows(defeated, THICKNESS_TOLERANCE_MM, *ends, below[where], above[where])
+    return least
+
+
+def least_backings_mm(variants: Variants, threads: int | None = None) -> Floats:
+    """Return the least back plate thickness of the grid's range that defeats each impact, mm; NaN where none does."""
+    grid = variants.settings.grid
+    assert grid is not None, "checked before"
+
+    def defeated(values: Floats, rows: Ints) -> Bools:
+        return ~perforated(with_thicknesses(variants.at(rows), backing_mm=values), threads)
+
+    count, backing = len(variants.velocities), grid.backing_thickness_mm
+    return least_values_mm(defeated, np.full(count, backing.min), np.full(count, backing.max))
+
+
+def least_in_proportion(variants: Variants, threads: int | None = None) -> Variants:
+    """Return the variants made as thin, in proportion, as defeats each impact, within the grid's ranges of both layers.
+
+    The thicknesses are NaN where none defeats the impact.
+    """
+    grid = variants.settings.grid
+    assert grid is not None, "checked before"
+    ceramics, backings = variants.ceramics_mm, variants.backings_mm
+    totals = ceramics + backings
+    low, high = grid.backing_thickness_mm.min / backings, grid.backing_thickness_mm.max / backings
+    layered = ceramics > 0.0
+    low[layered] = np.maximum(low[layered], grid.ceramic_thickness_mm.min / ceramics[layered])
+    high[layered] = np.minimum(high[layered], grid.ceramic_thickness_mm.max / ceramics[layered])
+    where = np.flatnonzero(low <= high)
+
+    def scaled(values: Floats, rows: Ints) -> Variants:
+        some = where[rows]
+        ceramic_mm, backing_mm = (values * layer[some] / totals[some] for layer in (ceramics, backings))
+        return with_thicknesses(variants.at(some), ceramic_mm=ceramic_mm, backing_mm=backing_mm)
+
+    least = least_values_mm(
+        lambda values, rows: ~perforated(scaled(values, rows), threads),
+        low[where] * totals[where],
+        high[where] * totals[where],
+    )
+    found = with_thicknesses(variants, ceramic_mm=np.nan, backing_mm=np.nan)
+    found.parameters[where] = scaled(least, np.arange(len(where))).parameters
+    return found
+
+
+def least_values_mm(defeated: Condition, low: Floats, high: Floats) -> Floats:
+    """Return the least thickness from low to high, mm, that defeats the threat in each row; NaN where high does not."""
+    rows = np.arange(len(low))
+    least = np.where(defeated(low, rows), low, np.nan)
+    rest = rows[np.isnan(least)]
+    rest = rest[defeated(high[rest], rest)]
+    least[rest] = bisect_rows(
+        lambda values, some: defeated(values, rest[some]), THICKNESS_TOLERANCE_MM, low[rest], high[rest]
+    )
+    return least
