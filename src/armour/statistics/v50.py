@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from math import exp, log, nan, pi, sqrt
+from math import exp, inf, isfinite, log, pi, sqrt
 from pathlib import Path
 from typing import Any, Literal
 
@@ -23,7 +23,8 @@ SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 1.0, 1e4
 Link = Literal["probit", "logit"]
-LINKS: tuple[Link, ...] = ("probit", "logit")
+# Logarithm of the distribution function, by link.
+LINKS: dict[Link, Callable[[Floats], Floats]] = {"probit": log_ndtr, "logit": log_expit}
 # Smallest scale, and greatest distance of a bound, in standard deviations of the velocities.
 MIN_SCALE = 1e-7
 MAX_DISTANCE = 1e3
@@ -155,26 +156,22 @@ def read_shots(path: Path) -> Shots:
         With every mistake in the file.
     """
     rows = read_rows(path, numbers=("velocity_m_s",), texts=("result", "shot"), needed=("velocity_m_s", "result"))
+    velocities = [row.numbers.get("velocity_m_s", 0.0) for row in rows]
+    results = [row.texts.get("result", "") for row in rows]
     problems = []
-    words = {"complete": True, "partial": False}
-    for row in rows:
-        velocity, result = row["velocity_m_s"], row["result"]
-        if not isinstance(velocity, float) or not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
+    for row, velocity, result in zip(rows, velocities, results, strict=True):
+        if not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
             message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}"
             problems.append(Problem(str(path), f"{row.place}: velocity_m_s", message))
-        if result not in words:
-            message = f'must be "partial" or "complete", found "{result or ""}"'
+        if result not in ("partial", "complete"):
+            message = f'must be "partial" or "complete", found "{result}"'
             problems.append(Problem(str(path), f"{row.place}: result", message))
-    if not problems:
-        kinds = {words[str(row["result"])] for row in rows}
-        if kinds != {True, False}:
-            only = "only complete ones" if True in kinds else "only partial ones"
-            message = f"must have at least one partial and one complete penetration, found {only}"
-            problems.append(Problem(str(path), "result", message))
+    if not problems and len(set(results)) == 1:
+        message = f"must have at least one partial and one complete penetration, found only {results[0]} ones"
+        problems.append(Problem(str(path), "result", message))
     if problems:
         raise InputError(problems)
-    velocities = tuple(float(row["velocity_m_s"] or nan) for row in rows)
-    return Shots(velocities, tuple(words[str(row["result"])] for row in rows), str(path))
+    return Shots(tuple(velocities), tuple(result == "complete" for result in results), str(path))
 
 
 def v50(
@@ -241,18 +238,6 @@ def fit_curve(shots: Shots, link: Link, confidence: float = CONFIDENCE) -> Fitte
     in both parameters.  Where the shots separate it is greatest at an infinite slope, with any probability at a
     velocity that a partial and a complete penetration share.  Each point of a profile is the maximum along a line,
     which exists, at an infinite slope if need be, whether the shots separate or not.
-
-    Parameters
-    ----------
-    shots : Shots
-    link : {"probit", "logit"}
-    confidence : float
-        Confidence level of the intervals.
-
-    Raises
-    ------
-    NoAnswerError
-        If the complete penetrations were no faster on average than the partial ones.
     """
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     if np.mean(complete) <= np.mean(partial):
@@ -264,13 +249,12 @@ def fit_curve(shots: Shots, link: Link, confidence: float = CONFIDENCE) -> Fitte
     signs = np.repeat([-1.0, 1.0], [len(partial), len(complete)])
     mean, deviation = float(velocities.mean()), float(velocities.std())
     x = (velocities - mean) / deviation
-    log_cdf = _log_cdf(link)
 
     def log_likelihood(slope: float, intercept: float) -> float:
-        return float(log_cdf(signs * (slope * x - intercept)).sum())
+        return float(LINKS[link](signs * (slope * x - intercept)).sum())
 
     def profile_of_location(location: float) -> float:
-        """Maximum over all curves with probability one half at a location."""
+        """Return the maximum over all curves with probability one half at a location."""
 
         def lost(part: float) -> float:
             slope = part / (1.0 - part)
@@ -280,19 +264,18 @@ def fit_curve(shots: Shots, link: Link, confidence: float = CONFIDENCE) -> Fitte
         return max(-_minimum(lost, 0.0, 1.0 - MIN_SCALE), steepest, log_likelihood(0.0, 0.0))
 
     def profile_of_scale(scale: float) -> float:
-        """Maximum over all curves with a scale."""
-        ends = (x[0] / scale, x[-1] / scale, x[len(partial)] / scale, x[len(partial) - 1] / scale)
-        return -_minimum(lambda intercept: -log_likelihood(1.0 / scale, intercept), min(ends) - 9.0, max(ends) + 9.0)
+        """Return the maximum over all curves with a scale."""
+        low, high = x.min() / scale - 9.0, x.max() / scale + 9.0
+        return -_minimum(lambda intercept: -log_likelihood(1.0 / scale, intercept), low, high)
 
-    highest_partial, lowest_complete = float(x[len(partial) - 1]), float(x[len(partial)])
-    separated = highest_partial <= lowest_complete
+    # Where the shots separate, every location between them has the same likelihood.
+    lowest, highest = float(x[len(partial) - 1]), float(x[len(partial)])
+    separated = lowest <= highest
     if separated:
-        location, scale, maximum = 0.5 * (highest_partial + lowest_complete), 0.0, 0.0
-        if highest_partial == lowest_complete:
+        location, scale, maximum = 0.5 * (lowest + highest), 0.0, 0.0
+        if lowest == highest:
             tied = [int((x[signs == sign] == location).sum()) for sign in (-1.0, 1.0)]
             maximum = sum(n * log(n / sum(tied)) for n in tied)
-        # Every location between the shots has the same likelihood.
-        lowest, highest = highest_partial, lowest_complete
     else:
         location, scale, maximum = _maximum_likelihood(link, signs, x)
         lowest = highest = location
@@ -305,36 +288,30 @@ def fit_curve(shots: Shots, link: Link, confidence: float = CONFIDENCE) -> Fitte
         return profile_of_scale(exp(log_scale)) - threshold
 
     low, high = _profile_bound(location_excess, lowest, -1.0), _profile_bound(location_excess, highest, 1.0)
-    narrowest = None if separated else _profile_bound(scale_excess, log(scale), -1.0)
+    narrowest = -inf if separated else _profile_bound(scale_excess, log(scale), -1.0)
     widest = _profile_bound(scale_excess, log(scale or MIN_SCALE), 1.0)
     return FittedCurve(
         curve=link,
         v50_m_s=mean + deviation * location,
-        v50_interval_m_s=(
-            None if low is None else mean + deviation * low,
-            None if high is None else mean + deviation * high,
-        ),
+        v50_interval_m_s=(_finite(mean + deviation * low), _finite(mean + deviation * high)),
         scale_m_s=deviation * scale,
-        scale_interval_m_s=(
-            0.0 if narrowest is None else deviation * exp(narrowest),
-            None if widest is None else deviation * exp(widest),
-        ),
+        scale_interval_m_s=(deviation * exp(narrowest), _finite(deviation * exp(widest))),
         log_likelihood=maximum,
     )
 
 
-def _log_cdf(link: Link) -> Callable[[Floats], Floats]:
-    return log_ndtr if link == "probit" else log_expit
+def _finite(value: float) -> float | None:
+    return value if isfinite(value) else None
 
 
 def _minimum(function: Callable[[float], float], low: float, high: float) -> float:
-    """Minimum value of a unimodal function between two ends."""
+    """Return the minimum of a unimodal function between two ends."""
     return float(minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-10}).fun)
 
 
 def _maximum_likelihood(link: Link, signs: Floats, x: Floats) -> tuple[float, float, float]:
-    """Location, scale and logarithm of the maximum likelihood of shots that overlap."""
-    log_cdf = _log_cdf(link)
+    """Return location, scale and logarithm of the maximum likelihood of shots that overlap."""
+    log_cdf = LINKS[link]
 
     def lost(p: Floats) -> tuple[float, Floats]:
         z = signs * (p[0] * x - p[1])
@@ -346,12 +323,12 @@ def _maximum_likelihood(link: Link, signs: Floats, x: Floats) -> tuple[float, fl
     return float(intercept / slope), float(1.0 / slope), -float(found.fun)
 
 
-def _profile_bound(excess: Callable[[float], float], start: float, direction: float) -> float | None:
-    """Root of a profile's excess over the threshold, from a start in a direction; None where there is none."""
+def _profile_bound(excess: Callable[[float], float], start: float, direction: float) -> float:
+    """Return the root of a profile's excess over the threshold, from a start in a direction; infinite if none."""
     step, near = 1e-3, start
     while step < MAX_DISTANCE:
         far = start + direction * step
         if excess(far) < 0.0:
             return float(brentq(excess, near, far, xtol=1e-9)) if excess(near) > 0.0 else near
         near, step = far, 2.0 * step
-    return None
+    return direction * inf
