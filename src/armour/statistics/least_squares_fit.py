@@ -128,8 +128,9 @@ def predicted(tests: Tests, coefficients: Coefficients, x: Floats) -> Floats:
     for group in tests.groups:
         columns = {**group.columns, **input_values(coefficients, x, group)}
         variants = variants_of(group.scenario, columns, len(group.where))
+        in_group = np.isin(of_test, group.where)
         for quantity, model in MODELS.items():
-            where = np.flatnonzero((quantities == quantity) & np.isin(of_test, group.where))
+            where = np.flatnonzero(in_group & (quantities == quantity))
             if len(where):
                 found[where] = model(variants.at(np.searchsorted(group.where, of_test[where])))
     return found
