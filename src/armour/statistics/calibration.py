@@ -19,25 +19,14 @@ MAX_FOLDS = 100
 
 @dataclass(frozen=True)
 class Residual:
-    """A measurement and the value of the calibrated model.
-
-    Attributes
-    ----------
-    test, quantity : str
-    measured, computed : float
-        In the unit of the quantity's name.
-    left_out : float or None
-        Computed with coefficients fitted to the other tests; None where these are too few.
-    bound : {"", "at least", "at most"}
-        Bound on the ballistic limit that the outcome of a test gives.
-    """
+    """A measurement and the value of the calibrated model, in the unit of the quantity's name."""
 
     test: str
     quantity: str
     measured: float
     computed: float
-    left_out: float | None
-    bound: str
+    left_out: float | None  # computed with coefficients fitted to the other tests; None where these are too few
+    bound: str  # "at least" or "at most": bound on the ballistic limit that the outcome of a test gives
 
     @property
     def met(self) -> bool:

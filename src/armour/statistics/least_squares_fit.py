@@ -37,24 +37,12 @@ EQUAL = 1e-3
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A fitted coefficient.
+    """A fitted coefficient."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the input, with its unit, and the thickness that it multiplies.
-    estimate : float or None
-        None where the tests do not identify it.
-    interval : tuple of float or None
-        Confidence interval.
-    reason : str
-        Why it is not identified.
-    """
-
-    name: str
-    estimate: float | None
-    interval: tuple[float, float] | None
-    reason: str = ""
+    name: str  # of the input, with its unit, and the thickness that it multiplies
+    estimate: float | None  # None where the tests do not identify it
+    interval: tuple[float, float] | None  # confidence interval
+    reason: str = ""  # why it is not identified
 
 
 class LeastSquaresFit(NamedTuple):
@@ -83,10 +71,11 @@ def fit_inputs(tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law
     best = min(ends, key=lambda end: float(end.cost))
     exact = np.array([m.side == 0 for m in tests.measurements])
     freedom = int((exact | (best.fun != 0.0)).sum()) - len(best.x)
-    covariance, unidentified = _covariance(best.jac)
-    if not tests.weighted:
-        covariance = covariance * (2.0 * best.cost / freedom)
-    deviation = np.sqrt(np.diag(covariance))
+    inverse = np.linalg.pinv(best.jac, rcond=1e-6)
+    # Coefficients that a direction without effect on the measurements changes.
+    unidentified = np.diag(inverse @ best.jac) < 1.0 - 1e-6
+    covariance = inverse @ inverse.T * (1.0 if tests.weighted else 2.0 * best.cost / freedom)
+    deviation = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     correlation = covariance / np.outer(deviation, deviation)
     np.fill_diagonal(correlation, 1.0)
     tail = 0.5 * (1.0 + CONFIDENCE)
@@ -170,18 +159,6 @@ def _starts(slopes: Bools) -> list[Floats]:
     """Return the starting points: several values of each coefficient, with zero and with positive slopes of a law."""
     starts = [np.where(slopes, 0.0, start) for start in STARTS]
     return [*starts, np.where(slopes, 0.3, 0.5)] if slopes.any() else starts
-
-
-def _covariance(jacobian: Floats) -> tuple[Floats, Bools]:
-    """Return the covariance for deviations of variance one, and which coefficients the tests do not identify."""
-    _, singular, axes = np.linalg.svd(jacobian, full_matrices=False)
-    seen = singular > 1e-6 * max(float(singular[0]), 1e-30)
-    inverse = np.where(seen, 1.0 / np.where(seen, singular, 1.0), 0.0)
-    unidentified = (np.abs(axes[~seen]) > 1e-3).any(axis=0)
-    scaled = axes.T * inverse
-    covariance = scaled @ scaled.T
-    covariance[np.diag_indices_from(covariance)] = np.maximum(np.diag(covariance), 1e-300)
-    return covariance, unidentified
 
 
 def _coefficients(fitted: Coefficients, x: Floats, half_widths: Floats, unidentified: Bools) -> tuple[Coefficient, ...]:

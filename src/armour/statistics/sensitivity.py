@@ -27,20 +27,11 @@ FREE = {LIMIT: (VELOCITY,), RESIDUAL: (), OPTIMUM: (CERAMIC, BACKING)}
 
 @dataclass(frozen=True)
 class Elasticity:
-    """Relative change of each answer per relative change of an input.
-
-    Attributes
-    ----------
-    input : str
-    value : float
-        Value of the input, in the unit of its name.
-    elasticities : mapping of str to float or None
-        Per cent of change per per cent, by answer; None where the answer does not depend on the input or has no value.
-    """
+    """Per cent of change of each answer per per cent of change of an input."""
 
     input: str
-    value: float
-    elasticities: Mapping[str, float | None]
+    value: float  # of the input, in the unit of its name
+    elasticities: Mapping[str, float | None]  # None where the answer does not depend on the input or has no value
 
 
 @dataclass(frozen=True)

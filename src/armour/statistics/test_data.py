@@ -91,8 +91,8 @@ def read_tests(path: Path, scenario: Scenario) -> Tests:
     if problems:
         raise InputError(problems)
     groups = _groups(rows, scenario, str(path))
-    cells = tuple({**row.numbers, **row.texts} for row in rows)
-    return Tests(str(path), names, groups, tuple(measurements), unweighted == {False}, cells)
+    cells: list[dict[str, float | str]] = [{**row.numbers, **row.texts} for row in rows]
+    return Tests(str(path), names, groups, tuple(measurements), unweighted == {False}, tuple(cells))
 
 
 def _mistakes(row: CsvRow, names: Sequence[str]) -> list[tuple[str, str]]:

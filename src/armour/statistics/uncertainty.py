@@ -30,35 +30,19 @@ BOOTSTRAP_RESAMPLES = 499
 
 @dataclass(frozen=True)
 class Index:
-    """Influence of an input on the ballistic limit.
-
-    Attributes
-    ----------
-    input : str
-    first, total : Estimate or None
-        First-order and total Sobol' indices; None where inputs are correlated.
-    limits_m_s : tuple of float
-        Ballistic limits, m/s, with the input at the 5 % and the 95 % quantile of its distribution and the other inputs
-        at the scenario's values.
-    """
+    """Influence of an input on the ballistic limit."""
 
     input: str
+    # First-order and total Sobol' indices; None where inputs are correlated.
     first: Estimate | None
     total: Estimate | None
+    # With the input at the 5 % and the 95 % quantile of its distribution, the others at the scenario's values.
     limits_m_s: tuple[float, float]
 
 
 @dataclass(frozen=True)
 class ProbabilityCurve:
-    """Probability of perforation over impact velocity, with pointwise confidence intervals.
-
-    Attributes
-    ----------
-    velocity_m_s : tuple of float
-        Impact velocities, m/s.
-    probability, low, high : tuple of float
-        Probability at each velocity and the ends of its interval.
-    """
+    """Probability of perforation over impact velocity, with pointwise confidence intervals, from low to high."""
 
     velocity_m_s: tuple[float, ...]
     probability: tuple[float, ...]
@@ -165,9 +149,7 @@ def sample_limits(samples: Variants) -> Floats:
 def quantile(ordered: Floats, probability: float) -> Estimate:
     """Estimate a quantile from ordered samples, with a distribution-free confidence interval."""
     interval: Any = quantile_test(ordered, p=probability).confidence_interval(CONFIDENCE)
-    low = interval.low if np.isfinite(interval.low) else ordered[0]
-    high = interval.high if np.isfinite(interval.high) else ordered[-1]
-    return Estimate(float(np.quantile(ordered, probability)), float(low), float(high))
+    return Estimate(float(np.quantile(ordered, probability)), float(interval.low), float(interval.high))
 
 
 def probability_curve(ordered: Floats) -> ProbabilityCurve:
