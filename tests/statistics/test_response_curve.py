@@ -1,4 +1,4 @@
-"""Curves of probability against likelihoods looked through point by point."""
+"""Curves of probability against likelihoods evaluated point by point."""
 
 from math import log
 

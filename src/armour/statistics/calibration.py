@@ -80,10 +80,7 @@ class CalibrationResult:
 
 
 def calibrate(
-    tests: Tests,
-    scenario: Scenario,
-    fit: Sequence[str] = (FLOW_STRESS,),
-    law: Law = "constant",
+    tests: Tests, scenario: Scenario, fit: Sequence[str] = (FLOW_STRESS,), law: Law = "constant"
 ) -> CalibrationResult:
     """Fit inputs of a scenario to tests.
 

@@ -72,7 +72,7 @@ def fit_inputs(tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law
     exact = np.array([m.side == 0 for m in tests.measurements])
     freedom = int((exact | (best.fun != 0.0)).sum()) - len(best.x)
     inverse = np.linalg.pinv(best.jac, rcond=1e-6)
-    # Coefficients that a direction without effect on the measurements changes.
+    # A coefficient is not identified if it can change without an effect on the measurements.
     unidentified = np.diag(inverse @ best.jac) < 1.0 - 1e-6
     covariance = inverse @ inverse.T * (1.0 if tests.weighted else 2.0 * best.cost / freedom)
     deviation = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
@@ -138,7 +138,7 @@ def _limits(variants: Variants) -> Floats:
 
 
 def _residual_velocities(variants: Variants) -> Floats:
-    """Return residual velocities, m/s; negative where defeated: the velocity that lacks to the ballistic limit."""
+    """Return residual velocities, m/s; of a defeated test, the impact velocity less the ballistic limit."""
     answers = Answers(variants)
     found = answers.impacts.V.copy()
     defeated = np.flatnonzero(~answers.perforated)

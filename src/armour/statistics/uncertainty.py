@@ -220,5 +220,5 @@ def sobol(function: Callable[[Floats], Floats], inputs: int, count: int, seed: i
     best = indices(slice(None))
     resampled = np.array([indices(rng.integers(count, size=count)) for _ in range(BOOTSTRAP_RESAMPLES)])
     low, high = np.quantile(resampled, [0.5 * (1.0 - CONFIDENCE), 0.5 * (1.0 + CONFIDENCE)], axis=0)
-    first, total = ([Estimate(*ends) for ends in rows] for rows in np.stack([best, low, high], axis=-1).tolist())
-    return list(zip(first, total, strict=True))
+    first, total = np.stack([best, low, high], axis=-1).tolist()
+    return [(Estimate(*one), Estimate(*other)) for one, other in zip(first, total, strict=True)]
