@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from armour.analysis.answers import COLUMNS
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
-from armour.analysis.quantities import QUANTITIES, heading
+from armour.analysis.quantities import QUANTITIES, label_and_unit
 from armour.scenario.loading import Scenario
 from tests.cases import scenario
 
@@ -96,14 +97,18 @@ def test_the_least_thickness_of_the_range_is_enough(name: str):
     assert number(name, of) == pytest.approx(least[name], rel=1e-12)
 
 
+def test_every_quantity_has_a_column():
+    assert list(COLUMNS) == list(QUANTITIES)
+
+
 @pytest.mark.parametrize(
     ("name", "expected"),
     [
-        ("armour.ceramic_thickness_mm", "ceramic thickness, mm"),
-        ("ballistic_limit_m_s", "ballistic limit, m/s"),
-        ('library.metal."x".density_kg_m3', "density, kg/m³"),
-        ("outcome", "outcome"),
+        ("armour.ceramic_thickness_mm", ("ceramic thickness", "mm")),
+        ("ballistic_limit_m_s", ("ballistic limit", "m/s")),
+        ('library.metal."x".density_kg_m3', ("density", "kg/m³")),
+        ("outcome", ("outcome", "")),
     ],
 )
-def test_headings_of_keys_and_quantities(name: str, expected: str):
-    assert heading(name) == expected
+def test_labels_of_keys_and_quantities(name: str, expected: tuple[str, str]):
+    assert label_and_unit(name) == expected

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from armour.analysis.quantities import QUANTITIES, Answers
+from armour.analysis.answers import COLUMNS, Answers
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.scenario.assignments import changes_of_values
 from armour.scenario.loading import Scenario
@@ -63,4 +63,4 @@ def evaluate_groups(groups: Sequence[Group], quantities: Sequence[str], threads:
     """Evaluate quantities for groups of rows, see `evaluate`."""
     answers = [Answers(group.variants, threads) for group in groups]
     order = np.argsort(np.concatenate([group.where for group in groups]), kind="stable")
-    return {name: np.concatenate([QUANTITIES[name].column(answer) for answer in answers])[order] for name in quantities}
+    return {name: np.concatenate([COLUMNS[name](answer) for answer in answers])[order] for name in quantities}

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import norm, t
 
+from armour.analysis.answers import Answers
 from armour.analysis.estimates import CONFIDENCE
-from armour.analysis.quantities import QUANTITIES, Answers
 from armour.analysis.searches import smooth_limits
 from armour.analysis.variants import Bools, Floats, Variants, perforated, variants_of
 from armour.errors import InputError, Problem
@@ -151,7 +151,7 @@ def _residual_velocities(variants: Variants) -> Floats:
 MODELS: dict[str, Callable[[Variants], Floats]] = {
     LIMIT: _limits,
     RESIDUAL: _residual_velocities,
-    MASS: lambda variants: QUANTITIES[MASS].column(Answers(variants)),
+    MASS: lambda variants: Answers(variants).residual_masses,
 }
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from armour.analysis.quantities import Answers
+from armour.analysis.answers import Answers
 from armour.analysis.searches import smooth_limits
 from armour.analysis.variants import Floats, Variants, concatenated, grid_of, variants_of
 from armour.design.free import least_areal_densities

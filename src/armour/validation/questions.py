@@ -4,10 +4,10 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import NamedTuple
 
+from armour.analysis.answers import COLUMNS, Answers
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import groups_of
 from armour.analysis.quantities import QUANTITIES
-from armour.analysis.quantities import Answers as RowAnswers
 from armour.analysis.variants import Variants, grid_of
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import InputError, NoDesignError, Problem
@@ -28,9 +28,9 @@ class Asked:
         self.scenario, self.replacement = scenario, replacement
 
     @cached_property
-    def answers(self) -> RowAnswers:
+    def answers(self) -> Answers:
         """The engine's answers about the scenario: one row."""
-        return RowAnswers(groups_of(self.scenario, {})[0].variants)
+        return Answers(groups_of(self.scenario, {})[0].variants)
 
     @cached_property
     def lightest(self) -> DesignResult:
@@ -59,7 +59,7 @@ class Question(NamedTuple):
 
 def _of_quantity(name: str) -> Callable[[Asked], float | str]:
     def answer(asked: Asked) -> float | str:
-        value: float | str = QUANTITIES[name].column(asked.answers)[0].item()
+        value: float | str = COLUMNS[name](asked.answers)[0].item()
         return value
 
     return answer

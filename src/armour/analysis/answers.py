@@ -1,0 +1,89 @@
+"""Answers of the engine about variants of a scenario, and the columns of quantities made of them."""
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from armour.analysis import searches
+from armour.analysis import variants as rows
+from armour.analysis.variants import Bools, Floats, Variants
+from armour.core.equations import cross_section
+from armour.core.state import Outcome
+from armour.engine import batch
+from armour.units import MM, US, G
+
+
+class Answers:
+    """Answers about n variants, arrays of shape (n,); NaN where a question has no answer.
+
+    Each computation is done once, when it is first needed.
+    """
+
+    def __init__(self, variants: Variants, threads: int | None = None) -> None:
+        self.variants, self.threads = variants, threads
+
+    @cached_property
+    def impacts(self) -> batch.Impacts:
+        """Ends of the impacts."""
+        return rows.impacts(self.variants, self.threads)
+
+    @cached_property
+    def perforated(self) -> Bools:
+        """Whether each impact perforates."""
+        found: Bools = self.impacts.outcome == Outcome.PERFORATED
+        return found
+
+    @cached_property
+    def with_least_ceramic(self) -> Variants:
+        """The variants with the least ceramic thickness that defeats the impact."""
+        return rows.with_thicknesses(self.variants, ceramic_mm=searches.least_ceramics_mm(self.variants, self.threads))
+
+    @cached_property
+    def with_least_backing(self) -> Variants:
+        """The variants with the least back plate thickness that defeats the impact."""
+        return rows.with_thicknesses(self.variants, backing_mm=searches.least_backings_mm(self.variants, self.threads))
+
+    @cached_property
+    def residual_velocities(self) -> Floats:
+        """Residual velocities, m/s; 0 where the impact is defeated."""
+        return np.where(self.perforated, self.impacts.V, 0.0)
+
+    @cached_property
+    def ballistic_limits(self) -> Floats:
+        """Ballistic limits, m/s."""
+        return searches.ballistic_limits(self.variants, self.threads)
+
+    @cached_property
+    def residual_masses(self) -> Floats:
+        """Residual masses of the penetrators, g."""
+        p: Any = batch.fields(self.variants.parameters)
+        found: Floats = p.rho_p * cross_section(p.D0) * self.impacts.L / G
+        return found
+
+    @cached_property
+    def required_totals_mm(self) -> Floats:
+        """Required thicknesses of both layers in proportion, mm."""
+        least = searches.least_in_proportion(self.variants, self.threads)
+        return least.ceramics_mm + least.backings_mm
+
+
+COLUMNS: dict[str, Callable[[Answers], Any]] = {
+    "outcome": lambda a: np.where(a.perforated, "perforated", "defeated"),
+    "residual_velocity_m_s": lambda a: a.residual_velocities,
+    "residual_mass_g": lambda a: a.residual_masses,
+    "residual_length_mm": lambda a: a.impacts.L / MM,
+    "velocity_lost_percent": lambda a: 100.0 * (1.0 - a.residual_velocities / a.variants.velocities),
+    "mass_lost_percent": lambda a: 100.0 * (1.0 - (a.impacts.L / MM) / (batch.fields(a.variants.parameters).L0 / MM)),
+    "penetration_depth_mm": lambda a: a.impacts.Z / MM,
+    "bulge_height_mm": lambda a: a.impacts.h / MM,
+    "plug_velocity_m_s": lambda a: np.where(a.perforated, a.impacts.W, 0.0),
+    "duration_us": lambda a: a.impacts.t / US,
+    "areal_density_kg_m2": lambda a: a.variants.areal_densities_kg_m2,
+    "ballistic_limit_m_s": lambda a: a.ballistic_limits,
+    "required_ceramic_thickness_mm": lambda a: a.with_least_ceramic.ceramics_mm,
+    "required_backing_thickness_mm": lambda a: a.with_least_backing.backings_mm,
+    "required_total_thickness_mm": lambda a: a.required_totals_mm,
+    "required_areal_density_kg_m2": lambda a: a.with_least_ceramic.areal_densities_kg_m2,
+}
