@@ -1,4 +1,4 @@
-"""Candidate designs: all on offer or, of a free thickness, the least that the other layer needs."""
+"""Candidate designs: all designs on offer, with the least value of a free thickness that the other layer needs."""
 
 from collections.abc import Callable
 from functools import partial
@@ -33,11 +33,10 @@ def candidates_of(requirement: Requirement, *, refine: bool = False) -> Candidat
 
 
 def _of_pair(requirement: Requirement, pair: int, *, refine: bool) -> Candidates:
-    """Return the candidate designs of a pair, with NaN for thicknesses that do not exist."""
+    """Return the candidate designs of a pair; a free thickness is NaN where no value of it passes."""
     catalogue, offer = requirement.catalogue, requirement.catalogue.offers[pair]
     ceramic, backing = (_free_range(layer, refine=refine) for layer in (offer.ceramic, offer.backing))
     ceramics, backings = (np.array(layer.thicknesses()) for layer in (offer.ceramic, offer.backing))
-
     of_ceramics = partial(catalogue.candidates, pair)
 
     def of_backings(backings: Floats, ceramics: Floats) -> Candidates:
@@ -51,7 +50,7 @@ def _of_pair(requirement: Requirement, pair: int, *, refine: bool) -> Candidates
     if backing is None:
         return of_ceramics(_least(requirement, ceramic, of_ceramics, backings), backings)
 
-    # Both are free: the back plate thicknesses are chosen ever closer together round the best design.
+    # Both are free: each round has back plate thicknesses closer together around the best design of the round before.
     found: list[Candidates] = []
     if isinstance(backing, Range):
         width = backing.step
@@ -80,9 +79,9 @@ def _free_range(layer: Layer, *, refine: bool) -> Range | FreeRange | None:
 
 
 def _least(requirement: Requirement, free: Range | FreeRange, designs: Pairing, other: Floats) -> Floats:
-    """Return the least thickness of a free layer, mm, with which each thickness of the other passes; NaN for none.
+    """Return the least thickness of a free layer, mm, that passes with each thickness of the other; NaN for none.
 
-    It is bisected on the outcome at the velocity required; only where a ballistic limit lies below that, on the limit.
+    Bisects on the outcome at the velocities required, and where a ballistic limit lies below them, on the limit.
     """
 
     def defeats(values: Floats, rows: Ints) -> Bools:

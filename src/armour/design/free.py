@@ -1,4 +1,4 @@
-"""The best of designs of which both thicknesses are free."""
+"""Minimum over designs with both thicknesses free."""
 
 from collections.abc import Callable
 
@@ -7,9 +7,9 @@ import numpy as np
 from armour.analysis.searches import least_ceramics_mm
 from armour.analysis.variants import Floats, Variants, with_thicknesses
 
-# Largest distance of the back plate thicknesses of the last round of a search, mm.
+# Largest distance of the back plate thicknesses of the last round, mm.
 BACKING_TOLERANCE_MM = 1e-3
-# How many times closer together the back plate thicknesses of a round are than those of the round before.
+# Ratio of the distances of the back plate thicknesses of one round and the next.
 CLOSER = 10
 
 
@@ -37,10 +37,10 @@ def least_areal_densities(variants: Variants) -> Floats:
 def minimise_over_backings(
     values_of: Callable[[Floats], Floats], first: Floats, low: float, high: float, width: float
 ) -> Floats:
-    """Return the least value of a function of the back plate thickness in each row, (n,); inf where there is none.
+    """Return the minimum of a function of the back plate thickness in each row, (n,); inf where it has no value.
 
-    The function has values, (n, k), at thicknesses, (n, k).  After the first round, of given thicknesses and distance,
-    the thicknesses are chosen ever closer together round the best, from low to high, mm.
+    The function returns values, (n, k), at thicknesses, (n, k), mm.  The first round has the thicknesses given, at a
+    distance of ``width``; each further round has thicknesses from low to high closer together around the best.
     """
     backings, rows = first, np.arange(len(first))
     while True:

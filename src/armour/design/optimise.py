@@ -187,9 +187,12 @@ def optimise(scenario: Scenario, *, refine: bool = False) -> DesignResult:
         raise NoDesignError(f"no design: {_why_none(search)}")
 
     criteria = tuple(catalogue.section.pareto or ())
-    frontier = search.frontier(int(search.candidates.pair[first]))
+    pair = int(search.candidates.pair[first])
+    frontier = search.frontier(pair)
     pareto = search.pareto(criteria) if criteria else frontier[:0]
     best = _best(search, first)
+    thicknesses = {CERAMIC: best.ceramic_thickness_mm, BACKING: best.backing_thickness_mm}
+    governing = catalogue.offers[pair].against[catalogue.titles.index(best.governing)].replaced(thicknesses)
     return DesignResult(
         minimised=catalogue.section.minimise,
         threats=catalogue.titles,
@@ -204,7 +207,7 @@ def optimise(scenario: Scenario, *, refine: bool = False) -> DesignResult:
         examined=len(search.values),
         runs=requirement.runs,
         not_monotonic_mm=search.not_monotonic_mm(frontier),
-        warnings=_warnings(search, first),
+        warnings=warnings_of(governing, governing.impact.velocity_m_s),
     )
 
 
@@ -248,15 +251,6 @@ def _best(search: Search, place: int) -> BestDesign:
         governing=catalogue.titles[governing],
         probabilities=search.probabilities(place) or {},
     )
-
-
-def _warnings(search: Search, place: int) -> tuple[str, ...]:
-    """Return the ways in which a design against its governing threat lies outside the validated range."""
-    [threat] = _governing(search, np.array([place]))
-    candidates = search.candidates
-    thicknesses = {CERAMIC: float(candidates.ceramic_mm[place]), BACKING: float(candidates.backing_mm[place])}
-    scenario = search.catalogue.offers[candidates.pair[place]].against[threat].replaced(thicknesses)
-    return warnings_of(scenario, scenario.impact.velocity_m_s)
 
 
 def _pairs(search: Search, best: int) -> tuple[Pair, ...]:

@@ -1,5 +1,7 @@
 """What a design must withstand: its lowest ballistic limit must reach the velocity and the margin of every threat."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from armour.analysis.searches import lowest_limits
@@ -11,12 +13,12 @@ from armour.scenario.schema import FASTEST_M_S
 SLOWEST_M_S = 20.0
 
 
+@dataclass
 class Requirement:
     """The threats of a catalogue as a condition on designs; counts the impacts that it computes."""
 
-    def __init__(self, catalogue: Catalogue) -> None:
-        self.catalogue = catalogue
-        self.runs = 0
+    catalogue: Catalogue
+    runs: int = 0
 
     def defeats(self, candidates: Candidates, threat: int | None = None) -> Bools:
         """Return whether designs defeat all threats, or one, at the velocities required."""

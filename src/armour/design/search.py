@@ -72,7 +72,8 @@ class Search:
     def frontier(self, pair: int) -> Ints:
         """Return for each back plate of a pair the thinnest ceramic that passes, bounds on probabilities aside."""
         ceramics, backings = self.candidates.ceramic_mm, self.candidates.backing_mm
-        left = np.flatnonzero(self.defeating & (self.candidates.pair == pair))
+        own = self.of_pair(pair)
+        left = own[self.defeating[own]]
         left = left[np.lexsort((ceramics[left], backings[left]))]
         found = left[:0]
         while len(left):
