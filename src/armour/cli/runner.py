@@ -125,8 +125,8 @@ def read_scenario(
         With every mistake in it.
     """
     from armour.files import decoded, parse_toml
-    from armour.scenario.assignments import changes_of
-    from armour.scenario.loading import changed, load_scenario, parse_scenario
+    from armour.scenario.assignments import changed, changes_of
+    from armour.scenario.loading import load_scenario, parse_scenario
 
     changes = changed(changes_of(assignments or ()), more or {})
     if str(path) != "-":

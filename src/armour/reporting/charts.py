@@ -35,7 +35,7 @@ from armour.reporting.chart import (
 )
 from armour.reporting.tables.impact import STAGES
 from armour.scenario.parameters import BACKING, CERAMIC, INPUTS
-from armour.units import words_and_unit
+from armour.units import MM, words_and_unit
 
 if TYPE_CHECKING:
     from armour.analysis.ballistic_limit import LimitResult
@@ -569,7 +569,8 @@ def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, sce
     note = ""
     if set(keys) == {CERAMIC, BACKING} and min(z.shape) > 1:
         ceramic, backing = np.meshgrid(x, y) if keys[0] == CERAMIC else np.meshgrid(x, y)[::-1]
-        areal = scenario.areal_density_kg_m2(1.0, 0.0) * ceramic + scenario.areal_density_kg_m2(0.0, 1.0) * backing
+        armour = scenario.core_armour()
+        areal = armour.rho_c * MM * ceramic + armour.rho_B * MM * backing
         series.append(Contours(x.tolist(), y.tolist(), areal.tolist(), VERMILION, "dashed", 5, 0.8))
         note = "Dashed lines: equal areal density, kg/m²."
     return Chart(scenario.title, (Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
