@@ -5,7 +5,7 @@ import pytest
 from armour.analysis.impact import simulate
 from armour.design.optimise import optimise
 from armour.scenario.loading import load_scenario
-from tests.cases import CERAMICS, METALS, SCENARIOS, THREATS, catalogue
+from tests.helpers.cases import CERAMICS, METALS, SCENARIOS, THREATS, catalogue
 
 
 def test_thicknesses_that_are_free_come_to_the_refined_optimum():

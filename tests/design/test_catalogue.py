@@ -7,8 +7,8 @@ import pytest
 from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.errors import InputError, NoDesignError
-from tests.cases import THREATS, catalogue, scenario
-from tests.plain_designs import defeats, designs
+from tests.helpers.cases import THREATS, catalogue, scenario
+from tests.helpers.plain_designs import defeats, designs
 
 UNCERTAIN = {
     "samples": 1024,

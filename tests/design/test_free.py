@@ -6,7 +6,7 @@ import pytest
 from armour.analysis.variants import variants_of
 from armour.design.free import least_areal_densities
 from armour.design.optimise import optimise
-from tests.cases import scenario
+from tests.helpers.cases import scenario
 
 
 def test_least_areal_densities_are_those_of_refined_designs():

@@ -8,8 +8,8 @@ from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.design.reliability import Reliability, probability_within
 from armour.errors import InputError, NoDesignError
-from tests.cases import catalogue
-from tests.plain_designs import defeats, designs
+from tests.helpers.cases import catalogue
+from tests.helpers.plain_designs import defeats, designs
 
 UNCERTAIN = {
     "samples": 1024,

@@ -9,7 +9,7 @@ from armour.design.optimise import optimise
 from armour.design.search import undominated
 from armour.engine import batch
 from armour.scenario.loading import load_scenario
-from tests.cases import SCENARIOS, THREATS, catalogue, scenario
+from tests.helpers.cases import SCENARIOS, THREATS, catalogue, scenario
 
 
 def test_margins_and_the_threat_that_governs():
