@@ -16,9 +16,6 @@ from armour.scenario.schema import FreeRange, Layer, Range
 # Back plate thicknesses of the first round of a search in which both layers are free.
 FIRST_VALUES = 41
 
-# Designs of a pair: (thicknesses of the one layer, thicknesses of the other) -> designs.
-Pairing = Callable[[Floats, Floats], Candidates]
-
 
 def candidates_of(requirement: Requirement, *, refine: bool = False) -> Candidates:
     """Return the candidate designs that meet the constraints, in the order of the objective.
@@ -78,7 +75,9 @@ def _free_range(layer: Layer, *, refine: bool) -> Range | FreeRange | None:
     return thickness if refine or layer.free else None
 
 
-def _least(requirement: Requirement, free: Range | FreeRange, designs: Pairing, other: Floats) -> Floats:
+def _least(
+    requirement: Requirement, free: Range | FreeRange, designs: Callable[[Floats, Floats], Candidates], other: Floats
+) -> Floats:
     """Return the least thickness of a free layer, mm, that passes with each thickness of the other; NaN for none.
 
     Bisects on the outcome at the velocities required, and where a ballistic limit lies below them, on the limit.

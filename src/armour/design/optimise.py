@@ -1,4 +1,4 @@
-"""Design optimisation: the best design on offer that defeats every threat, and how the others compare."""
+"""Design optimisation: the best design on offer that defeats every threat, and its comparison with the others."""
 
 from dataclasses import asdict, dataclass
 from math import inf
@@ -260,7 +260,7 @@ def _pairs(search: Search, best: int) -> tuple[Pair, ...]:
     pairs = []
     for index, offer in enumerate(search.catalogue.offers):
         own = search.of_pair(index)
-        # Only what can be a runner-up is sampled: each design takes thousands of impacts.
+        # Only possible runners-up are sampled, as each design takes thousands of impacts.
         place = search.first(own[search.values[own] <= most] if search.catalogue.bounded else own)
         found = None if place is None else _best(search, place)
         excess, reason = (None, _why_none_of(search, index)) if place is None else _excess(search, place, least)
