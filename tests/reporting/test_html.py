@@ -10,9 +10,9 @@ import pytest
 from armour.reporting.contents import Contents, contents_of
 from armour.reporting.html import scenario_page, suite_page
 from armour.scenario.loading import load_scenario
-from tests.cases import SCENARIOS, scenario
-from tests.reporting.results import OTHER, THREAT, design_result, uncertainty_result
-from tests.suites import TABLE, case, result
+from tests.helpers.cases import SCENARIOS, scenario
+from tests.helpers.results import OTHER, THREAT, design_result, uncertainty_result
+from tests.helpers.suites import TABLE, case, result
 
 
 @cache

@@ -5,7 +5,7 @@ import pytest
 from armour.reporting.markdown import markdown_table, markdown_text, suite_markdown
 from armour.reporting.table import Column, Table
 from armour.validation.validate import SuiteResult
-from tests.suites import TABLE, case, result
+from tests.helpers.suites import TABLE, case, result
 
 
 @pytest.fixture

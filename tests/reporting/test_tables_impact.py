@@ -8,7 +8,8 @@ from armour.core.stages import stage_name
 from armour.core.state import Medium, Stage
 from armour.reporting.table import csv_text
 from armour.reporting.tables.impact import STAGES, energy_table, history_table, impact_table, stage_table
-from tests.cases import quantities, scenario
+from tests.helpers.cases import scenario
+from tests.helpers.results import quantities
 
 
 def test_every_stage_is_described():

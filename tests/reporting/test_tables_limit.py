@@ -1,6 +1,6 @@
 from armour.analysis.ballistic_limit import Crossing, LimitResult
 from armour.reporting.tables.limit import crossing_table, limit_table, limit_tables
-from tests.cases import quantities
+from tests.helpers.results import quantities
 
 ONE = (Crossing((700.0, 700.01), "perforated"),)
 THREE = (*ONE, Crossing((900.0, 900.01), "defeated"), Crossing((950.0, 950.01), "perforated"))

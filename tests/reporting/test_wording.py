@@ -8,8 +8,8 @@ import pytest
 from armour.reporting.contents import Contents, contents_of
 from armour.reporting.markdown_report import scenario_markdown
 from armour.reporting.wording import cards_of, energy_section, question_of, sections_of, title_of
-from tests.cases import scenario
-from tests.reporting.results import OTHER, THREAT, design_result, uncertainty_result
+from tests.helpers.cases import scenario
+from tests.helpers.results import OTHER, THREAT, design_result, uncertainty_result
 
 
 @cache

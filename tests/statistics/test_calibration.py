@@ -17,7 +17,7 @@ from armour.statistics.fitted_library import value_at
 from armour.statistics.flow_stress_laws import FLOW_STRESS, Law
 from armour.statistics.least_squares_fit import Coefficient, fit_inputs
 from armour.statistics.test_data import read_tests
-from tests.cases import TESTS, csv_file, scenario, shipped_scenario
+from tests.helpers.cases import TESTS, csv_file, scenario, shipped_scenario
 
 C, B, V = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "impact.velocity_m_s"
 TAU = "backing.shear_strength_MPa"

@@ -14,7 +14,7 @@ from armour.errors import InputError, NoLimitError
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import with_inputs
 from armour.statistics.uncertainty import probability_curve, quantile, sample_limits, sobol, uncertainty
-from tests.cases import scenario, shipped_scenario
+from tests.helpers.cases import scenario, shipped_scenario
 
 
 @pytest.fixture(scope="module")
