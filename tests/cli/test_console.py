@@ -18,7 +18,7 @@ from armour.reporting.table import Column, Table, record
 from armour.reporting.tables.impact import impact_tables
 from armour.reporting.tables.library import library_tables
 from armour.scenario.library import shipped_library
-from tests.cases import SCENARIOS, scenario
+from tests.helpers.cases import SCENARIOS, scenario
 
 PIPE = 1_000_000
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from armour import MODEL_VERSION, __version__
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 REPOSITORY = SCENARIOS.parent
 # Imported by no command but those that plot, keep a history or refine.

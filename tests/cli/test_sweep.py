@@ -11,7 +11,7 @@ import pytest
 
 from armour.analysis import quantities
 from armour.cli.sweep import QUANTITIES
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
 CERAMIC = "armour.ceramic_thickness_mm"

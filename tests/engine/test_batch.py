@@ -10,7 +10,7 @@ from armour.core.search import find_ballistic_limit, find_least_ceramic_thicknes
 from armour.core.state import Outcome
 from armour.core.stepping import time_step
 from armour.engine import batch
-from tests.cases import random_designs
+from tests.helpers.runs import random_designs
 
 COUNT = 400
 SEARCHES = 40

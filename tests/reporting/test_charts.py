@@ -14,9 +14,9 @@ from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import Shots, v50
 from armour.validation.figures import Figure, FigureCurve, FigureLevel, FigureMark
-from tests.cases import scenario
-from tests.reporting.results import OTHER, THREAT, design_result, impact, uncertainty_result
-from tests.suites import TABLE, WILKINS_LIMIT, case, result
+from tests.helpers.cases import scenario
+from tests.helpers.results import OTHER, THREAT, design_result, impact, uncertainty_result
+from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
 
 Kind = TypeVar("Kind", Line, Points, Bars, Rule, Spans, Map, Contours)
 

@@ -12,9 +12,9 @@ from armour.reporting.html import html_report
 from armour.reporting.scenario_report import scenario_report
 from armour.reporting.suite_report import suite_report
 from armour.scenario.loading import load_scenario
-from tests.cases import SCENARIOS, scenario
-from tests.reporting.results import OTHER, THREAT, design_result, uncertainty_result
-from tests.suites import TABLE, case, result
+from tests.helpers.cases import SCENARIOS, scenario
+from tests.helpers.results import OTHER, THREAT, design_result, uncertainty_result
+from tests.helpers.suites import TABLE, case, result
 
 
 @cache

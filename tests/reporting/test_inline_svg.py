@@ -9,7 +9,7 @@ from armour.reporting import charts
 from armour.reporting.chart import BLUE, INK, SOFT, VERMILION, Axis, Bars, Chart, Line, Panel, Points, Spans
 from armour.reporting.inline_svg import MAX_POINTS, inline_svg
 from armour.reporting.plots import draw
-from tests.reporting.results import design_result, impact
+from tests.helpers.results import design_result, impact
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -10,8 +10,8 @@ from matplotlib.transforms import Bbox
 from armour.reporting import charts
 from armour.reporting.chart import Axis, Bars, Chart, Contours, Line, Map, Panel, Points, Rule, printable_chart
 from armour.reporting.plots import FORMATS, draw, rendered
-from tests.cases import scenario
-from tests.reporting.results import OTHER, THREAT, design_result, impact, uncertainty_result
+from tests.helpers.cases import scenario
+from tests.helpers.results import OTHER, THREAT, design_result, impact, uncertainty_result
 
 MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 GRID = [4.0, 6.0, 8.0], [5.0, 7.0]

@@ -9,8 +9,8 @@ from armour.reporting.contents import Contents, contents_of
 from armour.reporting.markdown import markdown_report
 from armour.reporting.report import Report
 from armour.reporting.scenario_report import scenario_report
-from tests.cases import scenario
-from tests.reporting.results import OTHER, THREAT, design_result, uncertainty_result
+from tests.helpers.cases import scenario
+from tests.helpers.results import OTHER, THREAT, design_result, uncertainty_result
 
 
 @cache

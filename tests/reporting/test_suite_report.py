@@ -5,7 +5,7 @@ import pytest
 from armour.reporting.markdown import markdown_report
 from armour.reporting.suite_report import suite_report
 from armour.validation.validate import SuiteResult
-from tests.suites import TABLE, case, result
+from tests.helpers.suites import TABLE, case, result
 
 
 @pytest.fixture

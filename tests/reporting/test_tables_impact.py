@@ -18,7 +18,8 @@ from armour.reporting.tables.impact import (
     limit_tables,
     stage_table,
 )
-from tests.cases import quantities, scenario
+from tests.helpers.cases import scenario
+from tests.helpers.results import quantities
 
 
 def test_every_stage_is_described():

@@ -25,7 +25,7 @@ from armour.statistics.least_squares_fit import Coefficient
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.uncertainty import Index, ProbabilityCurve, UncertaintyResult
 from armour.statistics.v50 import Shots, v50
-from tests.cases import quantities
+from tests.helpers.results import quantities
 
 
 @pytest.fixture

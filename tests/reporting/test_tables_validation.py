@@ -14,7 +14,7 @@ from armour.reporting.tables.validation import (
 )
 from armour.validation.figures import Figure, FigureCurve
 from armour.validation.validate import SuiteResult
-from tests.suites import TABLE, case, result
+from tests.helpers.suites import TABLE, case, result
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from armour.errors import InputError
 from armour.scenario.assignments import changed
 from armour.scenario.loading import load_scenario, parse_scenario, save_scenario
 from armour.scenario.schema import Range
-from tests.cases import SCENARIOS, data, scenario
+from tests.helpers.cases import SCENARIOS, data, scenario
 
 
 def messages(content: dict[str, Any]) -> list[str]:

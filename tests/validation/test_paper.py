@@ -9,7 +9,7 @@ from armour.reporting.suite_report import suite_report
 from armour.scenario.loading import load_scenario
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.validate import SuiteResult, paper_suite, validate
-from tests.cases import SCENARIOS, scenario
+from tests.helpers.cases import SCENARIOS, scenario
 
 # Table 3: ceramic and backing, mm; limits, m/s: measured, predicted with 3.8 GPa and with 5.2 GPa.
 TABLE_3 = [
