@@ -22,7 +22,7 @@ from armour.analysis.ballistic_limit import bisect
 from armour.core.state import Outcome, Parameters
 from armour.core.stepping import default_time_step
 from armour.engine import batch
-from tests.cases import perforates, random_designs
+from tests.helpers.runs import perforates, random_designs
 from tests.numerics.reference import Reference
 
 ALLOWED = 1e-3  # m/s

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import settings
 
 from armour.scenario.loading import save_scenario
-from tests.cases import scenario
+from tests.helpers.cases import scenario
 
 # CI uses the same examples in every run, so that only a change of the code can make it fail.
 settings.register_profile("ci", derandomize=True)

@@ -42,11 +42,6 @@ class ArmourError(Exception):
 class InputError(ArmourError):
     """Wrong input.
 
-    Parameters
-    ----------
-    problems : sequence of Problem
-        All mistakes found.
-
     Attributes
     ----------
     problems : tuple of Problem
@@ -74,20 +69,7 @@ class NoDesignError(NoAnswerError):
 
 
 def suggestion(word: str, known: Sequence[str]) -> str:
-    """Return a hint at the known word closest to a given one, such as "; did you mean 'AD85'?".
-
-    Parameters
-    ----------
-    word : str
-        An unknown word.
-    known : sequence of str
-        Known words.
-
-    Returns
-    -------
-    str
-        Empty if no known word is close.
-    """
+    """Return a hint at the known word closest to a given one, such as "; did you mean 'AD85'?"; "" if none is close."""
     by_lower = {name.lower(): name for name in known}
     found = get_close_matches(word.lower(), list(by_lower), n=1, cutoff=0.5)
     return f"; did you mean {by_lower[found[0]]!r}?" if found else ""

@@ -17,12 +17,7 @@ _CHECKOUT = _PACKAGE.parent.parent
 
 
 def shipped(folder: str) -> Path:
-    """Return a folder of shipped data: in the installed package, or at the top of a checkout.
-
-    Parameters
-    ----------
-    folder : {"configs", "scenarios", "suites"}
-    """
+    """Return a folder of shipped data ("configs", ...): in the installed package, or at the top of a checkout."""
     installed = _PACKAGE / folder
     return installed if installed.is_dir() else _CHECKOUT / folder
 
@@ -33,13 +28,7 @@ def reason(error: OSError) -> str:
 
 
 def read_text(path: Path) -> str:
-    """Read a text file.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, unreadable, too long or not UTF-8 text.
-    """
+    """Read a text file; raise an InputError if it is missing, unreadable, too long or not UTF-8 text."""
     try:
         with path.open("rb") as file:
             return decoded(file, str(path))
@@ -48,19 +37,7 @@ def read_text(path: Path) -> str:
 
 
 def decoded(stream: BinaryIO, file: str) -> str:
-    """Read a binary stream as UTF-8 text.
-
-    Parameters
-    ----------
-    stream : binary stream
-    file : str
-        Name of the stream for messages.
-
-    Raises
-    ------
-    InputError
-        If the content is too long or not UTF-8 text.
-    """
+    """Read a binary stream as UTF-8 text; `file` is its name in messages."""
     try:
         content = stream.read(MAX_BYTES + 1)
         if len(content) <= MAX_BYTES:
@@ -72,30 +49,12 @@ def decoded(stream: BinaryIO, file: str) -> str:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Read a TOML file.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is not valid TOML.
-    """
+    """Read a TOML file; raise an InputError if it cannot be read or is not valid TOML."""
     return parse_toml(read_text(path), str(path))
 
 
 def parse_toml(text: str, file: str) -> dict[str, Any]:
-    """Parse a text in TOML.
-
-    Parameters
-    ----------
-    text : str
-    file : str
-        Name of the text for messages.
-
-    Raises
-    ------
-    InputError
-        If the text is not valid TOML.
-    """
+    """Parse a text in TOML; `file` is its name in messages."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -106,19 +65,7 @@ def parse_toml(text: str, file: str) -> dict[str, Any]:
 
 
 def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:
-    """Check the ending of an output file.
-
-    Parameters
-    ----------
-    path : Path
-    endings : sequence of str
-        At least two allowed endings, such as ".csv".
-
-    Returns
-    -------
-    list of Problem
-        Empty if the ending is allowed.
-    """
+    """Return the problem of an output file that has none of two or more endings, such as ".csv"; [] if it has one."""
     if path.suffix.lower() in endings:
         return []
     listed = f"{', '.join(endings[:-1])} or {endings[-1]}"
@@ -126,13 +73,7 @@ def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:
 
 
 def check_writable(path: Path) -> None:
-    """Check that a file can be written, before a long computation.
-
-    Raises
-    ------
-    InputError
-        If the path is a folder, its folder does not exist, or the file or its folder is not writable.
-    """
+    """Check before a long computation that a file can be written; raise an InputError if it cannot."""
     problem = ""
     if path.is_dir():
         problem = "is a folder"
@@ -145,18 +86,9 @@ def check_writable(path: Path) -> None:
 
 
 def write_atomic(path: Path, content: bytes) -> None:
-    """Write a file atomically; write to a device or a pipe directly.
+    """Write a file atomically, and a device or a pipe directly; the target of a symbolic link is replaced.
 
-    Parameters
-    ----------
-    path : Path
-        A symbolic link stays one; its target is replaced.
-    content : bytes
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written; an existing file is then left unchanged.
+    Raise an InputError if the file cannot be written; an existing file is then left unchanged.
     """
     try:
         if path.exists() and not path.is_file():
@@ -168,20 +100,15 @@ def write_atomic(path: Path, content: bytes) -> None:
 
 
 def _replace(path: Path, content: bytes) -> None:
-    """Write a temporary file in the same folder and rename it."""
+    # Permissions that this process gives to new files; they can only be read by changing them.
+    mask = os.umask(0)
+    os.umask(mask)
     handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(content)
-        os.chmod(temporary, _new_file_mode())
+        os.chmod(temporary, 0o666 & ~mask)
         os.replace(temporary, path)
     except BaseException:
         os.unlink(temporary)
         raise
-
-
-def _new_file_mode() -> int:
-    """Return the permissions that this process gives to a new file."""
-    mask = os.umask(0)
-    os.umask(mask)
-    return 0o666 & ~mask

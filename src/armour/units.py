@@ -24,18 +24,7 @@ ENDINGS = {
 
 
 def words_and_unit(key: str) -> tuple[str, str]:
-    """Split the last part of a dotted key into words and unit.
-
-    Parameters
-    ----------
-    key : str
-        Such as "armour.ceramic_thickness_mm".
-
-    Returns
-    -------
-    words, unit : str
-        Such as "ceramic thickness" and "mm"; the unit is empty if the key has none.
-    """
+    """Split the last part of a dotted key into words and unit, such as "ceramic thickness" and "mm", or ""."""
     name = key.rsplit(".", 1)[-1]
     for ending, unit in ENDINGS.items():
         if name.endswith(ending):
@@ -44,19 +33,6 @@ def words_and_unit(key: str) -> tuple[str, str]:
 
 
 def missing_unit(name: str, known: Iterable[str]) -> str:
-    """Return a hint at the known name that differs from a given one only by a unit at its end.
-
-    Parameters
-    ----------
-    name : str
-        An unknown name.
-    known : iterable of str
-        Known names.
-
-    Returns
-    -------
-    str
-        Empty if there is no such name.
-    """
+    """Return a hint at the known name that differs from a given one only by a unit at its end; "" if there is none."""
     found = [other for other in known if any(other == name + ending for ending in ENDINGS)]
     return f"; its unit is missing: {found[0]}" if found else ""

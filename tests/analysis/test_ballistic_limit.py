@@ -9,7 +9,7 @@ from armour.analysis.ballistic_limit import (
     scan,
 )
 from armour.errors import NoLimitError
-from tests.cases import scenario
+from tests.helpers.cases import scenario
 
 
 def test_bisection_narrows_to_the_tolerance():

@@ -7,7 +7,7 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.closed_forms import residual_velocity
 from armour.analysis.comparison import Comparison, compare, florence_ballistic_limit
 from armour.errors import InputError
-from tests.cases import scenario
+from tests.helpers.cases import scenario
 
 
 @cache

@@ -5,7 +5,7 @@ import pytest
 from armour.analysis.energy import energy_balance
 from armour.analysis.impact import simulate
 from armour.scenario.loading import load_scenario
-from tests.cases import SCENARIOS, scenario
+from tests.helpers.cases import SCENARIOS, scenario
 
 NAMES = ["wilkins", "dwell", "bare_plate", "paper/fig10_20mm"]
 

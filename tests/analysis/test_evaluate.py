@@ -8,7 +8,7 @@ from armour.analysis.impact import MAX_STEPS
 from armour.analysis.variants import concatenated, variants_of
 from armour.errors import InputError
 from armour.scenario.parameters import with_inputs
-from tests.cases import scenario
+from tests.helpers.cases import scenario
 
 NAMES = ["outcome", "residual_velocity_m_s", "ballistic_limit_m_s"]
 

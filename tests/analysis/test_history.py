@@ -6,7 +6,7 @@ import pytest
 
 from armour.analysis.history import History
 from armour.analysis.impact import ImpactResult, simulate
-from tests.cases import scenario
+from tests.helpers.cases import scenario
 
 
 @cache

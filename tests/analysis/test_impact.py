@@ -6,7 +6,7 @@ import pytest
 
 from armour.analysis.impact import simulate, time_step
 from armour.errors import InputError
-from tests.cases import SCENARIOS, scenario
+from tests.helpers.cases import SCENARIOS, scenario
 
 
 def test_a_perforation():

@@ -9,7 +9,7 @@ from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
 from armour.analysis.quantities import QUANTITIES, label_and_unit
 from armour.scenario.loading import Scenario
-from tests.cases import scenario
+from tests.helpers.cases import scenario
 
 IMPACT = [
     "outcome",

@@ -17,7 +17,7 @@ from armour.analysis.searches import (
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated, variants_of, with_thicknesses
 from armour.errors import NoLimitError
 from armour.scenario.loading import Scenario
-from tests.cases import library, scenario
+from tests.helpers.cases import library, scenario
 
 WIDE = {
     "ceramic_thickness_mm": {"min": 1.0, "max": 20.0, "step": 0.5},

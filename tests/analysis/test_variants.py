@@ -10,7 +10,7 @@ from armour.engine import batch
 from armour.errors import InputError
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import inputs_of, with_inputs
-from tests.cases import scenario
+from tests.helpers.cases import scenario
 
 WIDE = {
     "ceramic_thickness_mm": {"min": 1.0, "max": 20.0, "step": 0.5},

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from armour import ballistic_limit, load_scenario
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
 

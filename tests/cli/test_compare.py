@@ -2,7 +2,7 @@ import json
 from pathlib import Path
 
 from armour import compare, load_scenario
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
 

@@ -5,7 +5,7 @@ import pty
 import subprocess
 import sys
 
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 
 def test_a_real_terminal_has_its_width():

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 REPOSITORY = SCENARIOS.parent
 PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").rglob("*.md"))]

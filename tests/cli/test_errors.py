@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 COMMANDS = ["simulate", "ballistic-limit", "optimise"]
 

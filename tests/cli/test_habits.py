@@ -13,7 +13,7 @@ import jsonschema
 import pytest
 
 from armour.cli.app import COMMANDS, app
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 REPOSITORY = SCENARIOS.parent
 WILKINS = SCENARIOS / "wilkins.toml"

@@ -11,7 +11,7 @@ from armour.reporting.table import Column, Table, record
 from armour.reporting.tables.impact import impact_tables
 from armour.reporting.tables.library import library_tables
 from armour.scenario.library import shipped_library
-from tests.cases import scenario
+from tests.helpers.cases import scenario
 
 PIPE = 1_000_000
 
@@ -85,7 +85,7 @@ def test_then_rows_become_blocks(wide: Table):
 
 def test_a_record_is_a_list():
     table = record(
-        (Column("outcome"), "perforated"), (Column("length", "mm", ".2f"), 14.6), (Column("runs", spec="d"), 3)
+        None, (Column("outcome"), "perforated"), (Column("length", "mm", ".2f"), 14.6), (Column("runs", spec="d"), 3)
     )
     assert printed("first", table, width=80) == [
         "first",

@@ -2,7 +2,7 @@ import json
 from pathlib import Path
 
 from armour import load_scenario
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 
 def test_the_library_is_listed(cli):

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 NOTEBOOK = json.loads((SCENARIOS.parent / "docs" / "study.ipynb").read_text())
 

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from armour import load_scenario
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 GRID = """
 ceramic_thickness_mm = { min = 8.0, max = 14.0, step = 0.5 }

@@ -11,7 +11,7 @@ import pytest
 
 from armour import MODEL_VERSION, __version__
 from armour.engine import cache
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 REPOSITORY = SCENARIOS.parent
 # Imported by no command but those that plot, keep a history or refine.

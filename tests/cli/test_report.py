@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 OPTIMUM = SCENARIOS / "paper" / "optimum_7.62mm_AP.toml"

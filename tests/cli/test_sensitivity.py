@@ -1,7 +1,7 @@
 import json
 from pathlib import Path
 
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
 

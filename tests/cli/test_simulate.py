@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from armour import load_scenario, simulate
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from armour.analysis.quantities import QUANTITIES
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
 CERAMIC = "armour.ceramic_thickness_mm"

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
 SHOTS = SCENARIOS / "tests" / "shots.csv"

@@ -6,7 +6,7 @@ import pytest
 
 from armour.errors import ArmourError
 from armour.validation import validate
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 SUITE = f"""# mine
 title = "My suite"

@@ -10,7 +10,7 @@ from armour.core.events import Event, after_event, event_functions, interpolated
 from armour.core.rk4 import step
 from armour.core.stages import first_stage, rates, stage_name
 from armour.core.state import Medium, Outcome, Stage, State
-from tests.cases import armour
+from tests.helpers.cases import armour
 
 
 def struck(V: float, W: float = 0.0) -> State:

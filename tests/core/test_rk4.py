@@ -7,7 +7,7 @@ import pytest
 from armour.core.rk4 import advance, step
 from armour.core.stages import rates
 from armour.core.state import Medium, Stage, State
-from tests.cases import armour
+from tests.helpers.cases import armour
 
 START = State(Z=0.001, L=0.02, V=700.0, W=10.0, h=0.0001)
 

@@ -8,7 +8,8 @@ from armour.core.equations import crack_velocity
 from armour.core.run import Instant, run
 from armour.core.state import Medium, Outcome
 from armour.core.stepping import default_time_step
-from tests.cases import armour, path, traced
+from tests.helpers.cases import armour
+from tests.helpers.runs import path, traced
 
 
 def test_the_events_of_the_wilkins_case():

@@ -18,7 +18,8 @@ from armour.core.search import (
     is_converged,
     next_point,
 )
-from tests.cases import armour, perforates, random_designs
+from tests.helpers.cases import armour
+from tests.helpers.runs import perforates, random_designs
 
 COUNT = 60
 STEPS = 500_000

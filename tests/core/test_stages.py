@@ -6,7 +6,7 @@ import pytest
 
 from armour.core.stages import drive_force, first_stage, joint_deceleration, select_stage, shear_force, stage_name
 from armour.core.state import Medium, Stage, State
-from tests.cases import armour
+from tests.helpers.cases import armour
 
 STATE = State(Z=4e-3, L=0.018, V=600.0, W=100.0, h=0.5e-3)
 NAMES = {

@@ -7,7 +7,7 @@ import pytest
 from armour.core.stages import first_stage, rates
 from armour.core.state import Medium, Parameters, Stage, State
 from armour.core.stepping import default_time_step, fastest_rate, step_length, time_step
-from tests.cases import armour
+from tests.helpers.cases import armour
 
 STATE = State(Z=4e-3, L=0.018, V=600.0, W=100.0, h=0.5e-3)
 RATES = State(Z=400.0, L=-200.0, V=-2e7, W=3e6, h=100.0)

@@ -4,11 +4,11 @@ from typing import Any
 
 import pytest
 
-from armour.design.catalogue import Catalogue
+from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.errors import InputError, NoDesignError
-from tests.cases import THREATS, catalogue, scenario
-from tests.plain_designs import defeats, designs
+from tests.helpers.cases import THREATS, catalogue, scenario
+from tests.helpers.plain_designs import defeats, designs
 
 UNCERTAIN = {
     "samples": 1024,
@@ -30,7 +30,7 @@ def test_constraints_are_met_and_what_is_added_counts():
 
 
 def test_a_density_in_place_of_the_librarys():
-    offers = Catalogue(catalogue()).offers
+    offers = catalogue_of(catalogue()).offers
     assert [offer.ceramic_density_kg_m3 for offer in offers] == [3430.0, 3430.0, 3900.0, 3900.0]
     ceramics = [
         {"material": "AD85", "thickness_mm": [9.0]},

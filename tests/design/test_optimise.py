@@ -9,7 +9,7 @@ from armour.analysis.impact import simulate
 from armour.design.optimise import optimise
 from armour.errors import InputError, NoDesignError
 from armour.scenario.loading import Scenario, load_scenario
-from tests.cases import SCENARIOS, library, scenario
+from tests.helpers.cases import SCENARIOS, library, scenario
 
 GRID = {
     "ceramic_thickness_mm": {"min": 8.0, "max": 14.0, "step": 0.5},

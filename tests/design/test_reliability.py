@@ -4,12 +4,12 @@ from typing import Any
 
 import pytest
 
-from armour.design.catalogue import Catalogue
+from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.design.reliability import Reliability, probability_within
 from armour.errors import InputError, NoDesignError
-from tests.cases import catalogue
-from tests.plain_designs import defeats, designs
+from tests.helpers.cases import catalogue
+from tests.helpers.plain_designs import defeats, designs
 
 UNCERTAIN = {
     "samples": 1024,
@@ -27,20 +27,31 @@ def test_a_bound_on_the_probability_of_perforation():
     plain = optimise(catalogue([{k: threat[k] for k in ("projectile", "velocity_m_s")}])).best
     assert best.areal_density_kg_m2 > plain.areal_density_kg_m2
     # Every lighter design that defeats the threat as it stands is perforated too often.
-    whole = Reliability(Catalogue(case))
+    offered = catalogue_of(case)
+    points = Reliability(offered).points
     lighter = 0
     for (ceramic, backing, hc, hb), values in designs(case, defeats):
         if values["areal_density_kg_m2"] < best.areal_density_kg_m2 - 1e-9:
-            [pair] = [
-                i
-                for i, offer in enumerate(Catalogue(case).offers)
+            [scenario] = [
+                offer.against[0]
+                for offer in offered.offers
                 if (offer.ceramic.material, offer.backing.material) == (ceramic, backing)
             ]
-            found = probability_within(whole.posed[pair][0], whole.points, hc, hb, 1.0)
+            found = probability_within(1.0, scenario, hc, hb, points)
             assert found is not None
             assert found.high > 0.02
             lighter += 1
     assert lighter > 0
+
+
+def test_the_pareto_front_keeps_to_the_bound():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0}
+    criteria = ["areal_density_kg_m2", "margin_m_s"]
+    bounded = optimise(catalogue([{**threat, "probability_of_perforation": 0.02}], UNCERTAIN, pareto=criteria))
+    plain = optimise(catalogue([threat], pareto=criteria))
+    assert min(design.areal_density_kg_m2 for design in bounded.pareto) == bounded.best.areal_density_kg_m2
+    assert bounded.best.areal_density_kg_m2 > plain.best.areal_density_kg_m2
+    assert set(bounded.pareto) != set(plain.pareto)
 
 
 def test_the_probability_is_at_the_threats_own_velocity():

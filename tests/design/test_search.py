@@ -6,9 +6,10 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.core.state import Outcome
 from armour.design.optimise import optimise
+from armour.design.search import undominated
 from armour.engine import batch
 from armour.scenario.loading import load_scenario
-from tests.cases import SCENARIOS, THREATS, catalogue, scenario
+from tests.helpers.cases import SCENARIOS, THREATS, catalogue, scenario
 
 
 def test_margins_and_the_threat_that_governs():
@@ -93,3 +94,29 @@ def test_a_big_catalogue_is_exact():
                 good &= batch.impacts(rows, np.full(400, velocity)).outcome == Outcome.DEFEATED
             least = min(least, float(np.where(good, a.rho_c * hc + a.rho_B * hb, np.inf).min()) / 1000.0)
     assert result.best.areal_density_kg_m2 == pytest.approx(least, rel=1e-12)
+
+
+def test_undominated_rows():
+    costs = np.array([[1.0, 5.0], [2.0, 2.0], [2.0, 2.0], [3.0, 3.0], [5.0, 1.0], [1.0, 6.0]])
+    assert undominated(costs).tolist() == [0, 1, 4]
+
+
+def test_a_front_with_margins():
+    """More margin costs mass: along the front both rise, and every design has the margin it says."""
+    found = optimise(catalogue(THREATS[:1], pareto=["areal_density_kg_m2", "margin_m_s"])).pareto
+    masses, margins = [item.areal_density_kg_m2 for item in found], [item.margin_m_s or 0.0 for item in found]
+    assert len(found) > 5
+    assert masses == sorted(masses)
+    assert margins == sorted(margins)
+    assert margins[0] >= 0.0
+
+
+def test_equal_sums_are_equal_on_the_front():
+    steps = {"min": 4.0, "max": 12.0, "step": 0.1}
+    layers = {
+        "ceramic": [{"material": "AD99.5", "thickness_mm": steps}],
+        "backing": [{"material": "7075-T6", "thickness_mm": {"min": 2.0, "max": 8.0, "step": 0.3}}],
+    }
+    front = optimise(catalogue(THREATS[:1], **layers, pareto=["thickness_mm", "areal_density_kg_m2"])).pareto
+    thicknesses = [round(item.thickness_mm, 6) for item in front]
+    assert len(set(thicknesses)) == len(thicknesses)

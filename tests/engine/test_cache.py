@@ -237,7 +237,7 @@ def test_another_version_of_numba_is_another_archive(monkeypatch: pytest.MonkeyP
 
 PROGRAM = """
 from armour.engine import batch, cache
-from tests.cases import armour
+from tests.helpers.cases import armour
 print(batch.ballistic_limits(batch.packed([armour()]), 20.0, 4000.0, 1e-3).perforated[0])
 print(sum(cache.kernel("ballistic_limits").stats.cache_hits.values()))
 print(sum(sum(kernel.stats.cache_hits.values()) for kernel in cache.load_kernels().values()))

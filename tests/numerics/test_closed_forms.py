@@ -11,7 +11,8 @@ from armour.core.run import Instant
 from armour.core.stages import front_velocity, interface_force, medium_ahead, rates, shear_force
 from armour.core.state import Medium, Parameters, Stage
 from armour.core.stepping import STEPS_PER_CHANGE
-from tests.cases import STAGE_PATHS, armour, traced
+from tests.helpers.cases import armour
+from tests.helpers.runs import STAGE_PATHS, traced
 
 # Error of a method of fourth order with the default step.
 METHOD = STEPS_PER_CHANGE**-4

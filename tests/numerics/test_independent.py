@@ -7,7 +7,7 @@ from armour.analysis.ballistic_limit import bisect
 from armour.core.run import run
 from armour.core.state import Outcome
 from armour.core.stepping import default_time_step
-from tests.cases import path, perforates, random_designs, traced
+from tests.helpers.runs import path, perforates, random_designs, traced
 from tests.numerics.reference import ARREST, Reference
 
 COUNT = 60

@@ -6,7 +6,7 @@ import pytest
 
 from armour.core.run import run
 from armour.core.state import Parameters
-from tests.cases import STAGE_PATHS, path, traced
+from tests.helpers.runs import STAGE_PATHS, path, traced
 
 LONGEST = 0.5e-6
 HALVINGS = 6

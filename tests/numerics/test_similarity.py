@@ -5,7 +5,7 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import simulate
 from armour.scenario.loading import Scenario, parse_scenario
-from tests.cases import data
+from tests.helpers.cases import data
 
 CASES = [
     {},

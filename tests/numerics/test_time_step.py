@@ -7,7 +7,8 @@ import pytest
 from armour.analysis.ballistic_limit import bisect
 from armour.core.state import Parameters
 from armour.scenario.loading import load_scenario
-from tests.cases import SCENARIOS, perforates, random_designs
+from tests.helpers.cases import SCENARIOS
+from tests.helpers.runs import perforates, random_designs
 
 
 def is_near(p: Parameters, part: float, distance: float) -> bool:

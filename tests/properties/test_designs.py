@@ -13,8 +13,8 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.design.optimise import Design, optimise
 from armour.errors import NoDesignError
 from armour.scenario.loading import Scenario
-from tests.cases import scenario
-from tests.plain_designs import CRITERIA, defeats, designs, passes, posed
+from tests.helpers.cases import scenario
+from tests.helpers.plain_designs import CRITERIA, defeats, designs, passes, posed
 
 # Exotic catalogues in which the lightest design that defeats the threats at their own velocities has a lower limit.
 LOWER_LIMITS = [52, 705, 756, 925, 1048, 1058]

@@ -11,7 +11,7 @@ from armour.scenario.applicability import MODEL_ERROR_PERCENT
 from armour.scenario.loading import load_scenario
 from armour.validation.suite import load_suite
 from armour.validation.validate import paper_suite, validate
-from tests.cases import SCENARIOS, scenario
+from tests.helpers.cases import SCENARIOS, scenario
 
 
 @cache

@@ -8,11 +8,13 @@ from html.parser import HTMLParser
 import pytest
 
 from armour.reporting.contents import Contents, contents_of
-from armour.reporting.html import scenario_page, suite_page
+from armour.reporting.html import html_report
+from armour.reporting.scenario_report import scenario_report
+from armour.reporting.suite_report import suite_report
 from armour.scenario.loading import load_scenario
-from tests.cases import SCENARIOS, scenario
-from tests.reporting.results import OTHER, THREAT, design_result, uncertainty_result
-from tests.suites import TABLE, case, result
+from tests.helpers.cases import SCENARIOS, scenario
+from tests.helpers.results import OTHER, THREAT, design_result, uncertainty_result
+from tests.helpers.suites import TABLE, case, result
 
 
 @cache
@@ -21,7 +23,7 @@ def contents(name: str) -> Contents:
 
 
 def page(found: Contents) -> str:
-    return scenario_page(found, "armour report case.toml")
+    return html_report(scenario_report(found, "armour report case.toml"))
 
 
 def headings(content: str) -> list[str]:
@@ -102,7 +104,7 @@ def test_numbers_are_aligned_to_the_right():
 def test_texts_of_users_are_text():
     title = '<script>alert("x")</script> </script> & "quotes" <!--'
     found = contents_of(load_scenario(SCENARIOS / "bare_plate.toml", {"title": title}))
-    content = scenario_page(found, "armour report '<b>'")
+    content = html_report(scenario_report(found, "armour report '<b>'"))
     assert "<script" not in content
     assert "<!--" not in content
     assert "&lt;script&gt;alert" in content
@@ -118,7 +120,8 @@ def test_names_of_materials_are_text():
 
 
 def test_a_suite(folder):
-    content = suite_page(result(folder, TABLE + case("own", 700.0, "band = 100.0")), "armour report s.toml")
+    outcome = result(folder, TABLE + case("own", 700.0, "band = 100.0"))
+    content = html_report(suite_report(outcome, "armour report s.toml"))
     assert "3 of 4 within their bands" in content
     assert content.count('class="chart"') == 1
     assert "computed ballistic limit, m/s" in content
@@ -129,5 +132,5 @@ def test_a_suite(folder):
 
 def test_a_suite_without_numbers_has_no_chart(folder):
     outcome = 'scenario = "wilkins.toml"\nquantity = "outcome"\nexpected = "perforated"'
-    content = suite_page(result(folder, f'[[case]]\nname = "o"\n{outcome}\n'), "armour report s.toml")
+    content = html_report(suite_report(result(folder, f'[[case]]\nname = "o"\n{outcome}\n')))
     assert 'class="chart"' not in content

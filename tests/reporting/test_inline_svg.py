@@ -9,7 +9,7 @@ from armour.reporting import charts
 from armour.reporting.chart import BLUE, INK, SOFT, VERMILION, Axis, Bars, Chart, Line, Panel, Points, Spans
 from armour.reporting.inline_svg import MAX_POINTS, inline_svg
 from armour.reporting.plots import draw
-from tests.reporting.results import design_result, impact
+from tests.helpers.results import design_result, impact
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -33,13 +33,13 @@ def circles(chart: Chart) -> list[tuple[float, float]]:
 
 
 def test_points_tell_their_values_with_units():
-    chart = one(Points([2.0, 4.0], [3.25, 123.456], "p"), Points([5.0], [5.0], text=("first\nsecond",)))
+    chart = one(Points([2.0, 4.0], [3.25, 123.456], label="p"), Points([5.0], [5.0], text=("first\nsecond",)))
     assert words(chart) == ["p: 3.25 g\nlength 2 mm", "first\nsecond"]  # the other is outside the axes
 
 
 def test_points_are_where_they_are_drawn():
     """Markers of matplotlib and circles have the same place."""
-    chart = one(Points([2.0, 4.0], [3.0, 7.0], "p", VERMILION))
+    chart = one(Points([2.0, 4.0], [3.0, 7.0], label="p", colour=VERMILION))
     root = ElementTree.fromstring(inline_svg(chart, "c"))
     markers = [use for use in root.iter(f"{SVG}use") if VERMILION in use.attrib["style"]]
     drawn = [(float(use.attrib["x"]), float(use.attrib["y"])) for use in markers]
@@ -59,7 +59,9 @@ def test_points_of_a_curve_keep_a_distance_and_are_bounded():
 def test_bars_and_spans_have_their_words():
     bars = Bars([0.0, 0.0, 0.0], [4.0, None, 0.0], text=("one", "two", "three"))
     assert words(one(bars, y=Axis(categories=("a", "b", "c")))) == ["one"]
-    spans = Spans([0.0, 5.0], [5.0, 10.0], ("i", "ii"), ("stage i", "stage ii"))
+    values = Bars([0.0, 1.0], [4.0, 2.5], label="made")
+    assert words(one(values, y=Axis(categories=("a", "b")))) == ["a\nmade: 4 mm length", "b\nmade: 2.5 mm length"]
+    spans = Spans([0.0, 5.0], [5.0, 10.0], ("i", "ii"), text=("stage i", "stage ii"))
     assert words(one(spans)) == ["stage i", "stage ii"]
 
 

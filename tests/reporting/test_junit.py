@@ -2,7 +2,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from armour.reporting.junit import suite_junit
-from tests.suites import TABLE, case, result
+from tests.helpers.suites import TABLE, case, result
 
 
 def test_every_case_and_table_is_a_test_case(folder: Path):

@@ -10,8 +10,8 @@ from matplotlib.transforms import Bbox
 from armour.reporting import charts
 from armour.reporting.chart import Axis, Bars, Chart, Contours, Line, Map, Panel, Points, Rule, printable_chart
 from armour.reporting.plots import FORMATS, draw, rendered
-from tests.cases import scenario
-from tests.reporting.results import OTHER, THREAT, design_result, impact, uncertainty_result
+from tests.helpers.cases import scenario
+from tests.helpers.results import OTHER, THREAT, design_result, impact, uncertainty_result
 
 MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 GRID = [4.0, 6.0, 8.0], [5.0, 7.0]
@@ -29,8 +29,8 @@ CHARTS = {
     "uncertainty": lambda: charts.uncertainty_chart(uncertainty_result(), scenario(velocity=700.0)),
     "map": lambda: one(Map(*GRID, VALUES, "speed, m/s"), Contours(*GRID, VALUES)),
     "bars": lambda: one(
-        Bars([0.0, 0.0], [1.0, None], "one", slot=0, slots=2),
-        Bars([0.0, 0.0], [2.0, -1.0], "two", slot=1, slots=2),
+        Bars([0.0, 0.0], [1.0, None], slot=0, slots=2, label="one"),
+        Bars([0.0, 0.0], [2.0, -1.0], slot=1, slots=2, label="two"),
         y=Axis(categories=("first", "second with a name that takes two lines")),
     ),
 }
@@ -75,7 +75,11 @@ def test_no_text_is_cut_and_no_panel_overlaps_another_or_the_legend(chart: Chart
 
 
 def test_lines_points_and_rules():
-    series = Line([0.0, 1.0, 2.0], [1.0, None, 3.0], "line"), Points([1.0], [2.0], "point"), Rule(1.5, "rule")
+    series = (
+        Line([0.0, 1.0, 2.0], [1.0, None, 3.0], label="line"),
+        Points([1.0], [2.0], label="point"),
+        Rule(1.5, label="rule"),
+    )
     [axes] = draw(one(*series)).axes
     assert [line.get_label() for line in axes.lines] == ["line", "point", "rule"]
     assert np.isnan(np.asarray(axes.lines[0].get_ydata())[1])
@@ -140,7 +144,7 @@ def test_a_title_is_shown_as_it_is():
 
 
 def test_control_characters_are_escaped():
-    chart = one(Line([0.0, 1.0], [0.0, 1.0], "a\x08b", text=("one\ntwo\x00", "")))
+    chart = one(Line([0.0, 1.0], [0.0, 1.0], label="a\x08b", text=("one\ntwo\x00", "")))
     [item] = printable_chart(chart).panels[0].series
     assert isinstance(item, Line)
     assert (item.label, item.text) == ("a\\x08b", ("one\ntwo\\x00", ""))

@@ -1,9 +1,10 @@
 import csv
 from io import StringIO
+from types import SimpleNamespace
 
 import pytest
 
-from armour.reporting.table import Column, Table, csv_text, record
+from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
 
 LENGTH = Column("length", "mm", ".2f", key="length_mm")
 NAME = Column("name", key="name")
@@ -25,10 +26,10 @@ def test_a_value_is_formatted_by_its_column(column: Column, value: float | str |
     assert column.text(value) == text
 
 
-def test_heading_and_alignment_follow_from_the_column():
+def test_headings_and_texts_follow_from_the_column():
     table = Table((NAME, LENGTH, Column("ratio", spec="g")), (("a", 1.0, 0.5), ("b", None, 2.0)))
     assert table.headings() == ["name", "length, mm", "ratio"]
-    assert table.alignments() == ["left", "right", "right"]
+    assert [column.numeric for column in table.columns] == [False, True, True]
     assert table.texts() == [["a", "1.00", "0.5"], ["b", "", "2"]]
 
 
@@ -38,8 +39,25 @@ def test_a_row_has_a_cell_for_every_column():
 
 
 def test_a_record_leaves_out_what_is_not_known():
-    table = record((NAME, "a"), (LENGTH, None), (Column("runs", spec="d"), 0), title="T")
+    table = record(None, (NAME, "a"), (LENGTH, None), (Column("runs", spec="d"), 0), title="T")
     assert (table.headings(), table.texts(), table.record, table.title) == (["name", "runs"], [["a", "0"]], True, "T")
+
+
+def test_label_and_unit_of_a_column_follow_from_its_key():
+    assert column_of("backing_thickness_mm", "g") == Column(
+        "back plate thickness", "mm", "g", key="backing_thickness_mm"
+    )
+    assert column_of("count", "d", "rows").heading == "rows"
+
+
+def test_columns_show_attributes_values_and_functions_of_items():
+    items = [SimpleNamespace(name="a", length_mm=2.0), SimpleNamespace(name="b", length_mm=None)]
+    table = listing(
+        items, NAME, LENGTH, (Column("kind"), "rod"), (Column("twice"), lambda item: item.name * 2), title="T"
+    )
+    assert table.rows == (("a", 2.0, "rod", "aa"), ("b", None, "rod", "bb"))
+    assert (table.headings(), table.title) == (["name", "length, mm", "kind", "twice"], "T")
+    assert record(items[1], NAME, LENGTH).rows == (("b",),)
 
 
 def test_csv_has_keys_and_numbers_with_all_digits():

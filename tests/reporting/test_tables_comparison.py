@@ -1,6 +1,6 @@
 from armour.analysis.comparison import compare
 from armour.reporting.tables.comparison import comparison_table, fit_table
-from tests.cases import scenario
+from tests.helpers.cases import scenario
 
 
 def test_florence_beside_the_model():

@@ -3,12 +3,23 @@ from io import StringIO
 from types import SimpleNamespace
 from typing import Any
 
+from armour.analysis.ballistic_limit import Crossing, LimitResult
 from armour.analysis.impact import simulate
 from armour.core.stages import stage_name
 from armour.core.state import Medium, Stage
 from armour.reporting.table import csv_text
-from armour.reporting.tables.impact import STAGES, energy_table, history_table, impact_table, stage_table
-from tests.cases import quantities, scenario
+from armour.reporting.tables.impact import (
+    STAGES,
+    crossing_table,
+    energy_table,
+    history_table,
+    impact_table,
+    limit_table,
+    limit_tables,
+    stage_table,
+)
+from tests.helpers.cases import scenario
+from tests.helpers.results import quantities
 
 
 def test_every_stage_is_described():
@@ -60,3 +71,27 @@ def test_energies_end_in_their_sum():
         (30.0, 70.0, 100.0, 50.0),
     ]
     assert energy_table(energy(0.0)).rows[-1][1:] == (0, 0, 0, 0.0)
+
+
+ONE = (Crossing((700.0, 700.01), "perforated"),)
+THREE = (*ONE, Crossing((900.0, 900.01), "defeated"), Crossing((950.0, 950.01), "perforated"))
+
+
+def limit(crossings: tuple[Crossing, ...]) -> LimitResult:
+    return LimitResult(700.01, (700.0, 700.01), 46, 39.243, len(crossings) == 1, crossings, ())
+
+
+def test_a_limit():
+    assert quantities(limit_table(limit(ONE))) == {
+        "ballistic limit, m/s": "700.01",
+        "defeated at, m/s": "700.0000",
+        "perforated at, m/s": "700.0100",
+        "runs": "46",
+        "areal density, kg/m²": "39.24",
+    }
+
+
+def test_crossings_are_listed_where_there_are_several():
+    assert len(limit_tables(limit(ONE))) == 1
+    assert limit_tables(limit(THREE))[1] == crossing_table(limit(THREE))
+    assert crossing_table(limit(THREE)).rows[1] == (900.0, 900.01, "defeated")

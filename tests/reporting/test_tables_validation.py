@@ -7,14 +7,14 @@ from armour.reporting.tables.validation import (
     check_groups,
     check_table,
     figure_table,
-    note_table,
+    note_rows,
     parity_table,
     suite_tables,
     verdict,
 )
 from armour.validation.figures import Figure, FigureCurve
 from armour.validation.validate import SuiteResult
-from tests.suites import TABLE, case, result
+from tests.helpers.suites import TABLE, case, result
 
 
 @pytest.fixture
@@ -27,7 +27,7 @@ def test_checks_stand_below_their_table(outcome: SuiteResult):
     table = check_table(check_groups(outcome)["cases"])
     assert table.headings()[1:4] == ["expected, m/s", "computed, m/s", "deviation, m/s"]
     assert table.texts() == [["out", "725", "723.8", "-1.2", "-0.17", "1", "outside"]]
-    assert table.alignments()[1:6] == ["right"] * 5
+    assert [column.numeric for column in table.columns] == [False, *[True] * 5, False]
 
 
 def test_checks_of_several_quantities_have_units_of_their_own(folder: Path):
@@ -43,7 +43,7 @@ def test_checks_of_several_quantities_have_units_of_their_own(folder: Path):
 
 def test_a_suite_has_its_tables_as_a_whole(outcome: SuiteResult):
     assert [table.title for table in suite_tables(outcome)] == ["t", "cases", "tables as a whole", "errors"]
-    assert note_table(outcome.checks).rows == (("out", "as measured"),)
+    assert note_rows(outcome.checks) == [("out", "as measured")]
     assert verdict(outcome) == "2 of 4 within their bands, 2 outside"
 
 

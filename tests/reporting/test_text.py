@@ -1,6 +1,6 @@
 import pytest
 
-from armour.reporting.text import interval, printable
+from armour.reporting.text import interval, percent, printable, spelt
 
 
 @pytest.mark.parametrize(
@@ -20,7 +20,17 @@ def test_control_characters_are_shown_and_not_obeyed(text: str, shown: str):
 
 
 def test_intervals():
-    assert interval(1.25, 2.0, ".1f") == "1.2 to 2.0"
-    assert interval(None, 2.0, ".1f") == "up to 2.0"
-    assert interval(1.0, None, "g") == "from 1"
-    assert interval(None, None, "g") == "not bounded"
+    assert interval((1.25, 2.0), ".1f") == "1.2 to 2.0"
+    assert interval((None, 2.0), ".1f") == "up to 2.0"
+    assert interval((1.0, None), "g") == "from 1"
+    assert interval((None, None), "g") == "not bounded"
+
+
+def test_words_of_keys_are_spelt_as_people_read_them():
+    assert spelt("backing thickness") == "back plate thickness"
+    assert spelt("youngs modulus") == "Young's modulus"
+    assert spelt("flow stress") == "flow stress"
+
+
+def test_parts_are_in_per_cent():
+    assert (percent(0.95), percent(0.999)) == ("95 %", "99.9 %")

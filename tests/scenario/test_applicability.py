@@ -6,7 +6,7 @@ from armour.scenario.applicability import BACKING, CERAMIC, SLENDERNESS, VELOCIT
 from armour.scenario.library import penetrator_length_mm
 from armour.validation.suite import load_suite
 from armour.validation.validate import paper_suite
-from tests.cases import scenario
+from tests.helpers.cases import scenario
 
 
 @cache

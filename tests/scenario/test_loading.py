@@ -6,9 +6,10 @@ import pytest
 
 from armour.core.equations import CONOID
 from armour.errors import InputError
-from armour.scenario.loading import changed, load_scenario, parse_scenario, save_scenario
+from armour.scenario.assignments import changed
+from armour.scenario.loading import load_scenario, parse_scenario, save_scenario
 from armour.scenario.schema import Range
-from tests.cases import SCENARIOS, data, scenario
+from tests.helpers.cases import SCENARIOS, data, scenario
 
 
 def messages(content: dict[str, Any]) -> list[str]:
@@ -32,12 +33,6 @@ def test_the_wilkins_case_in_the_cores_terms():
     assert (a.rho_B, a.YB) == (2750, 1.05e9)
     assert a.tau == pytest.approx(0.7 * 372e6)
     assert a.shear_law == CONOID
-
-
-def test_other_thicknesses():
-    a = scenario().core_armour(5.0, 4.0)
-    assert (a.Hc0, a.Hb) == pytest.approx((5e-3, 4e-3))
-    assert scenario().areal_density_kg_m2(5.0, 4.0) == pytest.approx(3.43 * 5 + 2.75 * 4)
 
 
 def test_areal_density():

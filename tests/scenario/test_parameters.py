@@ -3,7 +3,7 @@ import pytest
 
 from armour.errors import InputError
 from armour.scenario.parameters import INPUTS, check_names, check_ranges, inputs_of, with_inputs
-from tests.cases import scenario
+from tests.helpers.cases import scenario
 
 
 def test_the_inputs_have_the_values_of_the_scenario():

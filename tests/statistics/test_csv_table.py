@@ -20,12 +20,10 @@ def messages(tmp_path: Path, text: str) -> list[str]:
 
 def test_rows_with_their_lines(tmp_path: Path):
     rows = read(tmp_path, "velocity_m_s, result\n\n 700.5 , partial\n,complete\n")
-    assert [(row.line, dict(row.cells)) for row in rows] == [
-        (3, {"velocity_m_s": 700.5, "result": "partial"}),
-        (4, {"velocity_m_s": None, "result": "complete"}),
+    assert [(row.place, row.numbers, row.texts) for row in rows] == [
+        ("line 3", {"velocity_m_s": 700.5}, {"result": "partial"}),
+        ("line 4", {}, {"result": "complete"}),
     ]
-    assert rows[0]["shot"] is None
-    assert rows[1].place == "line 4"
 
 
 def test_every_mistake_at_once(tmp_path: Path):

@@ -7,7 +7,7 @@ from armour.scenario.library import read_library, shipped_library
 from armour.statistics.calibration import calibrate
 from armour.statistics.fitted_library import library_text
 from armour.statistics.test_data import read_tests
-from tests.cases import TESTS, csv_file, shipped_scenario
+from tests.helpers.cases import TESTS, csv_file, shipped_scenario
 
 C, B = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 

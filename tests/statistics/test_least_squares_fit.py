@@ -6,7 +6,7 @@ import pytest
 from armour.errors import InputError
 from armour.statistics.calibration import calibrate
 from armour.statistics.test_data import read_tests
-from tests.cases import csv_file, shipped_scenario
+from tests.helpers.cases import csv_file, shipped_scenario
 
 C, V, TAU = "armour.ceramic_thickness_mm", "impact.velocity_m_s", "backing.shear_strength_MPa"
 

@@ -10,7 +10,7 @@ from armour.design.optimise import optimise
 from armour.errors import InputError
 from armour.scenario.parameters import inputs_of, with_inputs
 from armour.statistics.sensitivity import CHANGE, LIMIT, OPTIMUM, RESIDUAL, sensitivity
-from tests.cases import scenario, shipped_scenario
+from tests.helpers.cases import scenario, shipped_scenario
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import pytest
 
 from armour.errors import InputError
 from armour.statistics.test_data import read_tests
-from tests.cases import TESTS, csv_file, shipped_scenario
+from tests.helpers.cases import TESTS, csv_file, shipped_scenario
 
 C, B, V = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "impact.velocity_m_s"
 

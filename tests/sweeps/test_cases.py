@@ -5,7 +5,7 @@ import pytest
 
 from armour.errors import InputError
 from armour.sweeps.cases import Axis, Cases, axis_of
-from tests.cases import csv_file, sweep_grid
+from tests.helpers.cases import csv_file, sweep_grid
 
 
 def test_axes():

@@ -12,7 +12,7 @@ from distributed import Client, LocalCluster
 from armour.errors import InputError, Problem
 from armour.sweeps.dask import connected, on_cluster
 from armour.sweeps.sweep import sweep
-from tests.cases import sweep_grid, sweep_scenario
+from tests.helpers.cases import sweep_grid, sweep_scenario
 
 QUANTITIES = ("ballistic_limit_m_s", "residual_velocity_m_s", "outcome")
 

@@ -8,7 +8,7 @@ from armour.errors import InputError
 from armour.scenario.loading import load_scenario
 from armour.validation import figures
 from armour.validation.figures import Figure, compute_figure, paper_figures, parity_of_table_3, read_figures
-from tests.cases import scenario
+from tests.helpers.cases import scenario
 
 FIGURES = """
 [[figure]]

@@ -7,7 +7,7 @@ from armour.design.optimise import optimise
 from armour.errors import InputError, NoDesignError, NoLimitError
 from armour.scenario.loading import Scenario
 from armour.validation.questions import QUESTIONS, Asked, answer, check_answerable
-from tests.cases import scenario
+from tests.helpers.cases import scenario
 
 GRID = {
     "ceramic_thickness_mm": {"min": 0.0, "max": 60.0, "step": 1.0},

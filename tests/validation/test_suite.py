@@ -6,7 +6,7 @@ import pytest
 
 from armour.errors import InputError
 from armour.validation.suite import Suite, load_suite
-from tests.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS
 
 HEAD = 'scenario = "wilkins.toml"\nquantity = "ballistic_limit_m_s"\n'
 CASE = f'[[case]]\nname = "a"\n{HEAD}expected = 724.0\nband = 1.0\n'

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.validation.update import updated_text, updates_of
-from tests.cases import scenario
-from tests.suites import TABLE, case, result
+from tests.helpers.cases import scenario
+from tests.helpers.suites import TABLE, case, result
 
 
 def test_an_update_writes_what_is_computed_and_nothing_else(folder: Path):

@@ -9,8 +9,8 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.comparison import florence_ballistic_limit
 from armour.validation.questions import Asked
 from armour.validation.validate import Check, Summary, result_of, validate
-from tests.cases import scenario
-from tests.suites import TABLE, case, load, result
+from tests.helpers.cases import scenario
+from tests.helpers.suites import TABLE, case, load, result
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@
 
 import shlex
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,6 +11,9 @@ from armour.cli.options import Changes, argument
 from armour.cli.runner import check_outputs, read_scenario, say_if_compiling, write
 from armour.errors import InputError
 from armour.files import read_toml, wrong_ending
+
+if TYPE_CHECKING:
+    from armour.reporting.report import Report
 
 
 def report(
@@ -30,26 +33,28 @@ def report(
     options = [word for change in changes or () for word in ("--set", change)]
     command = shlex.join(["armour", "report", str(source), "--output", str(output), *options])
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
-    page = _suite_page if is_suite else _scenario_page
-    write(output, page(source, changes or [], command, as_markdown=output.suffix.lower() == ".md"))
+    made = (_suite_report if is_suite else _scenario_report)(source, changes or [], command)
+    if output.suffix.lower() == ".md":
+        from armour.reporting.markdown import markdown_report
+
+        write(output, markdown_report(made))
+    else:
+        from armour.reporting.html import html_report
+
+        write(output, html_report(made))
 
 
-def _scenario_page(source: Path, changes: list[str], command: str, *, as_markdown: bool) -> str:
+def _scenario_report(source: Path, changes: list[str], command: str) -> "Report":
     from armour.reporting.contents import contents_of
+    from armour.reporting.scenario_report import scenario_report
 
     loaded = read_scenario(source, changes)
     say_if_compiling()
-    contents = contents_of(loaded)
-    if as_markdown:
-        from armour.reporting.markdown_report import scenario_markdown
-
-        return scenario_markdown(contents, command)
-    from armour.reporting.html import scenario_page
-
-    return scenario_page(contents, command)
+    return scenario_report(contents_of(loaded), command)
 
 
-def _suite_page(source: Path, changes: list[str], command: str, *, as_markdown: bool) -> str:
+def _suite_report(source: Path, changes: list[str], command: str) -> "Report":
+    from armour.reporting.suite_report import suite_report
     from armour.scenario.assignments import changes_of
     from armour.validation.suite import load_suite
     from armour.validation.validate import validate
@@ -57,11 +62,4 @@ def _suite_page(source: Path, changes: list[str], command: str, *, as_markdown: 
     suite = load_suite(source, changes_of(changes))
     say_if_compiling()
     with progress("cases", len(suite.cases)) as count:
-        result = validate(suite, on_check=lambda _check, _total: count(1))
-    if as_markdown:
-        from armour.reporting.markdown import suite_markdown
-
-        return suite_markdown(result)
-    from armour.reporting.html import suite_page
-
-    return suite_page(result, command)
+        return suite_report(validate(suite, on_check=lambda _check, _total: count(1)), command)

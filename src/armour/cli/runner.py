@@ -55,8 +55,8 @@ def read_scenario(
 
     ``assignments`` are those of ``--set``; ``more`` are values of other options by key, None where one is not given.
     """
-    from armour.scenario.assignments import changes_of
-    from armour.scenario.loading import changed, load_scenario, parse_scenario
+    from armour.scenario.assignments import changed, changes_of
+    from armour.scenario.loading import load_scenario, parse_scenario
 
     given = {key: value for key, value in (more or {}).items() if value is not None}
     changes = changed(changes_of(assignments or ()), given)

@@ -42,7 +42,7 @@ def ballistic_limit(
 ) -> None:
     """Find the ballistic limit."""
     from armour.analysis import ballistic_limit as analysis
-    from armour.reporting.tables.limit import limit_tables
+    from armour.reporting.tables.impact import limit_tables
 
     check_outputs(plot=plot, reads=[scenario])
     loaded = read_scenario(scenario, changes)

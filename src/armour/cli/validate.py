@@ -40,7 +40,8 @@ def validate(
     Exits with 3 where a value lies outside its band.
     """
     from armour.reporting.junit import suite_junit
-    from armour.reporting.markdown import suite_markdown
+    from armour.reporting.markdown import markdown_report
+    from armour.reporting.suite_report import suite_report
     from armour.scenario.assignments import changes_of
     from armour.validation.suite import load_suite
     from armour.validation.validate import paper_suite
@@ -57,7 +58,7 @@ def validate(
         _tables(result),
         as_json=as_json,
         files=[
-            (markdown, lambda: suite_markdown(result)),
+            (markdown, lambda: markdown_report(suite_report(result))),
             (junit, lambda: suite_junit(result)),
             (updated, lambda: _updated(chosen.file, result)),
         ],

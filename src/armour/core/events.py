@@ -60,27 +60,9 @@ def event_functions(
 def step_to_event(
     t: float, y: State, k1: State, s: Stage, p: Parameters, dt: float, V_arrest: float
 ) -> tuple[int, float, State]:
-    """Take a step, or the part of it up to its earliest event.
+    """Take a step of dt, s, from time t, s, or the part of it up to its earliest event; k1 are the rates at y.
 
-    Parameters
-    ----------
-    t : float
-        Time at the start of the step, s.
-    y, k1 : State
-        State and rates at the start of the step.
-    s : Stage
-        Stage during the step.
-    p : Parameters
-        Projectile and armour.
-    dt : float
-        Length of the step, s.
-    V_arrest : float
-        Velocity below which the projectile counts as stopped, m/s.
-
-    Returns
-    -------
-    tuple of int, float, State
-        The `Event`, or -1 for none, the time taken, s, and the state there.
+    Return the `Event`, or -1 for none, the time taken, s, and the state there.
     """
     start = event_functions(t, y, s, p, V_arrest)
     y_end = step(y, k1, s, p, dt)
@@ -110,28 +92,11 @@ def locate_event(
     hi: float,
     y_hi: State,
 ) -> tuple[float, State]:
-    """Locate event k in a step by Chandrupatla's method.
+    """Return the fraction of a step just after event k, within `EVENT_TOLERANCE`, and the state there.
 
-    Inverse quadratic interpolation is used where it is safe, bisection elsewhere.  In the bracket, ``x`` is the last
-    fraction of the step evaluated and ``other`` the end on the other side of the event.
-
-    Parameters
-    ----------
-    k : int
-        The `Event`.
-    t, y, k1, s, p, dt, V_arrest
-        As in `step_to_event`.
-    g_lo, g_hi : float
-        Event function at the start of the step and at ``hi``; ``g_hi`` is negative.
-    hi : float
-        Fraction of the step at the upper end of the bracket.
-    y_hi : State
-        State at ``hi``.
-
-    Returns
-    -------
-    tuple of float, State
-        Fraction of the step just after the event, within `EVENT_TOLERANCE`, and the state there.
+    The event function is ``g_lo`` at the start of the step and ``g_hi`` < 0 at the fraction ``hi``, in state ``y_hi``.
+    Chandrupatla's method interpolates inverse-quadratically where that is safe and bisects elsewhere.  In the bracket,
+    ``x`` is the last fraction evaluated and ``other`` the end on the other side of the event.
     """
     if g_lo < 0.0:
         return 0.0, y

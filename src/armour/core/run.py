@@ -33,27 +33,11 @@ def run(
     max_steps: int,
     trace: list[Instant] | None = None,
 ) -> Run:
-    """Integrate one impact.
+    """Integrate one impact at Vi, m/s, with time steps of about dt, s (see `armour.core.stepping.step_length`).
 
-    Parameters
-    ----------
-    p : Parameters
-        Projectile and armour.
-    Vi : float
-        Impact velocity, m/s.
-    dt : float
-        Time step, s; see `armour.core.stepping.step_length`.  A step with an event is divided at the event, and its
-        remainder is taken in the new stage.
-    V_arrest : float
-        Velocity below which the projectile counts as stopped, m/s.
-    max_steps : int
-        Maximum number of steps, events included; a run that reaches it ends as `Outcome.UNRESOLVED`.
-    trace : list of Instant, optional
-        Receives every instant, from impact to end.
-
-    Returns
-    -------
-    Run
+    A step with an event is divided at the event, and its remainder is taken in the new stage.  The projectile counts as
+    stopped below ``V_arrest``, m/s.  A run of ``max_steps`` steps, events included, ends as `Outcome.UNRESOLVED`.
+    ``trace`` receives every instant, from impact to end.
     """
     t = 0.0
     y = State(Z=0.0, L=p.L0, V=Vi, W=0.0, h=0.0)

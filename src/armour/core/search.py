@@ -110,25 +110,10 @@ def next_point(b: Bracket, tolerance: float) -> float:
 def find_ballistic_limit(
     p: Parameters, low: float, high: float, tolerance: float, V_arrest: float, given: float, max_steps: int
 ) -> SearchResult:
-    """Find the ballistic limit between two impact velocities, where the outcome changes once between them.
+    """Find the ballistic limit between two impact velocities, m/s, between which the outcome changes once.
 
-    Parameters
-    ----------
-    p : Parameters
-        Projectile and armour.
-    low, high : float
-        Range of impact velocities, m/s.
-    tolerance : float
-        Width of the final bracket, m/s.
-    V_arrest, max_steps
-        As in `armour.core.run.run`.
-    given : float
-        Time step, s; 0 for the default of each impact, see `armour.core.stepping.time_step`.
-
-    Returns
-    -------
-    SearchResult
-        Bracket in m/s.
+    ``tolerance`` is the width of the final bracket, m/s, and ``given`` the time step, s, as in
+    `armour.core.stepping.time_step`.
     """
     b = initial_bracket(low, high)
     guess = estimated_limit(p)
@@ -159,25 +144,10 @@ def find_ballistic_limit(
 def find_least_ceramic_thickness(
     p: Parameters, Vi: float, thin: float, thick: float, tolerance: float, V_arrest: float, given: float, max_steps: int
 ) -> SearchResult:
-    """Find the least ceramic thickness that defeats an impact, where the outcome changes once in the range.
+    """Find the least ceramic thickness between two, m, that defeats an impact; the outcome changes once between them.
 
-    Parameters
-    ----------
-    p : Parameters
-        Projectile and armour; ``Hc0`` is not used.
-    Vi : float
-        Impact velocity, m/s.
-    thin, thick : float
-        Range of ceramic thicknesses, m.
-    tolerance : float
-        Width of the final bracket, m.
-    V_arrest, given, max_steps
-        As in `find_ballistic_limit`.
-
-    Returns
-    -------
-    SearchResult
-        Bracket of the negative thickness, -Hc0, m, so that its upper end perforates.
+    The result brackets the negative thickness, -Hc0, m, so that its upper end perforates.  ``p.Hc0`` is not used;
+    ``tolerance`` is the width of the final bracket, m, and ``given`` the time step, s, as in `find_ballistic_limit`.
     """
     b = initial_bracket(-thick, -thin)
     Hc0 = thin

@@ -43,18 +43,8 @@ def step_length(y: State, k: State, s: Stage, p: Parameters, dt: float) -> float
 
     The step is shortened where little of the projectile or the plate is left.  It is lengthened where dt would only
     add rounding; for a rigid projectile in held fragmented ceramic, whose velocity falls as 1/t, in proportion to
-    Vs1/V; and for a rigid projectile that carries all material ahead, whose deceleration is constant.
-
-    Parameters
-    ----------
-    y, k : State
-        State and rates.
-    s : Stage
-        Stage.
-    p : Parameters
-        Projectile and armour.
-    dt : float
-        Usual time step of the impact, s.
+    Vs1/V; and for a rigid projectile that carries all material ahead, whose deceleration is constant.  ``k`` are the
+    rates at ``y``.
     """
     if not (s.eroding or s.penetrated):
         dt *= STEADY_STEPS

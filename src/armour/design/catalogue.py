@@ -1,12 +1,12 @@
-"""What a scenario offers for a design: layers, threats, pairs of materials and the table of candidate designs."""
+"""What a scenario offers for a design: layers, threats and pairs of materials, with constraints and costs."""
 
-from collections.abc import Sequence
-from functools import cached_property
+from dataclasses import dataclass
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
-from armour.analysis.variants import Bools, Floats, Ints, Settings, Variants, grid_of, settings_of, with_thicknesses
+from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, settings_of, with_thicknesses
 from armour.engine import batch
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
@@ -25,12 +25,14 @@ class Offer(NamedTuple):
 
     ceramic: CeramicLayer
     backing: BackingLayer
+    against: tuple[Scenario, ...]  # the pair against each threat
+    parameters: Floats  # of the engine, (threats, 13)
     ceramic_density_kg_m3: float
     backing_density_kg_m3: float
 
 
 class Candidates(NamedTuple):
-    """Candidate designs, an entry each."""
+    """n candidate designs; each column is an array, (n,)."""
 
     pair: Ints  # index of the offer
     ceramic_mm: Floats
@@ -45,134 +47,105 @@ class Candidates(NamedTuple):
         return Candidates(pair[where], *(column[where] for column in numbers))
 
 
+@dataclass(frozen=True)
 class Catalogue:
-    """The pairs of materials on offer, the threats that they face and the section ``design`` of a scenario.
+    """The pairs of materials on offer, the threats that they face and the section ``design`` of a scenario."""
 
-    Raises
-    ------
-    InputError
-        If something is missing in the scenario.
-    """
+    scenario: Scenario
+    section: DesignSection
+    threats: tuple[Threat, ...]
+    titles: tuple[str, ...]  # of the threats
+    required_m_s: Floats  # velocities that the ballistic limits must reach, (threats,)
+    bounded: bool  # whether a threat bounds the probability of perforation
+    offers: tuple[Offer, ...]
 
-    def __init__(self, scenario: Scenario) -> None:
-        self.scenario = scenario
-        self.section = scenario.design or DesignSection()
-        self.threats = threats_of(scenario)
-        self.required_m_s = np.array([threat.required_m_s for threat in self.threats])
-        pairs = [(ceramic, backing) for ceramic in ceramics_of(scenario) for backing in backings_of(scenario)]
-        rows = [
-            batch.packed([scenario_of(scenario, *pair, threat).core_armour() for threat in self.threats])
-            for pair in pairs
-        ]
-        self.parameters = np.array(rows)  # (pairs, threats, 13)
-        densities = [batch.fields(row[:1]) for row in rows]
-        self.offers = [
-            Offer(*pair, float(p.rho_c[0]), float(p.rho_B[0])) for pair, p in zip(pairs, densities, strict=True)
-        ]
-
-    @cached_property
-    def settings(self) -> Settings:
-        """Settings of the scenario."""
-        return settings_of(self.scenario)
-
-    @property
-    def bounded(self) -> bool:
-        """Whether a threat bounds the probability of perforation."""
-        return any(threat.probability_of_perforation is not None for threat in self.threats)
-
-    def posed(self, pair: int, threat: int) -> Scenario:
-        """Return the scenario with a pair of materials against a threat."""
-        offer = self.offers[pair]
-        return scenario_of(self.scenario, offer.ceramic, offer.backing, self.threats[threat])
-
-    def variants(self, pair: Ints, ceramic_mm: Floats, backing_mm: Floats, threat: int) -> Variants:
+    def variants(self, candidates: Candidates, threat: int) -> Variants:
         """Return designs against a threat, a row each, at the velocity that it requires."""
-        velocities = np.full(len(pair), self.required_m_s[threat])
-        rows = Variants(self.parameters[pair, threat], velocities, self.settings)
-        return with_thicknesses(rows, ceramic_mm=ceramic_mm, backing_mm=backing_mm)
+        parameters = np.array([offer.parameters[threat] for offer in self.offers])[candidates.pair]
+        velocities = np.full(len(parameters), self.threats[threat].required_m_s)
+        rows = Variants(parameters, velocities, settings_of(self.scenario))
+        return with_thicknesses(rows, ceramic_mm=candidates.ceramic_mm, backing_mm=candidates.backing_mm)
 
     def candidates(self, pair: int, ceramic_mm: Floats, backing_mm: Floats) -> Candidates:
         """Return designs of a pair with their areal density, thickness and cost."""
         offer, section = self.offers[pair], self.section
-        layers = (
-            (offer.ceramic, offer.ceramic_density_kg_m3, ceramic_mm),
-            (offer.backing, offer.backing_density_kg_m3, backing_mm),
-        )
-        areal_density = np.zeros(len(ceramic_mm))
-        cost = np.full(len(ceramic_mm), section.added_cost_per_m2)
-        for layer, density, thickness in layers:
-            mass = density * thickness * MM
-            areal_density += mass
-            cost += layer.cost_per_kg * mass + np.where(thickness > 0.0, layer.cost_per_m2, 0.0)
+        ceramic_mass = offer.ceramic_density_kg_m3 * ceramic_mm * MM
+        backing_mass = offer.backing_density_kg_m3 * backing_mm * MM
+        ceramic_cost = offer.ceramic.cost_per_kg * ceramic_mass + offer.ceramic.cost_per_m2 * (ceramic_mm > 0.0)
+        backing_cost = offer.backing.cost_per_kg * backing_mass + offer.backing.cost_per_m2
         return Candidates(
             np.full(len(ceramic_mm), pair),
             ceramic_mm,
             backing_mm,
-            np.round(areal_density + section.added_areal_density_kg_m2, DIGITS),
+            np.round(ceramic_mass + backing_mass + section.added_areal_density_kg_m2, DIGITS),
             np.round(ceramic_mm + backing_mm + section.added_thickness_mm, DIGITS),
-            np.round(cost, DIGITS),
+            np.round(section.added_cost_per_m2 + ceramic_cost + backing_cost, DIGITS),
         )
 
     def violations(self, candidates: Candidates) -> Floats:
-        """Return the largest relative constraint violation of each design; 0 where it meets all constraints."""
-        violations = np.zeros(len(candidates.pair))
-        for values, most in (
+        """Return the largest relative constraint violation of each design: 0 for none, inf where a thickness is NaN."""
+        constraints = (
             (candidates.thickness_mm, self.section.thickness_max_mm),
             (candidates.areal_density_kg_m2, self.section.areal_density_max_kg_m2),
             (candidates.cost_per_m2, self.section.cost_max_per_m2),
-        ):
+        )
+        violations = np.where(np.isnan(candidates.thickness_mm), np.inf, 0.0)
+        for values, most in constraints:
             if most is not None:
-                violations = np.maximum(violations, values / most - 1.0 - ROUNDING)
+                violations = np.fmax(violations, values / most - 1.0 - ROUNDING)
         return violations
 
+    def objective(self, candidates: Candidates) -> Floats:
+        """Return the quantity of each design that is minimised."""
+        values: Floats = getattr(candidates, self.section.minimise)
+        return values
 
-def threats_of(scenario: Scenario) -> tuple[Threat, ...]:
-    """Return the threats of a scenario; its impact where it lists none.
 
-    Raises
-    ------
-    InputError
-        If two have the same name, or one bounds a probability and a thickness on offer is free.
-    """
+def catalogue_of(scenario: Scenario) -> Catalogue:
+    """Return what a scenario offers for a design; its impact is the threat where it lists none."""
+    section = _section_of(scenario)
     own = Threat(projectile=scenario.impact.projectile, velocity_m_s=scenario.impact.velocity_m_s)
     threats = tuple(scenario.threat) or (own,)
-    titles = [threat.title for threat in threats]
-    seen: set[str] = set()
+    titles = tuple(threat.title for threat in threats)
+    bounded = any(threat.probability_of_perforation is not None for threat in threats)
     problems = []
     for i, title in enumerate(titles):
-        if title in seen:
+        if title in titles[:i]:
             message = f'must tell the threat from the others, found "{title}" twice'
             problems.append(Problem(scenario.file, f"threat[{i}].name", message))
-        seen.add(title)
-    if any(threat.probability_of_perforation is not None for threat in threats):
-        layers = [*scenario.design.ceramic, *scenario.design.backing] if scenario.design is not None else []
-        if any(layer.free for layer in layers):
-            message = "must have a step for each thickness_mm where a threat has probability_of_perforation"
-            problems.append(Problem(scenario.file, "design", message))
+    if bounded and any(layer.free for layer in [*section.ceramic, *section.backing]):
+        message = "must have a step for each thickness_mm where a threat has probability_of_perforation"
+        problems.append(Problem(scenario.file, "design", message))
     if problems:
         raise InputError(problems)
-    return threats
+
+    offers = []
+    for ceramic, backing in product(section.ceramic, section.backing):
+        against = tuple(_scenario_of(scenario, ceramic, backing, threat) for threat in threats)
+        armours = [each.core_armour() for each in against]
+        densities = armours[0].rho_c, armours[0].rho_B
+        offers.append(Offer(ceramic, backing, against, batch.packed(armours), *densities))
+    required = np.array([threat.required_m_s for threat in threats])
+    return Catalogue(scenario, section, threats, titles, required, bounded, tuple(offers))
 
 
-def ceramics_of(scenario: Scenario) -> Sequence[CeramicLayer]:
-    """Return the ceramics on offer: those of the section ``design``, or the scenario's own in the grid's range."""
-    if scenario.design is not None and scenario.design.ceramic:
-        return scenario.design.ceramic
-    section = grid_of(scenario).ceramic_thickness_mm
-    if scenario.armour.ceramic is None:
-        return [CeramicLayer.model_construct(material="", thickness_mm=[0.0])]
-    return [CeramicLayer(material=scenario.armour.ceramic, thickness_mm=section)]
+def _section_of(scenario: Scenario) -> DesignSection:
+    """Return the section ``design``; where it lists no material, with the scenario's own in the range of the grid."""
+    section, armour = scenario.design or DesignSection(), scenario.armour
+    ceramics, backings = section.ceramic, section.backing
+    if not ceramics:
+        thicknesses = grid_of(scenario).ceramic_thickness_mm
+        if armour.ceramic is None:
+            ceramics = [CeramicLayer.model_construct(material="", thickness_mm=[0.0])]
+        else:
+            ceramics = [CeramicLayer(material=armour.ceramic, thickness_mm=thicknesses)]
+    if not backings:
+        backings = [BackingLayer(material=armour.backing, thickness_mm=grid_of(scenario).backing_thickness_mm)]
+    return section.model_copy(update={"ceramic": ceramics, "backing": backings})
 
 
-def backings_of(scenario: Scenario) -> Sequence[BackingLayer]:
-    """Return the metals on offer: those of the section ``design``, or the scenario's own in the grid's range."""
-    if scenario.design is not None and scenario.design.backing:
-        return scenario.design.backing
-    return [BackingLayer(material=scenario.armour.backing, thickness_mm=grid_of(scenario).backing_thickness_mm)]
-
-
-def scenario_of(scenario: Scenario, ceramic: CeramicLayer, backing: BackingLayer, threat: Threat) -> Scenario:
-    """Return a scenario with other materials and the impact of a threat."""
+def _scenario_of(scenario: Scenario, ceramic: CeramicLayer, backing: BackingLayer, threat: Threat) -> Scenario:
+    """Return the scenario with other materials and the impact of a threat."""
     changes: dict[str, object] = {
         "armour.backing": backing.material,
         "impact.projectile": threat.projectile,
@@ -180,7 +153,7 @@ def scenario_of(scenario: Scenario, ceramic: CeramicLayer, backing: BackingLayer
     }
     if ceramic.material:
         changes["armour.ceramic"] = ceramic.material
-    made = scenario.replaced(changes)
     densities = {"ceramic.density_kg_m3": ceramic.density_kg_m3, "backing.density_kg_m3": backing.density_kg_m3}
     given = {name: value for name, value in densities.items() if value is not None}
+    made = scenario.replaced(changes)
     return with_inputs(made, given) if given else made

@@ -1,4 +1,4 @@
-"""Design optimisation: the best design on offer that defeats every threat, and how the others compare."""
+"""Design optimisation: the best design on offer that defeats every threat, and its comparison with the others."""
 
 from dataclasses import asdict, dataclass
 from math import inf
@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from armour.analysis.variants import Bools, Ints, grid_of
-from armour.design.catalogue import Catalogue
+from armour.analysis.variants import Ints, grid_of
+from armour.design.candidates import candidates_of
+from armour.design.catalogue import catalogue_of
 from armour.design.requirement import Requirement
-from armour.design.search import MARGIN, Search, candidates_of
+from armour.design.search import MARGIN, Search
 from armour.errors import InputError, NoDesignError, Problem
 from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
@@ -17,7 +18,6 @@ from armour.scenario.parameters import BACKING, CERAMIC
 
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
-    from armour.design.reliability import Reliability
 
 COMPARATIVES = {"areal_density_kg_m2": "heavier", "thickness_mm": "thicker", "cost_per_m2": "dearer"}
 
@@ -116,7 +116,7 @@ class DesignResult:
     pareto : tuple of Design
         Pareto front; empty where it was not asked for.
     designs, examined : int
-        Number of designs on offer that meet the constraints, and of those that were computed.
+        Number of designs on offer that meet the constraints, and of those that were computed: all of them.
     runs : int
         Impacts computed to decide which designs pass, samples of uncertain inputs not counted.
     not_monotonic_mm : tuple of float
@@ -152,9 +152,9 @@ def optimise(scenario: Scenario, *, refine: bool = False) -> DesignResult:
     """Find the best design of a scenario that defeats its threats.
 
     A design passes if it defeats every threat at the threat's velocity plus margin and its lowest ballistic limit does
-    not lie below that.  Designs of given thicknesses are examined in the order of the objective until one passes;
-    nothing is taken for monotonic.  Where a thickness is free, the least of it that the other layer needs is bisected.
-    Under a bound on the probability of perforation, designs that pass are sampled.
+    not lie below that.  All designs of given thicknesses are computed, as the outcome need not be monotonic.  For a
+    free thickness, the least value that the other layer needs is found by bisection.  Under a bound on the probability
+    of perforation, designs that pass are sampled in the order of the objective.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def optimise(scenario: Scenario, *, refine: bool = False) -> DesignResult:
         Its sections ``design`` and ``optimise`` give the designs on offer, its list ``threat`` the threats; without
         them, they are the scenario's own pair of materials and impact.
     refine : bool
-        Whether to find also the best design with both layers free within their ranges.
+        Whether to find the best design with both layers free within their ranges, too.
 
     Raises
     ------
@@ -171,71 +171,62 @@ def optimise(scenario: Scenario, *, refine: bool = False) -> DesignResult:
     NoDesignError
         If no design on offer passes.
     """
-    catalogue = Catalogue(scenario)
-    if refine and catalogue.bounded:
-        message = "must be left out where the design is refined, as designs between those on offer are not sampled"
-        raise InputError([Problem(scenario.file, "threat.probability_of_perforation", message)])
-    requirement = Requirement(catalogue)
-    reliability = _reliability(catalogue) if catalogue.bounded else None
-    search = Search(requirement, candidates_of(requirement), reliability)
-    first = search.first(np.arange(len(search.examined)))
-    if first is None:
-        raise NoDesignError(_no_design(search))
+    catalogue = catalogue_of(scenario)
+    reliability = None
+    if catalogue.bounded:
+        if refine:
+            message = "must be left out where the design is refined, as designs between those on offer are not sampled"
+            raise InputError([Problem(scenario.file, "threat.probability_of_perforation", message)])
+        from armour.design.reliability import Reliability  # takes half a second to import scipy.stats
 
+        reliability = Reliability(catalogue)
+    requirement = Requirement(catalogue)
+    search = Search(requirement, candidates_of(requirement), reliability)
+    first = search.first(np.arange(len(search.values)))
+    if first is None:
+        raise NoDesignError(f"no design: {_why_none(search)}")
+
+    criteria = tuple(catalogue.section.pareto or ())
+    pair = int(search.candidates.pair[first])
+    frontier = search.frontier(pair)
+    pareto = search.pareto(criteria) if criteria else frontier[:0]
     best = _best(search, first)
-    frontier = search.frontier(int(search.candidates.pair[first]))
-    pareto = search.pareto(catalogue.section.pareto) if catalogue.section.pareto is not None else np.empty(0, np.int64)
-    with_margins = catalogue.section.pareto is not None and MARGIN in catalogue.section.pareto
+    thicknesses = {CERAMIC: best.ceramic_thickness_mm, BACKING: best.backing_thickness_mm}
+    governing = catalogue.offers[pair].against[catalogue.titles.index(best.governing)].replaced(thicknesses)
     return DesignResult(
         minimised=catalogue.section.minimise,
-        threats=tuple(threat.title for threat in catalogue.threats),
+        threats=catalogue.titles,
         best=best,
         frontier=_designs(search, frontier, with_margins=True),
-        frontier_governed_by=tuple(catalogue.threats[i].title for i in _governing(search, frontier).tolist()),
-        refined=_refined(requirement, search, first) if refine else None,
+        frontier_governed_by=tuple(catalogue.titles[threat] for threat in _governing(search, frontier)),
+        refined=_refined(search, first) if refine else None,
         pairs=_pairs(search, first),
-        criteria=tuple(catalogue.section.pareto or ()),
-        pareto=_designs(search, pareto, with_margins=with_margins),
-        designs=len(search.examined),
-        examined=int(search.examined.sum()),
+        criteria=criteria,
+        pareto=_designs(search, pareto, with_margins=MARGIN in criteria),
+        designs=len(search.values),
+        examined=len(search.values),
         runs=requirement.runs,
         not_monotonic_mm=search.not_monotonic_mm(frontier),
-        warnings=warnings_of(*_governed(search, first)),
+        warnings=warnings_of(governing, governing.impact.velocity_m_s),
     )
 
 
-def _reliability(catalogue: Catalogue) -> "Reliability":
-    """Return the bounds on the probability of perforation."""
-    from armour.design.reliability import Reliability  # takes half a second to import scipy.stats
-
-    return Reliability(catalogue)
-
-
-def _refined(requirement: Requirement, search: Search, first: int) -> BestDesign:
-    """Find the best design with both layers free; that of the search where none is better."""
-    finer = Search(requirement, candidates_of(requirement, refine=True))
+def _refined(search: Search, first: int) -> BestDesign:
+    """Return the best design with both layers free; that of the search where none is better."""
+    finer = Search(search.requirement, candidates_of(search.requirement, refine=True))
     place = finer.first(np.flatnonzero(finer.values < search.values[first]))
     return _best(search, first) if place is None else _best(finer, place)
 
 
-def _governing(search: Search, where: Ints) -> Ints:
-    """Return the threats of which the least remains of the margin that they require."""
-    found: Ints = (search.limits(where) - search.catalogue.required_m_s).argmin(axis=1)
-    return found
-
-
-def _governed(search: Search, place: int) -> tuple[Scenario, float]:
-    """Return the scenario of a design against its governing threat, and the velocity of that."""
-    [threat] = _governing(search, np.array([place])).tolist()
-    candidates = search.candidates
-    thicknesses = {CERAMIC: float(candidates.ceramic_mm[place]), BACKING: float(candidates.backing_mm[place])}
-    posed = search.catalogue.posed(int(candidates.pair[place]), threat).replaced(thicknesses)
-    return posed, posed.impact.velocity_m_s
+def _governing(search: Search, where: Ints) -> list[int]:
+    """Return for each design the threat of which the least remains of the margin that it requires."""
+    threats: list[int] = (search.limits(where) - search.catalogue.required_m_s).argmin(axis=1).tolist()
+    return threats
 
 
 def _designs(search: Search, where: Ints, *, with_margins: bool) -> tuple[Design, ...]:
     """Return designs of a search as results."""
-    candidates, offers = search.candidates.at(where), search.catalogue.offers
+    offers, candidates = search.catalogue.offers, search.candidates.at(where)
     margins = search.margins(search.limits(where)).min(axis=1).tolist() if with_margins else [None] * len(where)
     return tuple(
         Design(offers[pair].ceramic.material, offers[pair].backing.material, *numbers)
@@ -245,22 +236,19 @@ def _designs(search: Search, where: Ints, *, with_margins: bool) -> tuple[Design
 
 def _best(search: Search, place: int) -> BestDesign:
     """Return a design of a search with its ballistic limits."""
-    where = np.array([place])
+    where, catalogue = np.array([place]), search.catalogue
     [design] = _designs(search, where, with_margins=True)
     [limits], [governing] = search.limits(where), _governing(search, where)
-    threats = search.catalogue.threats
-    offer = search.catalogue.offers[search.candidates.pair[place]]
-    section = search.catalogue.settings.ballistic_limit
+    offer = catalogue.offers[search.candidates.pair[place]]
+    section = catalogue.scenario.ballistic_limit
     limit = float(limits[governing])
     return BestDesign(
         **asdict(design),
         ballistic_limit_m_s=limit if section.velocity_min_m_s < limit <= section.velocity_max_m_s else None,
         ceramic_density_kg_m3=offer.ceramic_density_kg_m3,
         backing_density_kg_m3=offer.backing_density_kg_m3,
-        margins_m_s={
-            threat.title: margin for threat, margin in zip(threats, search.margins(limits).tolist(), strict=True)
-        },
-        governing=threats[governing].title,
+        margins_m_s=dict(zip(catalogue.titles, search.margins(limits).tolist(), strict=True)),
+        governing=catalogue.titles[governing],
         probabilities=search.probabilities(place) or {},
     )
 
@@ -271,63 +259,60 @@ def _pairs(search: Search, best: int) -> tuple[Pair, ...]:
     most = least * (1.0 + search.catalogue.section.runners_up_percent / 100.0)
     pairs = []
     for index, offer in enumerate(search.catalogue.offers):
-        names = offer.ceramic.material, offer.backing.material
         own = search.of_pair(index)
-        # Only what can be a runner-up is sampled: each design takes thousands of impacts.
+        # Only possible runners-up are sampled, as each design takes thousands of impacts.
         place = search.first(own[search.values[own] <= most] if search.catalogue.bounded else own)
-        if place is None:
-            pairs.append(Pair(*names, None, None, _why_none(search, index)))
-        else:
-            pairs.append(Pair(*names, _best(search, place), *_excess(search, float(search.values[place]), least)))
+        found = None if place is None else _best(search, place)
+        excess, reason = (None, _why_none_of(search, index)) if place is None else _excess(search, place, least)
+        pairs.append(Pair(offer.ceramic.material, offer.backing.material, found, excess, reason))
     return tuple(sorted(pairs, key=lambda pair: inf if pair.excess_percent is None else pair.excess_percent))
 
 
-def _excess(search: Search, value: float, least: float) -> tuple[float | None, str]:
-    """Return the excess of an objective over the least, per cent, and the same in words."""
-    section = search.catalogue.section
+def _excess(search: Search, place: int, least: float) -> tuple[float | None, str]:
+    """Return the excess of the objective of a design over the least, per cent, and the same in words."""
+    section, value = search.catalogue.section, float(search.values[place])
     comparative = COMPARATIVES[section.minimise]
-    if least <= 0.0 < value:
+    if value <= least:
+        return 0.0, ""
+    if least <= 0.0:
         return None, comparative
-    excess = 100.0 * (value / least - 1.0) if least > 0.0 else 0.0
-    if excess <= 0.0:
-        return excess, ""
+    excess = 100.0 * (value / least - 1.0)
     near = "runner-up: " if excess <= section.runners_up_percent else ""
     return excess, f"{near}{excess:.1f} % {comparative}"
 
 
-def _why_none(search: Search, pair: int) -> str:
-    """Return why no design of a pair is found."""
-    own = search.of_pair(pair)
-    threats = search.catalogue.threats
-    if not len(own):
-        return "nothing on offer keeps to the limits"
-    good = search.examine(own)
-    if len(good) and search.catalogue.bounded:
-        return f"none within {search.catalogue.section.runners_up_percent:g} % of the best"
-    if len(good):
-        reached: Bools = np.any(search.reaches(good), axis=0)
-        lost = [threat.title for threat, some in zip(threats, reached.tolist(), strict=True) if not some]
-        titles = " or ".join(lost) if lost else "all threats at once"
-        return f"nothing on offer defeats {titles} at every lower velocity too"
-    lost = [threat.title for i, threat in enumerate(threats) if not search.defeats(own, i).any()]
-    return f"nothing on offer defeats {' or '.join(lost) if lost else 'all threats at once'}"
-
-
-def _no_design(search: Search) -> str:
+def _why_none(search: Search) -> str:
     """Return why no design on offer passes."""
     catalogue, scenario = search.catalogue, search.catalogue.scenario
-    if not len(search.examined):
-        return "no design: nothing on offer keeps to the limits of the section design"
-    good = search.examine(np.arange(len(search.examined)))
-    if scenario.design is None and not scenario.threat and not len(good):
-        section = grid_of(scenario)
-        ceramic, backing = section.ceramic_thickness_mm, section.backing_thickness_mm
+    if not len(search.values):
+        return "nothing on offer keeps to the limits of the section design"
+    defeating = search.defeating.any()
+    if scenario.design is None and not scenario.threat and not defeating:
+        grid = grid_of(scenario)
         return (
-            f"no design: up to {ceramic.max:g} mm of ceramic on {backing.max:g} mm of back plate, all of the grid is "
-            f"perforated at {scenario.impact.velocity_m_s:g} m/s; raise the max of optimise.ceramic_thickness_mm "
-            "or of optimise.backing_thickness_mm"
+            f"up to {grid.ceramic_thickness_mm.max:g} mm of ceramic on {grid.backing_thickness_mm.max:g} mm of back "
+            f"plate, all of the grid is perforated at {scenario.impact.velocity_m_s:g} m/s; raise the max of "
+            "optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"
         )
-    if catalogue.bounded and len(good):
-        return "no design: nothing on offer keeps the probability of perforation within the bound of every threat"
-    reasons = [_why_none(search, pair) for pair in range(len(catalogue.offers))]
-    return f"no design: {'; '.join(dict.fromkeys(reasons))}; offer more thickness in the section design or optimise"
+    if catalogue.bounded and defeating:
+        return "nothing on offer keeps the probability of perforation within the bound of every threat"
+    reasons = [_why_none_of(search, pair) for pair in range(len(catalogue.offers))]
+    return f"{'; '.join(dict.fromkeys(reasons))}; offer more thickness in the section design or optimise"
+
+
+def _why_none_of(search: Search, pair: int) -> str:
+    """Return why no design of a pair passes."""
+    catalogue, own = search.catalogue, search.of_pair(pair)
+    if not len(own):
+        return "nothing on offer keeps to the limits"
+    good = own[search.defeating[own]]
+    if len(good) and catalogue.bounded:
+        return f"none within {catalogue.section.runners_up_percent:g} % of the best"
+    if len(good):
+        lost = (search.limits(good) < catalogue.required_m_s).all(axis=0)
+    else:
+        candidates = search.candidates.at(own)
+        lost = np.array([not search.requirement.defeats(candidates, i).any() for i in range(len(catalogue.threats))])
+    titles = " or ".join(np.array(catalogue.titles)[lost]) or "all threats at once"
+    lower = " at every lower velocity too" if len(good) else ""
+    return f"nothing on offer defeats {titles}{lower}"

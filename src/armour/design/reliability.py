@@ -7,7 +7,7 @@ import numpy as np
 from armour.analysis.estimates import Estimate, proportion
 from armour.analysis.uncertain_inputs import check_samples, section_of
 from armour.analysis.variants import Floats, perforated, variants_of
-from armour.design.catalogue import Catalogue
+from armour.design.catalogue import Candidates, Catalogue
 from armour.errors import InputError, Problem
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.loading import Scenario
@@ -19,84 +19,54 @@ FIRST_SAMPLES = 256
 
 
 class Reliability:
-    """Bounds of the threats of a catalogue on the probability of perforation.
-
-    Raises
-    ------
-    InputError
-        If there are no distributions, one has a value of its own where designs or threats differ, or there are too few
-        samples to show so small a probability.
-    """
+    """Bounds of the threats of a catalogue on the probability of perforation, with the samples to estimate it."""
 
     def __init__(self, catalogue: Catalogue) -> None:
-        self.threats = catalogue.threats
-        self.posed = [
-            [catalogue.posed(pair, threat) for threat in range(len(self.threats))]
-            for pair in range(len(catalogue.offers))
-        ]
-        section = section_of(self.posed[0][0])
-        self._check(section, catalogue.scenario.file)
+        self.catalogue = catalogue
+        section = section_of(catalogue.offers[0].against[0])
+        _check(catalogue, section)
         self.points = points_of(section)
 
-    def probabilities(self, pair: int, ceramic_mm: float, backing_mm: float) -> dict[str, Estimate] | None:
-        """Estimate the probabilities of perforation of a design, by threat that bounds it; None where one is too high.
-
-        Raises
-        ------
-        InputError
-            If a distribution reaches values that are not allowed, or a run does not end.
-        """
+    def probabilities(self, candidates: Candidates, place: int) -> dict[str, Estimate] | None:
+        """Estimate the probabilities of perforation of a design, see `Search.probabilities`."""
+        thicknesses = float(candidates.ceramic_mm[place]), float(candidates.backing_mm[place])
         found = {}
-        for threat, posed in zip(self.threats, self.posed[pair], strict=True):
-            if threat.probability_of_perforation is not None:
-                bound = threat.probability_of_perforation
-                estimate = probability_within(posed, self.points, ceramic_mm, backing_mm, bound)
+        offer = self.catalogue.offers[candidates.pair[place]]
+        for threat, scenario in zip(self.catalogue.threats, offer.against, strict=True):
+            bound = threat.probability_of_perforation
+            if bound is not None:
+                estimate = probability_within(bound, scenario, *thicknesses, self.points)
                 if estimate is None:
                     return None
                 found[threat.title] = estimate
         return found
 
-    def _check(self, section: Uncertainty, file: str) -> None:
-        """Check that the distributions follow designs, materials and threats, and that the samples suffice."""
-        owns = [inputs_of(scenario) for scenarios in self.posed for scenario in scenarios]
-        problems = []
-        for name, distribution in section.inputs().items():
-            values = {own.get(name) for own in owns}
-            if distribution.placed and (len(values) > 1 or name in (VELOCITY, CERAMIC, BACKING)):
-                message = (
-                    "must be about the value of each design or threat: normal or lognormal, without mean, min and max"
-                )
-                problems.append(Problem(file, f"uncertainty.{name}", message))
-        bound = min(threat.probability_of_perforation or inf for threat in self.threats)
-        if proportion(0, section.samples).high > bound:
-            message = f"must be more to show a probability of perforation of {bound:g}, found {section.samples}"
-            problems.append(Problem(file, "uncertainty.samples", message))
-        if problems:
-            raise InputError(problems)
+
+def _check(catalogue: Catalogue, section: Uncertainty) -> None:
+    """Check that the distributions follow designs, materials and threats, and that the samples suffice."""
+    file = catalogue.scenario.file
+    owns = [inputs_of(scenario) for offer in catalogue.offers for scenario in offer.against]
+    problems = []
+    for name, distribution in section.inputs().items():
+        values = {own.get(name) for own in owns}
+        if distribution.placed and (len(values) > 1 or name in (VELOCITY, CERAMIC, BACKING)):
+            message = "must be about the value of each design or threat: normal or lognormal, without mean, min and max"
+            problems.append(Problem(file, f"uncertainty.{name}", message))
+    bound = min(threat.probability_of_perforation or inf for threat in catalogue.threats)
+    if proportion(0, section.samples).high > bound:
+        message = f"must be more to show a probability of perforation of {bound:g}, found {section.samples}"
+        problems.append(Problem(file, "uncertainty.samples", message))
+    if problems:
+        raise InputError(problems)
 
 
 def probability_within(
-    scenario: Scenario, points: Floats, ceramic_mm: float, backing_mm: float, bound: float
+    bound: float, scenario: Scenario, ceramic_mm: float, backing_mm: float, points: Floats
 ) -> Estimate | None:
     """Estimate the probability of perforation of a design; None where its interval reaches beyond a bound.
 
-    Samples are taken in growing parts, only as many as it takes to see that the bound is exceeded.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Materials of the design and the threat, with distributions.
-    points : array, (samples, inputs)
-        Points of the unit cube, see `armour.scenario.sampling.points_of`.
-    ceramic_mm, backing_mm : float
-        Thicknesses of the design, mm.
-    bound : float
-        Largest probability allowed.
-
-    Raises
-    ------
-    InputError
-        If a distribution reaches values that are not allowed, or a run does not end.
+    Samples, of points of the unit cube, (samples, inputs), are taken in growing parts, only as many as it takes to see
+    that the bound is exceeded.
     """
     section = section_of(scenario)
     own = {**inputs_of(scenario), CERAMIC: ceramic_mm, BACKING: backing_mm}

@@ -47,11 +47,6 @@ class Brackets(NamedTuple):
         """Whether the outcome changes within the range, shape (n,)."""
         return np.isfinite(self.defeated) & np.isfinite(self.perforated)
 
-    def within(self, low: float, high: float) -> Floats:
-        """Return the perforated ends, or the end of the range (low, high) where the outcome does not change in it."""
-        highest = np.where(np.isfinite(self.perforated), self.perforated, high)
-        return np.where(np.isfinite(self.defeated), highest, low)
-
 
 class SolverOptions(NamedTuple):
     """Options of the solver."""
@@ -76,23 +71,8 @@ def fields(rows: Floats) -> Any:
 
 
 def impacts(rows: Floats, velocities: Floats, options: SolverOptions = DEFAULT_OPTIONS) -> Impacts:
-    """Compute many impacts; see `armour.core.run.run`.
-
-    Parameters
-    ----------
-    rows : array of shape (n, 13)
-        Projectiles and armours, see `packed`.
-    velocities : array of shape (n,)
-        Impact velocities, m/s.
-    options : SolverOptions
-        Options of the solver.
-
-    Raises
-    ------
-    ValueError
-        If ``rows`` has another shape.
-    """
-    counts, ends = _computed("impacts", rows, velocities, options[:3], 6, options.threads)
+    """Compute the impacts of n armours, shape (n, 13), at n velocities, m/s; see `armour.core.run.run`."""
+    counts, ends = _computed("impacts", [rows, velocities], options[:3], 6, options.threads)
     t, Z, L, V, W, h = ends.T
     return Impacts(counts[:, 0], t, Z, L, V, W, h, counts[:, 1])
 
@@ -100,9 +80,8 @@ def impacts(rows: Floats, velocities: Floats, options: SolverOptions = DEFAULT_O
 def ballistic_limits(
     rows: Floats, low: float, high: float, tolerance: float, options: SolverOptions = DEFAULT_OPTIONS
 ) -> Brackets:
-    """Find many ballistic limits between two velocities, m/s; see `armour.core.search.find_ballistic_limit`."""
-    settings = (low, high, tolerance, *options[:3])
-    return _brackets(*_computed("ballistic_limits", rows, None, settings, 2, options.threads))
+    """Find ballistic limits between two velocities, m/s; see `armour.core.search.find_ballistic_limit`."""
+    return _brackets("ballistic_limits", [rows], (low, high, tolerance), options)
 
 
 def least_thicknesses(
@@ -113,50 +92,39 @@ def least_thicknesses(
     tolerance: float,
     options: SolverOptions = DEFAULT_OPTIONS,
 ) -> Brackets:
-    """Find many least ceramic thicknesses, m; see `armour.core.search.find_least_ceramic_thickness`."""
-    settings = (thin, thick, tolerance, *options[:3])
-    return _brackets(*_computed("least_thicknesses", rows, velocities, settings, 2, options.threads))
+    """Find least ceramic thicknesses between two, m; see `armour.core.search.find_least_ceramic_thickness`."""
+    return _brackets("least_thicknesses", [rows, velocities], (thin, thick, tolerance), options)
 
 
-def _brackets(counts: Ints, ends: Floats) -> Brackets:
+def _brackets(name: str, inputs: list[Floats], search: tuple[float, ...], options: SolverOptions) -> Brackets:
+    counts, ends = _computed(name, inputs, (*search, *options[:3]), 2, options.threads)
     return Brackets(ends[:, 0], ends[:, 1], counts[:, 0], counts[:, 1] != 0)
 
 
 def _computed(
-    name: str,
-    rows: Floats,
-    velocities: Floats | None,
-    settings: tuple[float, ...],
-    width: int,
-    threads: int | None,
+    name: str, inputs: list[Floats], settings: tuple[float, ...], width: int, threads: int | None
 ) -> tuple[Ints, Floats]:
-    """Call a kernel on the rows, in portions; return its integers, shape (n, 2), and numbers, shape (n, width)."""
-    rows = np.ascontiguousarray(rows, dtype=np.float64)
+    """Call a kernel on portions of the inputs; return its integers, shape (n, 2), and numbers, shape (n, width)."""
+    rows, *others = (np.ascontiguousarray(array, dtype=np.float64) for array in inputs)
     if rows.ndim != 2 or rows.shape[1] != len(Parameters._fields):
         raise ValueError(f"rows must be of the shape (n, {len(Parameters._fields)}), found {rows.shape}")
     count = len(rows)
+    inputs = [rows, *(np.ascontiguousarray(np.broadcast_to(velocities, count)) for velocities in others)]
     counts, ends = np.empty((count, 2), np.int64), np.empty((count, width))
-    inputs = [rows]
-    if velocities is not None:
-        inputs.append(np.ascontiguousarray(np.broadcast_to(velocities, count), dtype=np.float64))
     kernel = cache.kernel(name)
 
     def compute(start: int) -> None:
         part = slice(start, start + PORTION)
-        kernel(*(array[part] for array in inputs), *settings, counts[part], ends[part])
+        kernel(*(array[part] for array in inputs), settings, counts[part], ends[part])
 
     starts = range(0, count, PORTION)
-    workers = min(threads or _cores(), len(starts))
+    # os.process_cpu_count is new in Python 3.13; both return None where the number of cores is unknown.
+    cores = getattr(os, "process_cpu_count", os.cpu_count)() or 1
+    workers = min(threads or cores, len(starts))
     if workers <= 1:
         for start in starts:
             compute(start)
     else:
         with ThreadPoolExecutor(workers) as pool:
-            for _ in pool.map(compute, starts):
-                pass
+            list(pool.map(compute, starts))
     return counts, ends
-
-
-def _cores() -> int:
-    """Return the number of cores that this process may use, as far as Python knows it."""
-    return getattr(os, "process_cpu_count", os.cpu_count)() or 1

@@ -1,9 +1,9 @@
 """Compiled kernels, kept in the user's cache directory from one process to the next.
 
-Between processes numba's files are kept as one archive.  Its name is a hash of all that the machine code depends on but
-the processor, which numba's own index tells apart; its first bytes are a checksum.  An archive is used only if it is
-intact, belongs to the user and cannot be written by others.  Each process unpacks it for numba to a private temporary
-directory.  Where the user has no cache directory, every process compiles.
+Numba's files are kept as one archive.  Its name is a hash of all that the machine code depends on but the processor,
+which numba's own index tells apart; its first bytes are a checksum.  An archive is used only if it is intact, belongs
+to the user and cannot be written by others.  Each process unpacks it for numba to a private temporary directory.  Where
+the user has no cache directory, every process compiles.
 """
 
 import io
@@ -54,7 +54,7 @@ def archive_path() -> Path | None:
 
 
 def is_compiled() -> bool:
-    """Return whether an earlier process has left an intact archive; numba is not imported."""
+    """Return whether there is an intact archive, without importing numba."""
     path = archive_path()
     return path is not None and read_archive(path) is not None
 
@@ -96,7 +96,7 @@ def load_kernels(*names: str) -> "dict[str, Kernel]":
 
 @contextmanager
 def numba_cache(directory: Path) -> Iterator[None]:
-    """Let functions that are compiled meanwhile be cached in a directory, and nowhere else."""
+    """Make numba cache the functions compiled within the context in a directory, and nowhere else."""
     from numba import config
 
     settings = {"CACHE_DIR": str(directory), "CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator"}
@@ -123,7 +123,7 @@ def read_archive(path: Path) -> bytes | None:
 
 
 def write_archive(path: Path, content: bytes) -> None:
-    """Write an archive whole or not at all, and delete the oldest others; do nothing where that is impossible."""
+    """Write an archive atomically and delete the oldest others; give up silently if that is impossible."""
     directory = path.parent
     with suppress(OSError):
         directory.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -146,7 +146,7 @@ def write_archive(path: Path, content: bytes) -> None:
 
 
 def checksum(path: Path, content: bytes) -> bytes:
-    """Return the checksum of an archive; it holds for its own name alone."""
+    """Return the checksum of the name and the content of an archive."""
     return sha256(path.name.encode() + content).digest()
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numba
 from numba import types
 from numba.extending import overload_method, register_jitable
+from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from armour.core import equations, events, rk4, run, search, stages, state, stepping
 from armour.core.state import Parameters
@@ -41,27 +42,14 @@ def replace_ceramic_thickness(p: Any, Hc0: Any) -> Any:  # noqa: ARG001 (numba g
 
 
 @register_jitable
-def parameters_at(rows: Any, i: int) -> Parameters:
+def parameters_at(rows: Any, i: int) -> Any:
     """Return row i as `Parameters`."""
-    return Parameters(
-        rows[i, 0],
-        rows[i, 1],
-        rows[i, 2],
-        rows[i, 3],
-        rows[i, 4],
-        rows[i, 5],
-        rows[i, 6],
-        rows[i, 7],
-        rows[i, 8],
-        rows[i, 9],
-        rows[i, 10],
-        rows[i, 11],
-        int(rows[i, 12]),
-    )
+    return Parameters(*to_fixed_tuple(rows[i], 12), int(rows[i, 12]))  # type: ignore[call-arg]
 
 
-def impacts(rows: Any, velocities: Any, V_arrest: float, given: float, max_steps: int, counts: Any, ends: Any) -> None:
+def impacts(rows: Any, velocities: Any, settings: Any, counts: Any, ends: Any) -> None:
     """Write the outcome and steps of each impact to ``counts``, the duration and final state to ``ends``."""
+    V_arrest, given, max_steps = settings
     for i in range(len(rows)):
         p = parameters_at(rows, i)
         end = run.run(p, velocities[i], stepping.time_step(p, velocities[i], given), V_arrest, max_steps)
@@ -70,43 +58,18 @@ def impacts(rows: Any, velocities: Any, V_arrest: float, given: float, max_steps
         ends[i, 1], ends[i, 2], ends[i, 3], ends[i, 4], ends[i, 5] = end.y
 
 
-def ballistic_limits(
-    rows: Any,
-    low: float,
-    high: float,
-    tolerance: float,
-    V_arrest: float,
-    given: float,
-    max_steps: int,
-    counts: Any,
-    ends: Any,
-) -> None:
+def ballistic_limits(rows: Any, settings: Any, counts: Any, ends: Any) -> None:
     """Write the runs of each search and whether it is resolved to ``counts``, its bracket to ``ends``."""
     for i in range(len(rows)):
-        p = parameters_at(rows, i)
-        found = search.find_ballistic_limit(p, low, high, tolerance, V_arrest, given, max_steps)
+        found = search.find_ballistic_limit(parameters_at(rows, i), *settings)
         counts[i, 0], counts[i, 1] = found.runs, found.resolved
         ends[i, 0], ends[i, 1] = found.low, found.high
 
 
-def least_thicknesses(
-    rows: Any,
-    velocities: Any,
-    thin: float,
-    thick: float,
-    tolerance: float,
-    V_arrest: float,
-    given: float,
-    max_steps: int,
-    counts: Any,
-    ends: Any,
-) -> None:
-    """Do the same for the ceramic thickness that defeats each impact."""
+def least_thicknesses(rows: Any, velocities: Any, settings: Any, counts: Any, ends: Any) -> None:
+    """Do the same for the least ceramic thickness that defeats each impact."""
     for i in range(len(rows)):
-        p = parameters_at(rows, i)
-        found = search.find_least_ceramic_thickness(
-            p, velocities[i], thin, thick, tolerance, V_arrest, given, max_steps
-        )
+        found = search.find_least_ceramic_thickness(parameters_at(rows, i), velocities[i], *settings)
         counts[i, 0], counts[i, 1] = found.runs, found.resolved
         ends[i, 0], ends[i, 1] = -found.low, -found.high
 
@@ -115,11 +78,14 @@ _float, _int = types.float64, types.int64
 _velocities = types.Array(_float, 1, "C", readonly=True)
 _rows = types.Array(_float, 2, "C", readonly=True)
 _counts, _ends = _int[:, ::1], _float[:, ::1]
+_tuple: Any = types.Tuple
+_solver = _tuple((_float, _float, _int))
+_search = _tuple((_float, _float, _float, _float, _float, _int))
 
 SIGNATURES = {
-    impacts: (_rows, _velocities, _float, _float, _int, _counts, _ends),
-    ballistic_limits: (_rows, _float, _float, _float, _float, _float, _int, _counts, _ends),
-    least_thicknesses: (_rows, _velocities, _float, _float, _float, _float, _float, _int, _counts, _ends),
+    impacts: (_rows, _velocities, _solver, _counts, _ends),
+    ballistic_limits: (_rows, _search, _counts, _ends),
+    least_thicknesses: (_rows, _velocities, _search, _counts, _ends),
 }
 
 

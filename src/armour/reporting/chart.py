@@ -1,7 +1,7 @@
 """Description of a chart: axes and series, independent of how they are drawn.
 
-Numbers of series are sequences of equal length; None is a gap.  ``text`` gives each point the words shown on hover in
-place of its coordinates.
+Numbers of series are sequences of equal length; None is a gap.  On hover a point shows its values with the units of the
+axes, or its ``text`` in place of them.
 """
 
 from collections.abc import Sequence
@@ -32,6 +32,7 @@ class Axis:
     from_zero: bool = False
     limits: tuple[float, float] | None = None
     categories: tuple[str, ...] = ()
+    spec: str = ".5g"  # format specification of values
 
     @property
     def heading(self) -> str:
@@ -40,86 +41,81 @@ class Axis:
 
     def text(self, value: float) -> str:
         """Return a value with its unit."""
-        return f"{value:.5g} {self.unit}".rstrip()
+        return f"{value:{self.spec}} {self.unit}".rstrip()
 
 
-@dataclass(frozen=True)
-class Line:
-    """A curve."""
+@dataclass(frozen=True, kw_only=True)
+class Series:
+    """What all series have: their name in the legend, their colour, and the words of each point."""
 
-    x: Numbers
-    y: Numbers
     label: str = ""
     colour: str = BLUE
-    style: Style = "-"
-    width: float = 1.6
-    marker: str = ""
     text: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
-class Points:
+class Line(Series):
+    """A curve."""
+
+    x: Numbers
+    y: Numbers
+    style: Style = "-"
+    width: float = 1.6
+    marker: str = ""
+
+
+@dataclass(frozen=True)
+class Points(Series):
     """Separate points, with the ends of their error bars where they have some."""
 
     x: Numbers
     y: Numbers
-    label: str = ""
-    colour: str = BLUE
     marker: str = "o"
     size: float = 5.0
     filled: bool = True
     x_ends: tuple[tuple[float, float], ...] = ()
     y_ends: tuple[tuple[float, float], ...] = ()
-    text: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
-class Bars:
+class Bars(Series):
     """Horizontal bars, one for each category of the y axis; ``slot`` of ``slots`` bars that share a row."""
 
     starts: Numbers
     ends: Numbers
-    label: str = ""
-    colour: str = BLUE
     slot: int = 0
     slots: int = 1
-    text: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
-class Band:
+class Band(Series):
     """The area between two curves."""
 
     x: Numbers
     low: Numbers
     high: Numbers
-    label: str = ""
-    colour: str = BLUE
 
 
 @dataclass(frozen=True)
-class Rule:
+class Rule(Series):
     """A reference line across the panel."""
 
     at: float
-    label: str = ""
-    colour: str = INK
     style: Style = "-"
     vertical: bool = True
 
 
 @dataclass(frozen=True)
-class Spans:
+class Spans(Series):
     """Ranges of the x axis, shaded in turn and named where there is room."""
 
     starts: Sequence[float]
     ends: Sequence[float]
     names: tuple[str, ...] = ()
-    text: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
-class Map:
+class Map(Series):
     """A quantity over a grid, as colours; ``z[j][i]`` belongs to ``x[i]`` and ``y[j]``."""
 
     x: Sequence[float]
@@ -129,79 +125,46 @@ class Map:
 
 
 @dataclass(frozen=True)
-class Contours:
+class Contours(Series):
     """Labelled lines of equal value over a grid; ``at`` is where labels go, as a part of the x axis."""
 
     x: Sequence[float]
     y: Sequence[float]
     z: Sequence[Numbers]
-    colour: str = INK
     style: str = "solid"
     levels: int = 6
     at: float = 0.5
 
 
-Series = Line | Points | Bars | Band | Rule | Spans | Map | Contours
-
-
 @dataclass(frozen=True)
 class Panel:
-    """Axes with their series.
-
-    Attributes
-    ----------
-    x, y : Axis
-    series : tuple of Series
-        In the order in which they are drawn.
-    title : str
-    height : float
-        As a part of an ordinary panel's; rows of bars add to it.
-    square : bool
-        Whether both axes have the same scale and limits.
-    shares_x : bool
-        Whether the x axis is that of the panel above.
-    """
+    """Axes with their series, in the order in which they are drawn."""
 
     x: Axis
     y: Axis
     series: tuple[Series, ...]
     title: str = ""
-    height: float = 1.0
-    square: bool = False
-    shares_x: bool = False
+    height: float = 1.0  # as a part of an ordinary panel's; rows of bars add to it
+    square: bool = False  # both axes have the same scale and limits
+    shares_x: bool = False  # the x axis is that of the panel above
 
 
 @dataclass(frozen=True)
 class Chart:
-    """A chart: panels below each other, with one legend.
-
-    Attributes
-    ----------
-    title : str
-    panels : tuple of Panel
-    note : str
-        What a reader needs to know of the chart, such as the meaning of names in it.
-    width : float
-        Of a file, inches.
-    """
+    """A chart: panels below each other, with one legend, and a note such as the meaning of names in it."""
 
     title: str
     panels: tuple[Panel, ...]
     note: str = ""
-    width: float = 5.2
+    width: float = 5.2  # of a file, inches
 
 
-def printable_chart(chart: Chart) -> Chart:
-    """Return a chart with the control characters of its texts escaped; line ends stay."""
-    found: Chart = _printable(chart)
-    return found
-
-
-def _printable(value: Any) -> Any:
-    if isinstance(value, str):
-        return "\n".join(printable(line) for line in value.split("\n"))
-    if isinstance(value, tuple):
-        return tuple(_printable(item) for item in value)
-    if is_dataclass(value) and not isinstance(value, type):
-        return replace(value, **{field.name: _printable(getattr(value, field.name)) for field in fields(value)})
-    return value
+def printable_chart(chart: Any) -> Any:
+    """Return a chart, or a part of one, with the control characters of its texts escaped; line ends stay."""
+    if isinstance(chart, str):
+        return "\n".join(printable(line) for line in chart.split("\n"))
+    if isinstance(chart, tuple):
+        return tuple(printable_chart(part) for part in chart)
+    if is_dataclass(chart) and not isinstance(chart, type):
+        return replace(chart, **{field.name: printable_chart(getattr(chart, field.name)) for field in fields(chart)})
+    return chart

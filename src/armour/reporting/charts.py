@@ -1,6 +1,6 @@
 """Charts of results: what each shows, as descriptions that are drawn to files and into reports."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armour.analysis.closed_forms import residual_velocity
-from armour.analysis.quantities import QUANTITIES
+from armour.analysis.quantities import label_and_unit
 from armour.reporting.chart import (
     BLUE,
     COLOURS,
@@ -32,10 +32,13 @@ from armour.reporting.chart import (
     Rule,
     Series,
     Spans,
+    Style,
 )
 from armour.reporting.tables.impact import STAGES
-from armour.scenario.parameters import BACKING, CERAMIC, INPUTS
-from armour.units import words_and_unit
+from armour.reporting.tables.statistics import deviation_percent
+from armour.reporting.text import percent, spelt
+from armour.scenario.parameters import BACKING, CERAMIC, ROLES, VELOCITY
+from armour.units import MM
 
 if TYPE_CHECKING:
     from armour.analysis.ballistic_limit import LimitResult
@@ -49,7 +52,7 @@ if TYPE_CHECKING:
     from armour.statistics.uncertainty import UncertaintyResult
     from armour.statistics.v50 import FiringResult, Shots
     from armour.validation.figures import Figure
-    from armour.validation.validate import Check, SuiteResult
+    from armour.validation.validate import SuiteResult
 
 Floats = NDArray[np.float64]
 
@@ -67,40 +70,32 @@ MAX_PAIRS, MAX_ROWS = 4, 40
 SHOWN_PROBABILITY = 0.002
 
 
-def quantity_axis(name: str, *, from_zero: bool = False) -> Axis:
-    """Return the axis of a quantity, or of an input, in words."""
-    if name in QUANTITIES:
-        words, unit = QUANTITIES[name].label, QUANTITIES[name].unit
-    else:
-        words, unit = words_and_unit(name)
-        words = words.replace("backing", "back plate").replace("youngs", "Young's").replace("m2", "m²")
-        role = {"impact": "impact", "projectile": "projectile", "ceramic": "ceramic", "backing": "back plate"}
-        prefix = role.get(name.partition(".")[0], "") if "." in name else ""
-        if prefix and not words.startswith(("penetrator", "projectile")):
-            words = f"{prefix} {words}"
-    return Axis(words, "µs" if unit == "us" else unit, from_zero=from_zero)
+def quantity_axis(name: str, **options: Any) -> Axis:
+    """Return the axis of a quantity, an input or a key of a scenario, in words."""
+    words, unit = label_and_unit(name)
+    words = spelt(words)
+    *sections, _ = name.split(".")
+    if len(sections) > 1:
+        # A value of the library has the name of its entry.
+        words = f"{sections[-1]} {words}"
+    elif {*sections} & {"impact", *ROLES} and not words.startswith(("penetrator", "projectile")):
+        words = f"{spelt(sections[0])} {words}"
+    return Axis(words, unit, **options)
 
 
-def _split(heading: str, **more: Any) -> Axis:
+def _axis(heading: str, **options: Any) -> Axis:
     """Return the axis of a heading "label, unit"."""
     label, comma, unit = heading.rpartition(", ")
-    return Axis(label, unit, **more) if comma else Axis(heading, **more)
+    return Axis(label, unit, **options) if comma else Axis(heading, **options)
+
+
+def _velocity_rule(label: str, velocity: float, colour: str, style: Style = "-", more: str = "") -> Rule:
+    """Return a line at a velocity, with its value in the legend."""
+    return Rule(velocity, style, label=f"{label} {velocity:.1f} m/s{more}", colour=colour)
 
 
 def impact_chart(result: "ImpactResult", title: str) -> Chart:
-    """Describe an impact over time: velocities, rod length, depth and bulge, with its stages.
-
-    Parameters
-    ----------
-    result : ImpactResult
-        With its history.
-    title : str
-
-    Raises
-    ------
-    ValueError
-        If the result has no history.
-    """
+    """Describe an impact over time, from its history: velocities, rod length, depth and bulge, with its stages."""
     history = result.history
     if history is None:
         raise ValueError("the result has no history; simulate(..., history=True) keeps it")
@@ -108,79 +103,70 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
     shown = min(result.duration_us, 1.5 * float(slow[0])) if slow.size else result.duration_us
     seen = history.time_us <= shown
     time = history.time_us[seen].tolist()
-    axis = Axis("time since impact", "µs", limits=(0.0, max(shown, 1e-9)))
-    stages = [stage for stage in result.stages if stage.start_us < shown]
-    starts, ends = [stage.start_us for stage in stages], [min(stage.end_us, shown) for stage in stages]
-    names = tuple(stage.stage for stage in stages)
-    text = tuple(
-        f"stage {stage.stage}: {STAGES[stage.stage]}\n{stage.start_us:.4g} to {stage.end_us:.4g} µs" for stage in stages
-    )
-
-    def line(values: Floats, label: str, colour: str, style: Any) -> Line:
-        return Line(time, values[seen].tolist(), label, colour, style)
-
-    velocities = (
-        line(history.velocity_m_s, "projectile V", BLUE, "-"),
-        line(history.penetration_velocity_m_s, "penetration U", ORANGE, "--"),
-        line(history.target_velocity_m_s, "target W", GREEN, "-."),
-    )
-    depths = (
-        line(history.depth_mm, "depth Z", PURPLE, "-"),
-        line(history.bulge_height_mm, "bulge h", VERMILION, "-."),
-    )
-    lengths = (line(history.length_mm, "rod length L", INK, "-"),)
-    shading = Spans(starts, ends)
-    outcome = f"defeated at {result.impact_velocity_m_s:g} m/s"
-    if result.outcome == "perforated":
-        outcome = (
-            f"perforated at {result.impact_velocity_m_s:g} m/s, "
-            f"residual velocity {result.residual_velocity_m_s:.1f} m/s"
-        )
-    return Chart(
-        title=f"{title}\n{outcome}".strip(),
-        panels=(
-            Panel(axis, Axis("velocity", "m/s"), (Spans(starts, ends, names, text), *velocities), height=1.1),
-            Panel(axis, Axis("rod length", "mm", from_zero=True), (shading, *lengths), height=0.65, shares_x=True),
-            Panel(axis, Axis("depth, bulge", "mm"), (shading, *depths), height=0.75, shares_x=True),
+    curves: list[tuple[Axis, float, list[tuple[str, Floats, str, Style]]]] = [
+        (
+            Axis("velocity", "m/s"),
+            1.1,
+            [
+                ("projectile V", history.velocity_m_s, BLUE, "-"),
+                ("penetration U", history.penetration_velocity_m_s, ORANGE, "--"),
+                ("target W", history.target_velocity_m_s, GREEN, "-."),
+            ],
         ),
-        note="Stages: "
-        + "; ".join(f"{name} {STAGES[name]}" for name in dict.fromkeys(names)).replace("; rod", ", rod"),
-        width=6.0,
-    )
+        (Axis("rod length", "mm", from_zero=True), 0.65, [("rod length L", history.length_mm, INK, "-")]),
+        (
+            Axis("depth, bulge", "mm"),
+            0.75,
+            [("depth Z", history.depth_mm, PURPLE, "-"), ("bulge h", history.bulge_height_mm, VERMILION, "-.")],
+        ),
+    ]
+    x = Axis("time since impact", "µs", limits=(0.0, max(shown, 1e-9)))
+    stages = [stage for stage in result.stages if stage.start_us < shown]
+    names = tuple(stage.stage for stage in stages)
+    words = (f"stage {s.stage}: {STAGES[s.stage]}\n{s.start_us:.4g} to {s.end_us:.4g} µs" for s in stages)
+    ends = [min(stage.end_us, shown) for stage in stages]
+    spans = Spans([stage.start_us for stage in stages], ends, names, text=tuple(words))
+    panels: list[Panel] = []
+    for y, height, drawn in curves:
+        lines = (
+            Line(time, values[seen].tolist(), style, label=label, colour=colour)
+            for label, values, colour, style in drawn
+        )
+        panels.append(Panel(x, y, (spans, *lines), height=height, shares_x=bool(panels)))
+        # The first panel alone names the stages.
+        spans = replace(spans, names=(), text=())
+    outcome = f"{result.outcome} at {result.impact_velocity_m_s:g} m/s"
+    if result.outcome == "perforated":
+        outcome += f", residual velocity {result.residual_velocity_m_s:.1f} m/s"
+    described = "; ".join(f"{name} {STAGES[name]}" for name in dict.fromkeys(names)).replace("; rod", ", rod")
+    return Chart(f"{title}\n{outcome}".strip(), tuple(panels), f"Stages: {described}", width=6.0)
 
 
 def limit_chart(limit: "LimitResult", curve: Sequence["ImpactResult"], title: str) -> Chart:
-    """Describe the residual velocity over impact velocity, with the ballistic limit.
-
-    Parameters
-    ----------
-    limit : LimitResult
-    curve : sequence of ImpactResult
-        In the order of impact velocity.
-    title : str
-    """
+    """Describe the residual velocity over impact velocity, in the order of the curve, with the ballistic limit."""
     impact = [result.impact_velocity_m_s for result in curve]
-    found = limit.ballistic_limit_m_s
     series = (
-        Line(impact, impact, "no armour", INK, ":", 1.0),
-        Line(impact, [result.residual_velocity_m_s for result in curve], "projectile", BLUE),
-        Line(impact, [result.plug_velocity_m_s for result in curve], "plug", GREEN, "--"),
-        Rule(found, f"ballistic limit {found:.1f} m/s", VERMILION),
+        Line(impact, impact, ":", 1.0, label="no armour", colour=INK),
+        Line(impact, [result.residual_velocity_m_s for result in curve], label="projectile"),
+        Line(impact, [result.plug_velocity_m_s for result in curve], "--", label="plug", colour=GREEN),
+        _velocity_rule("ballistic limit", limit.ballistic_limit_m_s, VERMILION),
     )
-    x = Axis("impact velocity", "m/s", limits=(impact[0], impact[-1]))
-    return Chart(title, (Panel(x, Axis("residual velocity", "m/s", from_zero=True), series, height=1.2),))
+    return Chart(title, (_residual_velocity_panel(series, limits=(impact[0], impact[-1])),))
+
+
+def _residual_velocity_panel(series: Iterable[Series], limits: tuple[float, float] | None = None) -> Panel:
+    x = quantity_axis(VELOCITY, limits=limits)
+    return Panel(x, quantity_axis("residual_velocity_m_s", from_zero=True), tuple(series), height=1.2)
 
 
 def design_chart(result: "DesignResult", title: str) -> Chart:
-    """Describe the designs of a search: what each back plate needs, other pairs, the best, and the Pareto front."""
+    """Describe the designs of a search: the frontier, the best of other pairs, and the Pareto front."""
     frontier = frontier_chart(result, title)
     if not result.pareto:
         return frontier
     named = {_pair(item) for item in (result.best, *_others(result))}
     [front] = pareto_chart(result, "").panels
-    series = tuple(
-        replace(item, label="") if isinstance(item, Points) and item.label in named else item for item in front.series
-    )
+    series = tuple(replace(item, label="") if item.label in named else item for item in front.series)
     return replace(frontier, panels=(*frontier.panels, replace(front, series=series, title="Pareto front")))
 
 
@@ -189,45 +175,56 @@ def _others(result: "DesignResult") -> list["Pair"]:
     return [pair for pair in result.pairs if pair.best is not None and pair.reason][:MAX_PAIRS]
 
 
-def _looks(result: "DesignResult") -> dict[str, tuple[str, str]]:
+def _looks(result: "DesignResult") -> dict[str, dict[str, Any]]:
     """Return colour and marker of every pair of materials."""
     names = dict.fromkeys(_pair(item) for item in (result.best, *_others(result), *result.pareto))
-    return {name: (COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)]) for index, name in enumerate(names)}
+    return {name: _look(index) for index, name in enumerate(names)}
+
+
+def _look(index: int) -> dict[str, Any]:
+    """Return colour and marker of one of several series."""
+    return {"colour": COLOURS[index % len(COLOURS)], "marker": MARKERS[index % len(MARKERS)]}
 
 
 def frontier_chart(result: "DesignResult", title: str) -> Chart:
-    """Describe what each back plate of the best pair needs, with the best designs of other pairs."""
-    best, looks = result.best, _looks(result)
+    """Describe areal density and required ceramic over the back plate, with the best designs of other pairs."""
+    looks = _looks(result)
     backing = [design.backing_thickness_mm for design in result.frontier]
-    governed = result.frontier_governed_by if len(result.threats) > 1 else ("",) * len(result.frontier)
-    text = tuple(
-        _design_text(design) + (f"\ngoverned by {threat}" if threat else "")
-        for design, threat in zip(result.frontier, governed, strict=True)
-    )
-    line: dict[str, Any] = {"colour": looks[_pair(best)][0], "marker": "o", "text": text}
+    text = [_design_text(design) for design in result.frontier]
+    if len(result.threats) > 1:
+        governed = zip(text, result.frontier_governed_by, strict=True)
+        text = [f"{words}\ngoverned by {threat}" for words, threat in governed]
+    name = _pair(result.best)
+    line: dict[str, Any] = {"marker": "o", "colour": looks[name]["colour"], "text": tuple(text)}
     areal: list[Series] = [
-        Line(backing, [design.areal_density_kg_m2 for design in result.frontier], _pair(best), **line)
+        Line(backing, [design.areal_density_kg_m2 for design in result.frontier], label=name, **line)
     ]
     required: list[Series] = [Line(backing, [design.ceramic_thickness_mm for design in result.frontier], **line)]
     for pair in _others(result):
         assert pair.best is not None
-        place = [pair.best.backing_thickness_mm], [pair.best.areal_density_kg_m2]
-        words = (f"{_pair(pair)}\n{_design_text(pair.best)}",)
-        areal.append(Points(*place, f"{_pair(pair)}: {pair.reason}", *looks[_pair(pair)], filled=False, text=words))
-    marked: list[tuple[str, Design, dict[str, Any]]] = [("best", best, BEST)]
-    if result.refined is not None:
-        marked.append(("refined", result.refined, {"marker": "D", "colour": ORANGE}))
-    for name, design, style in marked:
-        label = f"{name}: {_thicknesses(design)}, {design.areal_density_kg_m2:.2f} kg/m²"
-        x, words = [design.backing_thickness_mm], (f"{name}\n{_design_text(design)}",)
-        areal.append(Points(x, [design.areal_density_kg_m2], label, **style, text=words))
-        required.append(Points(x, [design.ceramic_thickness_mm], **style, text=words))
-    axis = Axis("back plate thickness", "mm")
+        label = f"{_pair(pair)}: {pair.reason}"
+        areal.append(_mark(pair.best, "areal_density_kg_m2", _pair(pair), label, looks[_pair(pair)], filled=False))
+    marked: list[tuple[str, Design | None, dict[str, Any]]] = [
+        ("best", result.best, BEST),
+        ("refined", result.refined, {"marker": "D", "colour": ORANGE}),
+    ]
+    for name, design, look in marked:
+        if design is not None:
+            label = f"{name}: {_thicknesses(design)}, {design.areal_density_kg_m2:.2f} kg/m²"
+            areal.append(_mark(design, "areal_density_kg_m2", name, label, look))
+            required.append(_mark(design, "ceramic_thickness_mm", name, "", look))
+    x = quantity_axis(BACKING)
     panels = (
-        Panel(axis, Axis("areal density", "kg/m²"), tuple(areal)),
-        Panel(axis, Axis("required ceramic thickness", "mm"), tuple(required), shares_x=True),
+        Panel(x, quantity_axis("areal_density_kg_m2"), tuple(areal)),
+        Panel(x, quantity_axis("required_ceramic_thickness_mm"), tuple(required), shares_x=True),
     )
     return Chart(title, panels)
+
+
+def _mark(design: "Design", y: str, name: str, label: str, look: Mapping[str, Any], **more: Any) -> Points:
+    """Describe a design as a point over its back plate."""
+    words = (f"{name}\n{_design_text(design)}",)
+    return Points([design.backing_thickness_mm], [getattr(design, y)], label=label, text=words, **look, **more)
 
 
 def pareto_chart(result: "DesignResult", title: str) -> Chart:
@@ -238,9 +235,9 @@ def pareto_chart(result: "DesignResult", title: str) -> Chart:
     for name, designs in _grouped(result.pareto, _pair).items():
         text = tuple(f"{name}\n{_design_text(design)}" for design in designs)
         xs, ys = ([getattr(design, key) for design in designs] for key in (x, y))
-        series.append(Points(xs, ys, name, *looks[name], filled=False, text=text))
+        series.append(Points(xs, ys, filled=False, label=name, text=text, **looks[name]))
     best = [getattr(result.best, x)], [getattr(result.best, y)]
-    series.append(Points(*best, **BEST, text=(f"best\n{_design_text(result.best)}",)))
+    series.append(Points(*best, text=(f"best\n{_design_text(result.best)}",), **BEST))
     return Chart(title, (Panel(quantity_axis(x), quantity_axis(y), tuple(series)),))
 
 
@@ -259,67 +256,67 @@ def _design_text(design: "Design") -> str:
 
 def figure_chart(figure: "Figure") -> Chart:
     """Describe a figure of the paper: the model's curves, with the numbers of the paper's text as marks."""
-    x = _split(figure.x_label, limits=(figure.x[0], figure.x[-1]))
     series: list[Series] = [
-        Line(figure.x, curve.values, curve.label, COLOURS[index], STYLES[index])
+        Line(figure.x, curve.values, STYLES[index], label=curve.label, colour=COLOURS[index])
         for index, curve in enumerate(figure.curves)
     ]
-    series += (Rule(level.value, level.label, INK, ":", vertical=False) for level in figure.levels)
+    series += (Rule(level.value, ":", vertical=False, label=level.label, colour=INK) for level in figure.levels)
     colours = {curve.label: colour for curve, colour in zip(figure.curves, COLOURS, strict=False)}
     for mark, marker, size in zip(figure.marks, ("*", "D", "s"), (9.0, 5.0, 5.0), strict=False):
         xs, ys = zip(*mark.points, strict=True)
-        series.append(Points(xs, ys, mark.label, colours.get(mark.of, SOFT), marker, size))
+        series.append(Points(xs, ys, marker, size, label=mark.label, colour=colours.get(mark.of, SOFT)))
     shown = [value for curve in figure.curves for value in curve.values if value is not None]
     from_zero = bool(shown) and min(shown) < MOSTLY_FROM_ZERO * max(shown)
-    panel = Panel(x, _split(figure.y_label, from_zero=from_zero), tuple(series))
-    return Chart(figure.title, (panel,), width=COLUMN_INCHES)
+    x, y = _axis(figure.x_label, limits=(figure.x[0], figure.x[-1])), _axis(figure.y_label, from_zero=from_zero)
+    return Chart(figure.title, (Panel(x, y, tuple(series)),), width=COLUMN_INCHES)
 
 
 def parity_chart(result: "SuiteResult") -> Chart:
-    """Describe computed over expected values of a suite's tables, a panel for each quantity.
-
-    A suite without tables shows its cases.
-    """
+    """Describe computed over expected values of a suite's tables, or else of its cases, a panel for each quantity."""
     numbers = [check for check in result.checks if check.deviation is not None]
     checks = [check for check in numbers if check.case.group] or numbers
-    by_quantity = _grouped(checks, lambda check: check.case.quantity)
-    return Chart("", tuple(_parity_panel(name, found) for name, found in by_quantity.items()), width=COLUMN_INCHES)
+    panels = []
+    for quantity, same in _grouped(checks, lambda check: check.case.quantity).items():
+        groups = {
+            group or "cases": [(check.case.name, "expected", check.case.expected, check.computed) for check in found]
+            for group, found in _grouped(same, lambda check: check.case.group).items()
+        }
+        panels.append(_agreement_panel(quantity, "expected", groups, 0.1))
+    return Chart("", tuple(panels), width=COLUMN_INCHES)
 
 
-def _parity_panel(quantity: str, checks: Sequence["Check"]) -> Panel:
+def _agreement_panel(
+    quantity: str, word: str, groups: Mapping[str, Sequence[tuple[str, str, float, float]]], part: float = 0.0
+) -> Panel:
+    """Describe computed over known values, with lines of agreement and, on request, a part away from it.
+
+    Each group has points of a name, the word for the known value, this value and the computed one.
+    """
     axis = quantity_axis(quantity)
     series: list[Series] = []
-    for index, (group, found) in enumerate(_grouped(checks, lambda check: check.case.group).items()):
-        expected, computed = [c.case.expected for c in found], [c.computed for c in found]
-        text = tuple(
-            f"{c.case.name}\nexpected {axis.text(float(c.case.expected))}, computed {axis.text(float(c.computed or 0))}"
-            for c in found
-        )
-        colour, marker = COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)]
-        series.append(Points(expected, computed, group or "cases", colour, marker, filled=False, text=text))
-    span = _span(value for item in series if isinstance(item, Points) for value in (*item.x, *item.y))
-    series += _agreement(span, 0.1)
-    x, y = (Axis(f"{word} {axis.label}", axis.unit, limits=span) for word in ("expected", "computed"))
+    for index, (group, points) in enumerate(groups.items()):
+        text = tuple(f"{n}\n{w} {axis.text(k)}, computed {axis.text(c)}" for n, w, k, c in points)
+        known, computed = [point[2] for point in points], [point[3] for point in points]
+        series.append(Points(known, computed, filled=False, label=group, text=text, **_look(index)))
+    span = _span(value for points in groups.values() for point in points for value in point[2:])
+    lines = [(1.0, "agreement", "-")]
+    if part:
+        lines += [(1.0 - part, f"± {percent(part)}", ":"), (1.0 + part, "", ":")]
+    for factor, label, style in lines:
+        ends = [factor * end for end in span]
+        series.append(Line(span, ends, style, 0.8, label=label, colour=INK, text=("", "")))
+    x, y = (replace(axis, label=f"{prefix} {axis.label}", limits=span) for prefix in (word, "computed"))
     return Panel(x, y, tuple(series), square=True)
 
 
-def _span(values: Iterable[float | None]) -> tuple[float, float]:
+def _span(values: Iterable[float]) -> tuple[float, float]:
     """Return the range of values, a little wider than it is."""
-    found = [value for value in values if value is not None]
+    found = list(values)
     margin = 0.05 * (max(found) - min(found)) or 0.05 * abs(found[0]) or 1.0
     return min(found) - margin, max(found) + margin
 
 
-def _agreement(span: tuple[float, float], part: float = 0.0) -> list[Series]:
-    """Describe the line of agreement and, on request, lines a part away from it."""
-    lines: list[Series] = [Line(span, span, "agreement", INK, width=0.8, text=("", ""))]
-    for factor, label in ((1.0 - part, f"± {100.0 * part:g} %"), (1.0 + part, "")):
-        if part:
-            lines.append(Line(span, [factor * end for end in span], label, INK, ":", 0.8, text=("", "")))
-    return lines
-
-
-def _grouped(items: Iterable[Any], key: Any) -> dict[str, list[Any]]:
+def _grouped(items: Iterable[Any], key: Callable[[Any], str]) -> dict[str, list[Any]]:
     groups: dict[str, list[Any]] = {}
     for item in items:
         groups.setdefault(key(item), []).append(item)
@@ -331,43 +328,32 @@ def comparison_chart(result: "Comparison", title: str) -> Chart:
     found = result.limit.ballistic_limit_m_s
     impact = [impact.impact_velocity_m_s for impact in result.curve]
     residual = [impact.residual_velocity_m_s for impact in result.curve]
-    series: list[Series] = [Line(impact, residual, f"this model: ballistic limit {found:.1f} m/s", BLUE)]
+    series: list[Series] = [Line(impact, residual, label=f"this model: ballistic limit {found:.1f} m/s")]
     for fit, colour, style in zip(result.fits, COLOURS[1:], STYLES[1:], strict=False):
         fitted = [residual_velocity(velocity, found, fit.ratio, fit.exponent) for velocity in impact]
         label = f"{fit.name}: ratio {fit.ratio:.3f}, exponent {fit.exponent:.2f}"
-        series.append(Line(impact, fitted, label, colour, style))
+        series.append(Line(impact, fitted, style, label=label, colour=colour))
     for florence, colour, style in zip(result.florence, (ORANGE, PURPLE), (":", "--"), strict=False):
-        limit = florence.ballistic_limit_m_s
-        label = f"Florence, {florence.projectile}: ballistic limit {limit:.1f} m/s"
-        series.append(Rule(limit, label, colour, style))
-    y = Axis("residual velocity", "m/s", from_zero=True)
-    return Chart(title, (Panel(Axis("impact velocity", "m/s"), y, tuple(series), height=1.2),))
+        label = f"Florence, {florence.projectile}: ballistic limit"
+        series.append(_velocity_rule(label, florence.ballistic_limit_m_s, colour, style))
+    return Chart(title, (_residual_velocity_panel(series),))
 
 
 def calibration_chart(result: "CalibrationResult", title: str) -> Chart:
     """Describe computed over measured values, and the deviations test by test, fitted and left out."""
+    labels = {"": "measured", "at least": "defeated at", "at most": "perforated at"}
     panels = []
     for quantity, residuals in _grouped(result.residuals, lambda residual: residual.quantity).items():
-        panels.append(_measured_panel(quantity, residuals))
-        exact = [residual for residual in residuals if not residual.bound]
-        if exact:
-            panels.append(_deviation_panel(quantity, exact))
+        by_bound = _grouped(residuals, lambda residual: labels[residual.bound])
+        groups = {
+            label: [(residual.test, label, residual.measured, residual.computed) for residual in by_bound[label]]
+            for label in labels.values()
+            if label in by_bound
+        }
+        panels.append(_agreement_panel(quantity, "measured", groups))
+        if "measured" in by_bound:
+            panels.append(_deviation_panel(quantity, by_bound["measured"]))
     return Chart(title, tuple(panels))
-
-
-def _measured_panel(quantity: str, residuals: Sequence["Residual"]) -> Panel:
-    axis = quantity_axis(quantity)
-    series: list[Series] = []
-    labels = {"": "measured", "at least": "defeated at", "at most": "perforated at"}
-    for (bound, label), colour, marker in zip(labels.items(), COLOURS, MARKERS, strict=False):
-        found = [residual for residual in residuals if residual.bound == bound]
-        if found:
-            measured, computed = [r.measured for r in found], [r.computed for r in found]
-            text = tuple(f"{r.test}\n{label} {axis.text(r.measured)}, computed {axis.text(r.computed)}" for r in found)
-            series.append(Points(measured, computed, label, colour, marker, filled=False, text=text))
-    span = _span(value for r in residuals for value in (r.measured, r.computed))
-    x, y = (Axis(f"{word} {axis.label}", axis.unit, limits=span) for word in ("measured", "computed"))
-    return Panel(x, y, (*series, *_agreement(span)), square=True)
 
 
 def _deviation_panel(quantity: str, residuals: Sequence["Residual"]) -> Panel:
@@ -375,20 +361,24 @@ def _deviation_panel(quantity: str, residuals: Sequence["Residual"]) -> Panel:
     title = f"deviation of the {quantity_axis(quantity).label}"
     shown = list(residuals)
     if len(shown) > MAX_ROWS:
-        shown = sorted(shown, key=lambda r: -abs(_percent(r.computed, r.measured) or 0.0))[:MAX_ROWS]
+        shown = sorted(shown, key=lambda r: -abs(deviation_percent(r.computed, r.measured) or 0.0))[:MAX_ROWS]
         title += f", the {MAX_ROWS} largest of {len(residuals)}"
-    series: list[Series] = [Rule(0.0)]
-    for slot, (name, colour, label) in enumerate((("computed", BLUE, "fitted"), ("left_out", ORANGE, "leave-one-out"))):
-        values = [_percent(getattr(residual, name), residual.measured) for residual in shown]
-        text = tuple(
-            f"{r.test}, {label}\n{v or 0.0:+.2f} % of {r.measured:g}" for r, v in zip(shown, values, strict=True)
-        )
-        series.append(Bars([0.0] * len(shown), values, label, colour, slot, 2, text))
-    return Panel(Axis("deviation", "%"), Axis(categories=tuple(r.test for r in shown)), tuple(series), title)
+    values = {
+        "fitted": [deviation_percent(residual.computed, residual.measured) for residual in shown],
+        "leave-one-out": [deviation_percent(residual.left_out, residual.measured) for residual in shown],
+    }
+    x, names = Axis("deviation", "%", spec="+.2f"), tuple(residual.test for residual in shown)
+    return _bars_panel(x, names, values, (BLUE, ORANGE), title)
 
 
-def _percent(value: float | None, measured: float) -> float | None:
-    return None if value is None else 100.0 * (value / measured - 1.0)
+def _bars_panel(
+    x: Axis, names: tuple[str, ...], values: Mapping[str, Sequence[float | None]], colours: Sequence[str], title: str
+) -> Panel:
+    """Describe several values of each name as bars from zero."""
+    series: list[Series] = [Rule(0.0, colour=INK)]
+    for slot, (label, ends) in enumerate(values.items()):
+        series.append(Bars([0.0] * len(ends), ends, slot, len(values), label=label, colour=colours[slot]))
+    return Panel(x, Axis(categories=names), tuple(series), title)
 
 
 def sensitivity_chart(result: "SensitivityResult", title: str) -> Chart:
@@ -400,13 +390,9 @@ def sensitivity_chart(result: "SensitivityResult", title: str) -> Chart:
 
     inputs = sorted(result.inputs, key=lambda item: -largest(item.elasticities))
     names = tuple(quantity_axis(item.input).label for item in inputs)
-    series: list[Series] = [Rule(0.0)]
-    for slot, (answer, colour) in enumerate(zip(answers, COLOURS, strict=False)):
-        label = quantity_axis(answer).label
-        values = [item.elasticities[answer] for item in inputs]
-        text = tuple(f"{label}: {v or 0.0:+.3f} %\nper % of {n}" for v, n in zip(values, names, strict=True))
-        series.append(Bars([0.0] * len(values), values, label, colour, slot, len(answers), text))
-    return Chart(title, (Panel(Axis("change per % of the input", "%"), Axis(categories=names), tuple(series)),))
+    values = {quantity_axis(answer).label: [item.elasticities[answer] for item in inputs] for answer in answers}
+    x = Axis("change per % of the input", "%", spec="+.3f")
+    return Chart(title, (_bars_panel(x, names, values, COLOURS, ""),))
 
 
 def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
@@ -416,145 +402,103 @@ def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
         velocities = shots.of(complete=complete)
         kind = "complete penetration" if complete else "partial penetration"
         text = tuple(f"{kind} at {velocity:g} m/s" for velocity in velocities)
-        series.append(Points(velocities, [float(complete)] * len(velocities), kind, colour, marker, text=text))
+        probabilities = [float(complete)] * len(velocities)
+        series.append(Points(velocities, probabilities, marker, label=kind, colour=colour, text=text))
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
     reach, margin = fastest - slowest or 0.01 * fastest, 0.1 * (fastest - slowest)
-    model, mean = result.model_ballistic_limit_m_s, result.mean
+    model, mean, between = result.model_ballistic_limit_m_s, result.mean, f"{percent(result.confidence)} interval"
     ends = [end for fit in result.fits for end in (fit.v50_m_s, *fit.v50_interval_m_s)] + [model]
     wanted = [slowest, fastest, *(end for end in ends if end is not None)]
     low, high = max(slowest - reach, min(wanted) - margin), min(fastest + reach, max(wanted) + margin)
     x = np.linspace(low, high, 400).tolist()
     for fit, style, colour, height in zip(result.fits, STYLES, (BLUE, ORANGE), (0.47, 0.53), strict=False):
-        series.append(
-            Line(x, [fit.probability(v) for v in x], f"{fit.curve}: V50 {fit.v50_m_s:.1f} m/s", colour, style)
-        )
+        label = f"{fit.curve}: V50 {fit.v50_m_s:.1f} m/s"
+        series.append(Line(x, [fit.probability(v) for v in x], style, label=label, colour=colour))
         start, end = (edge if e is None else e for e, edge in zip(fit.v50_interval_m_s, (low, high), strict=True))
-        words = f"{fit.curve}: V50 {fit.v50_m_s:.1f} m/s\n{100.0 * result.confidence:g} % interval"
-        words += f" {start:.1f} to {end:.1f} m/s"
-        series.append(Points([fit.v50_m_s], [height], colour=colour, x_ends=((start, end),), text=(words,)))
+        words = (f"{label}\n{between} {start:.1f} to {end:.1f} m/s",)
+        series.append(Points([fit.v50_m_s], [height], x_ends=((start, end),), colour=colour, text=words))
     if mean is not None:
-        series.append(Rule(mean.v50_m_s, f"MIL-STD-662F: V50 {mean.v50_m_s:.1f} m/s", SOFT))
+        series.append(_velocity_rule("MIL-STD-662F: V50", mean.v50_m_s, SOFT))
     if model is not None:
-        inside = "" if low <= model <= high else ", outside the axis"
-        series.append(Rule(model, f"this model: ballistic limit {model:.1f} m/s{inside}", INK, ":"))
-    panel = Panel(
-        Axis("impact velocity", "m/s", limits=(low, high)),
+        outside = "" if low <= model <= high else ", outside the axis"
+        series.append(_velocity_rule("this model: ballistic limit", model, INK, ":", outside))
+    axes = (
+        quantity_axis(VELOCITY, limits=(low, high)),
         Axis("probability of complete penetration", limits=(-0.02, 1.02)),
-        tuple(series),
-        height=1.1,
     )
-    note = f"Bars at one half are {100.0 * result.confidence:g} % intervals of V50."
-    return Chart(shots.file, (panel,), note)
+    return Chart(shots.file, (Panel(*axes, tuple(series), height=1.1),), f"Bars at one half are {between}s of V50.")
 
 
 def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Chart:
-    """Describe the probability of perforation over velocity, and what each input does to the ballistic limit."""
+    """Describe the probability of perforation over velocity, and the ballistic limits at quantiles of each input."""
     curve, p, at = result.curve, result.probability_of_perforation, scenario.impact.velocity_m_s
-    found, percent = result.deterministic_m_s, f"{100.0 * result.confidence:g} %"
+    found, level = result.deterministic_m_s, percent(result.confidence)
+    points = list(zip(curve.velocity_m_s, curve.probability, curve.low, curve.high, strict=True))
     text = tuple(
-        f"perforated in {100.0 * value:.1f} % at {velocity:.1f} m/s\n{percent} interval {low:.3f} to {high:.3f}"
-        for velocity, value, low, high in zip(curve.velocity_m_s, curve.probability, curve.low, curve.high, strict=True)
+        f"perforated in {100.0 * value:.1f} % at {velocity:.1f} m/s\n{level} interval {low:.3f} to {high:.3f}"
+        for velocity, value, low, high in points
     )
     label = f"at {at:g} m/s: {p.value:.3f}, {p.low:.3f} to {p.high:.3f}"
+    quantiles = {name: result.ballistic_limit_m_s[name].value for name in ("V05", "V50", "V95")}
     series: list[Series] = [
-        Band(curve.velocity_m_s, curve.low, curve.high, colour=BLUE),
-        Line(curve.velocity_m_s, curve.probability, f"probability, with its {percent} band", BLUE, text=text),
-        Rule(found, f"nominal ballistic limit {found:.1f} m/s", INK, ":"),
+        Band(curve.velocity_m_s, curve.low, curve.high),
+        Line(curve.velocity_m_s, curve.probability, label=f"probability, with its {level} band", text=text),
+        _velocity_rule("nominal ballistic limit", found, INK, ":"),
+        *(_velocity_rule(*item, SOFT, style) for item, style in zip(quantiles.items(), ("-.", "-", "--"), strict=True)),
+        Points(
+            [at], [p.value], y_ends=((p.low, p.high),), label=label, colour=VERMILION, text=(f"perforated {label}",)
+        ),
     ]
-    for name, style in (("V05", "-."), ("V50", "-"), ("V95", "--")):
-        place = result.ballistic_limit_m_s[name].value
-        series.append(Rule(place, f"{name} {place:.1f} m/s", SOFT, style))
-    series.append(Points([at], [p.value], label, VERMILION, y_ends=((p.low, p.high),), text=(f"perforated {label}",)))
+    uncertain = [velocity for velocity, value, *_ in points if SHOWN_PROBABILITY < value < 1.0 - SHOWN_PROBABILITY]
     swings = [limit for index in result.inputs for limit in index.limits_m_s]
-    uncertain = [
-        velocity
-        for velocity, value in zip(curve.velocity_m_s, curve.probability, strict=True)
-        if SHOWN_PROBABILITY < value < 1.0 - SHOWN_PROBABILITY
-    ]
-    places = (result.ballistic_limit_m_s[name].value for name in ("V05", "V95"))
-    x = Axis("velocity", "m/s", limits=_span([at, found, *places, *uncertain, *swings]))
+    x = Axis("velocity", "m/s", limits=_span([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *swings]))
     panels = [Panel(x, Axis("probability of perforation", limits=(0.0, 1.0)), tuple(series))]
     if result.inputs:
         names = tuple(quantity_axis(index.input).label for index in result.inputs)
         bars: list[Series] = []
-        for side, colour, quantile in ((0, ORANGE, "5 %"), (1, PURPLE, "95 %")):
+        for side, (quantile, colour) in enumerate((("5 %", ORANGE), ("95 %", PURPLE))):
             limits = [index.limits_m_s[side] for index in result.inputs]
-            words = tuple(
+            text = tuple(
                 f"{name} at its {quantile} quantile\nballistic limit {limit:.1f} m/s"
                 for name, limit in zip(names, limits, strict=True)
             )
             label = f"input at its {quantile} quantile"
-            bars.append(Bars([found] * len(limits), limits, label, colour, text=words))
-        panels.append(
-            Panel(
-                x,
-                Axis(categories=names),
-                (*bars, Rule(found)),
-                "Ballistic limit with one input changed",
-                shares_x=True,
-                height=0.5,
-            )
-        )
+            bars.append(Bars([found] * len(limits), limits, label=label, colour=colour, text=text))
+        title = "Ballistic limit with one input changed"
+        bars.append(Rule(found, colour=INK))
+        panels.append(Panel(x, Axis(categories=names), tuple(bars), title, height=0.5, shares_x=True))
     return Chart(scenario.title, tuple(panels))
 
 
 def energy_chart(energy: "EnergyBalance") -> Chart:
-    """Describe where the projectile's kinetic energy went, stage by stage."""
-    names = tuple(f"{index}. stage {row.stage}" for index, row in enumerate(energy.rows, start=1))
-    categories = (*names, "left")
-    eroded, braked = [row.eroded for row in energy.rows], [row.total for row in energy.rows]
-
-    def words(label: str, values: Sequence[float]) -> tuple[str, ...]:
-        parts = [100.0 * value / energy.before if energy.before > 0.0 else 0.0 for value in values]
-        return tuple(
-            f"{name}: {label}\n{value:.2f} J, {part:.1f} %"
-            for name, value, part in zip(categories, values, parts, strict=True)
-        )
-
-    count = len(eroded)
-    series = (
-        Bars(
-            [0.0] * (count + 1),
-            [*eroded, 0.0],
-            "carried off by eroded material",
-            ORANGE,
-            text=words("carried off", [*eroded, 0.0]),
-        ),
-        Bars(
-            [*eroded, 0.0],
-            [*braked, 0.0],
-            "braking the rod",
-            BLUE,
-            text=words("braking", [*(row.braked for row in energy.rows), 0.0]),
-        ),
-        Bars(
-            [None] * count + [0.0],
-            [None] * count + [energy.left],
-            "left in the projectile",
-            SOFT,
-            text=words("in the projectile", [0.0] * count + [energy.left]),
-        ),
+    """Describe the projectile's loss of kinetic energy, stage by stage."""
+    categories = (*(f"{index}. stage {row.stage}" for index, row in enumerate(energy.rows, start=1)), "left")
+    parts = (
+        ("carried off by eroded material", "carried off", ORANGE, [*(row.eroded for row in energy.rows), 0.0]),
+        ("braking the rod", "braking", BLUE, [*(row.braked for row in energy.rows), 0.0]),
+        ("left in the projectile", "in the projectile", SOFT, [*(0.0 for _ in energy.rows), energy.left]),
     )
+    series = []
+    starts, share = [0.0] * len(categories), 100.0 / energy.before if energy.before > 0.0 else 0.0
+    for label, short, colour, values in parts:
+        text = tuple(
+            f"{name}: {short}\n{value:.2f} J, {share * value:.1f} %"
+            for name, value in zip(categories, values, strict=True)
+        )
+        ends = [start + value for start, value in zip(starts, values, strict=True)]
+        series.append(Bars(starts, ends, label=label, colour=colour, text=text))
+        starts = ends
     x = Axis("kinetic energy", "J", from_zero=True)
-    return Chart("Where the projectile's energy went", (Panel(x, Axis(categories=categories), series),))
+    return Chart("Where the projectile's energy went", (Panel(x, Axis(categories=categories), tuple(series)),))
 
 
 def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, scenario: "Scenario") -> Chart:
     """Describe a quantity over the one or two keys of a sweep: a curve, or a map with contours.
 
-    Over both thicknesses lines of equal areal density are added.
-
-    Parameters
-    ----------
-    table : mapping of str to array
-        Columns of the sweep, in the order of its grid.
-    keys : sequence of str
-        The keys swept.
-    name : str
-        The quantity.
-    scenario : Scenario
+    Over both thicknesses lines of equal areal density are added.  The columns of the sweep are in the order of its
+    grid.
     """
-    axes = [_key_axis(key) for key in keys]
+    axes = [quantity_axis(key) for key in keys]
     answer = quantity_axis(name)
     if len(keys) == 1:
         values = _or_none(table[name])
@@ -565,22 +509,15 @@ def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, sce
     rows = [_or_none(row) for row in z]
     series: list[Series] = [Map(x.tolist(), y.tolist(), rows, answer.heading)]
     if min(z.shape) > 1 and np.isfinite(z).any() and np.nanmin(z) < np.nanmax(z):
-        series.append(Contours(x.tolist(), y.tolist(), rows, levels=8, at=0.3))
+        series.append(Contours(x.tolist(), y.tolist(), rows, levels=8, at=0.3, colour=INK))
     note = ""
     if set(keys) == {CERAMIC, BACKING} and min(z.shape) > 1:
         ceramic, backing = np.meshgrid(x, y) if keys[0] == CERAMIC else np.meshgrid(x, y)[::-1]
-        areal = scenario.areal_density_kg_m2(1.0, 0.0) * ceramic + scenario.areal_density_kg_m2(0.0, 1.0) * backing
-        series.append(Contours(x.tolist(), y.tolist(), areal.tolist(), VERMILION, "dashed", 5, 0.8))
+        armour = scenario.core_armour()
+        areal = armour.rho_c * MM * ceramic + armour.rho_B * MM * backing
+        series.append(Contours(x.tolist(), y.tolist(), areal.tolist(), "dashed", 5, 0.8, colour=VERMILION))
         note = "Dashed lines: equal areal density, kg/m²."
     return Chart(scenario.title, (Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
-
-
-def _key_axis(key: str) -> Axis:
-    """Return the axis of a scenario's key; one that is no input keeps the name of its library entry."""
-    if key in INPUTS or key.count(".") < 2:
-        return quantity_axis(key)
-    axis = quantity_axis(key.rsplit(".", 1)[-1])
-    return Axis(f"{key.split('.')[-2]} {axis.label}", axis.unit)
 
 
 def _or_none(values: Floats) -> list[float | None]:

@@ -16,38 +16,17 @@ from armour.statistics.uncertainty import UncertaintyResult, uncertainty
 
 @dataclass(frozen=True)
 class Contents:
-    """Results of a scenario.
-
-    Attributes
-    ----------
-    scenario : Scenario
-        As read.
-    answer : Scenario
-        With the best design and the threat that governs it.
-    design : DesignResult or None
-        None where the scenario asks for no design.
-    impact : ImpactResult
-        Of the answer, with its history.
-    limit : LimitResult or None
-        Of the answer; None where it is outside the range searched.
-    energy : EnergyBalance
-    sensitivity : SensitivityResult
-    uncertainty : UncertaintyResult or None
-        None where the scenario has no distributions that apply to the answer.
-    entries : tuple of LibraryEntry
-        Projectile and materials of the answer.
-    warnings : tuple of str
-    """
+    """Results of a scenario as it was read, and of its answer: the best design against the threat that governs it."""
 
     scenario: Scenario
     answer: Scenario
-    design: DesignResult | None
-    impact: ImpactResult
-    limit: LimitResult | None
+    design: DesignResult | None  # None where the scenario asks for no design
+    impact: ImpactResult  # with its history
+    limit: LimitResult | None  # None where it is outside the range searched
     energy: EnergyBalance
     sensitivity: SensitivityResult
-    uncertainty: UncertaintyResult | None
-    entries: tuple[LibraryEntry, ...]
+    uncertainty: UncertaintyResult | None  # None without distributions that apply to the answer
+    entries: tuple[LibraryEntry, ...]  # projectile and materials
     warnings: tuple[str, ...]
 
     @property
@@ -57,15 +36,7 @@ class Contents:
 
 
 def contents_of(scenario: Scenario) -> Contents:
-    """Answer a scenario and gather the results that a report shows.
-
-    Raises
-    ------
-    InputError
-        If something in the scenario is wrong.
-    NoAnswerError
-        If no design defeats its threats.
-    """
+    """Answer a scenario and gather the results that a report shows."""
     asked = scenario.optimise is not None or scenario.design is not None or bool(scenario.threat)
     design = optimise(scenario) if asked else None
     answer = scenario if design is None else _with_best(scenario, design)

@@ -3,16 +3,15 @@
 import re
 from collections.abc import Iterator
 from dataclasses import replace
-from math import dist
+from math import dist, inf
 from textwrap import wrap
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from armour.reporting.chart import (
     BLUE,
     INK,
     SOFT,
-    Axis,
     Bars,
     Chart,
     Line,
@@ -39,22 +38,10 @@ LINE_HEIGHT, ABOVE = 10.5, 8.0
 CHARACTER, LINE_CHARACTERS = 5.0, 54
 
 
-class _Place(NamedTuple):
-    """A point of a chart in the SVG's coordinates, and its words."""
-
-    x: float
-    y: float
-    text: str
-
-
 def inline_svg(chart: Chart, name: str) -> str:
     """Return a chart without its title and note as an SVG element.
 
-    Parameters
-    ----------
-    chart : Chart
-    name : str
-        Prefix of the element's identifiers, different for every chart of a page.
+    The name is the prefix of the element's identifiers, different for every chart of a page.
     """
     chart = printable_chart(chart)
     figure = draw(replace(chart, title="", note=""), WIDTH_INCHES)
@@ -70,25 +57,26 @@ def inline_svg(chart: Chart, name: str) -> str:
     root.attrib |= {"role": "group", "aria-label": " ".join(chart.title.splitlines())}
     for axes, panel in zip(figure.axes, chart.panels, strict=False):
         for item in panel.series:
-            root.extend(_point(place) for place in _places(axes, panel, item, float(figure.bbox.height)))
+            root.extend(_points(axes, panel, item, float(figure.bbox.height)))
     ElementTree.register_namespace("", SVG)
     ElementTree.register_namespace("xlink", XLINK)
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def _places(axes: "Axes", panel: Panel, item: Series, height: float) -> list[_Place]:
+def _points(axes: "Axes", panel: Panel, item: Series, height: float) -> list[ElementTree.Element]:
     """Return the points of a series that have words, at a distance from each other on a curve."""
-    found: list[_Place] = []
+    found: list[ElementTree.Element] = []
     curve = isinstance(item, Line) and not item.marker
     window = axes.bbox.padded(1.0)
+    last = inf, inf
     for x, y, text in _values(panel, item):
         across, up = axes.transData.transform((x, y)).tolist()
         if isinstance(item, Spans):
             up = axes.bbox.y1 - SPACING
-        place = _Place(across, height - up, text)
-        near = curve and found and dist(place[:2], found[-1][:2]) < SPACING
-        if window.contains(across, up) and not near:
-            found.append(place)
+        near = curve and dist((across, up), last) < SPACING
+        if text and window.contains(across, up) and not near:
+            last = across, up
+            found.append(_point(across, height - up, text))
     return found[:MAX_POINTS]
 
 
@@ -107,36 +95,31 @@ def _attribute(key: str, value: str, name: str) -> str:
 
 
 def _values(panel: Panel, item: Series) -> Iterator[tuple[float, float, str]]:
-    """Give the points of a series in data coordinates, with their words."""
+    """Give the points of a series in data coordinates, with their words: those of the series, or else their values."""
     if isinstance(item, Line | Points):
         for index, (x, y) in enumerate(zip(item.x, item.y, strict=True)):
-            words = item.text[index] if item.text else _coordinates(panel.x, panel.y, x, y, item.label)
-            if x is not None and y is not None and words:
-                yield x, y, words
-    elif isinstance(item, Bars) and item.text:
-        for start, end, place, words in zip(item.starts, item.ends, bar_places(item).tolist(), item.text, strict=True):
+            if x is not None and y is not None:
+                values = f"{item.label or panel.y.label}: {panel.y.text(y)}\n{panel.x.label} {panel.x.text(x)}"
+                yield x, y, item.text[index] if item.text else values
+    elif isinstance(item, Bars):
+        for index, (start, end, place) in enumerate(zip(item.starts, item.ends, bar_places(item), strict=True)):
             if start is not None and end is not None and start != end:
-                yield 0.5 * (start + end), place, words
+                values = f"{panel.y.categories[index]}\n{item.label}: {panel.x.text(end)} {panel.x.label}"
+                yield 0.5 * (start + end), place, item.text[index] if item.text else values
     elif isinstance(item, Spans):
         for start, end, words in zip(item.starts, item.ends, item.text, strict=False):
             yield 0.5 * (start + end), 0.0, words
 
 
-def _coordinates(x: Axis, y: Axis, at: float | None, value: float | None, label: str) -> str:
-    if at is None or value is None:
-        return ""
-    return f"{label or y.label}: {y.text(value)}\n{x.label} {x.text(at)}"
-
-
-def _point(place: _Place) -> ElementTree.Element:
+def _point(across: float, down: float, words: str) -> ElementTree.Element:
     """Return a transparent circle with its words, which the page shows on hover and focus."""
     group = ElementTree.Element("g", {"class": "point", "tabindex": "-1"})
-    ElementTree.SubElement(group, "circle", {"cx": f"{place.x:.1f}", "cy": f"{place.y:.1f}", "r": f"{RADIUS:g}"})
-    lines = [line for paragraph in place.text.splitlines() for line in wrap(paragraph, LINE_CHARACTERS)]
+    ElementTree.SubElement(group, "circle", {"cx": f"{across:.1f}", "cy": f"{down:.1f}", "r": f"{RADIUS:g}"})
+    lines = [line for paragraph in words.splitlines() for line in wrap(paragraph, LINE_CHARACTERS)]
     reach = CHARACTER * max(len(line) for line in lines)
-    x = max(2.0, min(place.x - 0.5 * reach, POINTS_PER_INCH * WIDTH_INCHES - reach))
+    x = max(2.0, min(across - 0.5 * reach, POINTS_PER_INCH * WIDTH_INCHES - reach))
     above = ABOVE + LINE_HEIGHT * (len(lines) - 1)
-    y = place.y - above if place.y > above + LINE_HEIGHT else place.y + ABOVE + LINE_HEIGHT
+    y = down - above if down > above + LINE_HEIGHT else down + ABOVE + LINE_HEIGHT
     text = ElementTree.SubElement(group, "text", {"x": f"{x:.1f}", "y": f"{y:.1f}"})
     for index, line in enumerate(lines):
         moved = {"x": f"{x:.1f}", "dy": f"{LINE_HEIGHT:g}"} if index else {}

@@ -1,31 +1,20 @@
-"""Markdown: tables, and the outcome of a suite."""
+"""Tables and reports as Markdown."""
 
-from collections.abc import Sequence
+import re
 from typing import TYPE_CHECKING
 
-from armour import __version__
 from armour.reporting.table import Table
-from armour.reporting.tables.validation import (
-    check_groups,
-    check_table,
-    error_table,
-    note_rows,
-    summary_table,
-    verdict,
-)
 from armour.reporting.text import printable
 
 if TYPE_CHECKING:
-    from armour.validation.validate import Check, SuiteResult
-
-RULES = {"left": "---", "right": "---:"}
+    from armour.reporting.report import Report, Section
 
 
 def markdown_table(table: Table) -> str:
     """Format a table as Markdown, without its title."""
     lines = [
         [markdown_text(heading) for heading in table.headings()],
-        [RULES[alignment] for alignment in table.alignments()],
+        ["---:" if column.numeric else "---" for column in table.columns],
         *([markdown_text(text) for text in texts] for texts in table.texts()),
     ]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
@@ -39,34 +28,33 @@ def markdown_text(text: str) -> str:
     return text
 
 
-def suite_markdown(result: "SuiteResult") -> str:
-    """Format the outcome of a suite: verdict, cases, tables, errors, and the reasons for the bands."""
-    parts = [f"# {markdown_text(result.title or result.file)}", f"armour {__version__}: {verdict(result)}."]
-    for name, checks in check_groups(result).items():
-        parts += [f"## {markdown_text(name[:1].upper() + name[1:])}", *_about(checks)]
-        parts.append(markdown_table(check_table(checks)))
-    if result.summaries:
-        parts += ["## Tables as a whole", markdown_table(summary_table(result))]
-    if result.errors:
-        parts += ["## Errors", markdown_table(error_table(result))]
-    own = [check for check in result.checks if not check.case.group]
-    notes = note_rows([check for check in own if check.status != "not scored"])
-    if notes:
-        parts += ["## Reasons for the bands", _list(notes)]
-    unscored = note_rows([check for check in result.checks if check.status == "not scored"])
-    if unscored:
-        parts += ["## Shown and not scored", _list(unscored)]
+def markdown_report(report: "Report") -> str:
+    """Format a report as Markdown, without its charts."""
+    parts = [f"# {markdown_text(report.title)}", markdown_text(report.lead)]
+    if report.cards:
+        cards = ([markdown_text(text) for text in card] for card in report.cards)
+        parts.append(
+            "\n".join(
+                f"* {subject}: **{words}**" + (f"; {detail}" if detail else "") for subject, words, detail in cards
+            )
+        )
+    parts += (f"Warning: {markdown_text(warning)}" for warning in report.warnings)
+    for section in report.sections:
+        parts += _section(section)
     return "\n\n".join(parts) + "\n"
 
 
-def _about(checks: Sequence["Check"]) -> list[str]:
-    """Return source and reason of a table, which all its rows share."""
-    case = checks[0].case
-    if not case.group:
-        return []
-    about = [text for text in (case.source, f"band: {case.reason}" if case.reason else "") if text]
-    return [markdown_text("; ".join(about)) + "."] if about else []
+def _section(section: "Section") -> list[str]:
+    parts = [f"## {markdown_text(section.heading)}", *(markdown_text(words) for words in section.paragraphs)]
+    if section.code:
+        parts.append(_fenced(section.code, section.language))
+    parts += (markdown_table(table) for table in section.tables)
+    if section.notes:
+        parts.append("\n".join(f"* {markdown_text(name)}: {markdown_text(note)}." for name, note in section.notes))
+    return parts
 
 
-def _list(notes: Sequence[tuple[str, str]]) -> str:
-    return "\n".join(f"* {markdown_text(name)}: {markdown_text(note)}." for name, note in notes)
+def _fenced(text: str, language: str) -> str:
+    """Return text within a fence longer than any in it."""
+    fence = "`" * max(3, 1 + max((len(run) for run in re.findall("`+", text)), default=0))
+    return f"{fence}{language}\n{text.rstrip()}\n{fence}"

@@ -69,28 +69,11 @@ NEAR, EDGE = 0.3, 0.05
 
 
 def draw(chart: Chart, width: float | None = None) -> Figure:
-    """Draw a chart.
-
-    Parameters
-    ----------
-    chart : Chart
-    width : float, optional
-        Inches; the chart's own where left out.
-
-    Returns
-    -------
-    Figure
-        The first axes are those of the panels, in their order.
-    """
+    """Draw a chart in its own or another width, inches; the first axes are those of the panels, in their order."""
     chart = printable_chart(chart)
     width = width or chart.width
     size = TITLE if width > NARROW_INCHES else FONT
-    labels = [
-        item.label
-        for panel in chart.panels
-        for item in panel.series
-        if not isinstance(item, Spans | Map | Contours) and item.label
-    ]
+    labels = [item.label for panel in chart.panels for item in panel.series if item.label]
     columns = _legend_columns(labels, width)
     title = "\n".join(line for part in chart.title.splitlines() for line in wrap(part, _characters(width, size)))
     note = "\n".join(wrap(chart.note, _characters(width - SIDE_INCHES, 8.0)))
@@ -153,9 +136,7 @@ def _draw_panel(axes: Axes, panel: Panel, width: float) -> None:
         axes.set_xlim(left=0.0)
     if panel.y.from_zero:
         axes.set_ylim(bottom=0.0)
-    axes.set_title(panel.title)
-    axes.set_xlabel(panel.x.heading)
-    axes.set_ylabel(panel.y.heading)
+    axes.set(title=panel.title, xlabel=panel.x.heading, ylabel=panel.y.heading)
     if panel.y.categories:
         axes.set_yticks(range(len(panel.y.categories)), [_category(name) for name in panel.y.categories])
         axes.set_ylim(len(panel.y.categories) - 0.5, -0.5)
@@ -170,7 +151,7 @@ def _draw_panel(axes: Axes, panel: Panel, width: float) -> None:
 
 
 def _name(axes: Axes, spans: Spans, points_per_unit: float) -> None:
-    """Write the names of spans above the axes where they have room."""
+    """Write the names of spans above the axes where there is room."""
     for start, end, name in zip(spans.starts, spans.ends, spans.names, strict=False):
         if (end - start) * points_per_unit > CHARACTER * 8.0 * len(name):
             place = 0.5 * (start + end), 1.01
@@ -231,11 +212,8 @@ def _(item: Bars, axes: Axes) -> None:
 
 @_draw_series.register
 def _(item: Rule, axes: Axes) -> None:
-    style: Any = {"color": item.colour, "linestyle": item.style, "linewidth": 1.0, "label": item.label or None}
-    if item.vertical:
-        axes.axvline(item.at, **style)
-    else:
-        axes.axhline(item.at, **style)
+    draw_line = axes.axvline if item.vertical else axes.axhline
+    draw_line(item.at, color=item.colour, linestyle=item.style, linewidth=1.0, label=item.label or None)
 
 
 @_draw_series.register

@@ -1,35 +1,26 @@
 """Tables: columns described once, rows of raw values, and their text for people and for CSV files."""
 
 import csv
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from io import StringIO
-from typing import Literal
+from typing import Any
+
+from armour.reporting.text import spelt
+from armour.units import words_and_unit
 
 Cell = float | int | str | None
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table.
-
-    Attributes
-    ----------
-    label : str
-        Heading in words, without the unit.
-    unit : str
-    spec : str
-        Format specification of the column's numbers, such as ".2f"; empty for a column of text.
-    prose : bool
-        Whether text may be wrapped between words.
-    key : str
-        Heading in CSV files; a column without one is left out of them.
-    """
+    """A column of a table: its heading in words, and the unit."""
 
     label: str
     unit: str = ""
-    spec: str = ""
-    prose: bool = False
-    key: str = ""
+    spec: str = ""  # format specification of numbers, such as ".2f"; empty for text
+    prose: bool = False  # whether text may be wrapped between words
+    key: str = ""  # attribute that the column shows, and heading in CSV files, which have no column without a key
 
     @property
     def heading(self) -> str:
@@ -41,11 +32,6 @@ class Column:
         """Whether the column holds numbers."""
         return bool(self.spec)
 
-    @property
-    def alignment(self) -> Literal["left", "right"]:
-        """Numbers are aligned to the right, text to the left."""
-        return "right" if self.numeric else "left"
-
     def text(self, value: Cell) -> str:
         """Format a value; None gives an empty text, and a text is returned as it is."""
         if value is None:
@@ -53,18 +39,13 @@ class Column:
         return value if isinstance(value, str) else format(value, self.spec)
 
 
+# A column of the attribute that its key names, or a column and its value, or the function of an item that gives it.
+Source = Column | tuple[Column, Cell | Callable[[Any], Cell]]
+
+
 @dataclass(frozen=True)
 class Table:
-    """Rows of values under their columns.
-
-    Attributes
-    ----------
-    columns : tuple of Column
-    rows : tuple of tuple of Cell
-    title : str
-    record : bool
-        Whether the table has one row, which is listed quantity by quantity.
-    """
+    """Rows of values under their columns; a record is a single row, which is listed quantity by quantity."""
 
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
@@ -75,19 +56,39 @@ class Table:
         """Return the headings of the columns, with units."""
         return [column.heading for column in self.columns]
 
-    def alignments(self) -> list[Literal["left", "right"]]:
-        """Return the alignments of the columns."""
-        return [column.alignment for column in self.columns]
-
     def texts(self) -> list[list[str]]:
         """Return the rows with every value formatted."""
         return [[column.text(cell) for column, cell in zip(self.columns, row, strict=True)] for row in self.rows]
 
 
-def record(*quantities: tuple[Column, Cell], title: str = "") -> Table:
-    """Make a table of one row from columns and their values; quantities without a value are left out."""
-    known = [(column, value) for column, value in quantities if value is not None]
+def column_of(key: str, spec: str = "", label: str = "", *, prose: bool = False) -> Column:
+    """Return the column of an attribute or key, with label, unless given, and unit from its name."""
+    words, unit = words_and_unit(key)
+    return Column(label or spelt(words), unit, spec, prose, key)
+
+
+def listing(items: Iterable[Any], *sources: Source, title: str = "") -> Table:
+    """Make a table with a row for each item."""
+    rows = tuple(tuple(_cell(item, source) for source in sources) for item in items)
+    return Table(tuple(_column(source) for source in sources), rows, title)
+
+
+def record(item: Any, *sources: Source, title: str = "") -> Table:
+    """Make a table of one item, which leaves out quantities without a value."""
+    known = [(_column(source), value) for source in sources if (value := _cell(item, source)) is not None]
     return Table(tuple(column for column, _ in known), (tuple(value for _, value in known),), title, record=True)
+
+
+def _column(source: Source) -> Column:
+    return source if isinstance(source, Column) else source[0]
+
+
+def _cell(item: Any, source: Source) -> Cell:
+    if isinstance(source, Column):
+        found: Cell = getattr(item, source.key)
+        return found
+    value = source[1]
+    return value(item) if callable(value) else value
 
 
 def csv_text(table: Table) -> str:

@@ -1,10 +1,18 @@
-"""Texts: intervals in words, and text from files made safe for terminals and XML."""
+"""Texts: words of keys, intervals, and text from files made safe for terminals and XML."""
 
 import unicodedata
 
+# Words of keys that people read in another spelling.
+SPELLING = {"backing": "back plate", "caliber": "calibre", "m2": "m²", "youngs": "Young's"}
+
+
+def spelt(words: str) -> str:
+    """Return the words of a key as people read them: "backing thickness" as "back plate thickness"."""
+    return " ".join(SPELLING.get(word, word) for word in words.split(" "))
+
 
 def printable(text: str) -> str:
-    """Escape control characters, line ends among them, so that a text from a file is shown and not obeyed."""
+    """Escape the control characters of a text from a file, line ends among them."""
     return text if text.isprintable() else "".join(_shown(character) for character in text)
 
 
@@ -15,8 +23,14 @@ def _shown(character: str) -> str:
     return character.encode("unicode_escape").decode("ascii") if hidden else character
 
 
-def interval(low: float | None, high: float | None, spec: str) -> str:
+def percent(part: float) -> str:
+    """Format a part, such as a confidence level, in per cent."""
+    return f"{100.0 * part:g} %"
+
+
+def interval(ends: tuple[float | None, float | None], spec: str) -> str:
     """Format an interval; an end that is None is not bounded."""
+    low, high = ends
     if low is None and high is None:
         return "not bounded"
     if low is None:

@@ -9,25 +9,13 @@ if TYPE_CHECKING:
 
 
 class DataRange(NamedTuple):
-    """Range of a quantity within which the model was tested.
+    """Range of a quantity within which the model was tested."""
 
-    Attributes
-    ----------
-    key : str
-        Key of the scenario that the quantity depends on.
-    words : str
-        What was tested, in the plural.
-    low, high : float
-        Ends of the range.
-    unit : str
-        Unit of the ends, or what they are relative to.
-    """
-
-    key: str
-    words: str
+    key: str  # key of the scenario that the quantity depends on
+    words: str  # what was tested, in the plural
     low: float
     high: float
-    unit: str
+    unit: str  # unit of the ends, or what they are relative to
 
 
 # Ranges of the paper's cases and of Wilkins' tests in suites/paper.toml, rounded outwards to two digits.
@@ -40,18 +28,9 @@ SLENDERNESS = DataRange("impact.projectile", "penetrators", 3.2, 5.4, "diameters
 
 
 def warnings_of(scenario: "Scenario", velocity: float) -> tuple[str, ...]:
-    """Return the ways in which a scenario lies outside the validated range.
+    """Return the ways in which a scenario lies outside the validated range, as "key: range of the tests, value found".
 
-    Parameters
-    ----------
-    scenario : Scenario
-    velocity : float
-        Impact velocity or ballistic limit, m/s.
-
-    Returns
-    -------
-    tuple of str
-        Each in the form ``key: range of the tests, value found``.
+    `velocity` is the impact velocity or the ballistic limit, m/s.
     """
     projectile = scenario.entry("projectile", scenario.impact.projectile)
     diameter = projectile["penetrator_diameter_mm"]
@@ -62,12 +41,7 @@ def warnings_of(scenario: "Scenario", velocity: float) -> tuple[str, ...]:
         (SLENDERNESS, penetrator_length_mm(projectile) / diameter),
     )
     return tuple(
-        f"{r.key}: the model was tested on {r.words} {_from(r)}, found {value:.3g}"
+        f"{r.key}: the model was tested on {r.words} from {r.low:g} to {r.high:g} {r.unit}, found {value:.3g}"
         for r, value in found
         if not r.low <= value <= r.high
     )
-
-
-def _from(r: DataRange) -> str:
-    """Return the range in words."""
-    return f"from {r.low:g} to {r.high:g} {r.unit}"

@@ -1,23 +1,42 @@
-"""Changes of a scenario by key: written as texts, such as ``armour.ceramic_thickness_mm=8``, or as numbers."""
+"""Changes of a scenario by key, also as texts such as ``armour.ceramic_thickness_mm=8``."""
 
 import json
 import tomllib
 from collections.abc import Iterable, Mapping
+from copy import deepcopy
 from typing import Any
 
 from armour.errors import InputError, Problem
-from armour.scenario.loading import changed
+
+
+def changed(data: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:
+    """Return the data of a scenario with other values by dotted key; a table is merged into an existing one."""
+    result = deepcopy(dict(data))
+    for key, value in changes.items():
+        *sections, last = key.split(".")
+        table = result
+        for section in sections:
+            table = table.setdefault(section, {})
+            if not isinstance(table, dict):
+                break  # the validation reports that this must be a table
+        else:
+            _put(table, last, value)
+    return result
+
+
+def _put(table: dict[str, Any], key: str, value: object) -> None:
+    there = table.get(key)
+    if isinstance(value, Mapping) and isinstance(there, dict):
+        for inner in value:
+            _put(there, inner, value[inner])
+    else:
+        table[key] = deepcopy(value)
 
 
 def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
     """Return the changes that assignments on the command line make, as tables within tables.
 
     An assignment is a line of TOML; a value that is not TOML is taken as a text.
-
-    Raises
-    ------
-    InputError
-        With every text that is not an assignment.
     """
     changes: dict[str, Any] = {}
     problems = []
@@ -34,13 +53,7 @@ def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
 
 
 def changes_of_values(values: Mapping[str, float]) -> dict[str, Any]:
-    """Return the changes that numbers by TOML key make, as tables within tables.
-
-    Raises
-    ------
-    InputError
-        With every key that is not one.
-    """
+    """Return the changes that numbers by TOML key make, as tables within tables."""
     changes: dict[str, Any] = {}
     problems = []
     for key, value in values.items():
@@ -54,7 +67,7 @@ def changes_of_values(values: Mapping[str, float]) -> dict[str, Any]:
 
 
 def _parsed(text: str) -> dict[str, Any] | None:
-    """Return the data of an assignment; None where it is not one."""
+    """Return the data of an assignment; None if the text is not one."""
     key, equals, value = text.partition("=")
     for line in (text, f"{key}{equals}{json.dumps(value.strip())}"):
         try:

@@ -44,13 +44,7 @@ class Distribution(Section):
         return (self.mean, self.min, self.max) != (None, None, None)
 
     def mean_problem(self, own: float) -> str:
-        """Return why the distribution does not exist with its mean; empty if it does.
-
-        Parameters
-        ----------
-        own : float
-            The scenario's own value of the input, which is the mean if none is given.
-        """
+        """Return why the distribution cannot have its mean, by default the scenario's own value; "" if it can."""
         mean = own if self.mean is None else self.mean
         if self.distribution == "lognormal" and mean <= 0.0:
             return f"must have a mean greater than 0 to be lognormal, found {mean:g}"
@@ -153,19 +147,7 @@ class Uncertainty(Section):
 
 
 def correlation_matrix(names: Sequence[str], correlations: Sequence[Correlation]) -> list[list[float]]:
-    """Return the correlation matrix of the normal scores of inputs.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Names of the n inputs.
-    correlations : sequence of Correlation
-        Coefficients other than 0.
-
-    Returns
-    -------
-    list of list of float, (n, n)
-    """
+    """Return the correlation matrix of the normal scores of n inputs, shape (n, n)."""
     matrix = [[float(row == column) for column in names] for row in names]
     for correlation in correlations:
         i, j = (names.index(name) for name in correlation.between)

@@ -32,13 +32,11 @@ class Value(Section, Generic[Number]):
 
     @model_serializer(mode="wrap")
     def _without_empty_tests(self, whole: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Return plain data, without an empty list of tests."""
         data: dict[str, Any] = whole(self)
         return {key: value for key, value in data.items() if key != "tests" or value}
 
 
 def _as_table(value: object) -> object:
-    """Return the table that a plain number stands for."""
     return value if isinstance(value, dict | Value) else {NUMBER: value}
 
 
@@ -53,7 +51,7 @@ Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0)]], _NumberOrTab
 
 
 class Entry(Section):
-    """An entry of a library file; it inherits the values that it does not give from the entry it is based on."""
+    """An entry of a library file; it inherits missing values from the entry that it is based on."""
 
     description: str = ""
     based_on: str | None = None
@@ -101,14 +99,8 @@ OPTIONAL = ("caliber_mm", "projectile_mass_g", "ultimate_tensile_strength_MPa", 
 
 # Defaults for metals: multiples of the dynamic yield strength in MPa, and their source.
 DEFAULTS = {
-    "flow_stress_GPa": (
-        2.7 * MPA / GPA,
-        "2.7 times the dynamic yield strength, the constraint factor of the paper",
-    ),
-    "shear_strength_MPa": (
-        0.7,
-        "0.7 times the dynamic yield strength, which fits the paper's 6061-T6 and 5083-H3",
-    ),
+    "flow_stress_GPa": (2.7 * MPA / GPA, "2.7 times the dynamic yield strength, the constraint factor of the paper"),
+    "shear_strength_MPa": (0.7, "0.7 times the dynamic yield strength, which fits the paper's 6061-T6 and 5083-H3"),
 }
 # Range of length over diameter of a penetrator; outside it, the mass most likely has a wrong unit.
 SLENDERNESS = (0.1, 100.0)
@@ -160,13 +152,7 @@ def penetrator_length_mm(projectile: LibraryEntry) -> float:
 
 
 def length_mm(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
-    """Compute the length of a cylinder, mm.
-
-    Parameters
-    ----------
-    diameter_mm, mass_g, density_kg_m3 : float or array
-        Diameter, mass and density of the cylinder.
-    """
+    """Compute the length of a cylinder, mm; float or array."""
     area = pi * (diameter_mm * MM) ** 2 / 4.0
     return mass_g * G / (density_kg_m3 * area) / MM
 
@@ -206,24 +192,12 @@ class Library:
         return found
 
     def extended(self, tables: LibraryTables, file: str, prefix: str = "") -> "Library":
-        """Return the library with more entries, which may be based on those it has.
+        """Return the library with added entries, which may be based on existing ones or replace those of the same name.
 
-        Parameters
-        ----------
-        tables : LibraryTables
-            Entries to add; an entry replaces an earlier one of the same name.
-        file : str
-            File of the entries, for messages and as the source of values without one.
-        prefix : str
-            Key of the tables in that file.
-
-        Raises
-        ------
-        InputError
-            If an entry is based on an unknown entry or on itself, or lacks a value.
+        `file` holds the entries and is the source of values without one; `prefix` is the key of the tables in it.
         """
         entries: dict[Kind, dict[str, LibraryEntry]] = {kind: dict(self.entries[kind]) for kind in KINDS}
-        problems = []
+        problems: dict[str, Problem] = {}
         for kind in KINDS:
             added: Mapping[str, Entry] = getattr(tables, kind)
             for name in added:
@@ -231,50 +205,38 @@ class Library:
                     entries[kind][name] = _resolve(kind, name, added, self.entries[kind], file)
                 except _EntryError as error:
                     for key, message in error.mistakes:
-                        where = key_name([part for part in (prefix, kind, name, key) if part])
-                        problems.append(Problem(file, where, message))
+                        where = key_name([part for part in (prefix, kind, error.name, key) if part])
+                        problems[where] = Problem(file, where, message)
         if problems:
-            raise InputError(problems)
+            raise InputError(list(problems.values()))
         return Library(entries)
 
 
 class _EntryError(Exception):
-    """An entry that cannot be completed; it has no mistakes of its own if its base has them."""
+    """Mistakes that prevent an entry from being completed: keys and messages."""
 
-    def __init__(self, *mistakes: tuple[str, str]) -> None:
+    def __init__(self, name: str, *mistakes: tuple[str, str]) -> None:
+        self.name = name
         self.mistakes = mistakes
 
 
 def _resolve(
-    kind: Kind,
-    name: str,
-    added: Mapping[str, Entry],
-    known: Mapping[str, LibraryEntry],
-    file: str,
+    kind: Kind, name: str, added: Mapping[str, Entry], known: Mapping[str, LibraryEntry], file: str
 ) -> LibraryEntry:
-    """Return an entry with the values that it inherits.
-
-    Raises
-    ------
-    _EntryError
-        With the keys at fault.
-    """
+    """Return an entry with the values that it inherits."""
     entry = added[name]
     base = entry.based_on
     description, values = entry.description, {}
     if base is not None:
         if _leads_back(name, added):
-            raise _EntryError(("based_on", f'must not lead back to the entry itself, found "{base}"'))
+            raise _EntryError(name, ("based_on", f'must not lead back to the entry itself, found "{base}"'))
         if base in added and base != name:
-            try:
-                inherited = _resolve(kind, base, added, known, file)
-            except _EntryError:
-                raise _EntryError from None
+            inherited = _resolve(kind, base, added, known, file)
         elif base in known:
             inherited = known[base]
         else:
             hint = suggestion(base, [*known, *(other for other in added if other != name)])
-            raise _EntryError(("based_on", f'must name a {kind} of the library, found "{base}"{hint}'))
+            raise _EntryError(name, ("based_on", f'must name a {kind} of the library, found "{base}"{hint}'))
         description = description or inherited.description
         values = {key: inherited.values[key] for key in inherited.values if key not in inherited.derived}
     for key, value in entry.values().items():
@@ -295,13 +257,7 @@ def _leads_back(name: str, added: Mapping[str, Entry]) -> bool:
 
 
 def _completed(entry: LibraryEntry) -> LibraryEntry:
-    """Return the entry with its derived values.
-
-    Raises
-    ------
-    _EntryError
-        If a value is missing, or the penetrator is not a rod.
-    """
+    """Return the entry with its derived values, in the order of the keys of its kind."""
     values = dict(entry.values)
     derived = []
     if entry.kind == "metal" and "dynamic_yield_strength_MPa" in values:
@@ -310,12 +266,11 @@ def _completed(entry: LibraryEntry) -> LibraryEntry:
         for key in derived:
             factor, source = DEFAULTS[key]
             values[key] = Value[float](value=factor * strength, source=source)
-    order = [key for key in KINDS[entry.kind].model_fields if key in values]
-    complete = replace(entry, values={key: values[key] for key in order}, derived=frozenset(derived))
-    needed = [key for key in KINDS[entry.kind].model_fields if key not in (*OPTIONAL, *Entry.model_fields)]
-    missing = [key for key in needed if key not in values]
-    if missing:
-        raise _EntryError(*((key, "is missing and must be given, or based_on an entry that has it") for key in missing))
+    keys = [key for key in KINDS[entry.kind].model_fields if key not in Entry.model_fields]
+    if missing := [key for key in keys if key not in (*values, *OPTIONAL)]:
+        message = "is missing and must be given, or based_on an entry that has it"
+        raise _EntryError(entry.name, *((key, message) for key in missing))
+    complete = replace(entry, values={key: values[key] for key in keys if key in values}, derived=frozenset(derived))
     if entry.kind == "projectile":
         ratio = penetrator_length_mm(complete) / complete["penetrator_diameter_mm"]
         if not SLENDERNESS[0] <= ratio <= SLENDERNESS[1]:
@@ -323,25 +278,12 @@ def _completed(entry: LibraryEntry) -> LibraryEntry:
                 f"must make a rod {SLENDERNESS[0]:g} to {SLENDERNESS[1]:g} diameters long with the "
                 f"diameter and density given, found {ratio:.3g} diameters; is it in g?"
             )
-            raise _EntryError(("penetrator_mass_g", message))
+            raise _EntryError(entry.name, ("penetrator_mass_g", message))
     return complete
 
 
 def validated_tables(data: object, file: str) -> LibraryTables:
-    """Validate the tables of a library file.
-
-    Parameters
-    ----------
-    data : object
-        Content of the file.
-    file : str
-        Name of the file for messages.
-
-    Raises
-    ------
-    InputError
-        With every mistake.
-    """
+    """Validate the tables of a library file; raise an InputError with every mistake."""
     try:
         return LibraryTables.model_validate(data)
     except ValidationError as error:
@@ -356,34 +298,22 @@ def read_library(path: Path, onto: Library) -> Library:
     path : Path
         A TOML file.
     onto : Library
-        Library to which the entries are added.
+        Library to which the entries are added; it is not changed.
 
     Returns
     -------
     Library
-        The extended library.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or if it has mistakes; with every mistake.
+        With every mistake in the file, or if it cannot be read.
     """
     return onto.extended(validated_tables(read_toml(path), str(path)), str(path))
 
 
 def library_toml(tables: Mapping[str, Any]) -> str:
-    """Return the text of a library file.
-
-    Parameters
-    ----------
-    tables : mapping
-        Entries as plain data, by kind and name.
-
-    Raises
-    ------
-    InputError
-        With every mistake.
-    """
+    """Validate entries, plain data by kind and name, and return them as the text of a library file."""
     validated_tables(tables, "library")
     return tomli_w.dumps(tables)
 

@@ -1,4 +1,4 @@
-"""Scenarios: reading, validation, changes by dotted key and conversion to the core's parameters."""
+"""Scenarios: reading, validation and conversion to the core's parameters."""
 
 from collections.abc import Mapping
 from copy import deepcopy
@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import tomli_w
-from pydantic import PrivateAttr, ValidationError, field_validator
+from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem
 from armour.files import read_toml, write_atomic
+from armour.scenario.assignments import changed
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.library import (
     KINDS,
@@ -23,6 +24,7 @@ from armour.scenario.library import (
     shipped_library,
 )
 from armour.scenario.messages import Section, key_name, problems_of
+from armour.scenario.parameters import FIELDS, inputs_of
 from armour.scenario.schema import (
     SHEAR_LAWS,
     ArmourSection,
@@ -30,18 +32,16 @@ from armour.scenario.schema import (
     DesignSection,
     Impact,
     LibrarySection,
+    Line,
     Model,
     Optimise,
     Solver,
     Threat,
-    printable,
 )
-from armour.units import GPA, MM, MPA
+from armour.units import MM
 
 
 class _Source(NamedTuple):
-    """Origin of a scenario."""
-
     data: dict[str, Any]
     file: str  # name for messages
     folder: Path  # of the library files that the scenario names
@@ -53,7 +53,7 @@ class Scenario(Section):
     `load_scenario` and `parse_scenario` make scenarios.
     """
 
-    title: str = ""
+    title: Line = ""
     impact: Impact
     armour: ArmourSection
     model: Model = Model()
@@ -64,11 +64,6 @@ class Scenario(Section):
     design: DesignSection | None = None
     uncertainty: Uncertainty | None = None
     library: LibrarySection = LibrarySection()
-
-    @field_validator("title")
-    @classmethod
-    def _title(cls, title: str) -> str:
-        return printable(title)
 
     _entries: Library = PrivateAttr(default_factory=Library)
     _source: _Source = PrivateAttr(default=_Source({}, "", Path()))
@@ -82,63 +77,21 @@ class Scenario(Section):
         """Return an entry of the scenario's library."""
         return self._entries.entries[kind][name]
 
-    def core_armour(
-        self,
-        ceramic_thickness_mm: float | None = None,
-        backing_thickness_mm: float | None = None,
-    ) -> Parameters:
-        """Return projectile and armour as parameters of the core, SI units.
+    def core_armour(self) -> Parameters:
+        """Return projectile and armour as parameters of the core, SI units."""
+        fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0)
+        for name, value in inputs_of(self).items():
+            if (target := FIELDS[name]) is not None:
+                field, factor = target
+                fields[field] = value * factor
+        fields["L0"] = penetrator_length_mm(self.entry("projectile", self.impact.projectile)) * MM
+        fields["shear_law"] = SHEAR_LAWS[self.model.shear_perimeter]
+        return Parameters(**fields)
 
-        Parameters
-        ----------
-        ceramic_thickness_mm, backing_thickness_mm : float, optional
-            Thicknesses, mm, in place of the scenario's own.
-        """
-        Hc0, Hb = self._thicknesses(ceramic_thickness_mm, backing_thickness_mm)
-        projectile = self.entry("projectile", self.impact.projectile)
-        metal = self.entry("metal", self.armour.backing)
-        rho_c = Ec = Yc0 = 0.0
-        if self.armour.ceramic is not None:
-            ceramic = self.entry("ceramic", self.armour.ceramic)
-            rho_c = ceramic["density_kg_m3"]
-            Ec = ceramic["youngs_modulus_GPa"] * GPA
-            Yc0 = ceramic["flow_stress_GPa"] * GPA
-        return Parameters(
-            L0=penetrator_length_mm(projectile) * MM,
-            D0=projectile["penetrator_diameter_mm"] * MM,
-            rho_p=projectile["density_kg_m3"],
-            Yp=projectile["flow_stress_GPa"] * GPA,
-            Hc0=Hc0 * MM,
-            rho_c=rho_c,
-            Ec=Ec,
-            Yc0=Yc0,
-            Hb=Hb * MM,
-            rho_B=metal["density_kg_m3"],
-            YB=metal["flow_stress_GPa"] * GPA,
-            tau=metal["shear_strength_MPa"] * MPA,
-            shear_law=SHEAR_LAWS[self.model.shear_perimeter],
-        )
-
-    def areal_density_kg_m2(
-        self,
-        ceramic_thickness_mm: float | None = None,
-        backing_thickness_mm: float | None = None,
-    ) -> float:
-        """Compute the areal density of the armour, kg/m².
-
-        Parameters
-        ----------
-        ceramic_thickness_mm, backing_thickness_mm : float, optional
-            Thicknesses, mm, in place of the scenario's own.
-        """
-        armour = self.core_armour(ceramic_thickness_mm, backing_thickness_mm)
+    def areal_density_kg_m2(self) -> float:
+        """Compute the areal density of the armour, kg/m²."""
+        armour = self.core_armour()
         return armour.rho_c * armour.Hc0 + armour.rho_B * armour.Hb
-
-    def _thicknesses(self, ceramic: float | None, backing: float | None) -> tuple[float, float]:
-        return (
-            self.armour.ceramic_thickness_mm if ceramic is None else ceramic,
-            self.armour.backing_thickness_mm if backing is None else backing,
-        )
 
     def replaced(self, changes: Mapping[str, object]) -> "Scenario":
         """Return the scenario with other values, validated again.
@@ -184,39 +137,6 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
     path = Path(path)
     data = changed(read_toml(path), changes or {})
     return parse_scenario(data, file=str(path), folder=path.parent)
-
-
-def changed(data: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:
-    """Return the data of a scenario with other values.
-
-    Parameters
-    ----------
-    data : mapping
-        Content of a scenario file.
-    changes : mapping of str to object
-        Values by dotted key; a table is merged into an existing one.
-    """
-    result = deepcopy(dict(data))
-    for key, value in changes.items():
-        *sections, last = key.split(".")
-        table = result
-        for section in sections:
-            table = table.setdefault(section, {})
-            if not isinstance(table, dict):
-                break  # the validation reports that this must be a table
-        else:
-            _put(table, last, value)
-    return result
-
-
-def _put(table: dict[str, Any], key: str, value: object) -> None:
-    """Set a value; merge a table into an existing one."""
-    there = table.get(key)
-    if isinstance(value, Mapping) and isinstance(there, dict):
-        for inner in value:
-            _put(there, inner, value[inner])
-    else:
-        table[key] = deepcopy(value)
 
 
 def save_scenario(scenario: Scenario, path: str | PathLike[str]) -> None:
@@ -284,9 +204,7 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[P
     A name is known even if its entry has a mistake, so that one mistake gives one message.
     """
     library, problems = shipped_library(), []
-    names: dict[Kind, list[str]] = {}
-    tables = source.data.get("library")
-    tables = tables if isinstance(tables, dict) else {}
+    tables = _table(source.data, "library")
     files = tables.get("files")
     for index, file in enumerate(files if isinstance(files, list) else []):
         if not isinstance(file, str):
@@ -298,14 +216,17 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[P
             for problem in error.problems:
                 whole = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
                 problems.append(problem if problem.key else whole)
-    for kind in KINDS:
-        inline = tables.get(kind)
-        names[kind] = [*library.names(kind), *(inline if isinstance(inline, dict) else ())]
+    names: dict[Kind, list[str]] = {kind: [*library.names(kind), *_table(tables, kind)] for kind in KINDS}
     try:
-        section = LibrarySection.model_validate(tables)
-        library = library.extended(section, source.file, "library")
+        library = library.extended(LibrarySection.model_validate(tables), source.file, "library")
     except ValidationError:
         pass  # the validation of the whole scenario reports it
     except InputError as error:
         problems.extend(error.problems)
     return library, names, problems
+
+
+def _table(data: Mapping[str, Any], key: str) -> dict[str, Any]:
+    """Return a table of data that is not validated yet; {} if there is none."""
+    found = data.get(key)
+    return found if isinstance(found, dict) else {}

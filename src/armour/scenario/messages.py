@@ -20,13 +20,7 @@ class Section(BaseModel):
 
 
 def key_name(parts: Sequence[str | int]) -> str:
-    """Return a dotted key as written in TOML, with indices of lists in brackets.
-
-    Parameters
-    ----------
-    parts : sequence of str or int
-        Keys, and indices of lists.
-    """
+    """Return a dotted key as written in TOML, from keys and indices of lists, which are in brackets."""
     name = ""
     for part in parts:
         if isinstance(part, int):
@@ -69,16 +63,7 @@ _REQUIREMENTS = {
 
 
 def problems_of(error: ValidationError, model: type[Section], file: str) -> list[Problem]:
-    """Convert pydantic's errors to problems of a file.
-
-    Parameters
-    ----------
-    error : ValidationError
-    model : type
-        Model that the file was validated against.
-    file : str
-        Name of the file.
-    """
+    """Convert pydantic's errors in a file, validated against a model, to problems."""
     problems = []
     for detail in error.errors():
         # pydantic adds the tag of a union's member, which is in angle brackets in this project.

@@ -8,13 +8,15 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from armour.errors import InputError, Problem, suggestion
+from armour.scenario.assignments import changed
 from armour.scenario.library import Kind, LibraryEntry
-from armour.scenario.loading import Scenario, changed
 from armour.units import GPA, MM, MPA, missing_unit
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from armour.scenario.loading import Scenario
 
     Floats = NDArray[np.float64]
 
@@ -49,32 +51,20 @@ ROLES: dict[str, Kind] = {"projectile": "projectile", "ceramic": "ceramic", "bac
 NAMES = {"projectile": "impact.projectile", "ceramic": "armour.ceramic", "backing": "armour.backing"}
 
 
-def name_of(scenario: Scenario, role: str) -> str | None:
-    """Return the name of the library entry in a role; None if the scenario names no ceramic.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    role : {"projectile", "ceramic", "backing"}
-    """
+def name_of(scenario: "Scenario", role: str) -> str | None:
+    """Return the name of the library entry in a role; None if the scenario names no ceramic."""
     section, key = NAMES[role].split(".")
     name: str | None = getattr(getattr(scenario, section), key)
     return name
 
 
-def entry_of(scenario: Scenario, role: str) -> LibraryEntry | None:
-    """Return the library entry in a role; None if the scenario names no ceramic.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    role : {"projectile", "ceramic", "backing"}
-    """
+def entry_of(scenario: "Scenario", role: str) -> LibraryEntry | None:
+    """Return the library entry in a role; None if the scenario names no ceramic."""
     name = name_of(scenario, role)
     return None if name is None else scenario.entry(ROLES[role], name)
 
 
-def inputs_of(scenario: Scenario) -> dict[str, float]:
+def inputs_of(scenario: "Scenario") -> dict[str, float]:
     """Return the values of the inputs that a scenario has, by name.
 
     A bare plate has no inputs of the ceramic.  The yield strength is an input only if other properties of the metal
@@ -94,21 +84,8 @@ def inputs_of(scenario: Scenario) -> dict[str, float]:
     return found
 
 
-def check_names(names: Iterable[str], scenario: Scenario, file: str, key: str = "") -> None:
-    """Check that names are inputs of a scenario.
-
-    Parameters
-    ----------
-    names : iterable of str
-    scenario : Scenario
-    file, key : str
-        Where the names come from, for messages; `key` is the name itself by default.
-
-    Raises
-    ------
-    InputError
-        With every name that is not an input of the scenario.
-    """
+def check_names(names: Iterable[str], scenario: "Scenario", file: str, key: str = "") -> None:
+    """Check that names are inputs of a scenario; `file` and `key`, by default the name, say where they come from."""
     known = list(inputs_of(scenario))
     problems = []
     for name in names:
@@ -119,20 +96,8 @@ def check_names(names: Iterable[str], scenario: Scenario, file: str, key: str = 
         raise InputError(problems)
 
 
-def with_inputs(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
-    """Return the scenario with other values of inputs, validated again.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    values : mapping of str to float
-        Values by name of input.
-
-    Raises
-    ------
-    InputError
-        If a name is not an input of the scenario or a value is not allowed.
-    """
+def with_inputs(scenario: "Scenario", values: Mapping[str, float]) -> "Scenario":
+    """Return the scenario with other values of inputs, validated again."""
     check_names(values, scenario, scenario.file)
     changes: dict[str, Any] = {}
     for name, value in values.items():
@@ -148,20 +113,8 @@ def with_inputs(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
     return scenario.replaced(changes)
 
 
-def check_ranges(scenario: Scenario, columns: Mapping[str, "Floats"]) -> None:
-    """Check that the scenario allows the least and the greatest value of each input, and thereby all values.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    columns : mapping of str to array
-        Values by name of input.
-
-    Raises
-    ------
-    InputError
-        If a name is not an input of the scenario or a value is not allowed.
-    """
+def check_ranges(scenario: "Scenario", columns: Mapping[str, "Floats"]) -> None:
+    """Check that the scenario allows the least and the greatest value of each input, and thereby all values."""
     check_names(columns, scenario, scenario.file)
     for name, values in columns.items():
         # A NaN is both the least and the greatest value of an array.

@@ -16,18 +16,7 @@ Floats = NDArray[np.float64]
 
 
 def points_of(uncertainty: Uncertainty) -> Floats:
-    """Return points of the unit cube: a scrambled Sobol' sequence or a Latin hypercube.
-
-    Parameters
-    ----------
-    uncertainty : Uncertainty
-        Gives method, seed, number of samples and number of inputs.
-
-    Returns
-    -------
-    array, (samples, inputs)
-        In the open interval (0, 1).
-    """
+    """Return points within the unit cube, shape (samples, inputs): a scrambled Sobol' sequence or a Latin hypercube."""
     width = len(uncertainty.inputs())
     rng = np.random.default_rng(uncertainty.seed)
     if uncertainty.method == "sobol":
@@ -39,20 +28,9 @@ def points_of(uncertainty: Uncertainty) -> Floats:
 
 
 def columns_of(uncertainty: Uncertainty, own: Mapping[str, float], points: Floats) -> dict[str, Floats]:
-    """Return values of the uncertain inputs at points of the unit cube, correlated by a Gaussian copula.
+    """Return values of the uncertain inputs, shape (n,), at points of the unit cube, shape (n, inputs).
 
-    Parameters
-    ----------
-    uncertainty : Uncertainty
-    own : mapping of str to float
-        The scenario's own values by name of input.
-    points : array, (n, inputs)
-        Uniformly distributed coordinates, one per input.
-
-    Returns
-    -------
-    dict of str to array, (n,)
-        Values by name of input.
+    A Gaussian copula correlates them.  `own` are the scenario's own values by name of input.
     """
     inputs = uncertainty.inputs()
     if uncertainty.correlation:
@@ -64,21 +42,10 @@ def columns_of(uncertainty: Uncertainty, own: Mapping[str, float], points: Float
 
 
 def quantiles(distribution: Distribution, probabilities: ArrayLike, own: float) -> Floats:
-    """Return quantiles of a distribution, truncated as it demands.
+    """Return quantiles of a truncated distribution, in the shape of `probabilities`.
 
-    Parameters
-    ----------
-    distribution : Distribution
-    probabilities : array_like
-        In the interval [0, 1].
-    own : float
-        The scenario's own value of the input, which is the mean if none is given.  If it cannot be a mean, as the
-        thickness 0 of an absent layer, all quantiles are equal to it.
-
-    Returns
-    -------
-    array
-        Of the shape of `probabilities`.
+    `own` is the scenario's own value of the input, which is the mean if none is given.  If it cannot be a mean, such as
+    the thickness 0 of an absent layer, all quantiles are equal to it.
     """
     if distribution.mean_problem(own):
         return np.full(np.shape(probabilities), own)

@@ -3,7 +3,7 @@
 from math import floor
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 
 from armour.core import equations
 from armour.errors import suggestion
@@ -24,56 +24,46 @@ Positive = Annotated[float, Field(gt=0.0)]
 Amount = Annotated[float, Field(ge=0.0, le=1e9)]
 
 
-def _named(kind: Kind, name: str, info: ValidationInfo) -> str:
-    """Return the name, which must be in the library."""
-    known: list[str] = info.context["names"][kind] if info.context else [name]
-    if name not in known:
-        raise ValueError(f'must name a {kind} of the library, found "{name}"{suggestion(name, known)}')
-    return name
+def _in_library(kind: Kind) -> AfterValidator:
+    """Return a validator of a name, which must be in the library."""
+
+    def check(name: str, info: ValidationInfo) -> str:
+        known: list[str] = info.context["names"][kind] if info.context else [name]
+        if name not in known:
+            raise ValueError(f'must name a {kind} of the library, found "{name}"{suggestion(name, known)}')
+        return name
+
+    return AfterValidator(check)
 
 
-def printable(text: str) -> str:
-    """Return the text, which must be one line of printable characters.
+ProjectileName = Annotated[str, _in_library("projectile")]
+CeramicName = Annotated[str, _in_library("ceramic")]
+MetalName = Annotated[str, _in_library("metal")]
 
-    Raises
-    ------
-    ValueError
-        If it is not.
-    """
+
+def _printable(text: str) -> str:
     if not text.isprintable():
         raise ValueError(f"must be one line of printable text, found {text!r}")
     return text
 
 
+Line = Annotated[str, AfterValidator(_printable)]
+
+
 class Impact(Section):
     """The projectile and its impact velocity."""
 
-    projectile: str
+    projectile: ProjectileName
     velocity_m_s: Velocity
-
-    @field_validator("projectile")
-    @classmethod
-    def _projectile(cls, name: str, info: ValidationInfo) -> str:
-        return _named("projectile", name, info)
 
 
 class ArmourSection(Section):
     """The armour: a metal back plate, with or without a ceramic tile on it."""
 
-    ceramic: str | None = None
+    ceramic: CeramicName | None = None
     ceramic_thickness_mm: ThicknessOrNone
-    backing: str
+    backing: MetalName
     backing_thickness_mm: Thickness
-
-    @field_validator("ceramic")
-    @classmethod
-    def _ceramic(cls, name: str | None, info: ValidationInfo) -> str | None:
-        return None if name is None else _named("ceramic", name, info)
-
-    @field_validator("backing")
-    @classmethod
-    def _backing(cls, name: str, info: ValidationInfo) -> str:
-        return _named("metal", name, info)
 
     @field_validator("ceramic_thickness_mm")
     @classmethod
@@ -170,21 +160,11 @@ class Optimise(Section):
 class Threat(Section):
     """A projectile and a velocity that a design must defeat, with a margin."""
 
-    name: str = ""
-    projectile: str
+    name: Line = ""
+    projectile: ProjectileName
     velocity_m_s: Velocity
     margin_m_s: Annotated[float, Field(ge=0.0, le=1e4)] = 0.0
     probability_of_perforation: Annotated[float, Field(gt=0.0, lt=0.5)] | None = None
-
-    @field_validator("projectile")
-    @classmethod
-    def _projectile(cls, name: str, info: ValidationInfo) -> str:
-        return _named("projectile", name, info)
-
-    @field_validator("name")
-    @classmethod
-    def _name(cls, name: str) -> str:
-        return printable(name)
 
     @model_validator(mode="after")
     def _within_reach(self) -> "Threat":
@@ -259,19 +239,13 @@ class Layer(Section):
 class CeramicLayer(Layer):
     """A ceramic of the catalogue."""
 
-    @field_validator("material")
-    @classmethod
-    def _material(cls, name: str, info: ValidationInfo) -> str:
-        return _named("ceramic", name, info)
+    material: CeramicName
 
 
 class BackingLayer(Layer):
     """A metal of the catalogue, for the back plate."""
 
-    @field_validator("material")
-    @classmethod
-    def _material(cls, name: str, info: ValidationInfo) -> str:
-        return _named("metal", name, info)
+    material: MetalName
 
     @field_validator("thickness_mm")
     @classmethod

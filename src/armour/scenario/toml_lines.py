@@ -10,19 +10,9 @@ Parts = tuple[str | int, ...]
 
 
 def lines_of(text: str) -> dict[str, int]:
-    """Return the line of every key and table of a TOML file, up to a syntax error.
+    """Return the line numbers, from 1, of every key and table of a TOML text, up to a syntax error.
 
     The text is parsed statement by statement; a statement is the least number of lines that is valid TOML.
-
-    Parameters
-    ----------
-    text : str
-        Content of the file.
-
-    Returns
-    -------
-    dict of str to int
-        Line numbers, from 1, by key in the form of `armour.scenario.messages.key_name`.
     """
     found: dict[str, int] = {}
     counts: dict[str, int] = {}
@@ -47,25 +37,13 @@ def lines_of(text: str) -> dict[str, int]:
 
 
 def line_of(key: str, lines: Mapping[str, int]) -> int | None:
-    """Return the line of a key or, if the file does not hold it, of the innermost table that would.
-
-    Parameters
-    ----------
-    key : str
-    lines : mapping of str to int
-        As of `lines_of`.
-
-    Returns
-    -------
-    int or None
-        None if the file holds neither the key nor a table of it.
-    """
+    """Return the line of a key or, if the file does not hold it, of the innermost table that would; None if neither."""
     holding = [name for name in lines if key == name or (key.startswith(name) and key[len(name)] in ".[")]
     return lines[max(holding, key=len)] if holding else None
 
 
 def _header(data: Any, counts: dict[str, int]) -> Parts:
-    """Return the table that a header opens; for an array of tables, its next element."""
+    """Return the key of the table that a header opens; for an array of tables, of its next element."""
     parts: Parts = ()
     while data:
         [(name, data)] = data.items()

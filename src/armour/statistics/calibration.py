@@ -10,7 +10,7 @@ from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.variants import Floats
 from armour.scenario.loading import Scenario
 from armour.statistics.flow_stress_laws import FLOW_STRESS, Law
-from armour.statistics.least_squares_fit import Coefficient, LeastSquaresFit, fit_inputs, predicted, refitted
+from armour.statistics.least_squares_fit import Coefficient, LeastSquaresFit, fit_inputs, minimised, predicted
 from armour.statistics.test_data import Tests
 
 # Greatest number of folds of the leave-one-out error.
@@ -19,25 +19,14 @@ MAX_FOLDS = 100
 
 @dataclass(frozen=True)
 class Residual:
-    """A measurement and the value of the calibrated model.
-
-    Attributes
-    ----------
-    test, quantity : str
-    measured, computed : float
-        In the unit of the quantity's name.
-    left_out : float or None
-        Computed with coefficients fitted to the other tests; None where these are too few.
-    bound : {"", "at least", "at most"}
-        Bound on the ballistic limit that the outcome of a test gives.
-    """
+    """A measurement and the value of the calibrated model, in the unit of the quantity's name."""
 
     test: str
     quantity: str
     measured: float
     computed: float
-    left_out: float | None
-    bound: str
+    left_out: float | None  # computed with coefficients fitted to the other tests; None where these are too few
+    bound: str  # "at least" or "at most": bound on the ballistic limit that the outcome of a test gives
 
     @property
     def met(self) -> bool:
@@ -91,10 +80,7 @@ class CalibrationResult:
 
 
 def calibrate(
-    tests: Tests,
-    scenario: Scenario,
-    fit: Sequence[str] = (FLOW_STRESS,),
-    law: Law = "constant",
+    tests: Tests, scenario: Scenario, fit: Sequence[str] = (FLOW_STRESS,), law: Law = "constant"
 ) -> CalibrationResult:
     """Fit inputs of a scenario to tests.
 
@@ -120,7 +106,7 @@ def calibrate(
         does not end.
     """
     done = fit_inputs(tests, scenario, fit, law)
-    computed, left_out = predicted(tests, done.fitted, done.x), _left_out(tests, done, law)
+    computed, left_out = predicted(tests, done.fitted, done.x), _left_out(tests, done)
     residuals = tuple(
         Residual(
             test=tests.names[m.test],
@@ -137,20 +123,20 @@ def calibrate(
         law=law if FLOW_STRESS in fit else "",
         weights="uncertainties" if tests.weighted else "relative",
         coefficients=done.coefficients,
-        correlation=tuple(map(tuple, done.correlation().tolist())),
+        correlation=tuple(map(tuple, done.correlation.tolist())),
         residuals=residuals,
         mean_error_percent=_mean_percent([(r.computed, r.measured) for r in residuals if not r.bound]),
         left_out_error_percent=_mean_percent([(r.left_out, r.measured) for r in residuals if not r.bound]),
         degrees_of_freedom=done.degrees_of_freedom,
-        chi_squared=2.0 * done.cost,
+        chi_squared=done.chi_squared,
         starts=done.starts,
         starts_agreeing=done.starts_agreeing,
         confidence=CONFIDENCE,
     )
 
 
-def _left_out(tests: Tests, done: LeastSquaresFit, law: Law) -> Floats:
-    """Value of every measurement with coefficients fitted to the other tests; NaN where these are too few."""
+def _left_out(tests: Tests, done: LeastSquaresFit) -> Floats:
+    """Return each measurement's value with coefficients fitted to the other tests; NaN where these are too few."""
     found = np.full(len(tests.measurements), np.nan)
     exact = np.array([m.side == 0 for m in tests.measurements])
     of_test = np.array([m.test for m in tests.measurements])
@@ -158,7 +144,7 @@ def _left_out(tests: Tests, done: LeastSquaresFit, law: Law) -> Floats:
     for fold in range(folds):
         out = of_test % folds == fold
         if (exact & ~out).sum() >= len(done.x):
-            found[out] = predicted(tests, done.fitted, refitted(tests, done, law, ~out))[out]
+            found[out] = predicted(tests, done.fitted, minimised(tests, done.fitted, done.x, ~out).x)[out]
     return found
 
 

@@ -1,79 +1,56 @@
-"""Reading of CSV tables: all mistakes are reported, with their lines."""
+"""CSV tables of tests and shots; every mistake in a file is reported, with its line."""
 
 import csv
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from io import StringIO
 from math import isfinite
 from pathlib import Path
+from typing import NamedTuple
 
 from armour.errors import InputError, Problem, suggestion
 from armour.files import read_text
 from armour.units import missing_unit
 
-Cell = float | str | None
 
+class CsvRow(NamedTuple):
+    """A row of a CSV table; empty cells are left out."""
 
-@dataclass(frozen=True)
-class CsvRow:
-    """A row of a CSV table: numbers and texts by column, None where a cell is empty."""
-
-    line: int
-    cells: Mapping[str, Cell]
-
-    @property
-    def place(self) -> str:
-        """Place of the row, for messages."""
-        return f"line {self.line}"
-
-    def __getitem__(self, name: str) -> Cell:
-        """Return the cell of a column; None where it is empty or the table has no such column."""
-        return self.cells.get(name)
+    place: str  # for messages, such as "line 3"
+    numbers: dict[str, float]  # by column
+    texts: dict[str, str]
 
 
 def read_rows(path: Path, *, numbers: Sequence[str], texts: Sequence[str], needed: Sequence[str]) -> list[CsvRow]:
-    """Read a CSV file with a header.
-
-    Parameters
-    ----------
-    path : Path
-    numbers, texts : sequence of str
-        Columns of numbers and of texts that are allowed.
-    needed : sequence of str
-        Columns that are required.
-
-    Raises
-    ------
-    InputError
-        With every mistake: unknown columns, cells that are not numbers, repeated rows.
-    """
-    lines = [(number, cells) for number, cells in _lines(path) if any(cell.strip() for cell in cells)]
+    """Read a CSV file with a header; its columns of numbers and of texts are those given, at least the needed ones."""
+    lines = [(place, cells) for place, cells in _lines(path) if any(cells)]
     if not lines:
         raise InputError(
             [Problem(str(path), "", f"must have a header with {' and '.join(needed)}, found an empty file")]
         )
-    header = [cell.strip() for cell in lines[0][1]]
+    header = lines[0][1]
     problems = [Problem(str(path), *found) for found in _wrong_columns(header, [*numbers, *texts], needed)]
     rows: list[CsvRow] = []
-    seen: dict[tuple[tuple[str, str], ...], int] = {}
-    for number, cells in lines[1:]:
+    seen: dict[tuple[str, ...], str] = {}
+    for place, cells in lines[1:]:
         if len(cells) != len(header):
             message = f"must have {len(header)} cells as the header has, found {len(cells)}"
-            problems.append(Problem(str(path), f"line {number}", message))
+            problems.append(Problem(str(path), place, message))
             continue
-        row = {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
-        whole = tuple(row.items())
-        if whole in seen:
-            message = f"repeats line {seen[whole]}; name tests in a column of their own where both took place"
-            problems.append(Problem(str(path), f"line {number}", message))
-        seen[whole] = number
-        values: dict[str, Cell] = {}
-        for name, cell in row.items():
-            try:
-                values[name] = _value(cell, number=name in numbers)
-            except ValueError:
-                problems.append(Problem(str(path), f"line {number}: {name}", f'must be a number, found "{cell}"'))
-        rows.append(CsvRow(number, values))
+        if tuple(cells) in seen:
+            message = f"repeats {seen[tuple(cells)]}; name tests in a column of their own where both took place"
+            problems.append(Problem(str(path), place, message))
+        seen[tuple(cells)] = place
+        row = CsvRow(place, {}, {})
+        for name, cell in zip(header, cells, strict=True):
+            if not cell:
+                continue
+            if name not in numbers:
+                row.texts[name] = cell
+            elif (value := _number(cell)) is not None:
+                row.numbers[name] = value
+            else:
+                problems.append(Problem(str(path), f"{place}: {name}", f'must be a number, found "{cell}"'))
+        rows.append(row)
     if not rows and not problems:
         problems.append(Problem(str(path), "", "must have at least one row below its header"))
     if problems:
@@ -81,31 +58,22 @@ def read_rows(path: Path, *, numbers: Sequence[str], texts: Sequence[str], neede
     return rows
 
 
-def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
+def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:
     reader = csv.reader(StringIO(read_text(path), newline=""))
     try:
         for cells in reader:
-            yield reader.line_num, cells
+            yield f"line {reader.line_num}", [cell.strip() for cell in cells]
     except csv.Error as error:
         raise InputError([Problem(str(path), f"line {reader.line_num}", f"must be CSV: {error}")]) from None
 
 
-def _value(cell: str, *, number: bool) -> Cell:
-    """Convert a cell.
-
-    Raises
-    ------
-    ValueError
-        If it must be a number and is not.
-    """
-    if not cell:
+def _number(cell: str) -> float | None:
+    """Return a finite number; None for any other text."""
+    try:
+        value = float(cell)
+    except ValueError:
         return None
-    if not number:
-        return cell
-    value = float(cell)
-    if not isfinite(value):
-        raise ValueError
-    return value
+    return value if isfinite(value) else None
 
 
 def _wrong_columns(header: Sequence[str], known: Sequence[str], needed: Sequence[str]) -> Iterator[tuple[str, str]]:

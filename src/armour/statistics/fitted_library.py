@@ -6,41 +6,29 @@ from typing import Any
 from armour.errors import NoAnswerError
 from armour.scenario.library import library_toml
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import BACKING, CERAMIC, NAMES, VELOCITY, entry_of, name_of
+from armour.scenario.parameters import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY, entry_of, name_of
 from armour.statistics.calibration import CalibrationResult
 from armour.statistics.flow_stress_laws import FLOW_STRESS, TERMS
-from armour.statistics.test_data import LIMIT, Tests
+from armour.statistics.test_data import LIMIT, MEASURED, OUTCOME, Tests
 
 
 def value_at(result: CalibrationResult, name: str, ceramic_mm: float, backing_mm: float) -> float:
-    """Compute a fitted input by its law at thicknesses, mm.
-
-    Raises
-    ------
-    NoAnswerError
-        If a coefficient is not identified.
-    """
-    total = 0.0
-    for term, thickness in zip(TERMS, (1.0, ceramic_mm, backing_mm), strict=True):
-        for coefficient in result.coefficients:
-            if coefficient.name == name + term:
-                if coefficient.estimate is None:
-                    raise NoAnswerError(f"nothing to write: {coefficient.name} is not identified: {coefficient.reason}")
-                total += coefficient.estimate * thickness
-    return total
+    """Return a fitted input by its law at thicknesses, mm."""
+    estimates = {coefficient.name: coefficient.estimate or 0.0 for coefficient in result.coefficients}
+    thicknesses = (1.0, ceramic_mm, backing_mm)
+    return sum(estimates.get(name + term, 0.0) * size for term, size in zip(TERMS, thicknesses, strict=True))
 
 
 def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario) -> str:
     """Return a library file with the calibrated entries and the tests that they were calibrated to.
 
     An input that depends on the thicknesses takes its value at those of the scenario.
-
-    Raises
-    ------
-    NoAnswerError
-        If a coefficient is not identified.
     """
-    names = dict.fromkeys(c.name.split(" per ")[0] for c in result.coefficients)
+    for coefficient in result.coefficients:
+        if coefficient.estimate is None:
+            raise NoAnswerError(f"nothing to write: {coefficient.name} is not identified: {coefficient.reason}")
+    intervals = {coefficient.name: coefficient.interval for coefficient in result.coefficients}
+    names = dict.fromkeys(name.split(" per ")[0] for name in intervals)
     ceramic, backing = scenario.armour.ceramic_thickness_mm, scenario.armour.backing_thickness_mm
     of_law = f"{result.law} law" + ("" if result.law == "constant" else f" at {ceramic:g} mm on {backing:g} mm")
     tables: dict[str, Any] = {}
@@ -48,13 +36,12 @@ def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario) ->
         role, key = name.split(".")
         entry = entry_of(tests.groups[0].scenario, role)
         assert entry is not None
-        intervals = [c.interval for c in result.coefficients if c.name == name]
         source = f"armour calibrate, {len(tests.names)} tests of {Path(tests.file).name}"
         if name == FLOW_STRESS:
             source += f", {of_law}"
-        if result.law in ("", "constant") and intervals and intervals[0] is not None:
-            low, high = intervals[0]
-            source += f", {100.0 * result.confidence:g} % interval {low:.4g} to {high:.4g}"
+        interval = intervals.get(name)
+        if result.law in ("", "constant") and interval is not None:
+            source += f", {100.0 * result.confidence:g} % interval {interval[0]:.4g} to {interval[1]:.4g}"
         value = {
             "value": float(f"{value_at(result, name, ceramic, backing):.6g}"),
             "status": "fitted",
@@ -67,16 +54,13 @@ def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario) ->
 
 
 def _test_table(tests: Tests, test: int, role: str) -> dict[str, float | str]:
-    """Inputs and measurements of a test, without the name of the calibrated entry."""
+    """Return the inputs and measurements of a test, without the name of the calibrated entry."""
     scenario = next(group.scenario for group in tests.groups if test in group.where)
-    found: dict[str, float | str] = {}
-    for other, key in NAMES.items():
-        name = name_of(scenario, other)
-        if other != role and name is not None:
-            found[key] = name
+    cells = tests.cells[test]
+    names = {key: name_of(scenario, other) for other, key in NAMES.items() if other != role}
+    found: dict[str, float | str] = {key: name for key, name in names.items() if name is not None}
     found[CERAMIC] = scenario.armour.ceramic_thickness_mm
     found[BACKING] = scenario.armour.backing_thickness_mm
-    cells = tests.cells[test]
     if LIMIT not in cells:
         found[VELOCITY] = scenario.impact.velocity_m_s
-    return {**found, **{name: value for name, value in cells.items() if name not in ("test", *NAMES.values())}}
+    return {**found, **{name: cell for name, cell in cells.items() if name in (*INPUTS, *MEASURED, OUTCOME)}}

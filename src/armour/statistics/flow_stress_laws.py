@@ -12,25 +12,28 @@ from armour.statistics.test_data import MaterialGroup, Tests
 FLOW_STRESS = "ceramic.flow_stress_GPa"
 
 Law = Literal["constant", "linear", "proportional", "thicknesses"]
-# Which terms each law has: a constant, the ceramic thickness, the back plate thickness.
-LAWS: dict[Law, tuple[bool, bool, bool]] = {
-    "constant": (True, False, False),
-    "linear": (True, True, False),
-    "proportional": (False, True, False),
-    "thicknesses": (True, True, True),
-}
-# Suffixes of the coefficients' names, by term.
+# Suffixes of the coefficients' names, by term: a constant, or a multiple of a thickness.
 TERMS = ("", " per mm of ceramic", " per mm of backing")
+# Terms of each law.
+LAWS: dict[Law, tuple[int, ...]] = {
+    "constant": (0,),
+    "linear": (0, 1),
+    "proportional": (1,),
+    "thicknesses": (0, 1, 2),
+}
+# Bounds of a coefficient in units of its scale; slopes of a law may be negative.
+MIN_RATIO, MAX_RATIO = 0.1, 10.0
 # Least value of an input by a law, as a multiple of the scenario's own value.
 MIN_VALUE_RATIO = 0.05
 
 
 class Coefficients(NamedTuple):
-    """Coefficients to fit: the input and the term of its law that each belongs to."""
+    """The k coefficients to fit, each of an input and a term of its law."""
 
     inputs: tuple[str, ...]
     terms: tuple[int, ...]
-    scales: Floats  # the scenario's own value, divided by the mean thickness of the term
+    scales: Floats  # the scenario's own value, divided by the mean thickness of the term, (k,)
+    lower: Floats  # lower bounds, divided by the scales, (k,)
 
     def names(self) -> list[str]:
         """Return the names of the coefficients."""
@@ -40,33 +43,23 @@ class Coefficients(NamedTuple):
 def coefficients_of(tests: Tests, inputs: Sequence[str], law: Law) -> Coefficients:
     """Return the coefficients of inputs to fit; only the flow stress follows the law."""
     own = inputs_of(tests.groups[0].scenario)
-    means = [1.0, _mean(tests, CERAMIC), _mean(tests, BACKING)]
-    pairs = [
-        (name, term)
-        for name in inputs
-        for term, present in enumerate(LAWS[law] if name == FLOW_STRESS else LAWS["constant"])
-        if present
-    ]
-    scales = np.array([own[name] / means[term] for name, term in pairs])
-    return Coefficients(tuple(name for name, _ in pairs), tuple(term for _, term in pairs), scales)
+    means = (1.0, _mean(tests, CERAMIC), _mean(tests, BACKING))
+    pairs = [(name, term) for name in inputs for term in (LAWS[law] if name == FLOW_STRESS else LAWS["constant"])]
+    return Coefficients(
+        inputs=tuple(name for name, _ in pairs),
+        terms=tuple(term for _, term in pairs),
+        scales=np.array([own[name] / means[term] for name, term in pairs]),
+        lower=np.array([-MAX_RATIO if term and law != "proportional" else MIN_RATIO for _, term in pairs]),
+    )
 
 
 def _mean(tests: Tests, name: str) -> float:
-    """Mean of a thickness over the tests; 1 where it is 0."""
-    values = [thickness for group in tests.groups for thickness in group.column(name)]
-    return float(sum(values) / len(values)) or 1.0
+    """Return the mean of a thickness over the tests; 1 where it is 0."""
+    return float(np.concatenate([group.column(name) for group in tests.groups]).mean()) or 1.0
 
 
 def input_values(coefficients: Coefficients, x: Floats, group: MaterialGroup) -> dict[str, Floats]:
-    """Compute the fitted inputs of a group's tests.
-
-    Parameters
-    ----------
-    coefficients : Coefficients
-    x : array, (k,)
-        Values of the coefficients, divided by their scales.
-    group : MaterialGroup
-    """
+    """Return the fitted inputs of a group's tests, given the coefficients divided by their scales, (k,)."""
     thicknesses = (np.ones(len(group.where)), group.column(CERAMIC), group.column(BACKING))
     found: dict[str, Floats] = {}
     for name, term, value in zip(coefficients.inputs, coefficients.terms, x * coefficients.scales, strict=True):

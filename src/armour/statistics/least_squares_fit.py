@@ -1,6 +1,6 @@
 """Fit of a scenario's inputs to tests by least squares."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -15,12 +15,18 @@ from armour.analysis.variants import Bools, Floats, Variants, perforated, varian
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, NAMES, VELOCITY, check_names, name_of
-from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Coefficients, Law, coefficients_of, input_values
-from armour.statistics.test_data import LIMIT, MASS, MEASURED, RESIDUAL, Tests
+from armour.statistics.flow_stress_laws import (
+    FLOW_STRESS,
+    LAWS,
+    MAX_RATIO,
+    Coefficients,
+    Law,
+    coefficients_of,
+    input_values,
+)
+from armour.statistics.test_data import LIMIT, MASS, RESIDUAL, Tests
 
-# Bounds of a coefficient in units of its scale; slopes of a law may be negative.
-MIN_RATIO, MAX_RATIO = 0.1, 10.0
-# Starting points of the fit, in the same units.
+# Starting points of the fit, in units of the coefficients' scales.
 STARTS = (1.0, 0.5, 2.0)
 # Tolerance of ballistic limits, m/s, and relative change of coefficients for the derivatives.
 LIMIT_TOLERANCE_M_S = 1e-6
@@ -31,44 +37,25 @@ EQUAL = 1e-3
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A fitted coefficient.
+    """A fitted coefficient."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the input, with its unit, and the thickness that it multiplies.
-    estimate : float or None
-        None where the tests do not identify it.
-    interval : tuple of float or None
-        Confidence interval.
-    reason : str
-        Why it is not identified.
-    """
-
-    name: str
-    estimate: float | None
-    interval: tuple[float, float] | None
-    reason: str = ""
+    name: str  # of the input, with its unit, and the thickness that it multiplies
+    estimate: float | None  # None where the tests do not identify it
+    interval: tuple[float, float] | None  # confidence interval
+    reason: str = ""  # why it is not identified
 
 
 class LeastSquaresFit(NamedTuple):
     """A fit of coefficients to tests."""
 
     fitted: Coefficients
-    x: Floats  # values of the coefficients, divided by their scales
-    cost: float  # half the sum of squares
-    covariance: Floats
+    x: Floats  # values of the coefficients, divided by their scales, (k,)
     coefficients: tuple[Coefficient, ...]
+    correlation: Floats  # (k, k)
+    chi_squared: float  # sum of squares
     degrees_of_freedom: int
     starts: int
     starts_agreeing: int
-
-    def correlation(self) -> Floats:
-        """Return the correlation matrix of the coefficients."""
-        deviation = np.sqrt(np.diag(self.covariance))
-        found: Floats = self.covariance / np.outer(deviation, deviation)
-        np.fill_diagonal(found, 1.0)
-        return found
 
 
 def fit_inputs(tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law) -> LeastSquaresFit:
@@ -76,88 +63,70 @@ def fit_inputs(tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law
 
     The confidence intervals are those of the model linearised at the estimate, with the uncertainties given or, without
     them, with the scatter of the deviations.
-
-    Raises
-    ------
-    InputError
-        If an input cannot be fitted to the tests, these are too few, or a run does not end.
     """
     _check(tests, scenario, inputs, law)
     fitted = coefficients_of(tests, inputs, law)
-    bounds = _bounds(fitted, law)
-    slopes = bounds[0] < 0.0
     everything = np.ones(len(tests.measurements), dtype=bool)
-    ends = [_minimised(tests, fitted, bounds, start, everything) for start in _starts(slopes)]
+    ends = [minimised(tests, fitted, start, everything) for start in _starts(fitted.lower < 0.0)]
     best = min(ends, key=lambda end: float(end.cost))
     exact = np.array([m.side == 0 for m in tests.measurements])
-    freedom = int((exact | (best.fun != 0.0)).sum()) - len(slopes)
-    covariance, unidentified = _covariance(best.jac)
-    if not tests.weighted:
-        covariance = covariance * (2.0 * best.cost / freedom)
+    freedom = int((exact | (best.fun != 0.0)).sum()) - len(best.x)
+    inverse = np.linalg.pinv(best.jac, rcond=1e-6)
+    # A coefficient is not identified if it can change without an effect on the measurements.
+    unidentified = np.diag(inverse @ best.jac) < 1.0 - 1e-6
+    covariance = inverse @ inverse.T * (1.0 if tests.weighted else 2.0 * best.cost / freedom)
+    deviation = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    correlation = covariance / np.outer(deviation, deviation)
+    np.fill_diagonal(correlation, 1.0)
     tail = 0.5 * (1.0 + CONFIDENCE)
     factor = float(norm.ppf(tail) if tests.weighted else t.ppf(tail, freedom))
     return LeastSquaresFit(
         fitted=fitted,
         x=best.x,
-        cost=float(best.cost),
-        covariance=covariance,
-        coefficients=_coefficients(fitted, best.x, factor * np.sqrt(np.diag(covariance)), unidentified, bounds),
+        coefficients=_coefficients(fitted, best.x, factor * deviation, unidentified),
+        correlation=correlation,
+        chi_squared=2.0 * float(best.cost),
         degrees_of_freedom=freedom,
         starts=len(ends),
         starts_agreeing=sum(np.allclose(end.x, best.x, rtol=EQUAL, atol=EQUAL) for end in ends),
     )
 
 
-def refitted(tests: Tests, fit: LeastSquaresFit, law: Law, kept: Bools) -> Floats:
-    """Fit again to some of the measurements; return the values of the coefficients, divided by their scales."""
-    found: Floats = _minimised(tests, fit.fitted, _bounds(fit.fitted, law), fit.x, kept).x
-    return found
+def minimised(tests: Tests, fitted: Coefficients, start: Floats, kept: Bools) -> Any:
+    """Return scipy's result of a least-squares search from a starting point, with some of the measurements.
+
+    A deviation is divided by its uncertainty or, without one, by the measured value; that of a censored observation
+    counts only where its bound is not met.
+    """
+    scales = [m.uncertainty or m.value for m in tests.measurements]
+    value, scale, side = np.array([(m.value, s, m.side) for m, s in zip(tests.measurements, scales, strict=True)]).T
+
+    def deviations(x: Floats) -> Floats:
+        found = (predicted(tests, fitted, x) - value) / scale
+        return np.where((side == 0) | (side * found < 0.0), found, 0.0)[kept]
+
+    bounds = (fitted.lower, MAX_RATIO)
+    return least_squares(deviations, start, bounds=bounds, diff_step=np.full(len(start), DIFFERENCE), xtol=1e-10)
 
 
 def predicted(tests: Tests, coefficients: Coefficients, x: Floats) -> Floats:
-    """Compute the model's value of every measurement, (m,).
-
-    Raises
-    ------
-    InputError
-        If a run does not end.
-    """
-    count = len(tests.names)
-    values = {name: np.full(count, np.nan) for name in MEASURED}
-    needed = {name: np.zeros(count, dtype=bool) for name in MEASURED}
-    for m in tests.measurements:
-        needed[m.quantity][m.test] = True
+    """Return the model's values of the m measurements, (m,)."""
+    found = np.empty(len(tests.measurements))
+    of_test = np.array([m.test for m in tests.measurements])
+    quantities = np.array([m.quantity for m in tests.measurements])
     for group in tests.groups:
         columns = {**group.columns, **input_values(coefficients, x, group)}
         variants = variants_of(group.scenario, columns, len(group.where))
-        for name, column in _model_values(variants, {n: needed[n][group.where] for n in needed}).items():
-            values[name][group.where] = column
-    return np.array([values[m.quantity][m.test] for m in tests.measurements])
-
-
-def _model_values(variants: Variants, needed: Mapping[str, Bools]) -> dict[str, Floats]:
-    """Ballistic limits, residual velocities and residual masses of tests, where they are needed.
-
-    The residual velocity of a defeated test is negative: the velocity that it lacks to its ballistic limit.
-    """
-    found = {name: np.full(len(variants.velocities), np.nan) for name in MEASURED}
-    needs_limit = needed[LIMIT].copy()
-    shots = np.flatnonzero(needed[RESIDUAL] | needed[MASS])
-    if len(shots):
-        answers = Answers(variants.at(shots))
-        found[RESIDUAL][shots] = answers.impacts.V
-        found[MASS][shots] = answers.residual_masses
-        needs_limit[shots] |= ~answers.perforated & needed[RESIDUAL][shots]
-    where = np.flatnonzero(needs_limit)
-    if len(where):
-        found[LIMIT][where] = _limits_in_range(variants.at(where))
-        below = needs_limit & needed[RESIDUAL] & (found[LIMIT] > variants.velocities)
-        found[RESIDUAL][below] = variants.velocities[below] - found[LIMIT][below]
+        in_group = np.isin(of_test, group.where)
+        for quantity, model in MODELS.items():
+            where = np.flatnonzero(in_group & (quantities == quantity))
+            if len(where):
+                found[where] = model(variants.at(np.searchsorted(group.where, of_test[where])))
     return found
 
 
-def _limits_in_range(variants: Variants) -> Floats:
-    """Ballistic limits, m/s; the end of the search's range where the limit lies beyond it."""
+def _limits(variants: Variants) -> Floats:
+    """Return ballistic limits, m/s; the end of the search's range where the limit lies beyond it."""
     search = variants.settings.ballistic_limit
     limits = smooth_limits(variants, LIMIT_TOLERANCE_M_S)
     outside = np.flatnonzero(np.isnan(limits))
@@ -168,57 +137,39 @@ def _limits_in_range(variants: Variants) -> Floats:
     return limits
 
 
-def _minimised(tests: Tests, fitted: Coefficients, bounds: tuple[Floats, Floats], start: Floats, kept: Bools) -> Any:
-    """Result of a least-squares search from a starting point, with some of the measurements."""
-
-    def deviations(x: Floats) -> Floats:
-        return _deviations(tests, predicted(tests, fitted, x))[kept]
-
-    return least_squares(deviations, start, bounds=bounds, diff_step=np.full(len(start), DIFFERENCE), xtol=1e-10)
-
-
-def _deviations(tests: Tests, computed: Floats) -> Floats:
-    """Deviations divided by their scales; of a censored observation, only where the bound is not met."""
-    value, scale, side = np.array([(m.value, m.scale, m.side) for m in tests.measurements]).T
-    found = (computed - value) / scale
-    return np.where(side == 0, found, np.where(side * found < 0.0, found, 0.0))
+def _residual_velocities(variants: Variants) -> Floats:
+    """Return residual velocities, m/s; of a defeated test, the impact velocity less the ballistic limit."""
+    answers = Answers(variants)
+    found = answers.impacts.V.copy()
+    defeated = np.flatnonzero(~answers.perforated)
+    if len(defeated):
+        found[defeated] = np.minimum(variants.velocities[defeated] - _limits(variants.at(defeated)), found[defeated])
+    return found
 
 
-def _bounds(coefficients: Coefficients, law: Law) -> tuple[Floats, Floats]:
-    """Bounds of the coefficients, divided by their scales."""
-    slopes = np.array([term > 0 and law != "proportional" for term in coefficients.terms])
-    return np.where(slopes, -MAX_RATIO, MIN_RATIO), np.full(len(slopes), MAX_RATIO)
+# The model's values of variants, by measured quantity.
+MODELS: dict[str, Callable[[Variants], Floats]] = {
+    LIMIT: _limits,
+    RESIDUAL: _residual_velocities,
+    MASS: lambda variants: Answers(variants).residual_masses,
+}
 
 
 def _starts(slopes: Bools) -> list[Floats]:
-    """Starting points: several values of each coefficient, with zero and with positive slopes of a law."""
+    """Return the starting points: several values of each coefficient, with zero and with positive slopes of a law."""
     starts = [np.where(slopes, 0.0, start) for start in STARTS]
     return [*starts, np.where(slopes, 0.3, 0.5)] if slopes.any() else starts
 
 
-def _covariance(jacobian: Floats) -> tuple[Floats, Bools]:
-    """Covariance for deviations of variance one, and which coefficients the tests do not identify."""
-    _, singular, axes = np.linalg.svd(jacobian, full_matrices=False)
-    seen = singular > 1e-6 * max(float(singular[0]), 1e-30)
-    inverse = np.where(seen, 1.0 / np.where(seen, singular, 1.0), 0.0)
-    unidentified = (np.abs(axes[~seen]) > 1e-3).any(axis=0)
-    scaled = axes.T * inverse
-    covariance = scaled @ scaled.T
-    covariance[np.diag_indices_from(covariance)] = np.maximum(np.diag(covariance), 1e-300)
-    return covariance, unidentified
-
-
-def _coefficients(
-    fitted: Coefficients, x: Floats, half_widths: Floats, unidentified: Bools, bounds: tuple[Floats, Floats]
-) -> tuple[Coefficient, ...]:
-    """Coefficients with their confidence intervals, or why the tests do not identify them."""
+def _coefficients(fitted: Coefficients, x: Floats, half_widths: Floats, unidentified: Bools) -> tuple[Coefficient, ...]:
+    """Return the coefficients with their confidence intervals, or why the tests do not identify them."""
     found = []
     for i, name in enumerate(fitted.names()):
         half, scale = float(half_widths[i]), float(fitted.scales[i])
         reason = ""
         if unidentified[i]:
             reason = "no test depends on it, or only together with others"
-        elif not bounds[0][i] + EQUAL < x[i] < bounds[1][i] - EQUAL:
+        elif not fitted.lower[i] + EQUAL < x[i] < MAX_RATIO - EQUAL:
             reason = f"the fit runs to {x[i] * scale:.3g}, the end of the range of the search"
         elif half >= max(1.0, abs(x[i])) or half >= MAX_RATIO:
             reason = f"the tests leave it open to ± {half * scale:.3g}"
@@ -231,13 +182,7 @@ def _coefficients(
 
 
 def _check(tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law) -> None:
-    """Check that the inputs can be fitted to the tests.
-
-    Raises
-    ------
-    InputError
-        With every mistake.
-    """
+    """Check that the inputs can be fitted to the tests."""
     check_names(inputs, scenario, scenario.file, "--fit")
     problems = []
     if len(set(inputs)) != len(inputs):
@@ -256,7 +201,7 @@ def _check(tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law) ->
             problems.append(Problem(tests.file, key, message))
     if law != "constant" and FLOW_STRESS not in inputs:
         problems.append(Problem(scenario.file, "--law", f"is of {FLOW_STRESS}, which must be fitted with it"))
-    count = len(inputs) - 1 + sum(LAWS[law])
+    count = len(inputs) - 1 + len(LAWS[law])
     exact = sum(m.side == 0 for m in tests.measurements)
     needed = count + (not tests.weighted)
     if exact < needed:

@@ -27,20 +27,11 @@ FREE = {LIMIT: (VELOCITY,), RESIDUAL: (), OPTIMUM: (CERAMIC, BACKING)}
 
 @dataclass(frozen=True)
 class Elasticity:
-    """Relative change of each answer per relative change of an input.
-
-    Attributes
-    ----------
-    input : str
-    value : float
-        Value of the input, in the unit of its name.
-    elasticities : mapping of str to float or None
-        Per cent of change per per cent, by answer; None where the answer does not depend on the input or has no value.
-    """
+    """Per cent of change of each answer per per cent of change of an input."""
 
     input: str
-    value: float
-    elasticities: Mapping[str, float | None]
+    value: float  # of the input, in the unit of its name
+    elasticities: Mapping[str, float | None]  # None where the answer does not depend on the input or has no value
 
 
 @dataclass(frozen=True)
@@ -88,25 +79,27 @@ def sensitivity(scenario: Scenario) -> SensitivityResult:
         raise NoAnswerError(
             "nothing to compare: no ballistic limit in the range of its search, no residual velocity and no design"
         )
+    step = log((1.0 + CHANGE) / (1.0 - CHANGE))
+    elasticities = {answer: np.log(values[1::2] / values[2::2]) / step for answer, values in answers.items()}
     inputs = [
         Elasticity(
             name,
             value,
             {
-                answer: None if name in FREE[answer] else _elasticity(values[2 * index + 1], values[2 * index + 2])
-                for answer, values in answers.items()
+                answer: None if name in FREE[answer] else _number(column[index])
+                for answer, column in elasticities.items()
             },
         )
         for index, (name, value) in enumerate(own.items())
     ]
     return SensitivityResult(
-        answers={answer: None if isnan(values[0]) else float(values[0]) for answer, values in answers.items()},
+        answers={answer: _number(values[0]) for answer, values in answers.items()},
         inputs=tuple(sorted(inputs, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
     )
 
 
 def _answers(scenario: Scenario, variants: Variants) -> dict[str, Floats]:
-    """Answers of each variant; NaN where there is none."""
+    """Return the answers of each variant, (n,); NaN where there is none."""
     impacts = Answers(variants)
     answers = {
         LIMIT: smooth_limits(variants, LIMIT_TOLERANCE_M_S),
@@ -118,8 +111,5 @@ def _answers(scenario: Scenario, variants: Variants) -> dict[str, Floats]:
     return answers
 
 
-def _elasticity(above: float, below: float) -> float | None:
-    """Elasticity from the answers at the larger and the smaller value of an input; None where one is missing."""
-    if isnan(above) or isnan(below):
-        return None
-    return log(above / below) / log((1.0 + CHANGE) / (1.0 - CHANGE))
+def _number(value: float) -> float | None:
+    return None if isnan(value) else float(value)

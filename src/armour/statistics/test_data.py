@@ -2,14 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from armour.analysis.variants import Floats, Ints
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import INPUTS, NAMES, VELOCITY, check_names, check_ranges, inputs_of
+from armour.scenario.parameters import INPUTS, NAMES, VELOCITY, check_ranges, inputs_of
 from armour.statistics.csv_table import CsvRow, read_rows
 
 LIMIT, RESIDUAL, MASS, OUTCOME = "ballistic_limit_m_s", "residual_velocity_m_s", "residual_mass_g", "outcome"
@@ -21,6 +21,8 @@ MEASURED = {
 }
 # Range of measurements and uncertainties, in any unit.
 MIN_MEASURED, MAX_MEASURED = 1e-3, 1e6
+# Side of the impact velocity on which the ballistic limit lies, by outcome.
+SIDES = {"defeated": 1, "perforated": -1}
 
 
 class Measurement(NamedTuple):
@@ -29,7 +31,7 @@ class Measurement(NamedTuple):
     test: int
     quantity: str
     value: float  # the impact velocity where only the outcome is known
-    scale: float  # divides the deviation
+    uncertainty: float | None
     side: int  # 0; +1 where the limit is at least the value, -1 where it is at most the value
 
 
@@ -54,7 +56,7 @@ class Tests(NamedTuple):
     groups: tuple[MaterialGroup, ...]
     measurements: tuple[Measurement, ...]
     weighted: bool  # by uncertainties; else by the measured values
-    cells: tuple[Mapping[str, float | str], ...]
+    cells: tuple[Mapping[str, float | str], ...]  # inputs and measurements as they stand in the table
 
 
 def read_tests(path: Path, scenario: Scenario) -> Tests:
@@ -75,94 +77,79 @@ def read_tests(path: Path, scenario: Scenario) -> Tests:
     """
     numbers = (*INPUTS, *MEASURED, *MEASURED.values())
     rows = read_rows(path, numbers=numbers, texts=("test", OUTCOME, *NAMES.values()), needed=())
-    names = [str(row["test"] or row.place) for row in rows]
-    problems = [problem for row in rows for problem in _row_problems(row, names, str(path))]
-    # Whether an uncertainty is missing: it must be so for all measurements and outcomes, or for none.
-    missing = {row[width] is None for row in rows for name, width in MEASURED.items() if row[name] is not None}
-    censored = [row for row in rows if row[OUTCOME] is not None and all(row[name] is None for name in MEASURED)]
-    missing |= {row[MEASURED[LIMIT]] is None for row in censored}
-    if len(missing) == 2:
+    names = tuple(row.texts.get("test", row.place) for row in rows)
+    problems = [
+        Problem(str(path), f"{row.place}: {key}" if key else row.place, message)
+        for row in rows
+        for key, message in _mistakes(row, names)
+    ]
+    measurements = [measurement for test, row in enumerate(rows) for measurement in _measurements(test, row)]
+    unweighted = {measurement.uncertainty is None for measurement in measurements}
+    if len(unweighted) == 2:
         message = "uncertainties must be given for every measurement and outcome, or for none"
         problems.append(Problem(str(path), "", message))
     if problems:
         raise InputError(problems)
-    by_names: dict[tuple[Any, ...], list[int]] = {}
-    for i, row in enumerate(rows):
-        by_names.setdefault(tuple(row[name] for name in NAMES.values()), []).append(i)
-    groups = []
-    for where in by_names.values():
-        try:
-            groups.append(_group(rows, where, scenario, str(path)))
-        except InputError as error:
-            place = rows[where[0]].place
-            problems += (Problem(str(path), place, f"{problem.key}: {problem.message}") for problem in error.problems)
-    if problems:
-        raise InputError(problems)
-    measurements = tuple(m for i, row in enumerate(rows) for m in _measurements(i, row))
-    cells = tuple(
-        {name: cell for name, cell in row.cells.items() if cell is not None and name not in MEASURED.values()}
-        for row in rows
-    )
-    return Tests(str(path), tuple(names), tuple(groups), measurements, missing == {False}, cells)
+    groups = _groups(rows, scenario, str(path))
+    cells: list[dict[str, float | str]] = [{**row.numbers, **row.texts} for row in rows]
+    return Tests(str(path), names, groups, tuple(measurements), unweighted == {False}, tuple(cells))
 
 
-def _group(rows: Sequence[CsvRow], where: Sequence[int], scenario: Scenario, file: str) -> MaterialGroup:
-    """Group of tests with the same projectile and materials.
-
-    Raises
-    ------
-    InputError
-        If the scenario does not allow a name or a value.
-    """
-    names = {name: rows[where[0]][name] for name in NAMES.values() if rows[where[0]][name] is not None}
-    changed = scenario.replaced(names) if names else scenario
-    own = inputs_of(changed)
-    given = [name for name in INPUTS if any(rows[i][name] is not None for i in where)]
-    check_names(given, changed, file)
-    columns = {
-        name: np.array([own[name] if rows[i][name] is None else rows[i][name] for i in where], dtype=np.float64)
-        for name in given
-    }
-    check_ranges(changed, columns)
-    return MaterialGroup(changed, np.array(where), columns)
-
-
-def _row_problems(row: CsvRow, names: Sequence[str], file: str) -> list[Problem]:
-    """Mistakes in a row."""
-    problems = []
-
-    def add(name: str, message: str) -> None:
-        problems.append(Problem(file, f"{row.place}: {name}" if name else row.place, message))
-
-    if row["test"] is not None and names.count(str(row["test"])) > 1:
-        add("test", f'must name one test, found "{row["test"]}" on several lines')
-    found = [name for name in (*MEASURED, OUTCOME) if row[name] is not None]
-    if not found:
-        add("", f"must have one of {', '.join((*MEASURED, OUTCOME))}")
-    if row[OUTCOME] is not None and row[OUTCOME] not in ("defeated", "perforated"):
-        add(OUTCOME, f'must be "defeated" or "perforated", found "{row[OUTCOME]}"')
-    if row[OUTCOME] == "defeated" and row[RESIDUAL] is not None:
-        add(OUTCOME, "must not be defeated where there is a residual velocity")
-    if row[OUTCOME] is not None and row[VELOCITY] is None:
-        add(VELOCITY, "is missing and must be given with an outcome")
-    for name in (*MEASURED, *MEASURED.values()):
-        value = row[name]
-        if isinstance(value, float) and not MIN_MEASURED <= value <= MAX_MEASURED:
-            hint = '; a projectile that is stopped is an outcome, "defeated"' if name == RESIDUAL else ""
-            add(name, f"must be at least {MIN_MEASURED:g} and at most {MAX_MEASURED:g}, found {value:g}{hint}")
-    return problems
+def _mistakes(row: CsvRow, names: Sequence[str]) -> list[tuple[str, str]]:
+    """Return the mistakes in a row, column and message, given the names of all tests."""
+    found = []
+    name, outcome = row.texts.get("test"), row.texts.get(OUTCOME)
+    if name is not None and names.count(name) > 1:
+        found.append(("test", f'must name one test, found "{name}" on several lines'))
+    if outcome is None and not any(column in row.numbers for column in MEASURED):
+        found.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}"))
+    if outcome is not None and outcome not in SIDES:
+        found.append((OUTCOME, f'must be "defeated" or "perforated", found "{outcome}"'))
+    if outcome == "defeated" and RESIDUAL in row.numbers:
+        found.append((OUTCOME, "must not be defeated where there is a residual velocity"))
+    if outcome is not None and VELOCITY not in row.numbers:
+        found.append((VELOCITY, "is missing and must be given with an outcome"))
+    for column in (*MEASURED, *MEASURED.values()):
+        value = row.numbers.get(column, MIN_MEASURED)
+        if not MIN_MEASURED <= value <= MAX_MEASURED:
+            hint = '; a projectile that is stopped is an outcome, "defeated"' if column == RESIDUAL else ""
+            must = f"must be at least {MIN_MEASURED:g} and at most {MAX_MEASURED:g}"
+            found.append((column, f"{must}, found {value:g}{hint}"))
+    return found
 
 
 def _measurements(test: int, row: CsvRow) -> list[Measurement]:
-    """Measurements in a row; the outcome counts where there is no other."""
-    found = []
-    for name, uncertainty in MEASURED.items():
-        value, width = row[name], row[uncertainty]
-        if isinstance(value, float):
-            found.append(Measurement(test, name, value, width if isinstance(width, float) else value, 0))
-    if row[OUTCOME] is not None and not found:
-        velocity, width = row[VELOCITY], row[MEASURED[LIMIT]]
-        assert isinstance(velocity, float)
-        side = 1 if row[OUTCOME] == "defeated" else -1
-        found.append(Measurement(test, LIMIT, velocity, width if isinstance(width, float) else velocity, side))
+    """Return the measurements in a row; the outcome counts where there is no other."""
+    found = [
+        Measurement(test, name, row.numbers[name], row.numbers.get(uncertainty), 0)
+        for name, uncertainty in MEASURED.items()
+        if name in row.numbers
+    ]
+    outcome = row.texts.get(OUTCOME)
+    if outcome in SIDES and VELOCITY in row.numbers and not found:
+        uncertainty = row.numbers.get(MEASURED[LIMIT])
+        found.append(Measurement(test, LIMIT, row.numbers[VELOCITY], uncertainty, SIDES[outcome]))
     return found
+
+
+def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[MaterialGroup, ...]:
+    """Group tests by projectile and materials; the scenario must allow their names and values."""
+    by_names: dict[tuple[tuple[str, str], ...], list[int]] = {}
+    for i, row in enumerate(rows):
+        names = tuple((key, row.texts[key]) for key in NAMES.values() if key in row.texts)
+        by_names.setdefault(names, []).append(i)
+    groups, problems = [], []
+    for names, where in by_names.items():
+        given = [name for name in INPUTS if any(name in rows[i].numbers for i in where)]
+        try:
+            changed = scenario.replaced(dict(names))
+            own = inputs_of(changed)
+            columns = {name: np.array([rows[i].numbers.get(name, own.get(name, 0.0)) for i in where]) for name in given}
+            check_ranges(changed, columns)
+            groups.append(MaterialGroup(changed, np.array(where), columns))
+        except InputError as error:
+            place = rows[where[0]].place
+            problems += [Problem(file, place, f"{problem.key}: {problem.message}") for problem in error.problems]
+    if problems:
+        raise InputError(problems)
+    return tuple(groups)

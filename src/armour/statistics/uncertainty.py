@@ -30,40 +30,19 @@ BOOTSTRAP_RESAMPLES = 499
 
 @dataclass(frozen=True)
 class Index:
-    """Influence of an input on the ballistic limit.
-
-    Attributes
-    ----------
-    input : str
-    first, total : Estimate or None
-        First-order and total Sobol' indices; None where inputs are correlated.
-    limits_m_s : tuple of float
-        Ballistic limits, m/s, with the input at the 5 % and the 95 % quantile of its distribution and the other inputs
-        at the scenario's values.
-    """
+    """Influence of an input on the ballistic limit."""
 
     input: str
+    # First-order and total Sobol' indices; None where inputs are correlated.
     first: Estimate | None
     total: Estimate | None
+    # With the input at the 5 % and the 95 % quantile of its distribution, the others at the scenario's values.
     limits_m_s: tuple[float, float]
-
-    @property
-    def swing_m_s(self) -> float:
-        """Difference of the two ballistic limits, m/s."""
-        return abs(self.limits_m_s[1] - self.limits_m_s[0])
 
 
 @dataclass(frozen=True)
 class ProbabilityCurve:
-    """Probability of perforation over impact velocity, with pointwise confidence intervals.
-
-    Attributes
-    ----------
-    velocity_m_s : tuple of float
-        Impact velocities, m/s.
-    probability, low, high : tuple of float
-        Probability at each velocity and the ends of its interval.
-    """
+    """Probability of perforation over impact velocity, with pointwise confidence intervals, from low to high."""
 
     velocity_m_s: tuple[float, ...]
     probability: tuple[float, ...]
@@ -154,15 +133,7 @@ def uncertainty(scenario: Scenario) -> UncertaintyResult:
 
 
 def sample_limits(samples: Variants) -> Floats:
-    """Compute the ballistic limit of each sample, m/s.
-
-    Raises
-    ------
-    NoLimitError
-        If a sample has none in the range of the search.
-    InputError
-        If a run does not end.
-    """
+    """Return the ballistic limit of each sample, m/s; every sample must have one in the range of the search."""
     limits = ballistic_limits(samples)
     missing = int(np.isnan(limits).sum())
     if missing:
@@ -178,19 +149,11 @@ def sample_limits(samples: Variants) -> Floats:
 def quantile(ordered: Floats, probability: float) -> Estimate:
     """Estimate a quantile from ordered samples, with a distribution-free confidence interval."""
     interval: Any = quantile_test(ordered, p=probability).confidence_interval(CONFIDENCE)
-    low = interval.low if np.isfinite(interval.low) else ordered[0]
-    high = interval.high if np.isfinite(interval.high) else ordered[-1]
-    return Estimate(float(np.quantile(ordered, probability)), float(low), float(high))
+    return Estimate(float(np.quantile(ordered, probability)), float(interval.low), float(interval.high))
 
 
 def probability_curve(ordered: Floats) -> ProbabilityCurve:
-    """Estimate the probability of perforation over velocity, with Clopper-Pearson intervals.
-
-    Parameters
-    ----------
-    ordered : array, (n,)
-        Ballistic limits of the samples, m/s, in ascending order.
-    """
+    """Estimate the probability of perforation over velocity, with Clopper-Pearson intervals, from ordered limits."""
     margin = 0.05 * (ordered[-1] - ordered[0]) + 1.0
     velocities = np.linspace(ordered[0] - margin, ordered[-1] + margin, CURVE_POINTS)
     hits, count = np.searchsorted(ordered, velocities, side="right"), len(ordered)
@@ -201,7 +164,7 @@ def probability_curve(ordered: Floats) -> ProbabilityCurve:
 
 
 def influence_indices(scenario: Scenario, section: Uncertainty) -> tuple[Index, ...]:
-    """Compute the influence of each input on the ballistic limit; the impact velocity has none."""
+    """Estimate the influence of each input on the ballistic limit; the impact velocity has none."""
     own = inputs_of(scenario)
     distributions = {name: found for name, found in section.inputs().items() if name != VELOCITY}
     names = list(distributions)
@@ -222,36 +185,27 @@ def influence_indices(scenario: Scenario, section: Uncertainty) -> tuple[Index, 
     pairs: list[tuple[Estimate | None, Estimate | None]] = [(None, None)] * len(names)
     if not section.correlation:
         count = max(MIN_INDEX_SAMPLES, 2 ** int(log2(section.samples // INDEX_DIVISOR)))
-        pairs = list(sobol(limits_at, len(names), count, section.seed))
+        pairs = [*sobol(limits_at, len(names), count, section.seed)]
     found = [
         Index(name, *pair, (low, high)) for name, pair, (low, high) in zip(names, pairs, limits_at_ends, strict=True)
     ]
-    return tuple(sorted(found, key=lambda index: -(index.total.value if index.total else index.swing_m_s)))
+    return tuple(sorted(found, key=_influence, reverse=True))
 
 
-def sobol(
-    function: Callable[[Floats], Floats], inputs: int, count: int, seed: int
-) -> tuple[tuple[Estimate, Estimate], ...]:
-    """Estimate first-order and total Sobol' indices, with bootstrap intervals.
+def _influence(index: Index) -> float:
+    """Return the total index or, without one, the difference of the ballistic limits, m/s."""
+    low, high = index.limits_m_s
+    return abs(high - low) if index.total is None else index.total.value
 
-    Parameters
-    ----------
-    function : callable
-        Function of points of the unit cube, (inputs, n), with n values.
-    inputs : int
-        Number of inputs.
-    count : int
-        Number of samples, a power of 2.
-    seed : int
 
-    Returns
-    -------
-    tuple of tuple of Estimate
-        First-order and total index of each input.
+def sobol(function: Callable[[Floats], Floats], inputs: int, count: int, seed: int) -> list[tuple[Estimate, Estimate]]:
+    """Estimate the first-order and total Sobol' index of each input, with bootstrap intervals.
+
+    The function maps points of the unit cube, (inputs, n), to values, (n,); the number of samples is a power of 2.
     """
     if inputs == 1:
         # The one input has all of the variance.
-        return ((Estimate(1.0, 1.0, 1.0), Estimate(1.0, 1.0, 1.0)),)
+        return [(Estimate(1.0, 1.0, 1.0), Estimate(1.0, 1.0, 1.0))]
     rng = np.random.default_rng(seed)
     both = qmc.Sobol(2 * inputs, rng=rng).random(count).T
     a, b = both[:inputs], both[inputs:]
@@ -266,7 +220,5 @@ def sobol(
     best = indices(slice(None))
     resampled = np.array([indices(rng.integers(count, size=count)) for _ in range(BOOTSTRAP_RESAMPLES)])
     low, high = np.quantile(resampled, [0.5 * (1.0 - CONFIDENCE), 0.5 * (1.0 + CONFIDENCE)], axis=0)
-    first, total = (
-        [Estimate(*map(float, ends)) for ends in zip(*rows, strict=True)] for rows in zip(best, low, high, strict=True)
-    )
-    return tuple(zip(first, total, strict=True))
+    first, total = np.stack([best, low, high], axis=-1).tolist()
+    return [(Estimate(*one), Estimate(*other)) for one, other in zip(first, total, strict=True)]

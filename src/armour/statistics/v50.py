@@ -1,32 +1,21 @@
 """V50 from firing results, by the rule of MIL-STD-662F and by maximum likelihood."""
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from math import exp, log, nan, pi, sqrt
 from pathlib import Path
-from typing import Any, Literal
-
-import numpy as np
-from scipy.optimize import brentq, minimize, minimize_scalar
-from scipy.special import expit, log_expit, log_ndtr, ndtr
-from scipy.stats import chi2
+from typing import Any
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import CONFIDENCE
-from armour.analysis.variants import Floats
-from armour.errors import InputError, NoAnswerError, Problem
+from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
 from armour.statistics.csv_table import read_rows
+from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
 
 # Number of shots of each kind in the mean, and the greatest span of their velocities, m/s: 125, 90 and 60 ft/s.
 SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 1.0, 1e4
-Link = Literal["probit", "logit"]
-LINKS: tuple[Link, ...] = ("probit", "logit")
-# Smallest scale, and greatest distance of a bound, in standard deviations of the velocities.
-MIN_SCALE = 1e-7
-MAX_DISTANCE = 1e3
 
 
 @dataclass(frozen=True)
@@ -53,56 +42,12 @@ class Shots:
 
 @dataclass(frozen=True)
 class MeanV50:
-    """V50 as the mean of equal numbers of highest partial and lowest complete penetrations.
-
-    Attributes
-    ----------
-    v50_m_s : float
-        Mean velocity, m/s.
-    pairs : int
-        Number of shots of each kind.
-    span_m_s, span_allowed_m_s : float
-        Difference between the fastest and the slowest of these shots, m/s, and its greatest allowed value.
-    """
+    """V50 as the mean velocity of equal numbers of highest partial and lowest complete penetrations."""
 
     v50_m_s: float
-    pairs: int
-    span_m_s: float
+    pairs: int  # shots of each kind
+    span_m_s: float  # difference between the fastest and the slowest of these shots
     span_allowed_m_s: float
-
-
-@dataclass(frozen=True)
-class FittedCurve:
-    """Probability of complete penetration over velocity, fitted by maximum likelihood.
-
-    Attributes
-    ----------
-    curve : {"probit", "logit"}
-        Normal or logistic distribution.
-    v50_m_s : float
-        Velocity of probability one half, m/s; the middle of the gap where the shots separate.
-    v50_interval_m_s : tuple of float or None
-        Profile-likelihood interval, m/s; None for an end that the shots do not bound.
-    scale_m_s : float
-        Standard deviation of the normal, scale of the logistic distribution, m/s; 0 where the shots separate.
-    scale_interval_m_s : tuple of float or None
-        Profile-likelihood interval, m/s; None for an upper end that the shots do not bound.
-    log_likelihood : float
-    """
-
-    curve: Link
-    v50_m_s: float
-    v50_interval_m_s: tuple[float | None, float | None]
-    scale_m_s: float
-    scale_interval_m_s: tuple[float, float | None]
-    log_likelihood: float
-
-    def probability(self, velocity_m_s: float) -> float:
-        """Return the probability of complete penetration at a velocity, m/s."""
-        if self.scale_m_s == 0.0:
-            return 0.5 * (1.0 + (velocity_m_s > self.v50_m_s) - (velocity_m_s < self.v50_m_s))
-        z = (velocity_m_s - self.v50_m_s) / self.scale_m_s
-        return float(ndtr(z) if self.curve == "probit" else expit(z))
 
 
 @dataclass(frozen=True)
@@ -155,26 +100,22 @@ def read_shots(path: Path) -> Shots:
         With every mistake in the file.
     """
     rows = read_rows(path, numbers=("velocity_m_s",), texts=("result", "shot"), needed=("velocity_m_s", "result"))
+    velocities = [row.numbers.get("velocity_m_s", 0.0) for row in rows]
+    results = [row.texts.get("result", "") for row in rows]
     problems = []
-    words = {"complete": True, "partial": False}
-    for row in rows:
-        velocity, result = row["velocity_m_s"], row["result"]
-        if not isinstance(velocity, float) or not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
+    for row, velocity, result in zip(rows, velocities, results, strict=True):
+        if not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
             message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}"
             problems.append(Problem(str(path), f"{row.place}: velocity_m_s", message))
-        if result not in words:
-            message = f'must be "partial" or "complete", found "{result or ""}"'
+        if result not in ("partial", "complete"):
+            message = f'must be "partial" or "complete", found "{result}"'
             problems.append(Problem(str(path), f"{row.place}: result", message))
-    if not problems:
-        kinds = {words[str(row["result"])] for row in rows}
-        if kinds != {True, False}:
-            only = "only complete ones" if True in kinds else "only partial ones"
-            message = f"must have at least one partial and one complete penetration, found {only}"
-            problems.append(Problem(str(path), "result", message))
+    if not problems and len(set(results)) == 1:
+        message = f"must have at least one partial and one complete penetration, found only {results[0]} ones"
+        problems.append(Problem(str(path), "result", message))
     if problems:
         raise InputError(problems)
-    velocities = tuple(float(row["velocity_m_s"] or nan) for row in rows)
-    return Shots(velocities, tuple(words[str(row["result"])] for row in rows), str(path))
+    return Shots(tuple(velocities), tuple(result == "complete" for result in results), str(path))
 
 
 def v50(
@@ -213,145 +154,21 @@ def v50(
         highest_partial_m_s=partial[-1],
         lowest_complete_m_s=complete[0],
         separated=partial[-1] < complete[0],
-        mean=mean_v50(shots, pairs, span_m_s),
-        fits=tuple(fit_curve(shots, link, confidence) for link in LINKS),
+        mean=mean_v50(partial, complete, pairs, span_m_s),
+        fits=tuple(fit_curve(partial, complete, link, confidence) for link in LINKS),
         confidence=confidence,
         model_ballistic_limit_m_s=None if scenario is None else ballistic_limit(scenario).ballistic_limit_m_s,
     )
 
 
-def mean_v50(shots: Shots, pairs: int | None = None, span_m_s: float | None = None) -> MeanV50 | None:
-    """Compute V50 by the rule of MIL-STD-662F; None where the shots do not meet it."""
-    partial, complete = shots.of(complete=False), shots.of(complete=True)
+def mean_v50(
+    partial: Sequence[float], complete: Sequence[float], pairs: int | None = None, span_m_s: float | None = None
+) -> MeanV50 | None:
+    """Compute V50 by the rule of MIL-STD-662F from velocities in ascending order; None where they do not meet it."""
     for count in SPANS_M_S if pairs is None else (pairs,):
-        if count > min(len(partial), len(complete)):
-            continue
         used = [*partial[-count:], *complete[:count]]
-        allowed = SPANS_M_S.get(count, SPANS_M_S[5]) if span_m_s is None else span_m_s
         span = max(used) - min(used)
-        if span <= allowed + 1e-9:
+        allowed = SPANS_M_S.get(count, SPANS_M_S[5]) if span_m_s is None else span_m_s
+        if len(used) == 2 * count and span <= allowed + 1e-9:
             return MeanV50(sum(used) / len(used), count, span, allowed)
-    return None
-
-
-def fit_curve(shots: Shots, link: Link, confidence: float = CONFIDENCE) -> FittedCurve:
-    """Fit a curve of probability by maximum likelihood, with profile-likelihood intervals.
-
-    The likelihood is that of P = F(slope x - intercept), where x is the standardised velocity; its logarithm is concave
-    in both parameters.  Where the shots separate it is greatest at an infinite slope, with any probability at a
-    velocity that a partial and a complete penetration share.  Each point of a profile is the maximum along a line,
-    which exists, at an infinite slope if need be, whether the shots separate or not.
-
-    Parameters
-    ----------
-    shots : Shots
-    link : {"probit", "logit"}
-    confidence : float
-        Confidence level of the intervals.
-
-    Raises
-    ------
-    NoAnswerError
-        If the complete penetrations were no faster on average than the partial ones.
-    """
-    partial, complete = shots.of(complete=False), shots.of(complete=True)
-    if np.mean(complete) <= np.mean(partial):
-        raise NoAnswerError(
-            f"no V50: the complete penetrations were no faster on average ({np.mean(complete):.1f} m/s) than the "
-            f"partial ones ({np.mean(partial):.1f} m/s)"
-        )
-    velocities = np.array([*partial, *complete])
-    signs = np.repeat([-1.0, 1.0], [len(partial), len(complete)])
-    mean, deviation = float(velocities.mean()), float(velocities.std())
-    x = (velocities - mean) / deviation
-    log_cdf = _log_cdf(link)
-
-    def log_likelihood(slope: float, intercept: float) -> float:
-        return float(log_cdf(signs * (slope * x - intercept)).sum())
-
-    def profile_of_location(location: float) -> float:
-        """Maximum over all curves with probability one half at a location."""
-
-        def lost(part: float) -> float:
-            slope = part / (1.0 - part)
-            return -log_likelihood(slope, location * slope)
-
-        steepest = log_likelihood(1.0 / MIN_SCALE, location / MIN_SCALE)
-        return max(-_minimum(lost, 0.0, 1.0 - MIN_SCALE), steepest, log_likelihood(0.0, 0.0))
-
-    def profile_of_scale(scale: float) -> float:
-        """Maximum over all curves with a scale."""
-        ends = (x[0] / scale, x[-1] / scale, x[len(partial)] / scale, x[len(partial) - 1] / scale)
-        return -_minimum(lambda intercept: -log_likelihood(1.0 / scale, intercept), min(ends) - 9.0, max(ends) + 9.0)
-
-    highest_partial, lowest_complete = float(x[len(partial) - 1]), float(x[len(partial)])
-    separated = highest_partial <= lowest_complete
-    if separated:
-        location, scale, maximum = 0.5 * (highest_partial + lowest_complete), 0.0, 0.0
-        if highest_partial == lowest_complete:
-            tied = [int((x[signs == sign] == location).sum()) for sign in (-1.0, 1.0)]
-            maximum = sum(n * log(n / sum(tied)) for n in tied)
-        # Every location between the shots has the same likelihood.
-        lowest, highest = highest_partial, lowest_complete
-    else:
-        location, scale, maximum = _maximum_likelihood(link, signs, x)
-        lowest = highest = location
-    threshold = maximum - 0.5 * float(chi2.ppf(confidence, 1))
-
-    def location_excess(location: float) -> float:
-        return profile_of_location(location) - threshold
-
-    def scale_excess(log_scale: float) -> float:
-        return profile_of_scale(exp(log_scale)) - threshold
-
-    low, high = _profile_bound(location_excess, lowest, -1.0), _profile_bound(location_excess, highest, 1.0)
-    narrowest = None if separated else _profile_bound(scale_excess, log(scale), -1.0)
-    widest = _profile_bound(scale_excess, log(scale or MIN_SCALE), 1.0)
-    return FittedCurve(
-        curve=link,
-        v50_m_s=mean + deviation * location,
-        v50_interval_m_s=(
-            None if low is None else mean + deviation * low,
-            None if high is None else mean + deviation * high,
-        ),
-        scale_m_s=deviation * scale,
-        scale_interval_m_s=(
-            0.0 if narrowest is None else deviation * exp(narrowest),
-            None if widest is None else deviation * exp(widest),
-        ),
-        log_likelihood=maximum,
-    )
-
-
-def _log_cdf(link: Link) -> Callable[[Floats], Floats]:
-    return log_ndtr if link == "probit" else log_expit
-
-
-def _minimum(function: Callable[[float], float], low: float, high: float) -> float:
-    """Minimum value of a unimodal function between two ends."""
-    return float(minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-10}).fun)
-
-
-def _maximum_likelihood(link: Link, signs: Floats, x: Floats) -> tuple[float, float, float]:
-    """Location, scale and logarithm of the maximum likelihood of shots that overlap."""
-    log_cdf = _log_cdf(link)
-
-    def lost(p: Floats) -> tuple[float, Floats]:
-        z = signs * (p[0] * x - p[1])
-        slopes = signs * (expit(-z) if link == "logit" else np.exp(-0.5 * z * z - log_cdf(z)) / sqrt(2.0 * pi))
-        return -float(log_cdf(z).sum()), np.array([-(slopes * x).sum(), slopes.sum()])
-
-    found = minimize(lost, np.array([1.0, 0.0]), jac=True, method="BFGS", options={"gtol": 1e-9})
-    slope, intercept = found.x
-    return float(intercept / slope), float(1.0 / slope), -float(found.fun)
-
-
-def _profile_bound(excess: Callable[[float], float], start: float, direction: float) -> float | None:
-    """Root of a profile's excess over the threshold, from a start in a direction; None where there is none."""
-    step, near = 1e-3, start
-    while step < MAX_DISTANCE:
-        far = start + direction * step
-        if excess(far) < 0.0:
-            return float(brentq(excess, near, far, xtol=1e-9)) if excess(near) > 0.0 else near
-        near, step = far, 2.0 * step
     return None

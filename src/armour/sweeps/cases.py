@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
+from pyarrow import csv
 
 from armour.analysis.variants import Floats
 from armour.errors import InputError, Problem
@@ -48,13 +50,7 @@ class Grid:
 
 
 class Cases:
-    """Rows of a CSV file whose header names keys of the scenario.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is not a table of numbers.
-    """
+    """Rows of a CSV file of numbers whose header names keys of the scenario."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -79,9 +75,6 @@ class Cases:
 
     def _batches(self) -> Iterator[Any]:
         """Yield record batches of the file with numeric columns."""
-        import pyarrow as pa
-        from pyarrow import csv
-
         try:
             with csv.open_csv(self.path) as first:
                 types = {name: pa.float64() for name in first.schema.names}
@@ -100,13 +93,7 @@ class Cases:
 
 
 def axis_of(text: str) -> Axis:
-    """Parse an axis from ``KEY=MIN:MAX:STEP`` or ``KEY=VALUE,VALUE,...``.
-
-    Raises
-    ------
-    InputError
-        If the text has neither form.
-    """
+    """Parse an axis from ``KEY=MIN:MAX:STEP`` or ``KEY=VALUE,VALUE,...``."""
     key, _, values = text.rpartition("=")
     key = key.strip()
     try:

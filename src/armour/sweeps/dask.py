@@ -2,11 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-from armour.analysis.evaluate import Group, evaluate_groups
+from armour.analysis.evaluate import evaluate_groups
 from armour.errors import InputError, Problem
-from armour.sweeps.sweep import Compute
+from armour.sweeps.sweep import Chunks, Compute, Results
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -15,38 +16,24 @@ if TYPE_CHECKING:
 CHUNKS_AHEAD = 3
 # Times that a chunk is tried again.
 RETRIES = 3
-LOCAL = "local"
 
 
 @contextmanager
 def connected(scheduler: str, timeout_s: float = 10.0) -> Iterator["Client"]:
-    """Connect to a cluster.
-
-    Parameters
-    ----------
-    scheduler : str
-        Address of the scheduler; "local" starts a cluster on this machine, with one process per core.
-    timeout_s : float
-        Time to wait for an answer, s.
-
-    Raises
-    ------
-    InputError
-        If dask.distributed is not installed or no scheduler answers at the address.
-    """
+    """Connect to the cluster at an address; "local" starts one on this machine, with one process per core."""
     try:
         from distributed import Client, LocalCluster
     except ImportError:
         message = "needs dask.distributed; pip install 'armour[cluster]'"
         raise InputError([Problem("sweep", "--scheduler", message)]) from None
-    if scheduler == LOCAL:
+    if scheduler == "local":
         with LocalCluster(threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
             yield client
         return
     try:
         client = Client(scheduler, timeout=timeout_s)
     except (OSError, TimeoutError, ValueError) as error:
-        message = f'must be "{LOCAL}" or the address of a scheduler that answers, found "{scheduler}": {error}'
+        message = f'must be "local" or the address of a scheduler that answers, found "{scheduler}": {error}'
         raise InputError([Problem("sweep", "--scheduler", message)]) from None
     with client:
         yield client
@@ -55,28 +42,24 @@ def connected(scheduler: str, timeout_s: float = 10.0) -> Iterator["Client"]:
 def on_cluster(client: "Client") -> Compute:
     """Compute chunks on a cluster; the chunks of a worker that dies are tried again."""
 
-    def compute(
-        chunks: Iterator[tuple[int, list[Group]]], quantities: Sequence[str]
-    ) -> Iterator[tuple[int, dict[str, Any]]]:
+    def compute(chunks: Chunks, quantities: Sequence[str]) -> Results:
         from distributed import as_completed
 
         ahead = CHUNKS_AHEAD * max(sum(client.nthreads().values()), 1)
         indices: dict[Any, int] = {}
         running = as_completed()
 
-        def submit_next() -> None:
-            for index, groups in chunks:
+        def submit(count: int) -> None:
+            for index, groups in islice(chunks, count):
                 future = client.submit(evaluate_groups, groups, tuple(quantities), 1, pure=False, retries=RETRIES)
                 indices[future.key] = index
                 running.add(future)
-                return
 
-        for _ in range(ahead):
-            submit_next()
+        submit(ahead)
         for future in running:
             result = future.result()
             future.release()
             yield indices.pop(future.key), result
-            submit_next()
+            submit(1)
 
     return compute

@@ -17,8 +17,11 @@ from armour.sweeps.checkpoint import Store
 # Rows that are computed, written and, on a cluster, sent at a time; ballistic limits of a chunk take about a second.
 CHUNK = 10_000
 
-# Computes chunks, given by index and groups of rows, in any order.
-Compute = Callable[[Iterator[tuple[int, list[Group]]], Sequence[str]], Iterator[tuple[int, dict[str, Any]]]]
+# Chunks by index, as groups of rows, and their quantities.
+Chunks = Iterator[tuple[int, list[Group]]]
+Results = Iterator[tuple[int, dict[str, Any]]]
+# Computes chunks, in any order.
+Compute = Callable[[Chunks, Sequence[str]], Results]
 # Callback after each chunk: its number of rows, and whether it was on disk already.
 OnChunk = Callable[[int, bool], None]
 
@@ -33,44 +36,18 @@ def sweep(
     size: int = CHUNK,
     on_chunk: OnChunk | None = None,
 ) -> int:
-    """Compute quantities of a scenario for every row of a source, and write them to a table.
+    """Compute quantities of a scenario for every row of a source, write them to a table and return the number of rows.
 
-    Each chunk is written when it is computed.  A sweep that was interrupted is resumed by the same call.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    source : Grid or Cases
-        Values by key of the scenario or name of input.
-    quantities : sequence of str
-        Names of `armour.analysis.quantities.QUANTITIES`.
-    output : Path
-        CSV or Parquet file, by its suffix.  A question without an answer gives an empty field in CSV and NaN in
-        Parquet.
-    compute : callable, optional
-        How chunks are computed: `in_process` (the default) or `armour.sweeps.dask.on_cluster`.
-    size : int
-        Rows per chunk.
-    on_chunk : callable, optional
-        Callback after each chunk: number of rows, and whether the chunk was on disk already.
-
-    Returns
-    -------
-    int
-        Number of rows.
-
-    Raises
-    ------
-    InputError
-        If a key, a value or a quantity is not allowed, a run does not end, or the output cannot be written.
+    Each chunk is written when it is computed: the same call resumes an interrupted sweep.  A question without an answer
+    gives an empty field in CSV and NaN in Parquet.
     """
-    check_sweep(scenario, source, quantities)
-    store = Store(output, job_of(scenario, source, quantities, size))
+    _check(scenario, source, quantities)
+    store = Store(output, _job(scenario, source, quantities, size))
     pending: dict[int, Mapping[str, Floats]] = {}
     notify = on_chunk or (lambda _rows, _stored: None)
     count = 0
 
-    def missing_chunks() -> Iterator[tuple[int, list[Group]]]:
+    def missing_chunks() -> Chunks:
         nonlocal count
         for index, columns in enumerate(source.chunks(size)):
             count = index + 1
@@ -88,14 +65,7 @@ def sweep(
     return source.count
 
 
-def check_sweep(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
-    """Check keys and quantities before computing.
-
-    Raises
-    ------
-    InputError
-        With every mistake.
-    """
+def _check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
     problems = []
     for name in quantities:
         if name not in QUANTITIES:
@@ -112,7 +82,7 @@ def check_sweep(scenario: Scenario, source: Grid | Cases, quantities: Sequence[s
         raise InputError(problems)
 
 
-def job_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str], size: int) -> str:
+def _job(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str], size: int) -> str:
     """Return a digest of everything that the table of a sweep depends on."""
     rows = source.axes if isinstance(source, Grid) else sha256(source.path.read_bytes()).hexdigest()
     parts = (digest(), repr(scenario), repr(scenario.core_armour()), rows, tuple(quantities), size)
@@ -122,9 +92,7 @@ def job_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str], 
 def in_process(threads: int | None = None) -> Compute:
     """Compute chunks in this process, one after the other, each on all threads."""
 
-    def compute(
-        chunks: Iterator[tuple[int, list[Group]]], quantities: Sequence[str]
-    ) -> Iterator[tuple[int, dict[str, Any]]]:
+    def compute(chunks: Chunks, quantities: Sequence[str]) -> Results:
         for index, groups in chunks:
             yield index, evaluate_groups(groups, quantities, threads)
 

@@ -12,7 +12,8 @@ from pydantic import BeforeValidator, Field, ValidationError, field_validator, m
 
 from armour.errors import InputError, Problem, suggestion
 from armour.files import read_toml
-from armour.scenario.loading import Scenario, changed, parse_scenario
+from armour.scenario.assignments import changed
+from armour.scenario.loading import Scenario, parse_scenario
 from armour.scenario.messages import Section, describe, key_name, problems_of
 from armour.units import words_and_unit
 from armour.validation.questions import QUESTIONS, check_answerable

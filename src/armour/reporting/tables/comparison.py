@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from armour.reporting.table import Column, Table, record
+from armour.reporting.table import Column, Table, column_of, listing, record
 from armour.reporting.tables.impact import AREAL_DENSITY
 
 if TYPE_CHECKING:
@@ -11,49 +11,40 @@ if TYPE_CHECKING:
 
 def comparison_table(result: "Comparison") -> Table:
     """Return ballistic limits by the model and by Florence, with the thicknesses that are best by Florence."""
-    columns = (
-        Column("formula", prose=True),
-        Column("ballistic limit", "m/s", ".2f"),
-        Column("to the model", "%", "+.1f"),
-        Column("best ceramic", "mm", ".3f"),
-        Column("best back plate", "mm", ".3f"),
-        Column("ratio", spec=".3f"),
-        Column("limit of the best", "m/s", ".2f"),
-        Column("by the model", "m/s", ".2f"),
-    )
     found = result.limit.ballistic_limit_m_s
-    florence = (
+    table = listing(
+        result.florence,
         (
-            f"Florence, {f.projectile} ({f.mass_g:g} g, {f.diameter_mm:g} mm)",
-            f.ballistic_limit_m_s,
-            100.0 * (f.ballistic_limit_m_s / found - 1.0),
-            f.best_ceramic_thickness_mm,
-            f.best_backing_thickness_mm,
-            f.best_thickness_ratio,
-            f.best_ballistic_limit_m_s,
-            f.model_ballistic_limit_m_s,
-        )
-        for f in result.florence
+            Column("formula", prose=True),
+            lambda f: f"Florence, {f.projectile} ({f.mass_g:g} g, {f.diameter_mm:g} mm)",
+        ),
+        column_of("ballistic_limit_m_s", ".2f"),
+        (Column("to the model", "%", "+.1f"), lambda f: 100.0 * (f.ballistic_limit_m_s / found - 1.0)),
+        column_of("best_ceramic_thickness_mm", ".3f", "best ceramic"),
+        column_of("best_backing_thickness_mm", ".3f", "best back plate"),
+        column_of("best_thickness_ratio", ".3f", "ratio"),
+        column_of("best_ballistic_limit_m_s", ".2f", "limit of the best"),
+        column_of("model_ballistic_limit_m_s", ".2f", "by the model"),
     )
-    return Table(columns, (("this model", found, *(None,) * 6), *florence))
+    return Table(table.columns, (("this model", found, *(None,) * 6), *table.rows))
 
 
 def fit_table(result: "Comparison") -> Table:
     """Return the fits to the model's residual velocities."""
-    columns = (
-        Column("residual velocity by", prose=True),
-        Column("ratio", spec=".4f"),
-        Column("exponent", spec=".3f"),
-        Column("RMS deviation", "m/s", ".2f"),
+    return listing(
+        result.fits,
+        column_of("name", label="residual velocity by", prose=True),
+        column_of("ratio", ".4f"),
+        column_of("exponent", ".3f"),
+        column_of("rms_m_s", ".2f", "RMS deviation"),
     )
-    return Table(columns, tuple((fit.name, fit.ratio, fit.exponent, fit.rms_m_s) for fit in result.fits))
 
 
 def comparison_tables(result: "Comparison") -> list[Table | str]:
     """Return all tables of a comparison."""
     low, high = result.fitted_m_s
     return [
-        record((AREAL_DENSITY, result.areal_density_kg_m2)),
+        record(result, AREAL_DENSITY),
         comparison_table(result),
         fit_table(result),
         f"fitted to the model's residual velocities from {low:.1f} to {high:.1f} m/s",

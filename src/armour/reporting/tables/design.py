@@ -1,24 +1,20 @@
 """Tables of a design search."""
 
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any
 
-from armour.reporting.table import Cell, Column, Table, record
-from armour.reporting.tables.impact import AREAL_DENSITY
+from armour.reporting.table import Cell, Column, Source, Table, column_of, listing, record
+from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT
 from armour.reporting.text import interval
 
 if TYPE_CHECKING:
-    from armour.design.optimise import BestDesign, Design, DesignResult
-
-Item = TypeVar("Item", Column, Cell)
+    from armour.design.optimise import BestDesign, DesignResult
 
 SUPERLATIVES = {"areal_density_kg_m2": "lightest", "thickness_mm": "thinnest", "cost_per_m2": "cheapest"}
-CERAMIC = Column("ceramic", key="ceramic")
-BACKING = Column("back plate", key="backing")
-CERAMIC_THICKNESS = Column("ceramic thickness", "mm", "g", key="ceramic_thickness_mm")
-BACKING_THICKNESS = Column("back plate thickness", "mm", "g", key="backing_thickness_mm")
-THICKNESS = Column("total thickness", "mm", "g", key="thickness_mm")
-COST = Column("cost per m²", spec=",.2f", key="cost_per_m2")
-MARGIN = Column("margin", "m/s", "+.1f", key="margin_m_s")
+CERAMIC, BACKING = column_of("ceramic"), column_of("backing")
+CERAMIC_THICKNESS, BACKING_THICKNESS = column_of("ceramic_thickness_mm", "g"), column_of("backing_thickness_mm", "g")
+THICKNESS = column_of("thickness_mm", "g", "total thickness")
+COST = column_of("cost_per_m2", ",.2f")
+MARGIN = column_of("margin_m_s", "+.1f")
 
 
 def best_table(result: "DesignResult") -> Table:
@@ -26,129 +22,94 @@ def best_table(result: "DesignResult") -> Table:
     return _design_record(result.best, f"{SUPERLATIVES[result.minimised]} design")
 
 
-def refined_table(result: "DesignResult", refined: "BestDesign") -> Table:
-    """Return the best design of continuous thicknesses, quantity by quantity."""
-    return _design_record(refined, f"{SUPERLATIVES[result.minimised]} design between the values of the grid")
-
-
 def _design_record(design: "BestDesign", title: str) -> Table:
-    ceramic = bool(design.ceramic)
-    limit: tuple[Column, Cell] = (Column("ballistic limit"), "outside the range")
-    if design.ballistic_limit_m_s is not None:
-        limit = (Column("ballistic limit", "m/s", ".2f"), design.ballistic_limit_m_s)
+    limit: Source = BALLISTIC_LIMIT
+    if design.ballistic_limit_m_s is None:
+        limit = Column("ballistic limit"), "outside the range"
     return record(
-        (CERAMIC, design.ceramic if ceramic else None),
-        (CERAMIC_THICKNESS, design.ceramic_thickness_mm if ceramic else None),
-        (BACKING, design.backing),
-        (BACKING_THICKNESS, design.backing_thickness_mm),
-        (AREAL_DENSITY, design.areal_density_kg_m2),
-        (THICKNESS, design.thickness_mm),
-        (COST, design.cost_per_m2 or None),
+        design,
+        *((CERAMIC, CERAMIC_THICKNESS) if design.ceramic else ()),
+        BACKING,
+        BACKING_THICKNESS,
+        AREAL_DENSITY,
+        THICKNESS,
+        *((COST,) if design.cost_per_m2 else ()),
         limit,
-        (MARGIN, design.margin_m_s),
+        MARGIN,
         title=title,
     )
 
 
 def frontier_table(result: "DesignResult") -> Table:
     """Return, for each back plate of the best pair, the least ceramic that defeats every threat; the best is marked."""
-    margins = any(design.margin_m_s is not None for design in result.frontier)
-    governed = len(result.threats) > 1
-    threats = result.frontier_governed_by if governed else ("",) * len(result.frontier)
-    columns = (
+    backings = (design.backing_thickness_mm for design in result.frontier)
+    governing = dict(zip(backings, result.frontier_governed_by, strict=True))
+    best = _thicknesses(result.best)
+    return listing(
+        result.frontier,
         CERAMIC_THICKNESS,
         BACKING_THICKNESS,
         AREAL_DENSITY,
-        *_if(margins, MARGIN),
-        *_if(governed, Column("governed by", prose=True)),
-        Column(""),
+        *_margin(result.frontier),
+        *_governed(result, lambda design: governing[design.backing_thickness_mm]),
+        (Column(""), lambda design: SUPERLATIVES[result.minimised] if _thicknesses(design) == best else ""),
     )
-    rows = tuple(
-        (
-            *_thicknesses(design),
-            design.areal_density_kg_m2,
-            *_if(margins, design.margin_m_s),
-            *_if(governed, threat),
-            SUPERLATIVES[result.minimised] if _thicknesses(design) == _thicknesses(result.best) else "",
-        )
-        for design, threat in zip(result.frontier, threats, strict=True)
-    )
-    return Table(columns, rows)
 
 
-def _thicknesses(design: "Design") -> tuple[float, float]:
+def _thicknesses(design: Any) -> tuple[float, float]:
     return design.ceramic_thickness_mm, design.backing_thickness_mm
 
 
-def _if(wanted: bool, item: Item) -> tuple[Item, ...]:
-    return (item,) if wanted else ()
+def _margin(designs: Any) -> tuple[Source, ...]:
+    """Return the column of margins where they are computed."""
+    return (MARGIN,) if any(design.margin_m_s is not None for design in designs) else ()
+
+
+def _governed(result: "DesignResult", threat: Any) -> tuple[Source, ...]:
+    """Return the column of governing threats where there are several."""
+    return ((Column("governed by", prose=True), threat),) if len(result.threats) > 1 else ()
 
 
 def margin_table(result: "DesignResult") -> Table:
     """Return the best design's margin against each threat, and the probability of perforation where it is bounded."""
     best = result.best
-    sampled_columns = (Column("probability of perforation", spec=".4f"), Column("interval"))
-    columns = (Column("threat", prose=True), MARGIN, *(sampled_columns if best.probabilities else ()))
-    rows: list[tuple[Cell, ...]] = []
-    for threat, margin in best.margins_m_s.items():
-        estimate = best.probabilities.get(threat)
-        sampled: tuple[Cell, ...] = (None, None) if best.probabilities else ()
-        if estimate is not None:
-            sampled = (estimate.value, interval(estimate.low, estimate.high, ".4f"))
-        rows.append((threat, margin, *sampled, "governs" if threat == best.governing else ""))
-    return Table((*columns, Column("")), tuple(rows))
+    sampled: list[Source] = []
+    if best.probabilities:
+        sampled.append((Column("probability of perforation", spec=".4f"), lambda threat: _estimate(best, threat)[0]))
+        sampled.append((Column("interval"), lambda threat: _estimate(best, threat)[1]))
+    return listing(
+        best.margins_m_s,
+        (Column("threat", prose=True), str),
+        (MARGIN, best.margins_m_s.__getitem__),
+        *sampled,
+        (Column(""), lambda threat: "governs" if threat == best.governing else ""),
+    )
+
+
+def _estimate(design: "BestDesign", threat: str) -> tuple[Cell, Cell]:
+    """Return the probability of perforation by a threat and its interval, or None for both."""
+    estimate = design.probabilities.get(threat)
+    return (None, None) if estimate is None else (estimate.value, interval((estimate.low, estimate.high), ".4f"))
 
 
 def pair_table(result: "DesignResult") -> Table:
     """Return every pair of materials with its best design, or the reason why it has none."""
     costs = any(pair.best is not None and pair.best.cost_per_m2 > 0.0 for pair in result.pairs)
-    governed = len(result.threats) > 1
-    columns = (
+    shown = [CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, *((COST,) if costs else ())]
+    return listing(
+        result.pairs,
         CERAMIC,
         BACKING,
-        CERAMIC_THICKNESS,
-        BACKING_THICKNESS,
-        AREAL_DENSITY,
-        THICKNESS,
-        *_if(costs, COST),
-        *_if(governed, Column("governed by", prose=True)),
-        Column("result", prose=True),
+        *((column, lambda pair, key=column.key: getattr(pair.best, key, None)) for column in shown),
+        *_governed(result, lambda pair: getattr(pair.best, "governing", None)),
+        (Column("result", prose=True), lambda pair: pair.reason or "best"),
     )
-    rows: list[tuple[Cell, ...]] = []
-    for pair in result.pairs:
-        best = pair.best
-        values: tuple[Cell, ...] = (None,) * (len(columns) - 3)
-        if best is not None:
-            values = (
-                best.ceramic_thickness_mm,
-                best.backing_thickness_mm,
-                best.areal_density_kg_m2,
-                best.thickness_mm,
-                *_if(costs, best.cost_per_m2),
-                *_if(governed, best.governing),
-            )
-        rows.append((pair.ceramic, pair.backing, *values, pair.reason or "best"))
-    return Table(columns, tuple(rows))
 
 
 def pareto_table(result: "DesignResult") -> Table:
     """Return the designs of the Pareto front."""
-    margins = any(design.margin_m_s is not None for design in result.pareto)
     columns = (CERAMIC, BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST)
-    rows = tuple(
-        (
-            design.ceramic,
-            design.backing,
-            design.ceramic_thickness_mm,
-            design.backing_thickness_mm,
-            design.areal_density_kg_m2,
-            design.thickness_mm,
-            design.cost_per_m2,
-            *_if(margins, design.margin_m_s),
-        )
-        for design in result.pareto
-    )
-    return Table((*columns, *_if(margins, MARGIN)), rows, "Pareto front")
+    return listing(result.pareto, *columns, *_margin(result.pareto), title="Pareto front")
 
 
 def design_tables(result: "DesignResult") -> list[Table | str]:
@@ -159,7 +120,8 @@ def design_tables(result: "DesignResult") -> list[Table | str]:
     """
     tables: list[Table | str] = [best_table(result)]
     if result.refined is not None:
-        tables.append(refined_table(result, result.refined))
+        title = f"{SUPERLATIVES[result.minimised]} design between the values of the grid"
+        tables.append(_design_record(result.refined, title))
     if len(result.threats) > 1 or result.best.probabilities:
         tables.append(margin_table(result))
     tables.append(frontier_table(result) if len(result.pairs) == 1 else pair_table(result))

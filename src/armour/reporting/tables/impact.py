@@ -1,11 +1,12 @@
-"""Tables of one impact: result, stages, history and energy."""
+"""Tables of an impact (result, stages, history and energy) and of a ballistic limit."""
 
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
-from armour.reporting.table import Column, Table, record
+from armour.reporting.table import Column, Table, column_of, listing, record
 
 if TYPE_CHECKING:
+    from armour.analysis.ballistic_limit import LimitResult
     from armour.analysis.energy import EnergyBalance
     from armour.analysis.history import History
     from armour.analysis.impact import ImpactResult
@@ -21,41 +22,40 @@ STAGES = {
     "iii.4": "plate carried along; rod rigid",
     "iii.5": "fragmented ceramic carried along; rod rigid",
 }
-AREAL_DENSITY = Column("areal density", "kg/m²", ".2f", key="areal_density_kg_m2")
+# Columns of several kinds of table.
+AREAL_DENSITY = column_of("areal_density_kg_m2", ".2f")
+BALLISTIC_LIMIT = column_of("ballistic_limit_m_s", ".2f")
 
 
 def impact_table(result: "ImpactResult") -> Table:
     """Return the result of an impact, quantity by quantity."""
     return record(
-        (Column("outcome"), result.outcome),
-        (Column("impact velocity", "m/s", ".2f"), result.impact_velocity_m_s),
-        (Column("residual velocity", "m/s", ".2f"), result.residual_velocity_m_s),
-        (Column("residual length", "mm", ".3f"), result.residual_length_mm),
-        (Column("residual mass", "g", ".3f"), result.residual_mass_g),
-        (Column("plug velocity", "m/s", ".2f"), result.plug_velocity_m_s),
-        (Column("penetration depth", "mm", ".3f"), result.penetration_depth_mm),
-        (Column("bulge height", "mm", ".3f"), result.bulge_height_mm),
-        (Column("duration", "µs", ".2f"), result.duration_us),
-        (AREAL_DENSITY, result.areal_density_kg_m2),
+        result,
+        column_of("outcome"),
+        column_of("impact_velocity_m_s", ".2f"),
+        column_of("residual_velocity_m_s", ".2f"),
+        column_of("residual_length_mm", ".3f"),
+        column_of("residual_mass_g", ".3f"),
+        column_of("plug_velocity_m_s", ".2f"),
+        column_of("penetration_depth_mm", ".3f"),
+        column_of("bulge_height_mm", ".3f"),
+        column_of("duration_us", ".2f"),
+        AREAL_DENSITY,
     )
 
 
 def stage_table(result: "ImpactResult") -> Table:
     """Return the stages of an impact with the projectile's losses in each."""
-    columns = (
-        Column("stage"),
-        Column("description", prose=True),
-        Column("start", "µs", ".3f"),
-        Column("end", "µs", ".3f"),
-        Column("velocity lost", "m/s", ".2f"),
-        Column("length lost", "mm", ".3f"),
-        Column("energy lost", "J", ".1f"),
+    return listing(
+        result.stages,
+        column_of("stage"),
+        (Column("description", prose=True), lambda record: STAGES[record.stage]),
+        column_of("start_us", ".3f"),
+        column_of("end_us", ".3f"),
+        column_of("velocity_lost_m_s", ".2f"),
+        column_of("length_lost_mm", ".3f"),
+        (Column("energy lost", "J", ".1f"), lambda record: record.energy_lost_J),
     )
-    rows = tuple(
-        (s.stage, STAGES[s.stage], s.start_us, s.end_us, s.velocity_lost_m_s, s.length_lost_mm, s.energy_lost_J)
-        for s in result.stages
-    )
-    return Table(columns, rows)
 
 
 def impact_tables(result: "ImpactResult") -> list[Table | str]:
@@ -72,17 +72,43 @@ def history_table(history: "History") -> Table:
 
 def energy_table(energy: "EnergyBalance") -> Table:
     """Return the projectile's loss of kinetic energy, stage by stage; the last row is the sum."""
-    columns = (
-        Column("stage", prose=True),
-        Column("carried by eroded material", "J", ".2f"),
-        Column("lost in braking the rod", "J", ".2f"),
-        Column("sum", "J", ".2f"),
-        Column("part of the energy at impact", "%", ".1f"),
-    )
     found = [(f"{row.stage}: {STAGES[row.stage]}", row.eroded, row.braked) for row in energy.rows]
     found.append(("all stages", sum(row.eroded for row in energy.rows), sum(row.braked for row in energy.rows)))
-    rows = tuple(
-        (name, eroded, braked, eroded + braked, 100.0 * (eroded + braked) / energy.before if energy.before else 0.0)
-        for name, eroded, braked in found
+    return listing(
+        [(name, eroded, braked, eroded + braked) for name, eroded, braked in found],
+        (Column("stage", prose=True), lambda row: row[0]),
+        (Column("carried by eroded material", "J", ".2f"), lambda row: row[1]),
+        (Column("lost in braking the rod", "J", ".2f"), lambda row: row[2]),
+        (Column("sum", "J", ".2f"), lambda row: row[3]),
+        (
+            Column("part of the energy at impact", "%", ".1f"),
+            lambda row: 100.0 * row[3] / energy.before if energy.before else 0.0,
+        ),
     )
-    return Table(columns, rows)
+
+
+def limit_table(result: "LimitResult") -> Table:
+    """Return a ballistic limit, quantity by quantity."""
+    return record(
+        result,
+        BALLISTIC_LIMIT,
+        (Column("defeated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[0]),
+        (Column("perforated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[1]),
+        column_of("runs", "d"),
+        AREAL_DENSITY,
+    )
+
+
+def crossing_table(result: "LimitResult") -> Table:
+    """Return every change of the outcome with the velocity."""
+    return listing(
+        result.crossings,
+        (Column("below", "m/s", ".4f"), lambda crossing: crossing.bracket_m_s[0]),
+        (Column("above", "m/s", ".4f"), lambda crossing: crossing.bracket_m_s[1]),
+        column_of("above", label="outcome above"),
+    )
+
+
+def limit_tables(result: "LimitResult") -> list[Table | str]:
+    """Return all tables of a ballistic limit: the changes of the outcome only where there are several."""
+    return [limit_table(result)] if result.monotonic else [limit_table(result), crossing_table(result)]

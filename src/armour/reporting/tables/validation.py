@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import floor, log10
 from typing import TYPE_CHECKING
 
-from armour.reporting.table import Column, Table
+from armour.reporting.table import Column, Table, column_of, listing
 from armour.units import words_and_unit
 
 if TYPE_CHECKING:
@@ -24,33 +24,25 @@ def check_groups(result: "SuiteResult") -> dict[str, list["Check"]]:
 
 def check_table(checks: Sequence["Check"], title: str = "") -> Table:
     """Return expected and computed values with the bands they are held to."""
-    units = [words_and_unit(check.case.quantity)[1] for check in checks]
-    shared = units[0] if len(set(units)) == 1 else ""
-    columns = (
-        Column("case", prose=True),
-        *([] if shared else [Column("unit")]),
-        Column("expected", shared, ".10g"),
-        Column("computed", shared, "g"),
-        Column("deviation", shared, "g"),
-        Column("deviation", "%", "+.2f"),
-        Column("band ±", shared, ".4g"),
-        Column("status"),
+
+    def unit_of(check: "Check") -> str:
+        return words_and_unit(check.case.quantity)[1]
+
+    units = {unit_of(check) for check in checks}
+    shared = units.pop() if len(units) == 1 else ""
+    return listing(
+        checks,
+        (Column("case", prose=True), lambda check: check.case.name),
+        *([] if shared else [(Column("unit"), unit_of)]),
+        (Column("expected", shared, ".10g"), lambda check: check.case.expected),
+        # Each case has decimals of its own, so that computed value and deviation are formatted here.
+        (Column("computed", shared, "g"), lambda check: _decimal(check.computed, _decimals(check.case))),
+        (Column("deviation", shared, "g"), lambda check: _decimal(check.deviation, _decimals(check.case), sign="+")),
+        column_of("deviation_percent", "+.2f"),
+        (Column("band ±", shared, ".4g"), lambda check: check.case.band),
+        column_of("status"),
+        title=title,
     )
-    rows = tuple(
-        (
-            check.case.name,
-            *([] if shared else [unit]),
-            check.case.expected,
-            # Each case has decimals of its own, so that computed value and deviation are formatted here.
-            _decimal(check.computed, _decimals(check.case)),
-            _decimal(check.deviation, _decimals(check.case), sign="+"),
-            check.deviation_percent,
-            check.case.band,
-            check.status,
-        )
-        for check, unit in zip(checks, units, strict=True)
-    )
-    return Table(columns, rows, title)
 
 
 def _decimals(case: "Case") -> int:
@@ -66,31 +58,31 @@ def _decimal(value: float | str | None, decimals: int, sign: str = "") -> str | 
 
 def summary_table(result: "SuiteResult") -> Table:
     """Return the deviations of each table of a suite as a whole."""
-    columns = (
-        Column("table", prose=True),
-        Column("rows", spec="d"),
-        Column("unit"),
-        Column("mean", spec="+.2f"),
-        Column("RMS", spec=".2f"),
-        Column("largest", spec=".2f"),
-        Column("RMS band", spec="g"),
-        Column("status"),
+    return listing(
+        result.summaries,
+        column_of("name", label="table", prose=True),
+        column_of("count", "d", "rows"),
+        column_of("unit"),
+        column_of("mean", "+.2f"),
+        column_of("rms", ".2f", "RMS"),
+        column_of("largest", ".2f"),
+        column_of("rms_band", "g", "RMS band"),
+        column_of("status"),
+        title="tables as a whole",
     )
-    rows = tuple((s.name, s.count, s.unit, s.mean, s.rms, s.largest, s.rms_band, s.status) for s in result.summaries)
-    return Table(columns, rows, "tables as a whole")
 
 
 def error_table(result: "SuiteResult") -> Table:
     """Return the errors of every prediction that a table compares."""
-    columns = (
-        Column("table", prose=True),
-        Column("predicted by", prose=True),
-        Column("rows", spec="d"),
-        Column("mean error", "%", ".1f"),
-        Column("largest error", "%", ".1f"),
+    return listing(
+        result.errors,
+        column_of("table", prose=True),
+        column_of("predictor", label="predicted by", prose=True),
+        column_of("count", "d", "rows"),
+        column_of("mean_percent", ".1f", "mean error"),
+        column_of("largest_percent", ".1f", "largest error"),
+        title="errors",
     )
-    rows = tuple((e.table, e.predictor, e.count, e.mean_percent, e.largest_percent) for e in result.errors)
-    return Table(columns, rows, "errors")
 
 
 def note_rows(checks: Sequence["Check"]) -> list[tuple[str, str]]:
@@ -103,11 +95,6 @@ def note_rows(checks: Sequence["Check"]) -> list[tuple[str, str]]:
         elif case.not_scored or case.reason:
             notes[case.group or case.name, case.not_scored or case.reason] = None
     return list(notes)
-
-
-def note_table(checks: Sequence["Check"]) -> Table:
-    """Return the notes on cases."""
-    return Table((Column("case", prose=True), Column("reason", prose=True)), tuple(note_rows(checks)))
 
 
 def verdict(result: "SuiteResult") -> str:
@@ -133,8 +120,12 @@ def suite_tables(result: "SuiteResult") -> list[Table]:
 
 def update_table(updates: Sequence["Update"]) -> Table:
     """Return the expected values that an update changes."""
-    columns = (Column("case", prose=True), Column("expected", spec=".10g"), Column("computed", spec=".10g"))
-    return Table(columns, tuple((update.case.full_name, update.case.expected, update.expected) for update in updates))
+    return listing(
+        updates,
+        (Column("case", prose=True), lambda update: update.case.full_name),
+        (Column("expected", spec=".10g"), lambda update: update.case.expected),
+        (Column("computed", spec=".10g"), lambda update: update.expected),
+    )
 
 
 def figure_table(figure: "Figure") -> Table:
@@ -146,10 +137,11 @@ def figure_table(figure: "Figure") -> Table:
 
 def parity_table(result: "SuiteResult") -> Table:
     """Return expected and computed values of a suite's tables."""
-    names = ("table", "row", "quantity")
-    columns = (
-        *(Column(name, key=name) for name in names),
-        *(Column(n, spec="g", key=n) for n in ("expected", "computed")),
+    return listing(
+        result.checks,
+        (column_of("table"), lambda check: check.case.group),
+        (column_of("row"), lambda check: check.case.name),
+        (column_of("quantity"), lambda check: check.case.quantity),
+        (column_of("expected", "g"), lambda check: check.case.expected),
+        column_of("computed", "g"),
     )
-    rows = tuple((c.case.group, c.case.name, c.case.quantity, c.case.expected, c.computed) for c in result.checks)
-    return Table(columns, rows)

@@ -1,4 +1,4 @@
-"""What a report says in words."""
+"""What a report on a scenario says."""
 
 from dataclasses import replace
 from functools import cache
@@ -6,10 +6,11 @@ from functools import cache
 import pytest
 
 from armour.reporting.contents import Contents, contents_of
-from armour.reporting.markdown_report import scenario_markdown
-from armour.reporting.wording import cards_of, energy_section, question_of, sections_of, title_of
-from tests.cases import scenario
-from tests.reporting.results import OTHER, THREAT, design_result, uncertainty_result
+from armour.reporting.markdown import markdown_report
+from armour.reporting.report import Report
+from armour.reporting.scenario_report import scenario_report
+from tests.helpers.cases import scenario
+from tests.helpers.results import OTHER, THREAT, design_result, uncertainty_result
 
 
 @cache
@@ -17,24 +18,28 @@ def wilkins() -> Contents:
     return contents_of(scenario(title="A title"))
 
 
+def report(contents: Contents, command: str = "armour report x.toml") -> Report:
+    return scenario_report(contents, command)
+
+
 def statements(contents: Contents) -> dict[str, tuple[str, str]]:
-    return {card.subject: (card.statement, card.detail) for card in cards_of(contents)}
+    return {card.subject: (card.statement, card.detail) for card in report(contents).cards}
 
 
 def test_the_title_is_the_scenarios_or_its_file():
-    assert title_of(wilkins()) == wilkins().scenario.title
+    assert report(wilkins()).title == wilkins().scenario.title
     untitled = replace(wilkins(), scenario=wilkins().scenario.replaced({"title": ""}))
-    assert title_of(untitled) == untitled.scenario.file
+    assert report(untitled).title == untitled.scenario.file
 
 
 def test_questions():
     impact = wilkins().scenario.impact
-    assert question_of(wilkins()) == f"Does this armour defeat the 7.62 mm AP at {impact.velocity_m_s:g} m/s?"
-    one = question_of(replace(wilkins(), design=design_result()))
+    assert report(wilkins()).lead == f"Does this armour defeat the 7.62 mm AP at {impact.velocity_m_s:g} m/s?"
+    one = report(replace(wilkins(), design=design_result())).lead
     assert one == "Which is the lightest AD85 on 6061-T6 that defeats the 7.62 mm AP at 800 m/s?"
-    several = question_of(replace(wilkins(), design=design_result(threats=(THREAT, OTHER), pareto=True)))
+    several = report(replace(wilkins(), design=design_result(threats=(THREAT, OTHER), pareto=True))).lead
     assert several == "Which is the lightest armour on offer that defeats the 7.62 mm AP at 800 m/s and the M2?"
-    bare = question_of(replace(wilkins(), design=design_result(ceramic="")))
+    bare = report(replace(wilkins(), design=design_result(ceramic=""))).lead
     assert bare.startswith("Which is the lightest 6061-T6 that defeats")
 
 
@@ -78,7 +83,7 @@ def test_the_answer_without_a_limit():
 
 
 def test_the_energy_section():
-    section = energy_section(wilkins())
+    section = report(wilkins()).sections[0]
     energy = wilkins().energy
     assert f"{energy.before:.2f} J at impact and {energy.left:.2f} J at the end" in section.paragraphs[0]
     [table] = section.tables
@@ -87,25 +92,51 @@ def test_the_energy_section():
 
 def test_sections_follow_the_results():
     def headings(contents: Contents) -> list[str]:
-        return [section.heading for section in sections_of(contents)]
+        return [section.heading for section in report(contents).sections]
 
     entries = ["Projectile: 7.62 mm AP", "Ceramic: AD85", "Metal: 6061-T6"]
-    assert headings(wilkins()) == ["Stages of the impact", "Sensitivity to the inputs", *entries]
+    assert headings(wilkins()) == [
+        "Energy balance of the projectile",
+        "Stages of the impact",
+        "Sensitivity to the inputs",
+        *entries,
+        "Scenario",
+        "Origin",
+    ]
     full = replace(
         wilkins(), design=design_result(threats=(THREAT, OTHER), pareto=True), uncertainty=uncertainty_result()
     )
-    assert headings(full)[:4] == ["Best design", "Margins against the threats", "Pairs of materials", "Pareto front"]
+    assert headings(full)[1:5] == ["Best design", "Margins against the threats", "Pairs of materials", "Pareto front"]
     assert "Results under uncertain inputs" in headings(full)
     assert "Required ceramic for each back plate" in headings(replace(wilkins(), design=design_result()))
 
 
+def test_charts_follow_the_results():
+    def titles(contents: Contents) -> list[str]:
+        return [chart.title.partition("\n")[0] for chart in report(contents).charts]
+
+    last = ["Sensitivity to the inputs", "Impact of the 7.62 mm AP", "Where the projectile's energy went"]
+    assert titles(wilkins()) == last
+    full = replace(wilkins(), design=design_result(pareto=True), uncertainty=uncertainty_result())
+    first = ["Required ceramic for each back plate", "Pareto front", "Probability of perforation"]
+    assert titles(full) == [*first, *last]
+
+
+def test_the_cross_section_is_that_of_the_answer():
+    drawn = report(wilkins()).cross_section
+    assert drawn is not None
+    assert (drawn.rod, drawn.rod_diameter, drawn.ceramic, drawn.backing) == ("7.62 mm AP", 6.5, "AD85", "6061-T6")
+    assert drawn.rod_length == pytest.approx(20.96, abs=0.01)
+    assert (drawn.ceramic_thickness, drawn.backing_thickness) == (6.35, 6.35)
+
+
 def test_markdown_says_the_same():
-    full = replace(wilkins(), design=design_result(pareto=True), warnings=("a_key: is odd",))
-    text = scenario_markdown(full, "armour report x.toml")
+    full = report(replace(wilkins(), design=design_result(pareto=True), warnings=("a_key: is odd",)))
+    text = markdown_report(full)
     assert text.startswith("# ")
-    for card in cards_of(full):
+    for card in full.cards:
         assert f"* {card.subject}: **{card.statement}**" in text
-    for section in (energy_section(full), *sections_of(full)):
+    for section in full.sections:
         assert f"\n## {section.heading}\n" in text
     assert "Warning: a\\_key: is odd" in text
     assert "```console\narmour report x.toml\n```" in text
@@ -113,4 +144,4 @@ def test_markdown_says_the_same():
 
 def test_a_fence_is_longer_than_any_in_the_scenario():
     fenced = replace(wilkins(), scenario=wilkins().scenario.replaced({"title": "a ```` b"}))
-    assert "`````toml\n" in scenario_markdown(fenced, "")
+    assert "`````toml\n" in markdown_report(report(fenced, ""))

@@ -1,4 +1,4 @@
-"""Suite files that several tests use."""
+"""Suite files and their results."""
 
 from pathlib import Path
 

@@ -1,0 +1,86 @@
+"""Candidate designs: free thicknesses, against grids and against each other."""
+
+import pytest
+
+from armour.analysis.impact import simulate
+from armour.design.optimise import optimise
+from armour.scenario.loading import load_scenario
+from tests.helpers.cases import CERAMICS, METALS, SCENARIOS, THREATS, catalogue
+
+
+def test_thicknesses_that_are_free_come_to_the_refined_optimum():
+    optimum = load_scenario(SCENARIOS / "paper" / "optimum_7.62mm_AP.toml")
+    refined = optimise(optimum, refine=True).refined
+    assert refined is not None
+    free = {"material": "AD85", "thickness_mm": {"min": 2.0, "max": 20.0}}
+    metal = {"material": "5083-H3", "thickness_mm": {"min": 2.0, "max": 14.0}}
+    best = optimise(optimum.replaced({"design": {"ceramic": [free], "backing": [metal]}})).best
+    assert best.areal_density_kg_m2 == pytest.approx(refined.areal_density_kg_m2, abs=2e-4)
+    assert best.backing_thickness_mm == pytest.approx(refined.backing_thickness_mm, abs=0.05)
+    one = optimise(
+        optimum.replaced({"design": {"ceramic": [free], "backing": [{**metal, "thickness_mm": [6.0]}]}})
+    ).best
+    other = optimise(
+        optimum.replaced(
+            {"design": {"ceramic": [{**free, "thickness_mm": [one.ceramic_thickness_mm]}], "backing": [metal]}}
+        )
+    ).best
+    assert other.backing_thickness_mm == pytest.approx(6.0, abs=1e-4)
+
+
+def test_free_thicknesses_of_which_some_are_not_enough_and_limits():
+    """Up to 9 mm of ceramic is too little on thin plates; a limit on the thickness then leaves a heavier optimum."""
+    layers = {
+        "ceramic": [{"material": "AD85", "thickness_mm": {"min": 2.0, "max": 9.0}}],
+        "backing": [{"material": "6061-T6", "thickness_mm": {"min": 1.0, "max": 14.0}}],
+    }
+    wide = optimise(catalogue(THREATS[:1], **layers)).best
+    assert wide.ceramic_thickness_mm <= 9.0
+    thinnest = optimise(catalogue(THREATS[:1], **layers, minimise="thickness_mm")).best
+    middle = 0.5 * (thinnest.thickness_mm + wide.thickness_mm)
+    assert thinnest.thickness_mm < middle
+    narrow = optimise(catalogue(THREATS[:1], **layers, thickness_max_mm=middle)).best
+    assert narrow.thickness_mm <= middle
+    assert wide.areal_density_kg_m2 < narrow.areal_density_kg_m2 < thinnest.areal_density_kg_m2
+    coarse = {
+        "ceramic": [{"material": "AD85", "thickness_mm": {"min": 2.0, "max": 9.0, "step": 0.05}}],
+        "backing": [{"material": "6061-T6", "thickness_mm": {"min": 1.0, "max": 14.0, "step": 0.05}}],
+    }
+    by_grid = optimise(catalogue(THREATS[:1], **coarse)).best.areal_density_kg_m2
+    assert by_grid - 0.35 < wide.areal_density_kg_m2 <= by_grid
+
+
+def test_free_thicknesses_against_several_threats_are_the_least():
+    layers = {
+        "ceramic": [{"material": "AD85", "thickness_mm": {"min": 2.0, "max": 14.0}}],
+        "backing": [{"material": "6061-T6", "thickness_mm": [5.0, 7.0]}],
+    }
+    of = catalogue(**layers)
+    for design in optimise(of).frontier:
+        for less, outcomes in ((0.0, {"defeated"}), (2e-6, {"defeated", "perforated"})):
+            against = [
+                of.replaced(
+                    {
+                        "armour.ceramic_thickness_mm": design.ceramic_thickness_mm - less,
+                        "armour.backing_thickness_mm": design.backing_thickness_mm,
+                        "impact.projectile": threat.projectile,
+                        "impact.velocity_m_s": threat.required_m_s,
+                    }
+                )
+                for threat in of.threat
+            ]
+            assert {simulate(each).outcome for each in against} == outcomes
+
+
+def test_refined_catalogues_are_free_between_their_thicknesses():
+    """A list stays a list; a range becomes free."""
+    result = optimise(catalogue(ceramic=CERAMICS[:1], backing=METALS[:1]), refine=True)
+    assert result.refined is not None
+    assert result.refined.areal_density_kg_m2 < result.best.areal_density_kg_m2
+    assert min(result.refined.margins_m_s.values()) >= 0.0
+    lists = {
+        "ceramic": [{"material": "AD85", "thickness_mm": [8.0, 9.0, 10.0]}],
+        "backing": [{"material": "6061-T6", "thickness_mm": [6.0, 8.0, 10.0]}],
+    }
+    listed = optimise(catalogue(**lists), refine=True)
+    assert listed.refined == listed.best
