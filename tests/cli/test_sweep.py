@@ -55,7 +55,7 @@ def test_cases_from_a_file(cli, folder: Path):
     [
         ([], "sweep: --over: must be given, or --cases, and not both"),
         (["--over", "a"], "sweep: --over: must be KEY=MIN:MAX:STEP"),
-        (["--over", "impact.velocity_m_s=800", "--quantities", "speed"], "sweep: --quantities: must be of quantities"),
+        (["--over", "impact.velocity_m_s=800", "--quantities", "speed"], "sweep: --quantities: unknown quantity"),
         (["--over", "impact.velocity_m_s=800,-1"], f"{WILKINS}: impact.velocity_m_s: must be greater than 0, found -1"),
         (["--over", "impact.velocity_m_s=800", "--quantities", "outcome", "--plot", "a.png"], "sweep: --plot: draws"),
         (["--cases", "missing.csv"], "missing.csv: cannot be read"),

@@ -27,7 +27,7 @@ C, V, TAU = "armour.ceramic_thickness_mm", "impact.velocity_m_s", "backing.shear
             "must not be a column where it is fitted",
         ),
         (f"{C},ballistic_limit_m_s", ["6,700", "7,720"], {"fit": [V]}, "must be of a material or projectile"),
-        (f"{C},ballistic_limit_m_s", ["6,700", "7,720"], {"fit": ["hardness"]}, 'found "hardness"; there are'),
+        (f"{C},ballistic_limit_m_s", ["6,700", "7,720"], {"fit": ["hardness"]}, 'found "hardness"; choose from'),
         (
             f"{C},ballistic_limit_m_s",
             ["6,700", "7,720"],

@@ -15,6 +15,7 @@ from armour.analysis.closed_forms import (
 from armour.analysis.impact import ImpactResult
 from armour.errors import InputError, NoLimitError, Problem
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import key_name
 from armour.units import MM, MPA, G
 
 Body = Literal["penetrator", "whole projectile"]
@@ -148,8 +149,8 @@ def missing_for_florence(scenario: Scenario) -> list[Problem]:
     backing = scenario.armour.backing
     for key in TENSILE:
         if key not in scenario.entry("metal", backing).values:
-            message = f'must name a metal with {key}, found "{backing}"; add one that is based on it'
-            problems.append(Problem(scenario.file, "armour.backing", message))
+            message = "is missing and must be given for Florence's limit; add it to the entry"
+            problems.append(Problem(scenario.file, key_name(["library", "metal", backing, key]), message))
     return problems
 
 

@@ -16,6 +16,7 @@ from armour.units import MM
 
 # Largest relative constraint violation that counts as rounding.
 ROUNDING = 1e-12
+COST = "cost_per_m2"
 # Decimals to which areal densities, thicknesses and costs are rounded, so that equal sums compare equal.
 DIGITS = 9
 
@@ -113,9 +114,15 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         if title in titles[:i]:
             message = f'must tell the threat from the others, found "{title}" twice'
             problems.append(Problem(scenario.file, f"threat[{i}].name", message))
-    if bounded and any(layer.free for layer in [*section.ceramic, *section.backing]):
+    if bounded and any(layer.free_range() for layer in [*section.ceramic, *section.backing]):
         message = "must have a step for each thickness_mm where a threat has probability_of_perforation"
         problems.append(Problem(scenario.file, "design", message))
+    if COST in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None:
+        for key, layers in (("ceramic", section.ceramic), ("backing", section.backing)):
+            for i, layer in enumerate(layers):
+                if layer.material and not layer.model_fields_set & {"cost_per_kg", COST}:
+                    message = f'must have a cost where [design] asks for costs, found none for "{layer.material}"'
+                    problems.append(Problem(scenario.file, f"design.{key}[{i}]", message))
     if problems:
         raise InputError(problems)
 

@@ -172,11 +172,16 @@ def optimise(scenario: Scenario, *, refine: bool = False) -> DesignResult:
         If no design on offer passes.
     """
     catalogue = catalogue_of(scenario)
+    problems = []
+    if refine and catalogue.bounded:
+        message = "must be left out where the design is refined, as designs between those on offer are not sampled"
+        problems.append(Problem(scenario.file, "threat.probability_of_perforation", message))
+    if refine and not any(layer.free_range(refine=True) for offer in catalogue.offers for layer in offer[:2]):
+        problems.append(Problem(scenario.file, "--refine", "needs a thickness given as a range"))
+    if problems:
+        raise InputError(problems)
     reliability = None
     if catalogue.bounded:
-        if refine:
-            message = "must be left out where the design is refined, as designs between those on offer are not sampled"
-            raise InputError([Problem(scenario.file, "threat.probability_of_perforation", message)])
         from armour.design.reliability import Reliability  # takes half a second to import scipy.stats
 
         reliability = Reliability(catalogue)
@@ -184,7 +189,7 @@ def optimise(scenario: Scenario, *, refine: bool = False) -> DesignResult:
     search = Search(requirement, candidates_of(requirement), reliability)
     first = search.first(np.arange(len(search.values)))
     if first is None:
-        raise NoDesignError(f"no design: {_why_none(search)}")
+        raise NoDesignError(_why_none(search))
 
     criteria = tuple(catalogue.section.pareto or ())
     pair = int(search.candidates.pair[first])
@@ -282,37 +287,37 @@ def _excess(search: Search, place: int, least: float) -> tuple[float | None, str
 
 
 def _why_none(search: Search) -> str:
-    """Return why no design on offer passes."""
+    """Return why no design passes."""
     catalogue, scenario = search.catalogue, search.catalogue.scenario
     if not len(search.values):
-        return "nothing on offer keeps to the limits of the section design"
+        return "no design in the catalogue meets the constraints of [design]"
     defeating = search.defeating.any()
     if scenario.design is None and not scenario.threat and not defeating:
         grid = grid_of(scenario)
         return (
-            f"up to {grid.ceramic_thickness_mm.max:g} mm of ceramic on {grid.backing_thickness_mm.max:g} mm of back "
-            f"plate, all of the grid is perforated at {scenario.impact.velocity_m_s:g} m/s; raise the max of "
-            "optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"
+            f"no design: every design of the grid, up to {grid.ceramic_thickness_mm.max:g} mm ceramic on "
+            f"{grid.backing_thickness_mm.max:g} mm back plate, is perforated at {scenario.impact.velocity_m_s:g} m/s; "
+            "raise the max of optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"
         )
     if catalogue.bounded and defeating:
-        return "nothing on offer keeps the probability of perforation within the bound of every threat"
+        return "no design keeps the probability of perforation within the bound of every threat"
     reasons = [_why_none_of(search, pair) for pair in range(len(catalogue.offers))]
-    return f"{'; '.join(dict.fromkeys(reasons))}; offer more thickness in the section design or optimise"
+    return f"{'; '.join(dict.fromkeys(reasons))}; offer thicker layers in [design] or [optimise]"
 
 
 def _why_none_of(search: Search, pair: int) -> str:
     """Return why no design of a pair passes."""
     catalogue, own = search.catalogue, search.of_pair(pair)
     if not len(own):
-        return "nothing on offer keeps to the limits"
+        return "no design meets the constraints"
     good = own[search.defeating[own]]
     if len(good) and catalogue.bounded:
-        return f"none within {catalogue.section.runners_up_percent:g} % of the best"
+        return f"no design within {catalogue.section.runners_up_percent:g} % of the best"
     if len(good):
         lost = (search.limits(good) < catalogue.required_m_s).all(axis=0)
     else:
         candidates = search.candidates.at(own)
         lost = np.array([not search.requirement.defeats(candidates, i).any() for i in range(len(catalogue.threats))])
     titles = " or ".join(np.array(catalogue.titles)[lost]) or "all threats at once"
-    lower = " at every lower velocity too" if len(good) else ""
-    return f"nothing on offer defeats {titles}{lower}"
+    lower = " and at every lower velocity" if len(good) else ""
+    return f"no design defeats {titles}{lower}"

@@ -11,7 +11,15 @@ from pathlib import Path
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
 import tomli_w
-from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, ValidationError, model_serializer
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    SerializerFunctionWrapHandler,
+    Tag,
+    ValidationError,
+    model_serializer,
+)
 
 from armour.errors import InputError, Problem, suggestion
 from armour.files import read_toml, shipped
@@ -22,13 +30,19 @@ Status = Literal["measured", "fitted", "assumed"]
 Number = TypeVar("Number", bound=float)
 
 
+_NumberOrText = Annotated[
+    Annotated[float, Tag("<number>")] | Annotated[str, Tag("<text>")],
+    Discriminator(lambda value: "<text>" if isinstance(value, str) else "<number>"),
+]
+
+
 class Value(Section, Generic[Number]):
     """A number with its status, its source and the tests that it was calibrated to."""
 
     value: Number
     status: Status = "assumed"
     source: str = ""
-    tests: list[dict[str, float | str]] = []
+    tests: list[dict[str, _NumberOrText]] = []
 
     @model_serializer(mode="wrap")
     def _without_empty_tests(self, whole: SerializerFunctionWrapHandler) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from armour.analysis.answers import Answers
-from armour.analysis.searches import smooth_limits
+from armour.analysis.searches import ballistic_limits, smooth_limits
 from armour.analysis.variants import Floats, Variants, concatenated, grid_of, variants_of
 from armour.design.free import least_areal_densities
 from armour.errors import NoAnswerError
@@ -99,10 +99,15 @@ def sensitivity(scenario: Scenario) -> SensitivityResult:
 
 
 def _answers(scenario: Scenario, variants: Variants) -> dict[str, Floats]:
-    """Return the answers of each variant, (n,); NaN where there is none."""
+    """Return the answers of each variant, (n,); NaN where there is none.
+
+    The first variant is the scenario itself; the ballistic limits of the others are accurate to a finer tolerance.
+    """
     impacts = Answers(variants)
+    limits = smooth_limits(variants, LIMIT_TOLERANCE_M_S)
+    limits[:1] = ballistic_limits(variants.at(np.arange(1)))
     answers = {
-        LIMIT: smooth_limits(variants, LIMIT_TOLERANCE_M_S),
+        LIMIT: limits,
         RESIDUAL: np.where(impacts.perforated, impacts.residual_velocities, np.nan),
     }
     if scenario.optimise is not None:

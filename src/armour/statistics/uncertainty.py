@@ -10,7 +10,7 @@ from scipy.stats import beta, qmc, quantile_test, sobol_indices
 
 from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
 from armour.analysis.searches import ballistic_limits
-from armour.analysis.uncertain_inputs import check_samples, section_of
+from armour.analysis.uncertain_inputs import sampled, section_of
 from armour.analysis.variants import Floats, Ints, Variants, perforated, variants_of
 from armour.errors import NoLimitError
 from armour.scenario.applicability import warnings_of
@@ -111,8 +111,7 @@ def uncertainty(scenario: Scenario) -> UncertaintyResult:
     """
     section = section_of(scenario)
     columns = columns_of(section, inputs_of(scenario), points_of(section))
-    check_samples(scenario, columns)
-    samples = variants_of(scenario, columns, section.samples)
+    samples = sampled(scenario, columns, section.samples)
     hits = int(perforated(samples).sum())
     limits = np.sort(sample_limits(samples))
     deterministic = float(sample_limits(variants_of(scenario, {}, 1))[0])
@@ -172,8 +171,7 @@ def influence_indices(scenario: Scenario, section: Uncertainty) -> tuple[Index, 
         return ()
 
     def limits(columns: Mapping[str, Floats]) -> Floats:
-        check_samples(scenario, columns)
-        return sample_limits(variants_of(scenario, columns, len(columns[names[0]])))
+        return sample_limits(sampled(scenario, columns, len(columns[names[0]])))
 
     def limits_at(points: Floats) -> Floats:
         return limits({name: quantiles(distributions[name], points[i], own[name]) for i, name in enumerate(names)})

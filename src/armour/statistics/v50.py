@@ -99,13 +99,14 @@ def read_shots(path: Path) -> Shots:
     InputError
         With every mistake in the file.
     """
-    rows = read_rows(path, numbers=("velocity_m_s",), texts=("result", "shot"), needed=("velocity_m_s", "result"))
-    velocities = [row.numbers.get("velocity_m_s", 0.0) for row in rows]
+    names = ("velocity_m_s", "result")
+    rows, problems = read_rows(path, numbers=names[:1], texts=("shot", "result"), needed=names)
+    velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     results = [row.texts.get("result", "") for row in rows]
-    problems = []
     for row, velocity, result in zip(rows, velocities, results, strict=True):
-        if not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
-            message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}"
+        found = row.texts.get("velocity_m_s", "")
+        if not found or not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
+            message = f'must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found "{found}"'
             problems.append(Problem(str(path), f"{row.place}: velocity_m_s", message))
         if result not in ("partial", "complete"):
             message = f'must be "partial" or "complete", found "{result}"'
