@@ -1,4 +1,4 @@
-"""What is on offer: layers, threats, constraints and costs, and wrong questions about them."""
+"""Catalogues: layers, threats, constraints and costs, and wrong questions about them."""
 
 from typing import Any
 
@@ -96,7 +96,7 @@ def test_costs_that_are_asked_for_must_be_given(asked: dict[str, Any]):
         (lambda: catalogue(pareto=["thickness_mm"]), "must list at least 2 values, found 1"),
         (
             lambda: catalogue([THREATS[1], THREATS[1]]),
-            'threat[1].name: must tell the threat from the others, found "M2" twice',
+            'threat[1].name: must be different for each threat, found "M2" twice',
         ),
         (
             lambda: catalogue([{**THREATS[0], "probability_of_perforation": 0.05}]),

@@ -1,4 +1,4 @@
-"""Candidate designs: all designs on offer, with the least value of a free thickness that the other layer needs."""
+"""Candidate designs: all combinations of the given thicknesses; of a free thickness, the least value that passes."""
 
 from collections.abc import Callable
 from functools import partial

@@ -1,4 +1,4 @@
-"""Design optimisation: the best design on offer that defeats every threat, and its comparison with the others."""
+"""Design optimisation: the best design that defeats every threat, and its comparison with the others."""
 
 from dataclasses import asdict, dataclass
 from math import inf
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from armour.analysis.results import Result
 from armour.analysis.variants import Ints, grid_of
 from armour.design.candidates import candidates_of
 from armour.design.catalogue import catalogue_of
@@ -24,7 +25,7 @@ COMPARATIVES = {"areal_density_kg_m2": "heavier", "thickness_mm": "thicker", "co
 
 @dataclass(frozen=True)
 class Design:
-    """A design on offer.
+    """A design of the catalogue.
 
     Attributes
     ----------
@@ -59,7 +60,7 @@ class BestDesign(Design):
     margins_m_s : dict of str to float
         By threat: the lowest ballistic limit, at most 10,000 m/s, less the velocity of the threat.
     governing : str
-        Threat of which the least remains of the margin that it requires.
+        Threat whose required velocity the ballistic limit exceeds by the least.
     probabilities : dict of str to Estimate
         Probabilities of perforation, by threat that bounds it.
     """
@@ -83,7 +84,7 @@ class Pair:
     excess_percent : float or None
         Excess of the objective over that of the best of all.
     reason : str
-        Why the pair loses; empty for the best.
+        Why its best design is not the best of all, or why it has none.
     """
 
     ceramic: str
@@ -94,7 +95,7 @@ class Pair:
 
 
 @dataclass(frozen=True)
-class DesignResult:
+class DesignResult(Result):
     """Result of a design optimisation.
 
     Attributes
@@ -116,7 +117,7 @@ class DesignResult:
     pareto : tuple of Design
         Pareto front; empty where it was not asked for.
     designs, examined : int
-        Number of designs on offer that meet the constraints, and of those that were computed: all of them.
+        Number of designs that meet the constraints; all of them are examined.
     runs : int
         Impacts computed to decide which designs pass, samples of uncertain inputs not counted.
     not_monotonic_mm : tuple of float
@@ -142,7 +143,7 @@ class DesignResult:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data; ``refined`` only where it was asked for."""
-        data = asdict(self)
+        data = super().to_dict()
         if self.refined is None:
             del data["refined"]
         return data
@@ -151,30 +152,36 @@ class DesignResult:
 def optimise(scenario: Scenario, *, refine: bool = False) -> DesignResult:
     """Find the best design of a scenario that defeats its threats.
 
-    A design passes if it defeats every threat at the threat's velocity plus margin and its lowest ballistic limit does
-    not lie below that.  All designs of given thicknesses are computed, as the outcome need not be monotonic.  For a
-    free thickness, the least value that the other layer needs is found by bisection.  Under a bound on the probability
-    of perforation, designs that pass are sampled in the order of the objective.
+    A design passes if it defeats every threat at the threat's velocity plus margin and has no ballistic limit below
+    that.  The impacts of all designs of given thicknesses are computed: no monotonic dependence is assumed.  For a free
+    thickness, the least value that passes is found by bisection.  Under a bound on the probability of perforation,
+    designs that pass are sampled in the order of the objective.
 
     Parameters
     ----------
     scenario : Scenario
-        Its sections ``design`` and ``optimise`` give the designs on offer, its list ``threat`` the threats; without
-        them, they are the scenario's own pair of materials and impact.
-    refine : bool
-        Whether to find the best design with both layers free within their ranges, too.
+        Its sections ``design`` and ``optimise`` give the materials and thicknesses, its list ``threat`` the threats;
+        without them, they are the scenario's own pair of materials and impact.
+    refine : bool, default False
+        Whether also to find the best design with both layers free within their ranges.
+
+    Returns
+    -------
+    DesignResult
 
     Raises
     ------
     InputError
-        If something is missing in the scenario, or a run does not end.
+        If something is missing in the scenario, there is no range to refine, or a run does not end.
     NoDesignError
-        If no design on offer passes.
+        If no design passes.
     """
     catalogue = catalogue_of(scenario)
     problems = []
     if refine and catalogue.bounded:
-        message = "must be left out where the design is refined, as designs between those on offer are not sampled"
+        message = (
+            "must be left out where the design is refined, as designs between the given thicknesses are not sampled"
+        )
         problems.append(Problem(scenario.file, "threat.probability_of_perforation", message))
     if refine and not any(layer.free_range(refine=True) for offer in catalogue.offers for layer in offer[:2]):
         problems.append(Problem(scenario.file, "--refine", "needs a thickness given as a range"))
@@ -224,7 +231,7 @@ def _refined(search: Search, first: int) -> BestDesign:
 
 
 def _governing(search: Search, where: Ints) -> list[int]:
-    """Return for each design the threat of which the least remains of the margin that it requires."""
+    """Return for each design the threat whose required velocity the ballistic limit exceeds by the least."""
     threats: list[int] = (search.limits(where) - search.catalogue.required_m_s).argmin(axis=1).tolist()
     return threats
 

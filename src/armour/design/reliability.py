@@ -48,7 +48,9 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
     for name, distribution in section.inputs().items():
         values = {own.get(name) for own in owns}
         if distribution.placed and (len(values) > 1 or name in (VELOCITY, CERAMIC, BACKING)):
-            message = "must be about the value of each design or threat: normal or lognormal, without mean, min and max"
+            message = (
+                "must be centred on the value of each design or threat: normal or lognormal, without mean, min and max"
+            )
             problems.append(Problem(file, f"uncertainty.{name}", message))
     bound = min(threat.probability_of_perforation or inf for threat in catalogue.threats)
     if proportion(0, section.samples).high > bound:

@@ -11,29 +11,15 @@ from pathlib import Path
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
 import tomli_w
-from pydantic import (
-    BeforeValidator,
-    Discriminator,
-    Field,
-    SerializerFunctionWrapHandler,
-    Tag,
-    ValidationError,
-    model_serializer,
-)
+from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, ValidationError, model_serializer
 
 from armour.errors import InputError, Problem, suggestion
 from armour.files import read_toml, shipped
-from armour.scenario.messages import NUMBER, Section, key_name, problems_of
+from armour.scenario.messages import NUMBER, NumberOrText, Section, key_name, problems_of
 from armour.units import GPA, MM, MPA, G
 
 Status = Literal["measured", "fitted", "assumed"]
 Number = TypeVar("Number", bound=float)
-
-
-_NumberOrText = Annotated[
-    Annotated[float, Tag("<number>")] | Annotated[str, Tag("<text>")],
-    Discriminator(lambda value: "<text>" if isinstance(value, str) else "<number>"),
-]
 
 
 class Value(Section, Generic[Number]):
@@ -42,7 +28,7 @@ class Value(Section, Generic[Number]):
     value: Number
     status: Status = "assumed"
     source: str = ""
-    tests: list[dict[str, _NumberOrText]] = []
+    tests: list[dict[str, NumberOrText]] = []
 
     @model_serializer(mode="wrap")
     def _without_empty_tests(self, whole: SerializerFunctionWrapHandler) -> dict[str, Any]:
@@ -192,13 +178,7 @@ class Library:
         return {kind: {name: entry.to_dict() for name, entry in self.entries[kind].items()} for kind in KINDS}
 
     def find(self, name: str) -> list[LibraryEntry]:
-        """Return the entries of a name, of any kind.
-
-        Raises
-        ------
-        KeyError
-            If there is none; the message suggests the closest name.
-        """
+        """Return the entries of a name, of any kind; if there is none, a KeyError suggests the closest name."""
         found = [entries[name] for entries in self.entries.values() if name in entries]
         if not found:
             known = [known for kind in KINDS for known in self.names(kind)]

@@ -1,16 +1,20 @@
-"""Base class of the sections of a file, and error messages for what pydantic finds wrong in them."""
+"""Base class and types of the sections of a file, and error messages for what pydantic finds wrong in them."""
 
 import json
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any, get_origin
+from typing import Annotated, Any, get_origin
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError, ValidationInfo
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Tag, ValidationError, ValidationInfo
 
 from armour.errors import Problem, suggestion
 
 # Key of the number where a file may give a number or a table.
 NUMBER = "value"
+NumberOrText = Annotated[
+    Annotated[float, Tag("<number>")] | Annotated[str, Tag("<text>")],
+    Discriminator(lambda value: "<text>" if isinstance(value, str) else "<number>"),
+]
 
 
 class Section(BaseModel):

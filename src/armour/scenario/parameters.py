@@ -13,12 +13,8 @@ from armour.scenario.library import Kind, LibraryEntry
 from armour.units import GPA, MM, MPA, missing_unit
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from armour.scenario.loading import Scenario
-
-    Floats = NDArray[np.float64]
+    from armour.scenario.sampling import Floats
 
 VELOCITY = "impact.velocity_m_s"
 CERAMIC, BACKING = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"

@@ -2,7 +2,7 @@
 
 import json
 from math import floor
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 
@@ -126,18 +126,18 @@ class Range(Section):
         return tuple(round(self.min + i * self.step, 9) for i in range(int(self.count())))
 
 
+def _above_zero(thickness: Any) -> Any:
+    least = min(thickness) if isinstance(thickness, list) else thickness.min
+    if least <= 0.0:
+        raise ValueError(f"min must be greater than 0, found {least:g}")
+    return thickness
+
+
 class Optimise(Section):
     """Grid of designs."""
 
     ceramic_thickness_mm: Range
-    backing_thickness_mm: Range
-
-    @field_validator("backing_thickness_mm")
-    @classmethod
-    def _some_backing(cls, backing: Range) -> Range:
-        if backing.min <= 0.0:
-            raise ValueError(f"min must be greater than 0, found {backing.min:g}")
-        return backing
+    backing_thickness_mm: Annotated[Range, AfterValidator(_above_zero)]
 
     @model_validator(mode="after")
     def _not_absurd(self) -> "Optimise":
@@ -232,14 +232,7 @@ class BackingLayer(Layer):
     """A metal of the catalogue, for the back plate."""
 
     material: MetalName
-
-    @field_validator("thickness_mm")
-    @classmethod
-    def _some(cls, thickness: object) -> object:
-        least = min(thickness) if isinstance(thickness, list) else getattr(thickness, "min", 1.0)
-        if least <= 0.0:
-            raise ValueError(f"must be greater than 0, found {least:g}")
-        return thickness
+    thickness_mm: Annotated[Thicknesses, AfterValidator(_above_zero)]
 
 
 Objective = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]

@@ -1,7 +1,7 @@
 """Propagation of input uncertainty to the outcome and the ballistic limit."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import log2
 from typing import Any
 
@@ -9,6 +9,7 @@ import numpy as np
 from scipy.stats import beta, qmc, quantile_test, sobol_indices
 
 from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
+from armour.analysis.results import Result
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.uncertain_inputs import sampled, section_of
 from armour.analysis.variants import Floats, Ints, Variants, perforated, variants_of
@@ -51,7 +52,7 @@ class ProbabilityCurve:
 
 
 @dataclass(frozen=True)
-class UncertaintyResult:
+class UncertaintyResult(Result):
     """Input uncertainty propagated to the outcome and the ballistic limit.
 
     Attributes
@@ -89,10 +90,6 @@ class UncertaintyResult:
     inputs: tuple[Index, ...]
     warnings: tuple[str, ...]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain data."""
-        return asdict(self)
-
 
 def uncertainty(scenario: Scenario) -> UncertaintyResult:
     """Propagate input uncertainty to the outcome and the ballistic limit.
@@ -101,6 +98,10 @@ def uncertainty(scenario: Scenario) -> UncertaintyResult:
     ----------
     scenario : Scenario
         Its section ``uncertainty`` gives the distributions of the inputs.
+
+    Returns
+    -------
+    UncertaintyResult
 
     Raises
     ------

@@ -1,12 +1,12 @@
 """V50 from firing results, by the rule of MIL-STD-662F and by maximum likelihood."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import CONFIDENCE
+from armour.analysis.results import Result
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
 from armour.statistics.csv_table import read_rows
@@ -51,7 +51,7 @@ class MeanV50:
 
 
 @dataclass(frozen=True)
-class FiringResult:
+class FiringResult(Result):
     """V50 estimated from firing results.
 
     Attributes
@@ -80,10 +80,6 @@ class FiringResult:
     fits: tuple[FittedCurve, ...]
     confidence: float
     model_ballistic_limit_m_s: float | None
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain data."""
-        return asdict(self)
 
 
 def read_shots(path: Path) -> Shots:
@@ -141,6 +137,10 @@ def v50(
         Greatest span of their velocities, m/s; by default that of MIL-STD-662F for this number of shots.
     confidence : float
         Confidence level of the intervals.
+
+    Returns
+    -------
+    FiringResult
 
     Raises
     ------

@@ -42,8 +42,8 @@ def sweep(
     gives an empty field in CSV and NaN in Parquet.
     """
     _check(scenario, source, quantities)
-    for columns in source.chunks(size):
-        groups_of(scenario, columns)  # a wrong value raises an error before the first chunk is computed
+    for chunk in source.chunks(size):
+        groups_of(scenario, chunk)  # a wrong value raises an error before the first chunk is computed
     store = Store(output, _job(scenario, source, quantities, size))
     pending: dict[int, Mapping[str, Floats]] = {}
     notify = on_chunk or (lambda _rows, _stored: None)
