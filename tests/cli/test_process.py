@@ -97,7 +97,7 @@ def test_a_closed_pipe_is_no_error(args: str, tmp_path: Path):
     assert closed(args, tmp_path) == (0, "")
 
 
-@pytest.mark.parametrize("module", ["typer", "armour.cli.app"])
+@pytest.mark.parametrize("module", ["typer", "armour.cli.app", "pydantic"])
 def test_interrupted_while_it_starts(module: str):
     code = f"""
 import sys
@@ -107,6 +107,7 @@ class Interrupt:
             raise KeyboardInterrupt
 from armour.cli import main
 sys.meta_path.insert(0, Interrupt())
+sys.argv = ["armour", "simulate", "a.toml"]
 main()
 """
     done = process("-c", code)

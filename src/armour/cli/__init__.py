@@ -16,6 +16,5 @@ def main() -> None:
 
         app(prog_name="armour")
     except KeyboardInterrupt:
-        # Within a command the message is the command's.
         sys.stderr.write("interrupted\n")
         sys.exit(130)

@@ -9,6 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from typer import Exit
 from typer.core import TyperCommand, TyperGroup
 
 from armour.cli.console import say, show, show_json
@@ -149,6 +150,14 @@ class Command(_Helpful, TyperCommand):
 
 class Reporting(_Helpful, TyperGroup):
     """Commands whose errors end in a message and an exit code."""
+
+    def make_context(self, *args: Any, **settings: Any) -> Any:
+        """Parse the command line."""
+        try:
+            return super().make_context(*args, **settings)
+        except KeyboardInterrupt:
+            say("interrupted")
+            raise Exit(INTERRUPTED) from None
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command; turn what it raises into a message and an exit code."""
