@@ -76,7 +76,8 @@ def test_what_is_wrong(cli, args: list[str], message: str):
     assert not Path("t.csv").exists()
 
 
-def test_interrupted_it_says_how_to_resume(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
+@pytest.mark.usefixtures("folder")
+def test_interrupted_it_says_how_to_resume(cli, monkeypatch: pytest.MonkeyPatch):
     def interrupted(*_args, **_settings):
         raise KeyboardInterrupt
 

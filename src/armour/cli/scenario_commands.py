@@ -143,9 +143,7 @@ def sensitivity(
 
 def uncertainty(
     scenario: ScenarioFile,
-    samples: Annotated[
-        int | None, option("Number of samples in place of the scenario's, at least 128.", metavar="N")
-    ] = None,
+    samples: Annotated[int | None, option("Number of samples in place of the scenario's, at least 128.")] = None,
     plot: PlotFile = None,
     changes: Changes = None,
     as_json: AsJson = False,

@@ -32,9 +32,7 @@ def sweep(
         str, option("Quantities to compute, of those listed below; ballistic limit by default.", metavar="NAME,...")
     ] = "ballistic_limit_m_s",
     plot: PlotFile = None,
-    threads: Annotated[
-        int | None, option("Number of threads, at least 1; by default one per core.", min=1, metavar="N")
-    ] = None,
+    threads: Annotated[int | None, option("Threads, at least 1; by default one per core.", min=1)] = None,
     scheduler: Annotated[
         str, option('Compute on the Dask cluster at this address; "local" starts one.', metavar="ADDRESS")
     ] = "",

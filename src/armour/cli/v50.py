@@ -18,20 +18,14 @@ def v50(
         Path | None, argument("SCENARIO", "Scenario of the same armour, for the model's limit.")
     ] = None,
     pairs: Annotated[
-        int | None, option("Shots of each kind in the mean, at least 1; by default 5, 3 or 2.", min=1, metavar="N")
+        int | None, option("Shots of each kind in the mean, at least 1; by default 5, 3 or 2.", min=1)
     ] = None,
     span_m_s: Annotated[
         float | None,
-        option(
-            "Largest span of these shots, up to 10,000 m/s; by default that of MIL-STD-662F.",
-            "--span-m-s",
-            min=0.0,
-            max=1e4,
-            metavar="SPAN",
-        ),
+        option("Largest span of these shots, m/s, at most 10,000; by default MIL-STD-662F's.", min=0.0, max=1e4),
     ] = None,
     confidence: Annotated[
-        float, typer.Option(min=0.5, max=0.9999, metavar="PART", help="Confidence of the intervals, 0.5 to 0.9999.")
+        float, typer.Option(min=0.5, max=0.9999, help="Confidence of the intervals, 0.5 to 0.9999.")
     ] = 0.95,
     plot: PlotFile = None,
     changes: Changes = None,

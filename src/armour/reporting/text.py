@@ -37,11 +37,11 @@ def number(value: float | str, spec: str) -> str:
     return text if abs(float(text)) < 1e4 else format(value, f"{sign},{spec.removeprefix(sign)}")
 
 
-def interval(ends: tuple[float | None, float | None], spec: str) -> str:
-    """Format an interval; an end that is None is not bounded."""
+def interval(ends: tuple[float | None, float | None] | None, spec: str) -> str:
+    """Format an interval, if there is one; an end that is None is not bounded."""
+    if ends is None:
+        return ""
     low, high = ends
-    if low is None and high is None:
-        return "not bounded"
     if low is None:
-        return f"up to {number(high, spec)}"
+        return "not bounded" if high is None else f"up to {number(high, spec)}"
     return f"from {number(low, spec)}" if high is None else f"{number(low, spec)} to {number(high, spec)}"

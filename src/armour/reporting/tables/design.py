@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from armour.reporting.table import Cell, Column, Source, Table, column_of, listing, record
+from armour.reporting.table import Column, Source, Table, column_of, listing, record
 from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT
 from armour.reporting.text import interval, number
 
@@ -102,8 +102,10 @@ def margin_table(result: "DesignResult", required: Mapping[str, float]) -> Table
     best = result.best
     sampled: list[Source] = [(REQUIRED, required.get)] if required else []
     if best.probabilities:
-        sampled.append((Column("probability of perforation", spec=".4f"), lambda threat: _estimate(best, threat)[0]))
-        sampled.append((Column("interval"), lambda threat: _estimate(best, threat)[1]))
+        values = {threat: estimate.value for threat, estimate in best.probabilities.items()}
+        ends = {threat: (estimate.low, estimate.high) for threat, estimate in best.probabilities.items()}
+        sampled.append((Column("probability of perforation", spec=".4f"), values.get))
+        sampled.append((Column("interval"), lambda threat: interval(ends.get(threat), ".4f")))
     return listing(
         best.margins_m_s,
         (Column("threat", prose=True), str),
@@ -111,12 +113,6 @@ def margin_table(result: "DesignResult", required: Mapping[str, float]) -> Table
         *sampled,
         (Column("note"), lambda threat: "governs" if threat == best.governing else ""),
     )
-
-
-def _estimate(design: "BestDesign", threat: str) -> tuple[Cell, Cell]:
-    """Return the probability of perforation by a threat and its interval, or None for both."""
-    estimate = design.probabilities.get(threat)
-    return (None, None) if estimate is None else (estimate.value, interval((estimate.low, estimate.high), ".4f"))
 
 
 def pair_table(result: "DesignResult") -> Table:
@@ -142,11 +138,7 @@ def pareto_table(result: "DesignResult") -> Table:
 
 
 def design_tables(result: "DesignResult", required: Mapping[str, float]) -> list[Table | str]:
-    """Return all tables of a design search.
-
-    A single pair of materials has its frontier, several have a row each; margins are listed where there are several
-    threats or a bound on the probability of perforation.
-    """
+    """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
     tables: list[Table | str] = [best_table(result, required)]
     if result.refined is not None:
         title = f"{SUPERLATIVES[result.minimised]} design between the values of the grid"

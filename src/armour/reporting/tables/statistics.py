@@ -202,17 +202,19 @@ def estimate_table(result: "UncertaintyResult") -> Table:
 
 def index_table(result: "UncertaintyResult") -> Table:
     """Return the Sobol' indices of each input, and the ballistic limits at its quantiles."""
-
-    def between(index: Any) -> str | None:
-        return None if index is None else interval((index.low, index.high), ".3f")
-
     return listing(
         result.inputs,
         column_of("input"),
         (Column("first-order index", spec=".3f"), lambda item: getattr(item.first, "value", None)),
-        (_between(result, of=" of the first-order index"), lambda item: between(item.first)),
+        (
+            _between(result, of=" of the first-order index"),
+            lambda item: item.first and interval((item.first.low, item.first.high), ".3f"),
+        ),
         (Column("total index", spec=".3f"), lambda item: getattr(item.total, "value", None)),
-        (_between(result, of=" of the total index"), lambda item: between(item.total)),
+        (
+            _between(result, of=" of the total index"),
+            lambda item: item.total and interval((item.total.low, item.total.high), ".3f"),
+        ),
         (Column("ballistic limit at the input's 5 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[0]),
         (Column("ballistic limit at the input's 95 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[1]),
     )
