@@ -51,7 +51,7 @@ def test_nothing_is_imported_before_it_is_needed(args: list[object], not_needed:
     code = f"""
 import sys
 sys.argv = ["armour", *{[str(arg) for arg in args]!r}]
-from armour.cli import main
+from armour.cli.main import main
 try:
     main()
 except SystemExit as end:
@@ -105,7 +105,7 @@ class Interrupt:
     def find_spec(self, name, *_):
         if name == {module!r}:
             raise KeyboardInterrupt
-from armour.cli import main
+from armour.cli.main import main
 sys.meta_path.insert(0, Interrupt())
 sys.argv = ["armour", "simulate", "a.toml"]
 main()

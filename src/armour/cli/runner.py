@@ -85,25 +85,31 @@ def respond(
     ``files`` are paths with functions that make the contents, or None where there is nothing to write.  ``chart`` makes
     the chart for ``plot`` by the functions of `armour.reporting.charts`, which it is given.
     """
-    try:
-        for path, content in files:
+
+    def drawn() -> bytes | None:
+        from armour.reporting import charts, plots
+
+        return None if plot is None or chart is None else plots.rendered(chart(charts), plot.suffix.lower())
+
+    failed: list[ArmourError] = []
+    for path, content in [*files, (plot, drawn)]:
+        try:
             if path is not None and (made := content()) is not None:
                 write(path, made)
-        if plot is not None and chart is not None:
-            from armour.reporting import charts, plots
-
-            write(plot, plots.rendered(chart(charts), plot.suffix.lower()))
-    finally:
-        # A file that cannot be made or written does not cost the answer.
-        if as_json:
-            show_json(data)
-        else:
-            show(*tables, title=title)
+        except ArmourError as error:
+            failed.append(error)
+    # The answer is shown even if a file cannot be made or written.
+    if as_json:
+        show_json(data)
+    else:
+        show(*tables, title=title)
     say(*warnings)
+    if failed:
+        raise failed[0]
 
 
 def write(path: Path, content: str | bytes) -> None:
-    """Write an output whole or not at all, and say so on standard error."""
+    """Write an output atomically, and report it on standard error."""
     write_atomic(path, content.encode() if isinstance(content, str) else content)
     say(f"wrote {path}")
 
