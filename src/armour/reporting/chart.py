@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
-from armour.reporting.text import printable
+from armour.reporting.text import printable, unbroken
 
 # Palette of Okabe and Ito, which colour-blind readers can tell apart.
 BLUE, VERMILION, GREEN, ORANGE, PURPLE = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7"
@@ -126,14 +126,13 @@ class Map(Series):
 
 @dataclass(frozen=True)
 class Contours(Series):
-    """Labelled lines of equal value over a grid; ``at`` is where labels go, as a part of the x axis."""
+    """Labelled lines of equal value over a grid."""
 
     x: Sequence[float]
     y: Sequence[float]
     z: Sequence[Numbers]
     style: str = "solid"
     levels: int = 6
-    at: float = 0.5
 
 
 @dataclass(frozen=True)
@@ -160,9 +159,9 @@ class Chart:
 
 
 def printable_chart(chart: Any) -> Any:
-    """Return a chart, or a part of one, with the control characters of its texts escaped; line ends stay."""
+    """Return a chart, or a part of one, with the control characters of its texts escaped and its units unbroken."""
     if isinstance(chart, str):
-        return "\n".join(printable(line) for line in chart.split("\n"))
+        return unbroken("\n".join(printable(line) for line in chart.split("\n")))
     if isinstance(chart, tuple):
         return tuple(printable_chart(part) for part in chart)
     if is_dataclass(chart) and not isinstance(chart, type):

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,7 +35,8 @@ from armour.reporting.chart import (
     Spans,
     Style,
 )
-from armour.reporting.tables.impact import STAGES
+from armour.reporting.tables.design import COST, MARGIN, THICKNESS
+from armour.reporting.tables.impact import AREAL_DENSITY, STAGES, energy_table
 from armour.reporting.tables.statistics import deviation_percent
 from armour.reporting.text import percent, spelt
 from armour.scenario.parameters import BACKING, CERAMIC, ROLES, VELOCITY
@@ -62,10 +64,13 @@ SLOW = 0.05
 MOSTLY_FROM_ZERO = 0.3
 # Width of a column of a two-column page, inches.
 COLUMN_INCHES = 3.45
-# Look of the best design.
+# Looks of the best designs, on the grid and between its values.
 BEST: dict[str, Any] = {"marker": "*", "size": 11.0, "colour": VERMILION}
+REFINED: dict[str, Any] = {"marker": "D", "colour": ORANGE}
 # Pairs of materials beside the best that are marked, and rows of bars.
-MAX_PAIRS, MAX_ROWS = 4, 40
+MAX_PAIRS, MAX_ROWS = 11, 40
+# What designs are compared by, as their tables show it.
+CRITERIA = {column.key: column for column in (AREAL_DENSITY, THICKNESS, COST, MARGIN)}
 # Probabilities between which the curve of a chart is shown whole.
 SHOWN_PROBABILITY = 0.002
 
@@ -81,12 +86,6 @@ def quantity_axis(name: str, **options: Any) -> Axis:
     elif {*sections} & {"impact", *ROLES} and not words.startswith(("penetrator", "projectile")):
         words = f"{spelt(sections[0])} {words}"
     return Axis(words, unit, **options)
-
-
-def _axis(heading: str, **options: Any) -> Axis:
-    """Return the axis of a heading "label, unit"."""
-    label, comma, unit = heading.rpartition(", ")
-    return Axis(label, unit, **options) if comma else Axis(heading, **options)
 
 
 def _velocity_rule(label: str, velocity: float, colour: str, style: Style = "-", more: str = "") -> Rule:
@@ -138,8 +137,9 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
     outcome = f"{result.outcome} at {result.impact_velocity_m_s:g} m/s"
     if result.outcome == "perforated":
         outcome += f", residual velocity {result.residual_velocity_m_s:.1f} m/s"
-    described = "; ".join(f"{name} {STAGES[name]}" for name in dict.fromkeys(names)).replace("; rod", ", rod")
-    return Chart(f"{title}\n{outcome}".strip(), tuple(panels), f"Stages: {described}", width=6.0)
+    # The caption names every stage: some are too narrow for a name above the panel, or start after the time shown.
+    parts = (f"{s.stage} from {s.start_us:.3g} µs, {STAGES[s.stage].replace(';', ',')}" for s in result.stages)
+    return Chart(f"{title}\n{outcome}".strip(), tuple(panels), f"Stages: {'; '.join(parts)}.", width=6.0)
 
 
 def limit_chart(limit: "LimitResult", curve: Sequence["ImpactResult"], title: str) -> Chart:
@@ -164,7 +164,7 @@ def design_chart(result: "DesignResult", title: str) -> Chart:
     frontier = frontier_chart(result, title)
     if not result.pareto:
         return frontier
-    named = {_pair(item) for item in (result.best, *_others(result))}
+    named = {"best", *(_pair(item) for item in (result.best, *_others(result)))}
     [front] = pareto_chart(result, "").panels
     series = tuple(replace(item, label="") if item.label in named else item for item in front.series)
     return replace(frontier, panels=(*frontier.panels, replace(front, series=series, title="Pareto front")))
@@ -182,49 +182,47 @@ def _looks(result: "DesignResult") -> dict[str, dict[str, Any]]:
 
 
 def _look(index: int) -> dict[str, Any]:
-    """Return colour and marker of one of several series."""
-    return {"colour": COLOURS[index % len(COLOURS)], "marker": MARKERS[index % len(MARKERS)]}
+    """Return colour and marker of one of several series; when colours repeat, they have other markers."""
+    turn, colour = divmod(index, len(COLOURS))
+    return {"colour": COLOURS[colour], "marker": MARKERS[(colour + turn) % len(MARKERS)]}
 
 
 def frontier_chart(result: "DesignResult", title: str) -> Chart:
-    """Describe areal density and required ceramic over the back plate, with the best designs of other pairs."""
-    looks = _looks(result)
-    backing = [design.backing_thickness_mm for design in result.frontier]
-    text = [_design_text(design) for design in result.frontier]
+    """Describe the criterion minimised and the required ceramic over the back plate, for the best pair and others."""
+    x = quantity_axis(BACKING)
+    # The legend is that of the first panel.
+    required = tuple(replace(item, label="") for item in _frontier(result, "ceramic_thickness_mm"))
+    panels = (
+        Panel(x, _criterion_axis(result.minimised), _frontier(result, result.minimised)),
+        Panel(x, quantity_axis("required_ceramic_thickness_mm"), required, shares_x=True),
+    )
+    pairs = sum(pair.best is not None for pair in result.pairs)
+    left_out = f"The best {MAX_PAIRS + 1} of {pairs} pairs of materials are shown." if pairs > MAX_PAIRS + 1 else ""
+    return Chart(title, panels, left_out)
+
+
+def _frontier(result: "DesignResult", key: str) -> tuple[Series, ...]:
+    """Describe a quantity of the frontier, of the best designs of other pairs and of the best of all."""
+    looks, pair = _looks(result), _pair(result.best)
+    text = [_design_text(design, result.minimised) for design in result.frontier]
     if len(result.threats) > 1:
         governed = zip(text, result.frontier_governed_by, strict=True)
         text = [f"{words}\ngoverned by {threat}" for words, threat in governed]
-    name = _pair(result.best)
-    line: dict[str, Any] = {"marker": "o", "colour": looks[name]["colour"], "text": tuple(text)}
-    areal: list[Series] = [
-        Line(backing, [design.areal_density_kg_m2 for design in result.frontier], label=name, **line)
+    marks: list[tuple[str, str, Design | None, dict[str, Any]]] = [
+        (_pair(other), other.reason, other.best, {"filled": False, **looks[_pair(other)]}) for other in _others(result)
     ]
-    required: list[Series] = [Line(backing, [design.ceramic_thickness_mm for design in result.frontier], **line)]
-    for pair in _others(result):
-        assert pair.best is not None
-        label = f"{_pair(pair)}: {pair.reason}"
-        areal.append(_mark(pair.best, "areal_density_kg_m2", _pair(pair), label, looks[_pair(pair)], filled=False))
-    marked: list[tuple[str, Design | None, dict[str, Any]]] = [
-        ("best", result.best, BEST),
-        ("refined", result.refined, {"marker": "D", "colour": ORANGE}),
-    ]
-    for name, design, look in marked:
+    marks.append(("best", _design_text(result.best, result.minimised), result.best, BEST))
+    if result.refined is not None:
+        marks.append(("refined", _design_text(result.refined, result.minimised), result.refined, REFINED))
+    backing = [design.backing_thickness_mm for design in result.frontier]
+    values = [getattr(design, key) for design in result.frontier]
+    series: list[Series] = [Line(backing, values, label=pair, text=tuple(text), **looks[pair])]
+    for name, detail, design, look in marks:
         if design is not None:
-            label = f"{name}: {_thicknesses(design)}, {design.areal_density_kg_m2:.2f} kg/m²"
-            areal.append(_mark(design, "areal_density_kg_m2", name, label, look))
-            required.append(_mark(design, "ceramic_thickness_mm", name, "", look))
-    x = quantity_axis(BACKING)
-    panels = (
-        Panel(x, quantity_axis("areal_density_kg_m2"), tuple(areal)),
-        Panel(x, quantity_axis("required_ceramic_thickness_mm"), tuple(required), shares_x=True),
-    )
-    return Chart(title, panels)
-
-
-def _mark(design: "Design", y: str, name: str, label: str, look: Mapping[str, Any], **more: Any) -> Points:
-    """Describe a design as a point over its back plate."""
-    words = (f"{name}\n{_design_text(design)}",)
-    return Points([design.backing_thickness_mm], [getattr(design, y)], label=label, text=words, **look, **more)
+            words = f"{name}\n{_design_text(design, result.minimised)}"
+            place = [design.backing_thickness_mm], [getattr(design, key)]
+            series.append(Points(*place, label=f"{name}: {detail}", text=(words,), **look))
+    return tuple(series)
 
 
 def pareto_chart(result: "DesignResult", title: str) -> Chart:
@@ -233,25 +231,28 @@ def pareto_chart(result: "DesignResult", title: str) -> Chart:
     x, y = result.criteria[:2]
     series: list[Series] = []
     for name, designs in _grouped(result.pareto, _pair).items():
-        text = tuple(f"{name}\n{_design_text(design)}" for design in designs)
+        text = tuple(f"{name}\n{_design_text(design, *result.criteria)}" for design in designs)
         xs, ys = ([getattr(design, key) for design in designs] for key in (x, y))
         series.append(Points(xs, ys, filled=False, label=name, text=text, **looks[name]))
     best = [getattr(result.best, x)], [getattr(result.best, y)]
-    series.append(Points(*best, text=(f"best\n{_design_text(result.best)}",), **BEST))
-    return Chart(title, (Panel(quantity_axis(x), quantity_axis(y), tuple(series)),))
+    words = (f"best\n{_design_text(result.best, *result.criteria)}",)
+    series.append(Points(*best, label="best", text=words, **BEST))
+    return Chart(title, (Panel(_criterion_axis(x), _criterion_axis(y), tuple(series)),))
+
+
+def _criterion_axis(key: str) -> Axis:
+    return Axis(CRITERIA[key].label, CRITERIA[key].unit)
 
 
 def _pair(item: Any) -> str:
     return f"{item.ceramic} on {item.backing}" if item.ceramic else str(item.backing)
 
 
-def _thicknesses(design: "Design") -> str:
-    return f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm"
-
-
-def _design_text(design: "Design") -> str:
-    words = f"{_thicknesses(design)}, {design.areal_density_kg_m2:.2f} kg/m²"
-    return words + (f", {design.cost_per_m2:,.2f} per m²" if design.cost_per_m2 > 0.0 else "")
+def _design_text(design: "Design", *criteria: str) -> str:
+    """Return the thicknesses of a design and its values of criteria."""
+    columns = [CRITERIA[key] for key in criteria]
+    values = [f"{column.label} {column.text(getattr(design, column.key))} {column.unit}".rstrip() for column in columns]
+    return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])
 
 
 def figure_chart(figure: "Figure") -> Chart:
@@ -267,7 +268,7 @@ def figure_chart(figure: "Figure") -> Chart:
         series.append(Points(xs, ys, marker, size, label=mark.label, colour=colours.get(mark.of, SOFT)))
     shown = [value for curve in figure.curves for value in curve.values if value is not None]
     from_zero = bool(shown) and min(shown) < MOSTLY_FROM_ZERO * max(shown)
-    x, y = _axis(figure.x_label, limits=(figure.x[0], figure.x[-1])), _axis(figure.y_label, from_zero=from_zero)
+    x, y = Axis(figure.x_label, limits=(figure.x[0], figure.x[-1])), Axis(figure.y_label, from_zero=from_zero)
     return Chart(figure.title, (Panel(x, y, tuple(series)),), width=COLUMN_INCHES)
 
 
@@ -339,26 +340,28 @@ def comparison_chart(result: "Comparison", title: str) -> Chart:
     return Chart(title, (_residual_velocity_panel(series),))
 
 
-def calibration_chart(result: "CalibrationResult", title: str) -> Chart:
+def calibration_chart(result: "CalibrationResult", _title: str = "") -> Chart:
     """Describe computed over measured values, and the deviations test by test, fitted and left out."""
-    labels = {"": "measured", "at least": "defeated at", "at most": "perforated at"}
+    words = {"": "measured", "at least": "defeated at", "at most": "perforated at"}
     panels = []
     for quantity, residuals in _grouped(result.residuals, lambda residual: residual.quantity).items():
-        by_bound = _grouped(residuals, lambda residual: labels[residual.bound])
+        by_bound = _grouped(residuals, lambda residual: residual.bound)
         groups = {
-            label: [(residual.test, label, residual.measured, residual.computed) for residual in by_bound[label]]
-            for label in labels.values()
-            if label in by_bound
+            words[bound] if bound else "tests": [
+                (residual.test, words[bound], residual.measured, residual.computed) for residual in by_bound[bound]
+            ]
+            for bound in words
+            if bound in by_bound
         }
         panels.append(_agreement_panel(quantity, "measured", groups))
-        if "measured" in by_bound:
-            panels.append(_deviation_panel(quantity, by_bound["measured"]))
-    return Chart(title, tuple(panels))
+        if "" in by_bound:
+            panels.append(_deviation_panel(quantity, by_bound[""]))
+    return Chart(f"Calibration to {Path(result.tests).name}", tuple(panels))
 
 
 def _deviation_panel(quantity: str, residuals: Sequence["Residual"]) -> Panel:
     """Describe deviations from measured values as bars; of many tests those with the largest."""
-    title = f"deviation of the {quantity_axis(quantity).label}"
+    title = f"Deviation of the {quantity_axis(quantity).label}"
     shown = list(residuals)
     if len(shown) > MAX_ROWS:
         shown = sorted(shown, key=lambda r: -abs(deviation_percent(r.computed, r.measured) or 0.0))[:MAX_ROWS]
@@ -426,7 +429,8 @@ def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
         quantity_axis(VELOCITY, limits=(low, high)),
         Axis("probability of complete penetration", limits=(-0.02, 1.02)),
     )
-    return Chart(shots.file, (Panel(*axes, tuple(series), height=1.1),), f"Bars at one half are {between}s of V50.")
+    title, note = f"V50 of the shots in {Path(shots.file).name}", f"Bars at one half are {between}s of V50."
+    return Chart(title, (Panel(*axes, tuple(series), height=1.1),), note)
 
 
 def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Chart:
@@ -472,17 +476,18 @@ def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Char
 
 def energy_chart(energy: "EnergyBalance") -> Chart:
     """Describe the projectile's loss of kinetic energy, stage by stage."""
-    categories = (*(f"{index}. stage {row.stage}" for index, row in enumerate(energy.rows, start=1)), "left")
+    categories = (*(f"{index}. stage {row.stage}" for index, row in enumerate(energy.rows, start=1)), "remaining")
+    _, eroded, braked, *_ = (column.label for column in energy_table(energy).columns)
     parts = (
-        ("carried off by eroded material", "carried off", ORANGE, [*(row.eroded for row in energy.rows), 0.0]),
-        ("braking the rod", "braking", BLUE, [*(row.braked for row in energy.rows), 0.0]),
-        ("left in the projectile", "in the projectile", SOFT, [*(0.0 for _ in energy.rows), energy.left]),
+        (eroded, ORANGE, [*(row.eroded for row in energy.rows), 0.0]),
+        (braked, BLUE, [*(row.braked for row in energy.rows), 0.0]),
+        ("remaining in the projectile", SOFT, [*(0.0 for _ in energy.rows), energy.left]),
     )
     series = []
     starts, share = [0.0] * len(categories), 100.0 / energy.before if energy.before > 0.0 else 0.0
-    for label, short, colour, values in parts:
+    for label, colour, values in parts:
         text = tuple(
-            f"{name}: {short}\n{value:.2f} J, {share * value:.1f} %"
+            f"{name}: {label}\n{value:.2f} J, {share * value:.1f} %"
             for name, value in zip(categories, values, strict=True)
         )
         ends = [start + value for start, value in zip(starts, values, strict=True)]
@@ -500,24 +505,33 @@ def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, sce
     """
     axes = [quantity_axis(key) for key in keys]
     answer = quantity_axis(name)
+    title = _sweep_title(answer.label, *(axis.label for axis in axes))
     if len(keys) == 1:
         values = _or_none(table[name])
-        return Chart(scenario.title, (Panel(axes[0], answer, (Line(table[keys[0]].tolist(), values),), height=1.1),))
+        return Chart(title, (Panel(axes[0], answer, (Line(table[keys[0]].tolist(), values),), height=1.1),))
     x, y = (np.unique(table[key]) for key in keys)
     z = np.full((len(y), len(x)), np.nan)
     z[np.searchsorted(y, table[keys[1]]), np.searchsorted(x, table[keys[0]])] = table[name]
     rows = [_or_none(row) for row in z]
     series: list[Series] = [Map(x.tolist(), y.tolist(), rows, answer.heading)]
+    equal = "lines of equal"
     if min(z.shape) > 1 and np.isfinite(z).any() and np.nanmin(z) < np.nanmax(z):
-        series.append(Contours(x.tolist(), y.tolist(), rows, levels=8, at=0.3, colour=INK))
-    note = ""
+        label = f"{equal} {answer.heading}"
+        series.append(Contours(x.tolist(), y.tolist(), rows, levels=8, label=label, colour=INK))
     if set(keys) == {CERAMIC, BACKING} and min(z.shape) > 1:
         ceramic, backing = np.meshgrid(x, y) if keys[0] == CERAMIC else np.meshgrid(x, y)[::-1]
         armour = scenario.core_armour()
-        areal = armour.rho_c * MM * ceramic + armour.rho_B * MM * backing
-        series.append(Contours(x.tolist(), y.tolist(), areal.tolist(), "dashed", 5, 0.8, colour=VERMILION))
-        note = "Dashed lines: equal areal density, kg/m²."
-    return Chart(scenario.title, (Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
+        areal = (armour.rho_c * MM * ceramic + armour.rho_B * MM * backing).tolist()
+        label = f"{equal} {_criterion_axis('areal_density_kg_m2').heading}"
+        series.append(Contours(x.tolist(), y.tolist(), areal, "dashed", 5, label=label, colour=VERMILION))
+    return Chart(title, (Panel(axes[0], axes[1], tuple(series), height=1.2),))
+
+
+def _sweep_title(answer: str, first: str, second: str = "") -> str:
+    """Return the title of a sweep, in which a noun that both keys end in stands once."""
+    noun = second.rpartition(" ")[2]
+    over = f"{first.removesuffix(f' {noun}')} and {second}" if second else first
+    return f"{answer[:1].upper()}{answer[1:]} over {over}"
 
 
 def _or_none(values: Floats) -> list[float | None]:

@@ -64,8 +64,8 @@ PANEL_INCHES, ROW_INCHES, BAR_INCHES, LABELS_INCHES, LINE_INCHES = 2.6, 0.08, 0.
 CHARACTER, CATEGORY_CHARACTERS = 0.56, 22
 # Width that axis labels take beside a panel, inches.
 SIDE_INCHES = 0.8
-# Distance from its place within which a contour has its label, and width of edges without labels, as parts of an axis.
-NEAR, EDGE = 0.3, 0.05
+# Weight of the distance between labels of contours, which are longer than lines are wide; points of a contour compared.
+LABEL_WEIGHT, CONTOUR_POINTS = 0.4, 200
 
 
 def draw(chart: Chart, width: float | None = None) -> Figure:
@@ -144,6 +144,7 @@ def _draw_panel(axes: Axes, panel: Panel, width: float) -> None:
         axes.tick_params(axis="y", length=0.0)
     if panel.square:
         axes.set_aspect("equal")
+    _label_contours(axes)
     low, high = axes.get_xlim()
     for item in panel.series:
         if isinstance(item, Spans):
@@ -170,8 +171,8 @@ def _draw_series(item: Series, _axes: Axes) -> None:
 
 @_draw_series.register
 def _(item: Line, axes: Axes) -> None:
-    style: Any = {"color": item.colour, "linestyle": item.style, "linewidth": item.width, "markersize": 3.0}
-    axes.plot(_floats(item.x), _floats(item.y), marker=item.marker, label=item.label, **style)
+    style: Any = {"color": item.colour, "linestyle": item.style, "linewidth": item.width, "markerfacecolor": "none"}
+    axes.plot(_floats(item.x), _floats(item.y), marker=item.marker, markersize=5.0, label=item.label, **style)
 
 
 @_draw_series.register
@@ -237,22 +238,36 @@ def _(item: Contours, axes: Axes) -> None:
     z = np.ma.masked_invalid([_floats(row) for row in item.z])
     levels = MaxNLocator(item.levels).tick_values(z.min(), z.max())
     inside = levels[(levels > z.min()) & (levels < z.max())]
-    style: Any = {"colors": item.colour, "linewidths": 0.8, "linestyles": item.style}
-    lines = axes.contour(item.x, item.y, z, levels=inside, **style)
-    axes.clabel(lines, fontsize=7.0, fmt="%g", manual=_label_places(lines, axes, item.at))
+    axes.contour(item.x, item.y, z, levels=inside, colors=item.colour, linewidths=0.8, linestyles=item.style)
+    axes.plot([], [], color=item.colour, linewidth=0.8, linestyle=item.style, label=item.label)
 
 
-def _label_places(lines: ContourSet, axes: Axes, at: float) -> list[tuple[float, float]]:
-    """Return for each contour that comes near a part of the x axis, away from the edges, the place where it does."""
-    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    places = []
-    for segments in lines.allsegs:
-        found = np.concatenate([np.reshape(segment, (-1, 2)) for segment in segments])
-        parts = (found - (left, bottom)) / (right - left, top - bottom)
-        distances = np.where((np.abs(parts - 0.5) < 0.5 - EDGE).all(axis=1), np.abs(parts[:, 0] - at), np.inf)
-        if len(found) and distances.min() < NEAR:
-            places.append(tuple(found[distances.argmin()].tolist()))
-    return places
+def _label_contours(axes: Axes) -> None:
+    """Label every contour where it is farthest from edges, other contours and labels."""
+    contours = [lines for lines in axes.collections if isinstance(lines, ContourSet)]
+    curves = [[axes.transLimits.transform(_points(segments)) for segments in lines.allsegs] for lines in contours]
+    labels = np.empty((0, 2))
+    for lines, own in zip(contours, curves, strict=True):
+        first = len(labels)
+        for curve in filter(len, own):
+            others = np.concatenate([curve[:0], *(other for found in curves for other in found if other is not curve)])
+            edges = np.minimum(curve, 1.0 - curve).min(axis=1)
+            room = np.min([edges, _distances(curve, others), LABEL_WEIGHT * _distances(curve, labels)], axis=0)
+            labels = np.append(labels, curve[[room.argmax()]], axis=0)
+        places = axes.transLimits.inverted().transform(labels[first:])
+        axes.clabel(lines, fontsize=7.0, fmt="%g", manual=places.tolist())
+
+
+def _points(segments: Sequence[Any]) -> Any:
+    """Return points on the segments of a contour, the middles of its lines among them, but not very many."""
+    middles = [0.5 * (segment[1:] + segment[:-1]) for segment in segments]
+    points = np.concatenate([np.empty((0, 2)), *segments, *middles])
+    return points[:: 1 + len(points) // CONTOUR_POINTS]
+
+
+def _distances(points: Any, others: Any) -> Any:
+    """Return the distance of each point from the nearest of others, as a part of the axes."""
+    return np.linalg.norm(points[:, None] - others, axis=2).min(axis=1, initial=np.inf)
 
 
 def bar_places(item: Bars) -> Any:

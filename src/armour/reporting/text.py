@@ -1,9 +1,14 @@
 """Texts: words of keys, intervals, and text from files made safe for terminals and XML."""
 
+import re
 import unicodedata
+
+from armour.units import ENDINGS
 
 # Words of keys that people read in another spelling.
 SPELLING = {"backing": "back plate", "caliber": "calibre", "m2": "m²", "youngs": "Young's"}
+# The space between a number and its unit.
+BEFORE_UNIT = re.compile(rf"(?<=\d) (?=({'|'.join(map(re.escape, [*ENDINGS.values(), 'J']))})(?![\w/]))")
 
 
 def spelt(words: str) -> str:
@@ -21,6 +26,11 @@ def _shown(character: str) -> str:
     category = unicodedata.category(character)
     hidden = category.startswith("C") or category in ("Zl", "Zp")
     return character.encode("unicode_escape").decode("ascii") if hidden else character
+
+
+def unbroken(text: str) -> str:
+    """Return a text in which no line ends between a number and its unit: the space there does not break."""
+    return BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", text)
 
 
 def percent(part: float) -> str:
