@@ -107,7 +107,7 @@ class Rule(Series):
 
 @dataclass(frozen=True)
 class Spans(Series):
-    """Ranges of the x axis, shaded in turn and named where there is room."""
+    """Ranges of an x axis with limits, shaded in turn and named where there is room."""
 
     starts: Sequence[float]
     ends: Sequence[float]

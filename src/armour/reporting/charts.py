@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from armour.analysis.comparison import Comparison
     from armour.analysis.energy import EnergyBalance
     from armour.analysis.impact import ImpactResult
-    from armour.design.optimise import Design, DesignResult, Pair
+    from armour.design.optimise import Design, DesignResult
     from armour.scenario.loading import Scenario
     from armour.statistics.calibration import CalibrationResult, Residual
     from armour.statistics.sensitivity import SensitivityResult
@@ -69,8 +69,11 @@ BEST: dict[str, Any] = {"marker": "*", "size": 11.0, "colour": VERMILION}
 REFINED: dict[str, Any] = {"marker": "D", "colour": ORANGE}
 # Pairs of materials beside the best that are marked, and rows of bars.
 MAX_PAIRS, MAX_ROWS = 11, 40
-# What designs are compared by, as their tables show it.
-CRITERIA = {column.key: column for column in (AREAL_DENSITY, THICKNESS, COST, MARGIN)}
+# What designs are compared by, named as in their tables.
+CRITERIA = {
+    column.key: Axis(column.label, column.unit, spec=spec)
+    for column, spec in ((AREAL_DENSITY, ".2f"), (THICKNESS, ".5g"), (COST, ",.2f"), (MARGIN, "+.1f"))
+}
 # Probabilities between which the curve of a chart is shown whole.
 SHOWN_PROBABILITY = 0.002
 
@@ -102,23 +105,12 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
     shown = min(result.duration_us, 1.5 * float(slow[0])) if slow.size else result.duration_us
     seen = history.time_us <= shown
     time = history.time_us[seen].tolist()
-    curves: list[tuple[Axis, float, list[tuple[str, Floats, str, Style]]]] = [
-        (
-            Axis("velocity", "m/s"),
-            1.1,
-            [
-                ("projectile V", history.velocity_m_s, BLUE, "-"),
-                ("penetration U", history.penetration_velocity_m_s, ORANGE, "--"),
-                ("target W", history.target_velocity_m_s, GREEN, "-."),
-            ],
-        ),
-        (Axis("rod length", "mm", from_zero=True), 0.65, [("rod length L", history.length_mm, INK, "-")]),
-        (
-            Axis("depth, bulge", "mm"),
-            0.75,
-            [("depth Z", history.depth_mm, PURPLE, "-"), ("bulge h", history.bulge_height_mm, VERMILION, "-.")],
-        ),
-    ]
+    velocities = {
+        "projectile V": history.velocity_m_s,
+        "penetration U": history.penetration_velocity_m_s,
+        "target W": history.target_velocity_m_s,
+    }
+    depths = {"depth Z": history.depth_mm, "bulge h": history.bulge_height_mm}
     x = Axis("time since impact", "µs", limits=(0.0, max(shown, 1e-9)))
     stages = [stage for stage in result.stages if stage.start_us < shown]
     names = tuple(stage.stage for stage in stages)
@@ -126,10 +118,15 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
     ends = [min(stage.end_us, shown) for stage in stages]
     spans = Spans([stage.start_us for stage in stages], ends, names, text=tuple(words))
     panels: list[Panel] = []
-    for y, height, drawn in curves:
+    colours = iter((BLUE, ORANGE, GREEN, INK, PURPLE, VERMILION))
+    for y, height, curves in (
+        (Axis("velocity", "m/s"), 1.1, velocities),
+        (Axis("rod length", "mm", from_zero=True), 0.65, {"rod length L": history.length_mm}),
+        (Axis("depth, bulge", "mm"), 0.75, depths),
+    ):
         lines = (
-            Line(time, values[seen].tolist(), style, label=label, colour=colour)
-            for label, values, colour, style in drawn
+            Line(time, values[seen].tolist(), style, label=label, colour=next(colours))
+            for (label, values), style in zip(curves.items(), STYLES, strict=False)
         )
         panels.append(Panel(x, y, (spans, *lines), height=height, shares_x=bool(panels)))
         # The first panel alone names the stages.
@@ -164,21 +161,22 @@ def design_chart(result: "DesignResult", title: str) -> Chart:
     frontier = frontier_chart(result, title)
     if not result.pareto:
         return frontier
-    named = {"best", *(_pair(item) for item in (result.best, *_others(result)))}
+    named = {"best", _pair(result.best), *(name for name, *_ in _others(result))}
     [front] = pareto_chart(result, "").panels
     series = tuple(replace(item, label="") if item.label in named else item for item in front.series)
     return replace(frontier, panels=(*frontier.panels, replace(front, series=series, title="Pareto front")))
 
 
-def _others(result: "DesignResult") -> list["Pair"]:
-    """Return the pairs of materials beside the best that are marked."""
-    return [pair for pair in result.pairs if pair.best is not None and pair.reason][:MAX_PAIRS]
+def _others(result: "DesignResult") -> Sequence[tuple[str, str, "Design"]]:
+    """Return the pairs of materials beside the best that are marked: their names, why they lose and their designs."""
+    found = [(_pair(pair), pair.reason, pair.best) for pair in result.pairs if pair.best is not None and pair.reason]
+    return found[:MAX_PAIRS]
 
 
 def _looks(result: "DesignResult") -> dict[str, dict[str, Any]]:
     """Return colour and marker of every pair of materials."""
-    names = dict.fromkeys(_pair(item) for item in (result.best, *_others(result), *result.pareto))
-    return {name: _look(index) for index, name in enumerate(names)}
+    names = [_pair(result.best), *(name for name, *_ in _others(result)), *map(_pair, result.pareto)]
+    return {name: _look(index) for index, name in enumerate(dict.fromkeys(names))}
 
 
 def _look(index: int) -> dict[str, Any]:
@@ -193,7 +191,7 @@ def frontier_chart(result: "DesignResult", title: str) -> Chart:
     # The legend is that of the first panel.
     required = tuple(replace(item, label="") for item in _frontier(result, "ceramic_thickness_mm"))
     panels = (
-        Panel(x, _criterion_axis(result.minimised), _frontier(result, result.minimised)),
+        Panel(x, CRITERIA[result.minimised], _frontier(result, result.minimised)),
         Panel(x, quantity_axis("required_ceramic_thickness_mm"), required, shares_x=True),
     )
     pairs = sum(pair.best is not None for pair in result.pairs)
@@ -208,9 +206,7 @@ def _frontier(result: "DesignResult", key: str) -> tuple[Series, ...]:
     if len(result.threats) > 1:
         governed = zip(text, result.frontier_governed_by, strict=True)
         text = [f"{words}\ngoverned by {threat}" for words, threat in governed]
-    marks: list[tuple[str, str, Design | None, dict[str, Any]]] = [
-        (_pair(other), other.reason, other.best, {"filled": False, **looks[_pair(other)]}) for other in _others(result)
-    ]
+    marks = [(*other, {"filled": False, **looks[other[0]]}) for other in _others(result)]
     marks.append(("best", _design_text(result.best, result.minimised), result.best, BEST))
     if result.refined is not None:
         marks.append(("refined", _design_text(result.refined, result.minimised), result.refined, REFINED))
@@ -218,10 +214,9 @@ def _frontier(result: "DesignResult", key: str) -> tuple[Series, ...]:
     values = [getattr(design, key) for design in result.frontier]
     series: list[Series] = [Line(backing, values, label=pair, text=tuple(text), **looks[pair])]
     for name, detail, design, look in marks:
-        if design is not None:
-            words = f"{name}\n{_design_text(design, result.minimised)}"
-            place = [design.backing_thickness_mm], [getattr(design, key)]
-            series.append(Points(*place, label=f"{name}: {detail}", text=(words,), **look))
+        words = (f"{name}\n{_design_text(design, result.minimised)}",)
+        place = [design.backing_thickness_mm], [getattr(design, key)]
+        series.append(Points(*place, label=f"{name}: {detail}", text=words, **look))
     return tuple(series)
 
 
@@ -237,11 +232,7 @@ def pareto_chart(result: "DesignResult", title: str) -> Chart:
     best = [getattr(result.best, x)], [getattr(result.best, y)]
     words = (f"best\n{_design_text(result.best, *result.criteria)}",)
     series.append(Points(*best, label="best", text=words, **BEST))
-    return Chart(title, (Panel(_criterion_axis(x), _criterion_axis(y), tuple(series)),))
-
-
-def _criterion_axis(key: str) -> Axis:
-    return Axis(CRITERIA[key].label, CRITERIA[key].unit)
+    return Chart(title, (Panel(CRITERIA[x], CRITERIA[y], tuple(series)),))
 
 
 def _pair(item: Any) -> str:
@@ -250,8 +241,7 @@ def _pair(item: Any) -> str:
 
 def _design_text(design: "Design", *criteria: str) -> str:
     """Return the thicknesses of a design and its values of criteria."""
-    columns = [CRITERIA[key] for key in criteria]
-    values = [f"{column.label} {column.text(getattr(design, column.key))} {column.unit}".rstrip() for column in columns]
+    values = (f"{CRITERIA[key].label} {CRITERIA[key].text(getattr(design, key))}" for key in criteria)
     return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])
 
 
@@ -371,31 +361,29 @@ def _deviation_panel(quantity: str, residuals: Sequence["Residual"]) -> Panel:
         "leave-one-out": [deviation_percent(residual.left_out, residual.measured) for residual in shown],
     }
     x, names = Axis("deviation", "%", spec="+.2f"), tuple(residual.test for residual in shown)
-    return _bars_panel(x, names, values, (BLUE, ORANGE), title)
+    return _bars_panel(x, names, values, title)
 
 
 def _bars_panel(
-    x: Axis, names: tuple[str, ...], values: Mapping[str, Sequence[float | None]], colours: Sequence[str], title: str
+    x: Axis, names: tuple[str, ...], values: Mapping[str, Sequence[float | None]], title: str = "", start: float = 0.0
 ) -> Panel:
-    """Describe several values of each name as bars from zero."""
-    series: list[Series] = [Rule(0.0, colour=INK)]
+    """Describe several values of each name as bars side by side; from a start other than zero, in one row."""
+    series: list[Series] = [Rule(start, colour=INK)]
     for slot, (label, ends) in enumerate(values.items()):
-        series.append(Bars([0.0] * len(ends), ends, slot, len(values), label=label, colour=colours[slot]))
+        place = (slot, len(values)) if start == 0.0 else (0, 1)
+        series.append(Bars([start] * len(ends), ends, *place, label=label, colour=COLOURS[slot % len(COLOURS)]))
     return Panel(x, Axis(categories=names), tuple(series), title)
 
 
 def sensitivity_chart(result: "SensitivityResult", title: str) -> Chart:
     """Describe the elasticities of every answer as bars, the inputs of the largest on top."""
     answers = [name for name, value in result.answers.items() if value is not None]
-
-    def largest(elasticities: Mapping[str, float | None]) -> float:
-        return max((abs(elasticities[name] or 0.0) for name in answers), default=0.0)
-
-    inputs = sorted(result.inputs, key=lambda item: -largest(item.elasticities))
+    largest = [max((abs(item.elasticities[name] or 0.0) for name in answers), default=0.0) for item in result.inputs]
+    inputs = [result.inputs[index] for index in np.argsort(-np.array(largest), kind="stable")]
     names = tuple(quantity_axis(item.input).label for item in inputs)
     values = {quantity_axis(answer).label: [item.elasticities[answer] for item in inputs] for answer in answers}
     x = Axis("change per % of the input", "%", spec="+.3f")
-    return Chart(title, (_bars_panel(x, names, values, COLOURS, ""),))
+    return Chart(title, (_bars_panel(x, names, values),))
 
 
 def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
@@ -454,23 +442,19 @@ def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Char
         ),
     ]
     uncertain = [velocity for velocity, value, *_ in points if SHOWN_PROBABILITY < value < 1.0 - SHOWN_PROBABILITY]
-    swings = [limit for index in result.inputs for limit in index.limits_m_s]
-    x = Axis("velocity", "m/s", limits=_span([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *swings]))
+    changed = [limit for index in result.inputs for limit in index.limits_m_s]
+    limits = _span([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *changed])
+    x = Axis("velocity", "m/s", limits=limits)
     panels = [Panel(x, Axis("probability of perforation", limits=(0.0, 1.0)), tuple(series))]
     if result.inputs:
         names = tuple(quantity_axis(index.input).label for index in result.inputs)
-        bars: list[Series] = []
-        for side, (quantile, colour) in enumerate((("5 %", ORANGE), ("95 %", PURPLE))):
-            limits = [index.limits_m_s[side] for index in result.inputs]
-            text = tuple(
-                f"{name} at its {quantile} quantile\nballistic limit {limit:.1f} m/s"
-                for name, limit in zip(names, limits, strict=True)
-            )
-            label = f"input at its {quantile} quantile"
-            bars.append(Bars([found] * len(limits), limits, label=label, colour=colour, text=text))
+        values = {
+            f"input at its {quantile} quantile": [index.limits_m_s[side] for index in result.inputs]
+            for side, quantile in enumerate(("5 %", "95 %"))
+        }
         title = "Ballistic limit with one input changed"
-        bars.append(Rule(found, colour=INK))
-        panels.append(Panel(x, Axis(categories=names), tuple(bars), title, height=0.5, shares_x=True))
+        swings = _bars_panel(x, names, values, title, found)
+        panels.append(replace(swings, shares_x=True))
     return Chart(scenario.title, tuple(panels))
 
 
@@ -478,21 +462,14 @@ def energy_chart(energy: "EnergyBalance") -> Chart:
     """Describe the projectile's loss of kinetic energy, stage by stage."""
     categories = (*(f"{index}. stage {row.stage}" for index, row in enumerate(energy.rows, start=1)), "remaining")
     _, eroded, braked, *_ = (column.label for column in energy_table(energy).columns)
-    parts = (
-        (eroded, ORANGE, [*(row.eroded for row in energy.rows), 0.0]),
-        (braked, BLUE, [*(row.braked for row in energy.rows), 0.0]),
-        ("remaining in the projectile", SOFT, [*(0.0 for _ in energy.rows), energy.left]),
-    )
+    looks = ((eroded, ORANGE), (braked, BLUE), ("remaining in the projectile", SOFT))
+    parts = np.array([*((row.eroded, row.braked, 0.0) for row in energy.rows), (0.0, 0.0, energy.left)])
+    share = 100.0 / energy.before if energy.before > 0.0 else 0.0
     series = []
-    starts, share = [0.0] * len(categories), 100.0 / energy.before if energy.before > 0.0 else 0.0
-    for label, colour, values in parts:
-        text = tuple(
-            f"{name}: {label}\n{value:.2f} J, {share * value:.1f} %"
-            for name, value in zip(categories, values, strict=True)
-        )
-        ends = [start + value for start, value in zip(starts, values, strict=True)]
-        series.append(Bars(starts, ends, label=label, colour=colour, text=text))
-        starts = ends
+    for (label, colour), values, ends in zip(looks, parts.T, parts.cumsum(axis=1).T, strict=True):
+        shown = zip(categories, values, strict=True)
+        text = tuple(f"{name}: {label}\n{value:.2f} J, {share * value:.1f} %" for name, value in shown)
+        series.append(Bars((ends - values).tolist(), ends.tolist(), label=label, colour=colour, text=text))
     x = Axis("kinetic energy", "J", from_zero=True)
     return Chart("Where the projectile's energy went", (Panel(x, Axis(categories=categories), tuple(series)),))
 
@@ -514,15 +491,14 @@ def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, sce
     z[np.searchsorted(y, table[keys[1]]), np.searchsorted(x, table[keys[0]])] = table[name]
     rows = [_or_none(row) for row in z]
     series: list[Series] = [Map(x.tolist(), y.tolist(), rows, answer.heading)]
-    equal = "lines of equal"
     if min(z.shape) > 1 and np.isfinite(z).any() and np.nanmin(z) < np.nanmax(z):
-        label = f"{equal} {answer.heading}"
+        label = f"lines of equal {answer.heading}"
         series.append(Contours(x.tolist(), y.tolist(), rows, levels=8, label=label, colour=INK))
     if set(keys) == {CERAMIC, BACKING} and min(z.shape) > 1:
         ceramic, backing = np.meshgrid(x, y) if keys[0] == CERAMIC else np.meshgrid(x, y)[::-1]
         armour = scenario.core_armour()
         areal = (armour.rho_c * MM * ceramic + armour.rho_B * MM * backing).tolist()
-        label = f"{equal} {_criterion_axis('areal_density_kg_m2').heading}"
+        label = f"lines of equal {CRITERIA[AREAL_DENSITY.key].heading}"
         series.append(Contours(x.tolist(), y.tolist(), areal, "dashed", 5, label=label, colour=VERMILION))
     return Chart(title, (Panel(axes[0], axes[1], tuple(series), height=1.2),))
 

@@ -22,7 +22,8 @@ def html_report(report: Report) -> str:
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
         autoescape=True,
-        finalize=_finalized,
+        # No line of a text ends between a number and its unit.
+        finalize=lambda value: unbroken(value) if type(value) is str else value,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
@@ -30,11 +31,6 @@ def html_report(report: Report) -> str:
     environment.filters["zip"] = zip
     drawn = [_drawn(chart, number) for number, chart in enumerate(report.charts, start=1) if chart.panels]
     return environment.get_template("report.html").render(report=report, columns=_columns(drawn)) + "\n"
-
-
-def _finalized(value: Any) -> Any:
-    """Return the value of an expression in the template; no line of a text ends between a number and its unit."""
-    return unbroken(value) if type(value) is str else value
 
 
 def _drawn(chart: Chart, number: int) -> dict[str, Any]:

@@ -8,19 +8,7 @@ from textwrap import wrap
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
-from armour.reporting.chart import (
-    BLUE,
-    INK,
-    SOFT,
-    Bars,
-    Chart,
-    Line,
-    Panel,
-    Points,
-    Series,
-    Spans,
-    printable_chart,
-)
+from armour.reporting.chart import BLUE, INK, SOFT, Bars, Chart, Line, Panel, Points, Series, Spans, printable_chart
 from armour.reporting.plots import bar_places, draw, saved
 
 if TYPE_CHECKING:
@@ -104,7 +92,7 @@ def _values(panel: Panel, item: Series) -> Iterator[tuple[float, float, str]]:
     elif isinstance(item, Bars):
         for index, (start, end, place) in enumerate(zip(item.starts, item.ends, bar_places(item), strict=True)):
             if start is not None and end is not None and start != end:
-                values = f"{panel.y.categories[index]}\n{item.label}: {panel.x.text(end)} {panel.x.label}"
+                values = f"{panel.y.categories[index]}\n{item.label}: {panel.x.label} {panel.x.text(end)}"
                 yield 0.5 * (start + end), place, item.text[index] if item.text else values
     elif isinstance(item, Spans):
         for start, end, words in zip(item.starts, item.ends, item.text, strict=False):

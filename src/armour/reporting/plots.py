@@ -35,8 +35,6 @@ from armour.reporting.chart import (
 
 FORMATS = (".png", ".svg", ".pdf")
 FONT, TITLE = 9.0, 10.0
-# A narrower chart has a smaller title.
-NARROW_INCHES = 4.0
 STYLE: Any = {
     "axes.axisbelow": True,
     "axes.edgecolor": INK,
@@ -72,10 +70,9 @@ def draw(chart: Chart, width: float | None = None) -> Figure:
     """Draw a chart in its own or another width, inches; the first axes are those of the panels, in their order."""
     chart = printable_chart(chart)
     width = width or chart.width
-    size = TITLE if width > NARROW_INCHES else FONT
     labels = [item.label for panel in chart.panels for item in panel.series if item.label]
     columns = _legend_columns(labels, width)
-    title = "\n".join(line for part in chart.title.splitlines() for line in wrap(part, _characters(width, size)))
+    title = "\n".join(line for part in chart.title.splitlines() for line in wrap(part, _characters(width, TITLE)))
     note = "\n".join(wrap(chart.note, _characters(width - SIDE_INCHES, 8.0)))
     heights = [_height(panel, width) for panel in chart.panels]
     texts = title.count("\n") + note.count("\n") + 2 * bool(title) + bool(note) + -(-len(labels) // columns)
@@ -87,14 +84,14 @@ def draw(chart: Chart, width: float | None = None) -> Figure:
                 axes.sharex(panels[index - 1])
                 panels[index - 1].tick_params(labelbottom=False)
                 panels[index - 1].set_xlabel("")
-            _draw_panel(axes, panel, width)
+            _draw_panel(axes, panel)
         if note:
             place: Any = {"xy": (0.0, 0.0), "xytext": (0.0, -34.0), "textcoords": "offset points"}
             panels[-1].annotate(note, **place, xycoords="axes fraction", va="top", fontsize=8.0, annotation_clip=False)
         if labels:
             figure.legend(loc="outside lower center", ncols=columns)
         if title:
-            figure.suptitle(title, fontsize=size)
+            figure.suptitle(title, fontsize=TITLE)
     return figure
 
 
@@ -125,7 +122,7 @@ def _category(name: str) -> str:
     return "\n".join(wrap(name, CATEGORY_CHARACTERS)) or name
 
 
-def _draw_panel(axes: Axes, panel: Panel, width: float) -> None:
+def _draw_panel(axes: Axes, panel: Panel) -> None:
     if panel.x.limits is not None:
         axes.set_xlim(panel.x.limits)
     if panel.y.limits is not None:
@@ -145,18 +142,6 @@ def _draw_panel(axes: Axes, panel: Panel, width: float) -> None:
     if panel.square:
         axes.set_aspect("equal")
     _label_contours(axes)
-    low, high = axes.get_xlim()
-    for item in panel.series:
-        if isinstance(item, Spans):
-            _name(axes, item, 72.0 * (width - SIDE_INCHES) / (high - low))
-
-
-def _name(axes: Axes, spans: Spans, points_per_unit: float) -> None:
-    """Write the names of spans above the axes where there is room."""
-    for start, end, name in zip(spans.starts, spans.ends, spans.names, strict=False):
-        if (end - start) * points_per_unit > CHARACTER * 8.0 * len(name):
-            place = 0.5 * (start + end), 1.01
-            axes.text(*place, name, transform=axes.get_xaxis_transform(), ha="center", va="bottom", fontsize=8.0)
 
 
 def _floats(values: Numbers) -> list[float]:
@@ -221,6 +206,12 @@ def _(item: Rule, axes: Axes) -> None:
 def _(item: Spans, axes: Axes) -> None:
     for start, end in list(zip(item.starts, item.ends, strict=True))[::2]:
         axes.axvspan(start, end, color=SOFT, alpha=0.18, linewidth=0)
+    low, high = axes.get_xlim()
+    points_per_unit = 72.0 / axes.figure.dpi * axes.bbox.width / (high - low)
+    for start, end, name in zip(item.starts, item.ends, item.names, strict=False):
+        if (end - start) * points_per_unit > CHARACTER * 8.0 * len(name):
+            place = 0.5 * (start + end), 1.01
+            axes.text(*place, name, transform=axes.get_xaxis_transform(), ha="center", va="bottom", fontsize=8.0)
 
 
 @_draw_series.register
@@ -245,23 +236,21 @@ def _(item: Contours, axes: Axes) -> None:
 def _label_contours(axes: Axes) -> None:
     """Label every contour where it is farthest from edges, other contours and labels."""
     contours = [lines for lines in axes.collections if isinstance(lines, ContourSet)]
-    curves = [[axes.transLimits.transform(_points(segments)) for segments in lines.allsegs] for lines in contours]
+    curves = [[axes.transLimits.transform(_thinned(path.vertices)) for path in lines.get_paths()] for lines in contours]
     labels = np.empty((0, 2))
     for lines, own in zip(contours, curves, strict=True):
         first = len(labels)
         for curve in filter(len, own):
-            others = np.concatenate([curve[:0], *(other for found in curves for other in found if other is not curve)])
+            others = [np.empty((0, 2)), *(other for found in curves for other in found if other is not curve)]
             edges = np.minimum(curve, 1.0 - curve).min(axis=1)
-            room = np.min([edges, _distances(curve, others), LABEL_WEIGHT * _distances(curve, labels)], axis=0)
+            apart = LABEL_WEIGHT * _distances(curve, labels)
+            room = np.min([edges, apart, _distances(curve, np.concatenate(others))], axis=0)
             labels = np.append(labels, curve[[room.argmax()]], axis=0)
         places = axes.transLimits.inverted().transform(labels[first:])
         axes.clabel(lines, fontsize=7.0, fmt="%g", manual=places.tolist())
 
 
-def _points(segments: Sequence[Any]) -> Any:
-    """Return points on the segments of a contour, the middles of its lines among them, but not very many."""
-    middles = [0.5 * (segment[1:] + segment[:-1]) for segment in segments]
-    points = np.concatenate([np.empty((0, 2)), *segments, *middles])
+def _thinned(points: Any) -> Any:
     return points[:: 1 + len(points) // CONTOUR_POINTS]
 
 

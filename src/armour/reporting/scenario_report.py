@@ -9,12 +9,9 @@ from armour.reporting.contents import Contents
 from armour.reporting.report import Card, CrossSection, Report, Section, origin_section
 from armour.reporting.table import Table
 from armour.reporting.tables.design import (
-    BACKING_THICKNESS,
-    CERAMIC_THICKNESS,
     COST,
     MARGIN,
     SUPERLATIVES,
-    THICKNESS,
     best_table,
     frontier_table,
     margin_table,
@@ -62,9 +59,9 @@ def _question(contents: Contents) -> str:
 def _armour(contents: Contents) -> tuple[Card, Card]:
     """Return the armour and its areal density, with the digits of their tables."""
     armour, design = contents.answer.armour, contents.design
-    layers = f"{BACKING_THICKNESS.text(armour.backing_thickness_mm)} mm {armour.backing}"
+    layers = f"{round(armour.backing_thickness_mm, 3):g} mm {armour.backing}"
     if armour.ceramic is not None and armour.ceramic_thickness_mm > 0.0:
-        layers = f"{CERAMIC_THICKNESS.text(armour.ceramic_thickness_mm)} mm {armour.ceramic} on {layers}"
+        layers = f"{round(armour.ceramic_thickness_mm, 3):g} mm {armour.ceramic} on {layers}"
     subject, cost = "Armour", ""
     areal_density = contents.impact.areal_density_kg_m2
     thickness = armour.ceramic_thickness_mm + armour.backing_thickness_mm
@@ -72,7 +69,7 @@ def _armour(contents: Contents) -> tuple[Card, Card]:
         subject = "Best design"
         areal_density, thickness = design.best.areal_density_kg_m2, design.best.thickness_mm
         cost = f"cost {COST.text(design.best.cost_per_m2)} per m²" if design.best.cost_per_m2 > 0.0 else ""
-    card = Card(subject, layers, f"{THICKNESS.text(thickness)} mm thick")
+    card = Card(subject, layers, f"{round(thickness, 3):g} mm thick")
     return card, Card("Areal density", f"{AREAL_DENSITY.text(areal_density)} kg/m²", cost)
 
 
@@ -80,9 +77,10 @@ def _outcome(contents: Contents) -> Card:
     impact, design = contents.answer.impact, contents.design
     against = f"{impact.projectile} at {impact.velocity_m_s:g} m/s"
     limit = "ballistic limit outside the range searched"
-    if contents.limit is not None and contents.margin_m_s is not None:
-        found, margin = BALLISTIC_LIMIT.text(contents.limit.ballistic_limit_m_s), MARGIN.text(contents.margin_m_s)
-        limit = f"ballistic limit {found} m/s, margin {margin} m/s"
+    if contents.limit is not None:
+        found = contents.limit.ballistic_limit_m_s
+        margin = MARGIN.text(found - impact.velocity_m_s)
+        limit = f"ballistic limit {BALLISTIC_LIMIT.text(found)} m/s, margin {margin} m/s"
     if design is None:
         outcome = {"defeated": "projectile defeated", "perforated": "armour perforated"}[contents.impact.outcome]
         return Card("Outcome", outcome, f"{against}; {limit}")
@@ -100,11 +98,12 @@ def _reliability(contents: Contents) -> Card:
         detail = f"95 % interval {100.0 * p.low:.1f} to {100.0 * p.high:.1f} %, from the given distributions; {error}"
         return Card("Probability of perforation", f"{100.0 * p.value:.1f} %", detail)
     subject = "Mean error of the ballistic limit"
-    if contents.limit is None or contents.margin_m_s is None:
+    if contents.limit is None:
         return Card(subject, f"{mean:g} %", error)
-    usual = mean / 100.0 * contents.limit.ballistic_limit_m_s
+    limit = contents.limit.ballistic_limit_m_s
+    usual = mean / 100.0 * limit
     within = "the margin is within the mean error: test before use"
-    if abs(contents.margin_m_s) >= usual:
+    if abs(limit - contents.answer.impact.velocity_m_s) >= usual:
         within = "the margin is beyond the mean error"
     return Card(subject, f"± {usual:.0f} m/s", f"{error}; {within}")
 
