@@ -475,11 +475,7 @@ def energy_chart(energy: "EnergyBalance") -> Chart:
 
 
 def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, scenario: "Scenario") -> Chart:
-    """Describe a quantity over the one or two keys of a sweep: a curve, or a map with contours.
-
-    Over both thicknesses lines of equal areal density are added.  The columns of the sweep are in the order of its
-    grid.
-    """
+    """Describe a quantity over one key of a sweep, as a curve, or two, as a map; thicknesses have areal densities."""
     axes = [quantity_axis(key) for key in keys]
     answer = quantity_axis(name)
     title = _sweep_title(answer.label, *(axis.label for axis in axes))

@@ -36,10 +36,10 @@ def html_report(report: Report) -> str:
 def _drawn(chart: Chart, number: int) -> dict[str, Any]:
     """Return a chart as the template shows it, with its height in points."""
     svg = inline_svg(chart, f"chart{number}")
-    height = float(svg.partition('viewBox="')[2].split('"')[0].split()[3])
-    height += HEADING_POINTS + NOTE_POINTS * len(chart.note)
+    *_, height = svg.partition('viewBox="')[2].partition('"')[0].split()
     heading = ": ".join(chart.title.splitlines())
-    return {"number": number, "heading": heading, "svg": Markup(svg), "note": chart.note, "height": height}
+    points = HEADING_POINTS + NOTE_POINTS * len(chart.note) + float(height)
+    return {"number": number, "heading": heading, "svg": Markup(svg), "note": chart.note, "height": points}
 
 
 def _columns(drawn: list[dict[str, Any]]) -> list[list[dict[str, Any]]]:
