@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from functools import singledispatch
 from io import BytesIO
 from math import nan
-from textwrap import wrap
 from typing import Any
 
 import matplotlib as mpl
@@ -32,6 +31,7 @@ from armour.reporting.chart import (
     Spans,
     printable_chart,
 )
+from armour.reporting.text import wrapped
 
 FORMATS = (".png", ".svg", ".pdf")
 FONT, TITLE = 9.0, 10.0
@@ -72,8 +72,8 @@ def draw(chart: Chart, width: float | None = None) -> Figure:
     width = width or chart.width
     labels = [item.label for panel in chart.panels for item in panel.series if item.label]
     columns = _legend_columns(labels, width)
-    title = "\n".join(line for part in chart.title.splitlines() for line in wrap(part, _characters(width, TITLE)))
-    note = "\n".join(wrap(chart.note, _characters(width - SIDE_INCHES, 8.0)))
+    title = "\n".join(line for part in chart.title.splitlines() for line in wrapped(part, _characters(width, TITLE)))
+    note = "\n".join(wrapped(chart.note, _characters(width - SIDE_INCHES, 8.0)))
     heights = [_height(panel, width) for panel in chart.panels]
     texts = title.count("\n") + note.count("\n") + 2 * bool(title) + bool(note) + -(-len(labels) // columns)
     with mpl.rc_context(STYLE):
@@ -119,7 +119,7 @@ def _height(panel: Panel, width: float) -> float:
 
 
 def _category(name: str) -> str:
-    return "\n".join(wrap(name, CATEGORY_CHARACTERS)) or name
+    return "\n".join(wrapped(name, CATEGORY_CHARACTERS)) or name
 
 
 def _draw_panel(axes: Axes, panel: Panel) -> None:

@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from textwrap import wrap
 
 from armour.units import ENDINGS
 
@@ -31,6 +32,11 @@ def _shown(character: str) -> str:
 def unbroken(text: str) -> str:
     """Return a text in which no line ends between a number and its unit: the space there does not break."""
     return BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", text)
+
+
+def wrapped(text: str, width: int) -> list[str]:
+    """Wrap a text between words, but not between a number and its unit."""
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in wrap(unbroken(text), width)]
 
 
 def percent(part: float) -> str:
