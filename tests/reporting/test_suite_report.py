@@ -24,10 +24,10 @@ def outcome(folder: Path) -> SuiteResult:
 def test_a_suite(outcome: SuiteResult):
     text = markdown_report(suite_report(outcome))
     assert text.startswith("# A \\| suite\n")
-    assert ": 3 of 6 within their bands, 2 outside, 1 no answer; 1 shown and not scored.\n" in text
+    assert ": 3 of 6 within their bands, 2 outside, 1 no answer; 1 shown but not scored.\n" in text
     assert "| out | 725 | 723.8 | -1.2 | -0.17 | 1 | outside |" in text
     assert "* in: as \\*measured\\*." in text
-    assert "## Shown and not scored\n\n* slip: a slip." in text
+    assert "## Shown but not scored\n\n* slip: a slip." in text
     assert "| t | this model | 2 |" in text
     assert text.endswith("\n")
 

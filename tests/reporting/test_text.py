@@ -24,6 +24,7 @@ def test_intervals():
     assert interval((None, 2.0), ".1f") == "up to 2.0"
     assert interval((1.0, None), "g") == "from 1"
     assert interval((None, None), "g") == "not bounded"
+    assert interval((9000.0, 12345.6), ".1f") == "9000.0 to 12,345.6"
 
 
 def test_words_of_keys_are_spelt_as_people_read_them():

@@ -3,8 +3,6 @@
 import sys
 from io import TextIOWrapper
 
-from armour.cli.app import app
-
 __all__ = ["main"]
 
 
@@ -13,4 +11,10 @@ def main() -> None:
     # What an encoding such as ASCII does not have, µ for one, is escaped.
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
-    app(prog_name="armour")
+    try:
+        from armour.cli.app import app
+
+        app(prog_name="armour")
+    except KeyboardInterrupt:
+        sys.stderr.write("interrupted\n")
+        sys.exit(130)

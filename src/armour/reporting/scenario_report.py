@@ -17,6 +17,7 @@ from armour.reporting.tables.design import (
     margin_table,
     pair_table,
     pareto_table,
+    required_margins,
 )
 from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT, energy_table, stage_table
 from armour.reporting.tables.library import entry_table
@@ -118,9 +119,10 @@ def _tables(contents: Contents) -> Iterator[tuple[str, Table]]:
     """Give tables with their headings: designs, stages, uncertainty, sensitivity, and materials with their sources."""
     design = contents.design
     if design is not None:
-        yield "Best design", best_table(design)
+        required = required_margins(contents.scenario)
+        yield "Best design", best_table(design, required)
         if len(design.threats) > 1 or design.best.probabilities:
-            yield "Margins against the threats", margin_table(design)
+            yield "Margins against the threats", margin_table(design, required)
         if len(design.pairs) > 1:
             yield "Pairs of materials", pair_table(design)
         else:

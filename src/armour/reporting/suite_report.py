@@ -21,7 +21,7 @@ def suite_report(result: "SuiteResult", command: str = "") -> Report:
     ]
     own = [check for check in result.checks if check.status != "not scored" and not check.case.group]
     unscored = [check for check in result.checks if check.status == "not scored"]
-    for heading, checks in (("Reasons for the bands", own), ("Shown and not scored", unscored)):
+    for heading, checks in (("Reasons for the bands", own), ("Shown but not scored", unscored)):
         if notes := note_rows(checks):
             sections.append(Section(heading, notes=tuple(notes)))
     if command:

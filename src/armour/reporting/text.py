@@ -1,4 +1,4 @@
-"""Texts: words of keys, intervals, and text from files made safe for terminals and XML."""
+"""Texts: words of keys, numbers, intervals, and text from files made safe for terminals and XML."""
 
 import re
 import unicodedata
@@ -44,11 +44,20 @@ def percent(part: float) -> str:
     return f"{100.0 * part:g} %"
 
 
-def interval(ends: tuple[float | None, float | None], spec: str) -> str:
-    """Format an interval; an end that is None is not bounded."""
+def number(value: float | str, spec: str) -> str:
+    """Format a number, with its thousands separated from 10,000 on; a text is returned as it is."""
+    if isinstance(value, str):
+        return value
+    text = format(value, spec)
+    sign = spec[:1] if spec.startswith("+") else ""
+    return text if abs(float(text)) < 1e4 else format(value, f"{sign},{spec.removeprefix(sign)}")
+
+
+def interval(ends: tuple[float | None, float | None] | None, spec: str) -> str:
+    """Format an interval, if there is one; an end that is None is not bounded."""
+    if ends is None:
+        return ""
     low, high = ends
-    if low is None and high is None:
-        return "not bounded"
     if low is None:
-        return f"up to {high:{spec}}"
-    return f"from {low:{spec}}" if high is None else f"{low:{spec}} to {high:{spec}}"
+        return "not bounded" if high is None else f"up to {number(high, spec)}"
+    return f"from {number(low, spec)}" if high is None else f"{number(low, spec)} to {number(high, spec)}"
