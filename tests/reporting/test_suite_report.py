@@ -44,7 +44,10 @@ def test_a_report_made_by_a_command_says_so(outcome: SuiteResult):
     assert "Origin" not in [section.heading for section in suite_report(outcome).sections]
 
 
-def test_a_table_has_its_source(outcome: SuiteResult):
+def test_a_table_has_its_source(outcome: SuiteResult, folder: Path):
+    sourced = result(folder, TABLE + 'source = "table 3"\nreason = "as printed"\n')
+    table, *_ = suite_report(sourced).sections
+    assert (table.heading, table.paragraphs) == ("T", ("Table 3; band: as printed.",))
     found = {section.heading: section for section in suite_report(outcome).sections}
     assert found["Cases"].paragraphs == ()
     assert found["Tables as a whole"].tables[0].headings()[0] == "table"

@@ -39,4 +39,5 @@ def _source(checks: "list[Check]") -> tuple[str, ...]:
     """Return source and reason of a table, which all its rows share."""
     case = checks[0].case
     parts = [text for text in (case.source, f"band: {case.reason}" if case.reason else "") if text]
-    return ("; ".join(parts) + ".",) if case.group and parts else ()
+    text = "; ".join(parts) + "."
+    return (text[:1].upper() + text[1:],) if case.group and parts else ()

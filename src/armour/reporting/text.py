@@ -1,9 +1,15 @@
 """Texts: words of keys, numbers, intervals, and text from files made safe for terminals and XML."""
 
+import re
 import unicodedata
+from textwrap import wrap
+
+from armour.units import ENDINGS
 
 # Words of keys that people read in another spelling.
 SPELLING = {"backing": "back plate", "caliber": "calibre", "m2": "m²", "youngs": "Young's"}
+# The space between a number and its unit.
+BEFORE_UNIT = re.compile(rf"(?<=\d) (?=({'|'.join(map(re.escape, [*ENDINGS.values(), 'J']))})(?![\w/]))")
 
 
 def spelt(words: str) -> str:
@@ -21,6 +27,16 @@ def _shown(character: str) -> str:
     category = unicodedata.category(character)
     hidden = category.startswith("C") or category in ("Zl", "Zp")
     return character.encode("unicode_escape").decode("ascii") if hidden else character
+
+
+def unbroken(text: str) -> str:
+    """Return a text in which no line ends between a number and its unit: the space there does not break."""
+    return BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", text)
+
+
+def wrapped(text: str, width: int) -> list[str]:
+    """Wrap a text between words, but not between a number and its unit."""
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in wrap(unbroken(text), width)]
 
 
 def percent(part: float) -> str:
