@@ -1,5 +1,5 @@
 """Entry point of ``python -m armour``."""
 
-from armour.cli import main
+from armour.cli.main import main
 
 main()

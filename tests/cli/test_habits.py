@@ -37,6 +37,14 @@ def test_the_help_shows_examples(cli, command: str):
     assert f"armour {command}" in text
 
 
+@pytest.mark.parametrize("command", [command.name for command in app.registered_commands])
+def test_the_help_is_not_cut_in_a_narrow_terminal(cli, command: str, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    text = cli(command, "--help").stdout
+    assert "…" not in text
+    assert "<=" not in text
+
+
 @pytest.mark.parametrize("command", TAKE_A_SCENARIO)
 def test_a_change_and_a_mistake_in_it(cli, command: str):
     case = SCENARIOS / "uncertain.toml" if command == "uncertainty" else WILKINS

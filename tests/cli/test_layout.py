@@ -73,10 +73,11 @@ def test_headings_are_stacked_first(wide: Table):
 
 def test_then_rows_become_blocks(wide: Table):
     assert printed(wide, width=30) == [
-        "name             AD85 on",
-        "                 6061-T6",
-        "areal density     39.2 kg/m²",
-        "ballistic limit  723.8 m/s",
+        "name            AD85 on",
+        "                6061-T6",
+        "areal density    39.2 kg/m²",
+        "ballistic       723.8 m/s",
+        "limit",
         "",
         "name             a",
         "ballistic limit  1.0 m/s",
@@ -108,6 +109,44 @@ def test_prose_is_wrapped_between_words_and_names_are_not():
     assert "AD99.5 initial flow stress" in lines[2]
     assert len(lines) > 4
     assert len(printed(table, width=PIPE)) == 3
+
+
+def test_titles_and_lines_are_wrapped_between_words():
+    table = Table((Column("a"),), (("1",),), title="a title that is too long")
+    assert printed(table, "a line that is too long", width=13, title="above, also too long") == [
+        "above, also",
+        "too long",
+        "",
+        "a title that",
+        "is too long",
+        "a",
+        "─",
+        "1",
+        "a line that",
+        "is too long",
+    ]
+    assert printed("a line that is too long", width=PIPE) == ["a line that is too long"]
+
+
+@pytest.mark.parametrize("text", ["at most 12 mm", "at least 4 kg/m² of it", "up to 95 % or more", "some 12 J"])
+@pytest.mark.parametrize("width", range(10, 23))
+def test_numbers_keep_their_units(text: str, width: int):
+    table = Table((Column("note", prose=True),), ((text,),))
+    for lines in (printed(text, width=width), printed(table, width=width)):
+        assert not any(line[-1] in "0123456789" for line in lines)
+
+
+def test_a_unit_follows_numbers_only():
+    columns = (Column("limit", "m/s", ".1f"), Column("interval", "m/s"), Column("x" * 20, prose=True))
+    rows = (("none", "not bounded", "a"), (1.0, "0.5 to 1.5", "b"))
+    assert printed(Table(columns, rows), width=40)[:2] == [
+        "limit                 none",
+        "interval              not bounded",
+    ]
+    assert printed(Table(columns, rows), width=40)[4:6] == [
+        "limit                 1.0 m/s",
+        "interval              0.5 to 1.5 m/s",
+    ]
 
 
 def test_what_no_terminal_can_show_is_not_cut():

@@ -26,7 +26,7 @@ def test_a_single_pair(cli, small: Path):
     assert result.exit_code == 0
     assert result.stderr == ""
     lines = [line.split() for line in result.stdout.splitlines()]
-    assert [line[:3] for line in lines if line[-1:] == ["lightest"]] == [["11", "6", "54.23"]]
+    assert [line[:3] for line in lines if line[-1:] == ["lightest"]] == [["11.0", "6.0", "54.23"]]
     assert ["lightest", "design", "between", "the", "values", "of", "the", "grid"] in lines
     assert ["areal", "density", "54.23", "kg/m²"] in lines
 
@@ -44,7 +44,7 @@ def test_json_is_the_same_as_from_python(cli, small: Path):
 
 
 def test_csv_and_plot(cli, small: Path, folder: Path):
-    result = cli("optimise", small, "-o", "f.csv", "--plot", "f.pdf")
+    result = cli("optimise", small, "--csv", "f.csv", "--plot", "f.pdf")
     assert result.stderr.splitlines() == ["wrote f.csv", "wrote f.pdf"]
     lines = (folder / "f.csv").read_text().splitlines()
     assert lines[0].startswith("ceramic_thickness_mm,backing_thickness_mm,areal_density_kg_m2")
@@ -81,7 +81,7 @@ def test_a_catalogue_and_threats(cli, folder: Path):
     assert result.exit_code == 0
     words = [line.split() for line in result.stdout.splitlines()]
     assert ["ceramic", "Al-N"] in words
-    assert ["ceramic", "thickness", "5", "mm"] in words
+    assert ["ceramic", "thickness", "5.0", "mm"] in words
     assert any(line[-1:] == ["governs"] for line in words)
     assert any(line[-2:] == ["%", "heavier"] for line in words)
     assert (folder / "front.csv").read_text().startswith("ceramic,backing,ceramic_thickness_mm")

@@ -51,7 +51,7 @@ def test_nothing_is_imported_before_it_is_needed(args: list[object], not_needed:
     code = f"""
 import sys
 sys.argv = ["armour", *{[str(arg) for arg in args]!r}]
-from armour.cli import main
+from armour.cli.main import main
 try:
     main()
 except SystemExit as end:
@@ -90,10 +90,28 @@ def test_a_reader_that_goes_away_costs_no_file_and_no_warning(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    "args", ["library", "schema", "init --list", "library show AD85 --json", "validate --only 'table 3'"]
+    "args",
+    ["--help", "sweep -h", "library", "schema", "init --list", "library show AD85 --json", "validate --only 'table 3'"],
 )
 def test_a_closed_pipe_is_no_error(args: str, tmp_path: Path):
     assert closed(args, tmp_path) == (0, "")
+
+
+@pytest.mark.parametrize("module", ["typer", "armour.cli.app", "pydantic"])
+def test_interrupted_while_it_starts(module: str):
+    code = f"""
+import sys
+class Interrupt:
+    def find_spec(self, name, *_):
+        if name == {module!r}:
+            raise KeyboardInterrupt
+from armour.cli.main import main
+sys.meta_path.insert(0, Interrupt())
+sys.argv = ["armour", "simulate", "a.toml"]
+main()
+"""
+    done = process("-c", code)
+    assert (done.returncode, done.stderr) == (130, "interrupted\n")
 
 
 def test_one_line_of_a_pipe(tmp_path: Path):
@@ -147,7 +165,7 @@ def test_the_first_use_says_that_it_compiles_and_the_second_does_not(tmp_path: P
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     command = ["-m", "armour", "sweep", SCENARIOS / "wilkins.toml", "--over", "impact.velocity_m_s=800", "-o"]
     first = process(*command, tmp_path / "a.csv")
-    assert first.stderr.startswith("compiling, once after an installation")
+    assert first.stderr.startswith("compiling the numerical code, which takes about ten seconds\n")
     second = process(*command, tmp_path / "b.csv")
     assert second.stderr == f"wrote {tmp_path / 'b.csv'}: 1 rows\n"
 
@@ -156,6 +174,7 @@ def test_where_compiled_code_cannot_be_kept_it_says_so(cli, folder: Path, monkey
     monkeypatch.setattr(cache, "archive_path", lambda: None)
     result = cli("sweep", SCENARIOS / "wilkins.toml", "--over", "impact.velocity_m_s=800", "-o", folder / "a.csv")
     assert result.stderr.splitlines() == [
-        "compiling, some ten seconds at every start: compiled code cannot be kept without a user cache directory",
+        "compiling the numerical code, which takes about ten seconds at every start: "
+        "compiled code cannot be kept without a user cache directory",
         f"wrote {folder / 'a.csv'}: 1 rows",
     ]

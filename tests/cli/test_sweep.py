@@ -14,6 +14,7 @@ from tests.helpers.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
 CERAMIC = "armour.ceramic_thickness_mm"
+OVER = ("--over", "impact.velocity_m_s=800")
 
 
 def test_a_grid_as_csv_with_a_map(cli, folder: Path):
@@ -53,11 +54,18 @@ def test_cases_from_a_file(cli, folder: Path):
 @pytest.mark.parametrize(
     ("args", "message"),
     [
-        ([], "sweep: --over: must be given, or --cases, and not both"),
+        ([], "sweep: give either --over or --cases"),
         (["--over", "a"], "sweep: --over: must be KEY=MIN:MAX:STEP"),
         (["--over", "impact.velocity_m_s=800", "--quantities", "speed"], "sweep: --quantities: unknown quantity"),
         (["--over", "impact.velocity_m_s=800,-1"], f"{WILKINS}: impact.velocity_m_s: must be greater than 0, found -1"),
-        (["--over", "impact.velocity_m_s=800", "--quantities", "outcome", "--plot", "a.png"], "sweep: --plot: draws"),
+        (
+            ["--over", "impact.velocity_m_s=800", "--quantities", "outcome", "--plot", "a.png"],
+            "sweep: --plot cannot draw outcome, which is not a number",
+        ),
+        (
+            [*OVER, *OVER, *OVER, "--plot", "a.png"],
+            "sweep: --plot needs one or two --over keys, found 3",
+        ),
         (["--cases", "missing.csv"], "missing.csv: cannot be read"),
         (["--over", "impact.velocity_m_s=800", "--scheduler", "nowhere:x"], "sweep: --scheduler: must be"),
     ],
@@ -66,6 +74,15 @@ def test_what_is_wrong(cli, args: list[str], message: str):
     [line] = cli.fails(2, "sweep", WILKINS, *args, "-o", "t.csv")
     assert line.startswith(message)
     assert not Path("t.csv").exists()
+
+
+@pytest.mark.usefixtures("folder")
+def test_interrupted_it_says_how_to_resume(cli, monkeypatch: pytest.MonkeyPatch):
+    def interrupted(*_args, **_settings):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("armour.sweeps.sweep.sweep", interrupted)
+    assert cli.fails(130, "sweep", WILKINS, *OVER, "-o", "t.csv") == ["interrupted; repeat the same command to resume"]
 
 
 def test_the_help_lists_every_quantity(cli):

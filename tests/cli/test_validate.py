@@ -109,6 +109,7 @@ def test_update_shows_and_writes(cli, suite: Path):
     assert result.exit_code == 0
     shown = [line.split() for line in result.stderr.splitlines()]
     assert ["limit", "800", "723.77159"] in shown
+    assert result.stdout.startswith("values before the update\n")
     assert ["wrote", str(suite)] in shown
     assert suite.read_text() == SUITE.replace("723.77", "723.77159").replace("277.4", "277.37752")
     again = cli("validate", suite, "--update")

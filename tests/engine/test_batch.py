@@ -87,7 +87,14 @@ def test_without_knowledge_of_the_cores_of_this_process(
     monkeypatch.delattr(os, "process_cpu_count", raising=False)
     expected = batch.impacts(rows, velocities).V
     monkeypatch.setattr(os, "cpu_count", lambda: None)
+    assert batch.available_cores() == 1
     np.testing.assert_array_equal(batch.impacts(rows, velocities).V, expected)
+
+
+def test_a_process_restricted_to_some_cores(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.delattr(os, "process_cpu_count", raising=False)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _pid: {3}, raising=False)
+    assert batch.available_cores() == 1
 
 
 def test_rows_of_another_shape(rows: batch.Floats, velocities: batch.Floats):

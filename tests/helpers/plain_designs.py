@@ -3,8 +3,12 @@
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import numpy as np
+
 from armour.analysis.ballistic_limit import SCAN_POINTS, bisect, scan
 from armour.analysis.impact import perforates
+from armour.core.state import Outcome
+from armour.engine import batch
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import with_inputs
 
@@ -32,17 +36,25 @@ def defeats(own: Scenario, required: float) -> bool:
 
 
 def passes(own: Scenario, required: float) -> bool:
-    """Whether an armour has no ballistic limit below a velocity, by plain runs at all velocities of the scan."""
+    """Whether an armour has no ballistic limit below a velocity, by the scan and by a denser one."""
     section, armour = own.ballistic_limit, own.core_armour()
     velocities = scan(section.velocity_min_m_s, section.velocity_max_m_s, SCAN_POINTS)
     below = [velocity for velocity in velocities if velocity < required]
     if not all(defeats(own, velocity) for velocity in [required, *below]):
         return False
     above = velocities[len(below)]
-    if defeats(own, above):
-        return True
-    limit = bisect(lambda v: perforates(own, armour, v), below[-1], above, section.tolerance_m_s)[1]
-    return limit >= required
+    if not defeats(own, above):
+        limit = bisect(lambda v: perforates(own, armour, v), below[-1], above, section.tolerance_m_s)[1]
+        if limit < required:
+            return False
+    return withstands_below(own, required, 513)
+
+
+def withstands_below(own: Scenario, required: float, count: int) -> bool:
+    """Whether an armour is perforated at no velocity from 20 m/s to the one required, by the engine row by row."""
+    velocities = np.geomspace(20.0, required, count)[:-1]
+    rows = np.tile(batch.packed([own.core_armour()]), (len(velocities), 1))
+    return bool((batch.impacts(rows, velocities).outcome == Outcome.DEFEATED).all())
 
 
 def designs(

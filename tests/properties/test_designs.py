@@ -14,7 +14,7 @@ from armour.design.optimise import Design, optimise
 from armour.errors import NoDesignError
 from armour.scenario.loading import Scenario
 from tests.helpers.cases import scenario
-from tests.helpers.plain_designs import CRITERIA, defeats, designs, passes, posed
+from tests.helpers.plain_designs import CRITERIA, defeats, designs, passes, posed, withstands_below
 
 # Exotic catalogues in which the lightest design that defeats the threats at their own velocities has a lower limit.
 LOWER_LIMITS = [52, 705, 756, 925, 1048, 1058]
@@ -165,3 +165,19 @@ def test_a_design_that_defeats_the_threats_may_have_a_lower_limit(seed: int):
     limits = [ballistic_limit(each).ballistic_limit_m_s for each in own]
     assert any(limit < threat.required_m_s for limit, threat in zip(limits, case.threat, strict=True))
     assert min(best.margins_m_s.values()) >= 0.0
+
+
+def test_a_narrow_range_of_perforation_below_the_threat_is_seen():
+    """Its width is 2 % of the velocity: the scan of `ballistic_limit` has steps of 18 %."""
+    of = exotic(280)
+    best = optimise(of).best
+    assert of.design is not None
+    own = posed(
+        of,
+        of.design.ceramic[0],
+        of.design.backing[0],
+        best.ceramic_thickness_mm,
+        best.backing_thickness_mm,
+        of.threat[0].projectile,
+    )
+    assert withstands_below(own, of.threat[0].required_m_s, 20_000)

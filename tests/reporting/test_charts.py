@@ -1,3 +1,4 @@
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -7,15 +8,17 @@ from armour.analysis.ballistic_limit import ballistic_limit, curve_velocities, r
 from armour.analysis.comparison import compare
 from armour.analysis.energy import EnergyBalance, StageEnergy
 from armour.analysis.impact import simulate
+from armour.design.optimise import Pair
 from armour.reporting import charts
 from armour.reporting.chart import Bars, Chart, Contours, Line, Map, Panel, Points, Rule, Series, Spans
+from armour.reporting.tables.impact import energy_table
 from armour.scenario.parameters import BACKING, CERAMIC
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import Shots, v50
 from armour.validation.figures import Figure, FigureCurve, FigureLevel, FigureMark
 from tests.helpers.cases import scenario
-from tests.helpers.results import OTHER, THREAT, design_result, impact, uncertainty_result
+from tests.helpers.results import OTHER, THREAT, best_design, design_result, impact, uncertainty_result
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
 
 Kind = TypeVar("Kind", Line, Points, Bars, Rule, Spans, Map, Contours)
@@ -76,7 +79,7 @@ def test_an_impact():
     [spans] = some(chart.panels[0], Spans)
     assert spans.names == tuple(stage.stage for stage in found.stages)
     assert "stage i: intact ceramic, penetrated; rod erodes" in spans.text[0]
-    assert all(name in chart.note for name in spans.names)
+    assert all(f"{stage.stage} from {stage.start_us:.3g} µs" in chart.note for stage in found.stages)
     assert some(chart.panels[0], Line)[0].y[0] == 800.0
     assert_matched(chart)
 
@@ -94,6 +97,7 @@ def test_a_long_tail_is_left_out():
         assert panel.x.limits is not None
         assert panel.x.limits[1] < 0.3 * slow.duration_us
         assert all(max(line.x) <= panel.x.limits[1] for line in some(panel, Line))  # type: ignore[type-var, operator]
+    assert all(f"{stage.stage} from " in chart.note for stage in slow.stages)
 
 
 def test_a_ballistic_limit():
@@ -114,15 +118,40 @@ def test_designs_of_a_pair():
     assert headings(chart) == [(x, "areal density, kg/m²"), (x, "required ceramic thickness, mm")]
     assert labels(areal) == [
         "AD85 on 6061-T6",
-        "best: 8 on 6 mm, 43.60 kg/m²",
-        "refined: 8.1 on 5.8 mm, 43.40 kg/m²",
+        "best: 8 on 6 mm, areal density 43.60 kg/m²",
+        "refined: 8.1 on 5.8 mm, areal density 43.40 kg/m²",
     ]
     assert labels(required) == []
     assert some(areal, Line)[0].y == [45.0, 43.6, 45.6]
     assert some(required, Line)[0].y == [10.0, 8.0, 7.0]
     assert [list(mark.x) for mark in some(areal, Points)] == [[6.0], [5.8]]
-    assert some(areal, Line)[0].text[0] == "10 on 4 mm, 45.00 kg/m²"
+    assert some(areal, Line)[0].text[0] == "10 on 4 mm, areal density 45.00 kg/m²"
     assert_matched(chart)
+
+
+@pytest.mark.parametrize(
+    ("minimised", "heading", "values", "best"),
+    [
+        ("thickness_mm", "total thickness, mm", [14.0, 14.0, 15.0], "total thickness 14 mm"),
+        ("cost_per_m2", "cost per m²", [0.0, 0.0, 0.0], "cost per m² 100.00"),
+    ],
+)
+def test_what_is_minimised_is_drawn(minimised: str, heading: str, values: list[float], best: str):
+    first, _ = charts.frontier_chart(replace(design_result(), minimised=minimised), "T").panels
+    assert first.y.heading == heading
+    assert some(first, Line)[0].y == values
+    assert labels(first)[-1] == f"best: 8 on 6 mm, {best}"
+
+
+@pytest.mark.parametrize(("count", "marked"), [(6, 6), (charts.MAX_PAIRS + 5, charts.MAX_PAIRS + 1)])
+def test_every_pair_is_marked_up_to_a_limit(count: int, marked: int):
+    found = design_result()
+    others = [Pair(f"C{i}", "6061-T6", best_design(), 1.0 + i, f"{1 + i} % heavier") for i in range(count - 1)]
+    chart = charts.frontier_chart(replace(found, pairs=(*found.pairs, *others)), "T")
+    first, _ = chart.panels
+    looks = {(item.colour, item.marker) for item in first.series[:-1] if isinstance(item, Line | Points)}
+    assert len(looks) == marked
+    assert chart.note == ("" if marked == count else f"The best {marked} of {count} pairs of materials are shown.")
 
 
 def test_designs_of_several_pairs_against_several_threats():
@@ -132,6 +161,9 @@ def test_designs_of_several_pairs_against_several_threats():
     assert not any("Al-N" in label for label in labels(*chart.panels))
     assert some(areal, Line)[0].text[0].endswith("\ngoverned by M2")
     assert (front.x.heading, front.y.heading) == ("areal density, kg/m²", "cost per m²")
+    # The legend is that of the first panel, whose marks are those of the front.
+    assert labels(front) == []
+    assert some(areal, Line)[0].marker == some(front, Points)[0].marker
     looks: dict[str, Any] = {item.text[0].split("\n")[0]: (item.colour, item.marker) for item in some(front, Points)}
     assert looks.keys() == {"AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"}
     assert looks["AD99.5 on 6061-T6"] == (some(areal, Points)[0].colour, some(areal, Points)[0].marker)
@@ -141,7 +173,7 @@ def test_designs_of_several_pairs_against_several_threats():
 
 def test_a_pareto_front_of_its_own_names_its_pairs():
     [panel] = charts.pareto_chart(design_result(pareto=True), "Pareto front").panels
-    assert labels(panel) == ["AD85 on 6061-T6", "AD99.5 on 6061-T6"]
+    assert labels(panel) == ["AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"]
 
 
 def figure() -> Figure:
@@ -155,7 +187,8 @@ def test_a_figure_of_the_paper():
     chart = charts.figure_chart(figure())
     [panel] = chart.panels
     assert labels(panel) == ["A", "B", "L", "printed", "another"]
-    assert (panel.x.unit, panel.y.unit, panel.x.limits) == ("mm", "m/s", (4.0, 8.0))
+    assert (panel.x.heading, panel.y.heading) == ("each, mm", "residual velocity, m/s")
+    assert panel.x.limits == (4.0, 8.0)
     assert panel.y.from_zero
     curves, marks = some(panel, Line), some(panel, Points)
     assert marks[0].colour == curves[1].colour
@@ -201,10 +234,12 @@ def calibrated(count: int = 3) -> CalibrationResult:
 
 
 def test_a_calibration():
-    chart = charts.calibration_chart(calibrated(), "T")
+    chart = charts.calibration_chart(calibrated())
     parity, deviations = chart.panels
+    assert chart.title == "Calibration to t.csv"
     assert (parity.x.heading, parity.y.heading) == ("measured ballistic limit, m/s", "computed ballistic limit, m/s")
-    assert labels(parity) == ["measured", "defeated at", "agreement"]
+    assert labels(parity) == ["tests", "defeated at", "agreement"]
+    assert some(parity, Points)[0].text[0] == "test 0\nmeasured 700 m/s, computed 705 m/s"
     assert deviations.y.categories == ("test 0", "test 1", "test 2")
     fitted, left_out = some(deviations, Bars)
     assert fitted.ends[0] == pytest.approx(100.0 * (705.0 / 700.0 - 1.0))
@@ -214,9 +249,9 @@ def test_a_calibration():
 
 
 def test_a_calibration_to_many_tests_shows_the_largest_deviations():
-    _, deviations = charts.calibration_chart(calibrated(60), "T").panels
+    _, deviations = charts.calibration_chart(calibrated(60)).panels
     assert len(deviations.y.categories) == charts.MAX_ROWS
-    assert deviations.title == "deviation of the ballistic limit, the 40 largest of 60"
+    assert deviations.title == "Deviation of the ballistic limit, the 40 largest of 60"
     assert deviations.y.categories[0] == "test 59"
 
 
@@ -242,14 +277,15 @@ def test_a_sensitivity_is_ordered_by_the_largest_elasticity_of_any_answer():
 
 
 LEAST = "least_areal_density_kg_m2"
-SHOTS = Shots((700.0, 710.0, 715.0, 720.0, 725.0, 730.0), (False, False, True, False, True, True), "shots.csv")
+VELOCITIES = (700.0, 710.0, 715.0, 720.0, 725.0, 730.0)
+SHOTS = Shots(VELOCITIES, (False, False, True, False, True, True), "folder/shots.csv")
 
 
 def test_a_v50():
     found = v50(SHOTS, scenario())
     chart = charts.v50_chart(SHOTS, found)
     [panel] = chart.panels
-    assert chart.title == "shots.csv"
+    assert chart.title == "V50 of the shots in shots.csv"
     assert f"this model: ballistic limit {WILKINS_LIMIT:.1f} m/s" in labels(panel)
     assert [item.text[0] for item in some(panel, Points)][:2] == [
         "partial penetration at 700 m/s",
@@ -288,11 +324,12 @@ def test_an_uncertainty():
 def test_an_energy_balance():
     energy = EnergyBalance(100.0, (StageEnergy("i", 20.0, 30.0), StageEnergy("iii.4", 0.0, 40.0)), 10.0)
     [panel] = charts.energy_chart(energy).panels
-    assert panel.y.categories == ("1. stage i", "2. stage iii.4", "left")
+    assert panel.y.categories == ("1. stage i", "2. stage iii.4", "remaining")
     eroded, braked, left = some(panel, Bars)
+    assert [eroded.label, braked.label] == [column.label for column in energy_table(energy).columns[1:3]]
     assert (eroded.ends, braked.starts, braked.ends) == ([20.0, 0.0, 0.0], [20.0, 0.0, 0.0], [50.0, 40.0, 0.0])
     assert left.ends[-1] == 10.0
-    assert braked.text[0] == "1. stage i: braking\n30.00 J, 30.0 %"
+    assert braked.text[0] == f"1. stage i: {braked.label}\n30.00 J, 30.0 %"
 
 
 def table(*keys: str) -> dict[str, Any]:
@@ -303,7 +340,9 @@ def table(*keys: str) -> dict[str, Any]:
 
 def test_a_sweep_over_one_key():
     columns = {CERAMIC: np.array([4.0, 6.0]), "ballistic_limit_m_s": np.array([500.0, np.nan])}
-    [panel] = charts.sweep_chart(columns, [CERAMIC], "ballistic_limit_m_s", scenario()).panels
+    chart = charts.sweep_chart(columns, [CERAMIC], "ballistic_limit_m_s", scenario())
+    [panel] = chart.panels
+    assert chart.title == "Ballistic limit over ceramic thickness"
     assert (panel.x.heading, panel.y.heading) == ("ceramic thickness, mm", "ballistic limit, m/s")
     assert some(panel, Line)[0].y == [500.0, None]
 
@@ -314,10 +353,13 @@ def test_a_sweep_over_both_thicknesses(keys: tuple[str, str]):
     [panel] = chart.panels
     [colours] = some(panel, Map)
     assert colours.z == [[405.0, 605.0, 805.0], [407.0, 607.0, 807.0]]
-    _, areal = some(panel, Contours)
+    limits, areal = some(panel, Contours)
     thickness = dict(zip(keys, (4.0, 5.0), strict=True))
     assert areal.z[0][0] == pytest.approx(scenario().replaced(thickness).areal_density_kg_m2())
-    assert "areal density, kg/m²" in chart.note
+    assert limits.label == "lines of equal ballistic limit, m/s"
+    assert areal.label == "lines of equal areal density, kg/m²"
+    first, second = (charts.quantity_axis(key).label.removesuffix(" thickness") for key in keys)
+    assert chart.title == f"Ballistic limit over {first} and {second} thickness"
 
 
 def test_a_sweep_over_other_keys_has_no_areal_densities():
@@ -325,7 +367,7 @@ def test_a_sweep_over_other_keys_has_no_areal_densities():
     chart = charts.sweep_chart(table(*keys), keys, "ballistic_limit_m_s", scenario())
     assert headings(chart) == [("ceramic flow stress, GPa", "ceramic thickness, mm")]
     assert len(some(chart.panels[0], Contours)) == 1
-    assert chart.note == ""
+    assert chart.title == "Ballistic limit over ceramic flow stress and ceramic thickness"
 
 
 def test_a_key_of_a_library_entry_names_it():

@@ -16,6 +16,8 @@ from tests.helpers.cases import SCENARIOS, scenario
 from tests.helpers.results import OTHER, THREAT, design_result, uncertainty_result
 from tests.helpers.suites import TABLE, case, result
 
+NO_BREAK = "\N{NO-BREAK SPACE}"
+
 
 @cache
 def contents(name: str) -> Contents:
@@ -23,7 +25,7 @@ def contents(name: str) -> Contents:
 
 
 def page(found: Contents) -> str:
-    return html_report(scenario_report(found, "armour report case.toml"))
+    return html_report(scenario_report(found, "armour report case.toml")).replace(NO_BREAK, " ")
 
 
 def headings(content: str) -> list[str]:
@@ -66,11 +68,12 @@ def test_a_page_is_one_file_without_scripts_and_links(name: str):
 
 def test_every_chart_and_table_has_its_heading():
     found = headings(page(contents_of(scenario())))
-    assert found.pop(2).startswith("Impact of the 7.62 mm AP: perforated at 800 m/s, residual velocity 277")
-    assert found == [
-        "Cross-section, to scale",
-        "Sensitivity to the inputs",
-        "Where the projectile&#39;s energy went",
+    [impact] = [heading for heading in found if heading.startswith("Impact of")]
+    assert impact.startswith("Impact of the 7.62 mm AP: perforated at 800 m/s, residual velocity 277")
+    first, *rest = [heading for heading in found if heading != impact]
+    assert first == "Cross-section, to scale"
+    assert {*rest[:2]} == {"Sensitivity to the inputs", "Where the projectile&#39;s energy went"}
+    assert rest[2:] == [
         "Energy balance of the projectile",
         "Stages of the impact",
         "Sensitivity to the inputs",
@@ -97,8 +100,27 @@ def test_a_design_and_an_uncertainty_are_shown():
 def test_numbers_are_aligned_to_the_right():
     content = page(contents("wilkins"))
     assert '<th scope="col" class="number">energy lost, J</th>' in content
-    assert re.search(r'<td class="number">\d+\.\d</td>', content)
-    assert '<td class="prose">intact ceramic, penetrated; rod erodes</td>' in content
+    assert re.search(r'<td data-label="energy lost, J" class="number">\d+\.\d</td>', content)
+    assert '<td data-label="description" class="prose">intact ceramic, penetrated; rod erodes</td>' in content
+
+
+def test_no_line_ends_between_a_number_and_its_unit():
+    found = contents_of(scenario(title="6.35 mm AD85"))
+    content = html_report(scenario_report(found, "armour report case.toml"))
+    shown, code = content.split('<pre class="toml">')
+    assert f"<h1>6.35{NO_BREAK}mm AD85</h1>" in shown
+    assert f"<b>6.35{NO_BREAK}mm AD85 on 6.35{NO_BREAK}mm 6061-T6</b>" in shown
+    assert f"7.62{NO_BREAK}mm AP, 21.0{NO_BREAK}mm long, 6.5{NO_BREAK}mm in diameter</span>" in shown
+    assert "title = &#34;6.35 mm AD85&#34;" in code
+
+
+def test_charts_stand_in_two_columns_of_nearly_the_same_height():
+    content = page(contents("catalogue"))
+    columns = content.split('<div class="column">')[1:]
+    heights = [sum(map(float, re.findall(r'viewBox="0 0 \S+ (\S+)"', column))) for column in columns]
+    assert len(heights) == 2
+    assert abs(heights[0] - heights[1]) < 0.2 * max(heights)
+    assert sorted(re.findall(r'class="chart" style="order: (\d)"', content)) == ["1", "2", "3", "4", "5"]
 
 
 def test_texts_of_users_are_text():

@@ -60,7 +60,7 @@ def test_bars_and_spans_have_their_words():
     bars = Bars([0.0, 0.0, 0.0], [4.0, None, 0.0], text=("one", "two", "three"))
     assert words(one(bars, y=Axis(categories=("a", "b", "c")))) == ["one"]
     values = Bars([0.0, 1.0], [4.0, 2.5], label="made")
-    assert words(one(values, y=Axis(categories=("a", "b")))) == ["a\nmade: 4 mm length", "b\nmade: 2.5 mm length"]
+    assert words(one(values, y=Axis(categories=("a", "b")))) == ["a\nmade: length 4 mm", "b\nmade: length 2.5 mm"]
     spans = Spans([0.0, 5.0], [5.0, 10.0], ("i", "ii"), text=("stage i", "stage ii"))
     assert words(one(spans)) == ["stage i", "stage ii"]
 

@@ -5,6 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.contour import ContourSet
 from matplotlib.transforms import Bbox
 
 from armour.reporting import charts
@@ -143,6 +144,12 @@ def test_a_title_is_shown_as_it_is():
     assert "5 $ for $x_{_^ &lt;&amp;&gt;" in rendered(chart, ".svg").decode()
 
 
+def test_no_line_ends_between_a_number_and_its_unit():
+    for length in range(40, 80):
+        lines = draw(replace(CHARTS["bars"](), title=f"{length * 'a'} 6.35 mm")).get_suptitle().splitlines()
+        assert lines[-1].endswith("6.35 mm")
+
+
 def test_control_characters_are_escaped():
     chart = one(Line([0.0, 1.0], [0.0, 1.0], label="a\x08b", text=("one\ntwo\x00", "")))
     [item] = printable_chart(chart).panels[0].series
@@ -150,6 +157,24 @@ def test_control_characters_are_escaped():
     assert (item.label, item.text) == ("a\\x08b", ("one\ntwo\\x00", ""))
     assert item.x == [0.0, 1.0]
     assert b"a\\x08b" in rendered(chart, ".svg")
+
+
+def test_every_contour_has_a_label_apart_from_the_others():
+    x = y = [float(i) for i in range(2, 13)]
+    limits: list[list[float | None]] = [[200.0 * (a * b) ** 0.4 for a in x] for b in y]
+    masses: list[list[float | None]] = [[3.4 * a + 2.7 * b for a in x] for b in y]
+    contours = Contours(x, y, limits, levels=8, label="l"), Contours(x, y, masses, "dashed", 5, label="m")
+    figure = draw(one(Map(x, y, limits, "speed, m/s"), *contours))
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    drawn = [lines for lines in axes.collections if isinstance(lines, ContourSet)]
+    shown = {f"{level:g}" for lines in drawn for level in lines.levels}
+    assert len(shown) > 8
+    assert {text.get_text() for text in axes.texts} == shown
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert not [pair for pair in combinations(boxes, 2) if Bbox.intersection(*pair) is not None]
+    [legend] = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["l", "m"]
 
 
 def test_a_flat_map_has_no_contours():

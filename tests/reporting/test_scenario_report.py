@@ -9,6 +9,7 @@ from armour.reporting.contents import Contents, contents_of
 from armour.reporting.markdown import markdown_report
 from armour.reporting.report import Report
 from armour.reporting.scenario_report import scenario_report
+from armour.reporting.tables.design import frontier_table
 from tests.helpers.cases import scenario
 from tests.helpers.results import OTHER, THREAT, design_result, uncertainty_result
 
@@ -36,20 +37,20 @@ def test_questions():
     impact = wilkins().scenario.impact
     assert report(wilkins()).lead == f"Does this armour defeat the 7.62 mm AP at {impact.velocity_m_s:g} m/s?"
     one = report(replace(wilkins(), design=design_result())).lead
-    assert one == "Which is the lightest AD85 on 6061-T6 that defeats the 7.62 mm AP at 800 m/s?"
+    assert one == "Which AD85 on 6061-T6 is the lightest that defeats the 7.62 mm AP at 800 m/s?"
     several = report(replace(wilkins(), design=design_result(threats=(THREAT, OTHER), pareto=True))).lead
-    assert several == "Which is the lightest armour on offer that defeats the 7.62 mm AP at 800 m/s and the M2?"
+    assert several == "Which available armour is the lightest that defeats the 7.62 mm AP at 800 m/s and the M2?"
     bare = report(replace(wilkins(), design=design_result(ceramic=""))).lead
-    assert bare.startswith("Which is the lightest 6061-T6 that defeats")
+    assert bare.startswith("Which 6061-T6 is the lightest that defeats")
 
 
 def test_the_answer_without_a_design():
     found = statements(wilkins())
     assert found["Armour"] == ("6.35 mm AD85 on 6.35 mm 6061-T6", "12.7 mm thick")
-    assert found["Areal density"] == (f"{wilkins().impact.areal_density_kg_m2:.1f} kg/m²", "")
+    assert found["Areal density"] == (f"{wilkins().impact.areal_density_kg_m2:.2f} kg/m²", "")
     outcome = {"defeated": "projectile defeated", "perforated": "armour perforated"}[wilkins().impact.outcome]
     assert found["Outcome"][0] == outcome
-    assert "ballistic limit 723.8 m/s, margin " in found["Outcome"][1]
+    assert "ballistic limit 723.77 m/s, margin " in found["Outcome"][1]
     statement, detail = found["Mean error of the ballistic limit"]
     assert statement == "± 37 m/s"
     assert "5.1 % on average, 11.3 % at most" in detail
@@ -64,7 +65,10 @@ def test_a_margin_is_compared_with_the_models_error(velocity: float, words: str)
 def test_the_answer_with_a_design():
     one = statements(replace(wilkins(), design=design_result()))
     assert "Best design" in one
-    assert one["Areal density"] == ("43.6 kg/m²", "cost 100 per m²")
+    assert one["Areal density"] == ("43.60 kg/m²", "cost 100.00 per m²")
+    # The table's digits.
+    _, best, _ = frontier_table(design_result()).texts()
+    assert one["Areal density"][0] == f"{best[2]} kg/m²"
     several = statements(replace(wilkins(), design=design_result(threats=(THREAT, OTHER))))
     assert several["Defeats"][0] == f"{THREAT} and {OTHER}"
     assert several["Defeats"][1].startswith(f"governed by {THREAT}: ballistic limit")
@@ -85,7 +89,7 @@ def test_the_answer_without_a_limit():
 def test_the_energy_section():
     section = report(wilkins()).sections[0]
     energy = wilkins().energy
-    assert f"{energy.before:.2f} J at impact and {energy.left:.2f} J at the end" in section.paragraphs[0]
+    assert section.paragraphs[0].endswith(f"{energy.before:.2f} J at impact and {energy.left:.2f} J at the end.")
     [table] = section.tables
     assert len(table.rows) == len(energy.rows) + 1
 

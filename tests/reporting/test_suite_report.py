@@ -24,10 +24,10 @@ def outcome(folder: Path) -> SuiteResult:
 def test_a_suite(outcome: SuiteResult):
     text = markdown_report(suite_report(outcome))
     assert text.startswith("# A \\| suite\n")
-    assert ": 3 of 6 within their bands, 2 outside, 1 no answer; 1 shown and not scored.\n" in text
+    assert ": 3 of 6 within their bands, 2 outside, 1 no answer; 1 shown but not scored.\n" in text
     assert "| out | 725 | 723.8 | -1.2 | -0.17 | 1 | outside |" in text
     assert "* in: as \\*measured\\*." in text
-    assert "## Shown and not scored\n\n* slip: a slip." in text
+    assert "## Shown but not scored\n\n* slip: a slip." in text
     assert "| t | this model | 2 |" in text
     assert text.endswith("\n")
 
@@ -44,7 +44,10 @@ def test_a_report_made_by_a_command_says_so(outcome: SuiteResult):
     assert "Origin" not in [section.heading for section in suite_report(outcome).sections]
 
 
-def test_a_table_has_its_source(outcome: SuiteResult):
+def test_a_table_has_its_source(outcome: SuiteResult, folder: Path):
+    sourced = result(folder, TABLE + 'source = "table 3"\nreason = "as printed"\n')
+    table, *_ = suite_report(sourced).sections
+    assert (table.heading, table.paragraphs) == ("T", ("Table 3; band: as printed.",))
     found = {section.heading: section for section in suite_report(outcome).sections}
     assert found["Cases"].paragraphs == ()
     assert found["Tables as a whole"].tables[0].headings()[0] == "table"

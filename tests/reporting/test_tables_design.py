@@ -10,17 +10,19 @@ from armour.reporting.tables.design import (
     margin_table,
     pair_table,
     pareto_table,
+    required_margins,
 )
-from tests.helpers.results import OTHER, THREAT, best_design, design_result, quantities
+from tests.helpers.cases import THREATS, catalogue
+from tests.helpers.results import OTHER, THREAT, best_design, design, design_result, quantities
 
 
 def kinds(result: DesignResult) -> list[str]:
     """First heading or title of every table."""
-    return [item.title or item.headings()[0] for item in design_tables(result) if isinstance(item, Table)]
+    return [item.title or item.headings()[0] for item in design_tables(result, {}) if isinstance(item, Table)]
 
 
 def test_the_best_design_is_a_record():
-    found = quantities(best_table(design_result()))
+    found = quantities(best_table(design_result(), {}))
     assert found == {
         "ceramic": "AD85",
         "ceramic thickness, mm": "8",
@@ -32,10 +34,23 @@ def test_the_best_design_is_a_record():
         "ballistic limit, m/s": "820.00",
         "margin, m/s": "+20.0",
     }
-    outside = quantities(best_table(replace(design_result(), best=best_design(ballistic_limit_m_s=None))))
+    outside = quantities(best_table(replace(design_result(), best=best_design(ballistic_limit_m_s=None)), {}))
     assert outside["ballistic limit"] == "outside the range"
     assert "cost per m²" not in outside
-    assert "ceramic" not in quantities(best_table(design_result(ceramic="")))
+    assert "ceramic" not in quantities(best_table(design_result(ceramic=""), {}))
+
+
+def test_a_margin_stands_beside_the_required_one():
+    found = quantities(best_table(design_result(), required_margins(catalogue([{**THREATS[0], "margin_m_s": 15.0}]))))
+    assert (found["margin, m/s"], found["required margin, m/s"]) == ("+20.0", "+15.0")
+
+
+def test_thicknesses_of_a_table_have_the_decimals_that_they_need():
+    found = design_result()
+    halves = replace(found, frontier=(*found.frontier[:2], design("AD85", 6.5, 9.0, 46.0)))
+    assert [row[0] for row in frontier_table(halves).texts()] == ["10.0", "8.0", "6.5"]
+    thirds = replace(found, frontier=(design("AD85", 20.0 / 3.0, 10.0, 46.0),), frontier_governed_by=(THREAT,))
+    assert frontier_table(thirds).texts()[0][:2] == ["6.667", "10.000"]
 
 
 def test_a_single_pair_has_its_frontier_and_the_lightest_marked():
@@ -58,12 +73,12 @@ def test_threats_and_probabilities_have_margins():
     best = best_design(margins_m_s={THREAT: 3.1, OTHER: 80.0}, probabilities={THREAT: estimate})
     result = replace(design_result(threats=(THREAT, OTHER)), best=best)
     assert kinds(result)[1] == "threat"
-    assert margin_table(result).texts() == [
-        [THREAT, "+3.1", "0.0312", "0.0200 to 0.0500", "governs"],
-        [OTHER, "+80.0", "", "", ""],
+    assert margin_table(result, {OTHER: 50.0}).texts() == [
+        [THREAT, "+3.1", "", "0.0312", "0.0200 to 0.0500", "governs"],
+        [OTHER, "+80.0", "+50.0", "", "", ""],
     ]
     assert frontier_table(result).headings()[-2] == "governed by"
-    assert margin_table(design_result()).headings() == ["threat", "margin, m/s", ""]
+    assert margin_table(design_result(), {}).headings() == ["threat", "margin, m/s", "note"]
 
 
 def test_pairs_of_materials_with_the_reasons_of_those_that_lose():
@@ -74,7 +89,7 @@ def test_pairs_of_materials_with_the_reasons_of_those_that_lose():
     )
     result = replace(design_result(), pairs=pairs)
     table = pair_table(result)
-    assert kinds(result) == ["lightest design", "ceramic"]
+    assert kinds(result) == ["lightest design", "pairs of materials"]
     assert [row[-1] for row in table.rows] == ["best", "4 % heavier", "defeats nothing"]
     assert table.texts()[2][2:-1] == [""] * 5
     assert table.headings()[6] == "cost per m²"

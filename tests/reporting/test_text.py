@@ -1,6 +1,6 @@
 import pytest
 
-from armour.reporting.text import interval, percent, printable, spelt
+from armour.reporting.text import interval, percent, printable, spelt, unbroken, wrapped
 
 
 @pytest.mark.parametrize(
@@ -24,6 +24,7 @@ def test_intervals():
     assert interval((None, 2.0), ".1f") == "up to 2.0"
     assert interval((1.0, None), "g") == "from 1"
     assert interval((None, None), "g") == "not bounded"
+    assert interval((9000.0, 12345.6), ".1f") == "9000.0 to 12,345.6"
 
 
 def test_words_of_keys_are_spelt_as_people_read_them():
@@ -34,3 +35,13 @@ def test_words_of_keys_are_spelt_as_people_read_them():
 
 def test_parts_are_in_per_cent():
     assert (percent(0.95), percent(0.999)) == ("95 %", "99.9 %")
+
+
+@pytest.mark.parametrize("unit", ["mm", "m/s", "kg/m²", "%", "J", "g", "GPa"])
+def test_no_line_ends_between_a_number_and_its_unit(unit: str):
+    text = f"6.35 {unit} on 7 {unit}, and some grams"
+    assert unbroken(text) == f"6.35\u00a0{unit} on 7\u00a0{unit}, and some grams"
+    for width in range(10, 30):
+        lines = wrapped(text, width)
+        assert " ".join(lines) == text
+        assert not [line for line in lines if line[-1].isdecimal()]

@@ -13,6 +13,11 @@ from armour.units import MM
 # Width, mm, to which a least thickness is bisected.
 THICKNESS_TOLERANCE_MM = 1e-6
 
+# Impacts of a scan that are computed at a time, which bounds the memory.
+SCANNED_AT_A_TIME = 200_000
+# Velocities at which `lowest_perforated` looks for a perforation.
+DENSE_SCAN_POINTS = 513
+
 # Whether a condition holds at values of some rows: (values, rows) -> holds.
 Condition = Callable[[Floats, Ints], Bools]
 
@@ -84,10 +89,7 @@ def lowest_limits(variants: Variants, low: float, high: float) -> Limits:
     perforates, inf where none does.
     """
     velocities = np.array(scan(low, high, SCAN_POINTS))
-    count = len(variants.velocities)
-    scanned = variants.at(np.repeat(np.arange(count), len(velocities)))
-    scanned = scanned._replace(velocities=np.tile(velocities, count))
-    outcomes = perforated(scanned).reshape(count, len(velocities))
+    outcomes = _scanned(variants, np.tile(velocities, (len(variants.velocities), 1)))
     runs = outcomes.size
 
     limits = np.where(outcomes[:, 0], -np.inf, np.inf)
@@ -103,6 +105,30 @@ def lowest_limits(variants: Variants, low: float, high: float) -> Limits:
     tolerance = variants.settings.ballistic_limit.tolerance_m_s
     limits[where] = bisect_rows(counted, tolerance, velocities[first - 1], velocities[first])
     return Limits(limits, runs)
+
+
+def lowest_perforated(variants: Variants, low: float) -> Floats:
+    """Return the lowest velocity below its own, m/s, at which each row is seen to be perforated; inf where at none.
+
+    Velocities from ``low`` to the row's own are scanned, evenly spaced on a logarithmic scale; a range of perforation
+    that lies between two of them is not seen.
+    """
+    parts = np.linspace(0.0, 1.0, DENSE_SCAN_POINTS)[:-1]
+    velocities = low * (variants.velocities[:, None] / low) ** parts
+    outcomes = _scanned(variants, velocities)
+    first = outcomes.argmax(axis=1)
+    return np.where(outcomes.any(axis=1), velocities[np.arange(len(first)), first], np.inf)
+
+
+def _scanned(variants: Variants, velocities: Floats) -> Bools:
+    """Return whether each row is perforated at each of its velocities, m/s, (n, k)."""
+    outcomes = np.empty(velocities.shape, dtype=bool)
+    size = max(1, SCANNED_AT_A_TIME // velocities.shape[1])
+    for start in range(0, len(velocities), size):
+        some = np.arange(start, min(start + size, len(velocities)))
+        rows = variants.at(np.repeat(some, velocities.shape[1]))
+        outcomes[some] = perforated(rows._replace(velocities=velocities[some].ravel())).reshape(len(some), -1)
+    return outcomes
 
 
 def bisect_rows(

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from armour import MODEL_VERSION, __version__
+from armour.analysis.quantities import QUANTITIES
 from armour.cli.calibrate import calibrate
 from armour.cli.figures import figures
 from armour.cli.library import app as library
@@ -39,7 +40,8 @@ def _armour(
 ) -> None:
     """Predict whether a ceramic/metal light armour stops a projectile, and find the lightest that does.
 
-    Exit codes: 0 done; 1 the question has no answer in the range given; 2 the input is wrong; 3 a check failed.
+    Exit codes: 0 success; 1 the question has no answer in the given range; 2 invalid input; 3 a check of `validate`
+    failed; 130 interrupted.
     """
 
 
@@ -54,7 +56,7 @@ COMMANDS: dict[Callable[..., None], tuple[str, ...]] = {
         "optimise scenarios/catalogue.toml --csv front.csv",
     ),
     sweep: (f"sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",),
-    calibrate: (f"calibrate scenarios/tests/wilkins.csv {W} --write mine.toml --plot fit.svg",),
+    calibrate: (f"calibrate scenarios/tests/wilkins.csv {W} --write calibrated.toml --plot fit.svg",),
     uncertainty: ("uncertainty scenarios/uncertain.toml --plot uncertainty.svg",),
     sensitivity: (f"sensitivity {W} --plot sensitivity.svg",),
     v50: (f"v50 scenarios/tests/shots.csv {W} --plot v50.svg",),
@@ -66,6 +68,10 @@ COMMANDS: dict[Callable[..., None], tuple[str, ...]] = {
     schema: ("schema",),
 }
 for _command, _examples in COMMANDS.items():
-    _epilog = "\n\n".join(("Examples:", *(f"`armour {example}`" for example in _examples)))
+    _parts = ["Examples:", *(f"`armour {example}`" for example in _examples)]
+    if _command is sweep:
+        # As a text, since the column of descriptions is too narrow for the names.
+        _parts.insert(0, f"Quantities: {', '.join(QUANTITIES)}.")
+    _epilog = "\n\n".join(_parts)
     app.command(_command.__name__.replace("_", "-"), cls=Command, epilog=_epilog)(_command)
 app.add_typer(library, name="library")

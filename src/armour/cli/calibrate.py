@@ -25,7 +25,7 @@ def calibrate(
         ),
     ] = "constant",
     library: Annotated[
-        Path | None, option("Write a library file with the fitted entries.", "--write", "-o", metavar="LIB.toml")
+        Path | None, option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml")
     ] = None,
     plot: PlotFile = None,
     changes: Changes = None,

@@ -11,7 +11,6 @@ import typer
 
 from armour.cli.layout import rendered
 from armour.reporting.table import Table
-from armour.reporting.text import printable
 
 # Width of what goes into a pipe, where each row of a table stays on one line.
 UNLIMITED = 1_000_000
@@ -34,7 +33,8 @@ def show_json(data: Mapping[str, Any]) -> None:
 
 def say(*lines: str) -> None:
     """Print messages on standard error."""
-    _write(sys.stderr, "".join(f"{printable(line)}\n" for line in lines))
+    if lines:
+        show(*lines, stderr=True)
 
 
 def _bold(text: str) -> str:

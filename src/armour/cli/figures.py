@@ -32,7 +32,11 @@ def figures(
     if not chosen:
         message = f'must be part of a name, found "{only}"; there are {", ".join(names)}'
         raise InputError([Problem("figures", "--only", message)])
-    _make(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        raise InputError([Problem(str(folder), "", "must be a folder or free to be made one")]) from None
+    check_outputs(folder / "fig03.csv")
     say_if_compiling()
     # Each figure is written as soon as it is computed: all of them take a while.
     with progress("figures", len(chosen)) as count:
@@ -46,12 +50,3 @@ def figures(
             write(folder / f"{name}.csv", csv_text(table))
             write(folder / f"{name}.{image}", plots.rendered(chart, f".{image}"))
             count(1)
-
-
-def _make(folder: Path) -> None:
-    """Make the folder, and check that it can be written to."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        raise InputError([Problem(str(folder), "", "must be a folder or free to be made one")]) from None
-    check_outputs(folder / "fig03.csv")

@@ -3,29 +3,33 @@
 A table that is too wide first gets headings of several lines, then becomes a block of lines for each row.
 """
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 
 from rich.cells import cell_len
 
 from armour.reporting.table import Column, Table
 from armour.reporting.text import printable
+from armour.units import ENDINGS
 
 GAP = "  "
 # Least width of a column of prose before the table becomes blocks.
 PROSE_WIDTH = 16
+# A space at which a line may end: any but the one between a number and its unit.
+BREAK = re.compile(rf"(?<!\d) | (?!(?:J|{'|'.join(ENDINGS.values())})(?!\w))")
 
 
 def rendered(items: Iterable[Table | str], room: int, *, title: str = "", bold: Callable[[str], str] = str) -> str:
     """Format tables and lines, with an empty line between a table and what stands above it."""
-    lines = [bold(printable(title))] if title else []
+    lines = [*map(bold, _wrapped(printable(title), room))] if title else []
     for index, item in enumerate(items):
         if isinstance(item, str):
-            lines.append(printable(item))
+            lines += _wrapped(printable(item), room)
             continue
         if index or (title and item.title):
             lines.append("")
         if item.title:
-            lines.append(bold(printable(item.title)))
+            lines += map(bold, _wrapped(printable(item.title), room))
         lines += _table_lines(item, room, bold)
     return "".join(f"{line.rstrip(' ')}\n" for line in lines)
 
@@ -65,7 +69,7 @@ def _longest(texts: Iterable[str]) -> int:
 
 
 def _longest_word(texts: Iterable[str]) -> int:
-    return _longest(word for text in texts for line in text.split("\n") for word in line.split(" "))
+    return _longest(word for text in texts for line in text.split("\n") for word in BREAK.split(line))
 
 
 def _shared(limits: Sequence[tuple[int, int]], room: int) -> list[int] | None:
@@ -108,7 +112,7 @@ def _wrapped(text: str, width: int) -> list[str]:
     """Wrap a text between words; a word that is too long has a line of its own."""
     lines: list[str] = []
     for paragraph in text.split("\n"):
-        line, *words = paragraph.split(" ")
+        line, *words = BREAK.split(paragraph)
         for word in words:
             if cell_len(f"{line} {word}") <= width:
                 line = f"{line} {word}"
@@ -126,7 +130,11 @@ def _blocks(table: Table, texts: Sequence[Sequence[str]], room: int) -> list[str
         found = [(column, text) for column, text in zip(table.columns, row, strict=True) if text]
         number = _longest(text for column, text in found if column.numeric)
         labels = [printable(column.label) for column, _ in found]
-        values = [f"{text:>{number}} {c.unit}".rstrip() if c.numeric else text for c, text in found]
+        values = [f"{text:>{number}}" if column.numeric else text for column, text in found]
+        values = [
+            f"{value} {column.unit}".rstrip() if value[-1].isdigit() else value
+            for value, (column, _) in zip(values, found, strict=True)
+        ]
         limits = [(_longest_word(texts), _longest(texts)) for texts in (labels, values)]
         widths = _shared(limits, room) or [least for least, _ in limits]
         lines += [""] if index else []

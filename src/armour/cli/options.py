@@ -21,8 +21,5 @@ Changes = Annotated[
     list[str] | None,
     option("Change a value of the scenario; may be given several times.", "--set", metavar="KEY=VALUE"),
 ]
-PLOT = "Draw to a .png, .svg or .pdf file."
-PlotFile = Annotated[Path | None, option(PLOT, "--plot", metavar="FILE")]
-# Of commands that write no other file.
-OnlyPlotFile = Annotated[Path | None, option(PLOT, "--plot", "-o", metavar="FILE")]
+PlotFile = Annotated[Path | None, option("Draw to a .png, .svg or .pdf file.", "--plot", metavar="FILE")]
 AsJson = Annotated[bool, option("Print one JSON object and nothing else.", "--json")]

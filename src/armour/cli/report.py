@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 
 def report(
-    source: Annotated[Path, argument("SCENARIO|SUITE", "Scenario or suite file (TOML).")],
+    source: Annotated[
+        Path, argument("SCENARIO|SUITE", "Scenario or suite file (TOML); - for a scenario on standard input.")
+    ],
     output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write, .html or .md.")] = Path(
         "report.html"
     ),
@@ -25,7 +27,7 @@ def report(
 ) -> None:
     """Write a report.
 
-    It is one file: the answer, its uncertainty, charts (in HTML) and the sources of all values.
+    One self-contained file with the answer, its uncertainty, charts (in HTML) and the sources of all values.
     """
     check_outputs(output, reads=[source])
     if problems := wrong_ending(output, (".html", ".md")):

@@ -5,9 +5,11 @@ Files are written before anything is printed, so that a reader that closes the p
 
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from typer import Exit
 from typer.core import TyperCommand, TyperGroup
 
 from armour.cli.console import say, show, show_json
@@ -24,6 +26,7 @@ CHECK_FAILED = 3
 INTERRUPTED = 130
 
 STANDARD_INPUT = "standard input"
+COMPILING = "compiling the numerical code, which takes about ten seconds"
 PLOT_ENDINGS = (".png", ".svg", ".pdf")
 
 
@@ -82,25 +85,31 @@ def respond(
     ``files`` are paths with functions that make the contents, or None where there is nothing to write.  ``chart`` makes
     the chart for ``plot`` by the functions of `armour.reporting.charts`, which it is given.
     """
-    try:
-        for path, content in files:
+
+    def drawn() -> bytes | None:
+        from armour.reporting import charts, plots
+
+        return None if plot is None or chart is None else plots.rendered(chart(charts), plot.suffix.lower())
+
+    failed: list[ArmourError] = []
+    for path, content in [*files, (plot, drawn)]:
+        try:
             if path is not None and (made := content()) is not None:
                 write(path, made)
-        if plot is not None and chart is not None:
-            from armour.reporting import charts, plots
-
-            write(plot, plots.rendered(chart(charts), plot.suffix.lower()))
-    finally:
-        # A file that cannot be made or written does not cost the answer.
-        if as_json:
-            show_json(data)
-        else:
-            show(*tables, title=title)
+        except ArmourError as error:
+            failed.append(error)
+    # The answer is shown even if a file cannot be made or written.
+    if as_json:
+        show_json(data)
+    else:
+        show(*tables, title=title)
     say(*warnings)
+    if failed:
+        raise failed[0]
 
 
 def write(path: Path, content: str | bytes) -> None:
-    """Write an output whole or not at all, and say so on standard error."""
+    """Write an output atomically, and report it on standard error."""
     write_atomic(path, content.encode() if isinstance(content, str) else content)
     say(f"wrote {path}")
 
@@ -115,15 +124,25 @@ def say_if_compiling() -> None:
     from armour.engine import cache
 
     if cache.archive_path() is None:
-        say("compiling, some ten seconds at every start: compiled code cannot be kept without a user cache directory")
+        say(f"{COMPILING} at every start: compiled code cannot be kept without a user cache directory")
     elif not cache.is_compiled():
-        say("compiling, once after an installation: some ten seconds")
+        say(COMPILING)
 
 
-class _FlagsWithoutType:
-    """Shows no type in the help beside an option without a value."""
+class _Helpful:
+    """Shows help that fits narrow terminals."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Print the help; a reader that has closed the pipe is no error, which rich ends with exit code 1."""
+        from typer import rich_utils
+
+        # Ranges stand in the descriptions: beside the types they are cut.
+        rich_utils.RANGE_STRING = ""
+        with suppress(SystemExit):
+            super().format_help(ctx, formatter)  # type: ignore[misc]
 
     def get_params(self, ctx: Any) -> list[Any]:
+        """Return the parameters; an option without a value has no type beside it."""
         params: list[Any] = super().get_params(ctx)  # type: ignore[misc]
         for param in params:
             if getattr(param, "is_flag", False):
@@ -131,12 +150,20 @@ class _FlagsWithoutType:
         return params
 
 
-class Command(_FlagsWithoutType, TyperCommand):
+class Command(_Helpful, TyperCommand):
     """A command."""
 
 
-class Reporting(_FlagsWithoutType, TyperGroup):
+class Reporting(_Helpful, TyperGroup):
     """Commands whose errors end in a message and an exit code."""
+
+    def make_context(self, *args: Any, **settings: Any) -> Any:
+        """Parse the command line."""
+        try:
+            return super().make_context(*args, **settings)
+        except KeyboardInterrupt:
+            say("interrupted")
+            raise Exit(INTERRUPTED) from None
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command; turn what it raises into a message and an exit code."""
@@ -145,8 +172,8 @@ class Reporting(_FlagsWithoutType, TyperGroup):
         except ArmourError as error:
             say(*(_located(error.problems) if isinstance(error, InputError) else [str(error)]))
             ctx.exit(NO_ANSWER if isinstance(error, NoAnswerError) else WRONG_INPUT)
-        except KeyboardInterrupt:
-            say("interrupted")
+        except KeyboardInterrupt as interrupt:
+            say("; ".join(("interrupted", *interrupt.args)))
             ctx.exit(INTERRUPTED)
 
 

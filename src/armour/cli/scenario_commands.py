@@ -3,16 +3,14 @@
 from pathlib import Path
 from typing import Annotated
 
-from armour.cli.options import AsJson, Changes, OnlyPlotFile, PlotFile, ScenarioFile, option
+from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, option
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling, warnings_of
 
 
 def simulate(
     scenario: ScenarioFile,
     velocity: Annotated[float | None, option("Impact velocity in place of the scenario's, m/s.")] = None,
-    history: Annotated[
-        Path | None, option("Write the run over time as CSV.", "--history", "-o", metavar="FILE")
-    ] = None,
+    history: Annotated[Path | None, option("Write the run over time as CSV.", "--history", metavar="FILE")] = None,
     plot: PlotFile = None,
     changes: Changes = None,
     as_json: AsJson = False,
@@ -38,7 +36,7 @@ def simulate(
 
 
 def ballistic_limit(
-    scenario: ScenarioFile, plot: OnlyPlotFile = None, changes: Changes = None, as_json: AsJson = False
+    scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = None, as_json: AsJson = False
 ) -> None:
     """Find the ballistic limit."""
     from armour.analysis import ballistic_limit as analysis
@@ -62,9 +60,7 @@ def ballistic_limit(
     )
 
 
-def compare(
-    scenario: ScenarioFile, plot: OnlyPlotFile = None, changes: Changes = None, as_json: AsJson = False
-) -> None:
+def compare(scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = None, as_json: AsJson = False) -> None:
     """Compare the model with closed-form formulas."""
     from armour.analysis import comparison
     from armour.reporting.tables.comparison import comparison_tables
@@ -88,9 +84,7 @@ def optimise(
     refine: Annotated[bool, option("Also find the best design between the values of the grid.", "--refine")] = False,
     csv: Annotated[
         Path | None,
-        option(
-            "Write the Pareto front or, where none is asked for, the frontier as CSV.", "--csv", "-o", metavar="FILE"
-        ),
+        option("Write the Pareto front or, where none is asked for, the frontier as CSV.", "--csv", metavar="FILE"),
     ] = None,
     plot: PlotFile = None,
     changes: Changes = None,
@@ -102,7 +96,7 @@ def optimise(
     """
     from armour.design import optimise as design
     from armour.reporting.table import csv_text
-    from armour.reporting.tables.design import design_tables, frontier_table, pareto_table
+    from armour.reporting.tables.design import design_tables, frontier_table, pareto_table, required_margins
 
     check_outputs(csv, plot=plot, reads=[scenario])
     loaded = read_scenario(scenario, changes)
@@ -112,7 +106,7 @@ def optimise(
     perforated = [f"a thicker ceramic was perforated on a back plate of {thicknesses} mm"] if thicknesses else []
     respond(
         result.to_dict(),
-        design_tables(result),
+        design_tables(result, required_margins(loaded)),
         as_json=as_json,
         title=loaded.title,
         files=[(csv, lambda: csv_text(pareto_table(result) if result.pareto else frontier_table(result)))],
@@ -123,7 +117,7 @@ def optimise(
 
 
 def sensitivity(
-    scenario: ScenarioFile, plot: OnlyPlotFile = None, changes: Changes = None, as_json: AsJson = False
+    scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = None, as_json: AsJson = False
 ) -> None:
     """Rank the inputs by their effect on the answers.
 
@@ -149,8 +143,8 @@ def sensitivity(
 
 def uncertainty(
     scenario: ScenarioFile,
-    samples: Annotated[int | None, option("Number of samples in place of the scenario's.", min=1)] = None,
-    plot: OnlyPlotFile = None,
+    samples: Annotated[int | None, option("Number of samples in place of the scenario's, at least 128.")] = None,
+    plot: PlotFile = None,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:

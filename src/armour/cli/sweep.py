@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from armour.analysis.quantities import QUANTITIES
 from armour.cli.console import progress, say
 from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, option
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
@@ -22,19 +21,18 @@ def sweep(
     over: Annotated[
         list[str] | None,
         option(
-            "Key of the scenario and its values, as MIN:MAX:STEP or V,V,...; may be given several times, which spans "
-            "a grid.",
+            "Key of the scenario and its values, as MIN:MAX:STEP or V,V,...; repeat it to span a grid.",
             metavar="KEY=VALUES",
         ),
     ] = None,
     cases: Annotated[
-        Path | None, option("CSV file of cases in place of --over: keys as its header.", metavar="FILE")
+        Path | None, option("CSV file of cases, instead of --over; its header names the keys.", metavar="FILE")
     ] = None,
     quantities: Annotated[
-        str, typer.Option(metavar="NAME,...", help=f"Quantities to compute: {', '.join(QUANTITIES)}.")
+        str, option("Quantities to compute, of those listed below; ballistic limit by default.", metavar="NAME,...")
     ] = "ballistic_limit_m_s",
     plot: PlotFile = None,
-    threads: Annotated[int | None, option("Number of threads; by default one per core.", min=1)] = None,
+    threads: Annotated[int | None, option("Threads, at least 1; by default one per core.", min=1)] = None,
     scheduler: Annotated[
         str, option('Compute on the Dask cluster at this address; "local" starts one.', metavar="ADDRESS")
     ] = "",
@@ -55,7 +53,10 @@ def sweep(
     say_if_compiling()
     with connected(scheduler) if scheduler else nullcontext() as client, progress("rows", source.count) as count:
         compute = sweeps.in_process(threads) if client is None else on_cluster(client)
-        rows = sweeps.sweep(loaded, source, names, output, compute=compute, on_chunk=lambda n, _stored: count(n))
+        try:
+            rows = sweeps.sweep(loaded, source, names, output, compute=compute, on_chunk=lambda n, _stored: count(n))
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt("repeat the same command to resume") from None
     say(f"wrote {output}: {rows} rows")
     respond(
         {"rows": rows, "output": str(output)},
@@ -71,13 +72,15 @@ def _source(over: list[str], cases: Path | None) -> "Grid | Cases":
     from armour.sweeps.cases import Cases, Grid, axis_of
 
     if (cases is None) == (not over):
-        raise InputError([Problem("sweep", "--over", "must be given, or --cases, and not both")])
+        raise InputError([Problem("sweep", "", "give either --over or --cases")])
     return Grid(tuple(axis_of(text) for text in over)) if cases is None else Cases(cases)
 
 
 def _check_plot(source: "Grid | Cases", names: list[str]) -> None:
     from armour.sweeps.cases import Grid
 
-    if not isinstance(source, Grid) or len(source.axes) not in (1, 2) or names[0] == "outcome":
-        message = "draws the first quantity, a number, over one or two --over"
-        raise InputError([Problem("sweep", "--plot", message)])
+    found = len(source.axes) if isinstance(source, Grid) else 0
+    if found not in (1, 2):
+        raise InputError([Problem("sweep", "", f"--plot needs one or two --over keys, found {found or 'none'}")])
+    if names[0] == "outcome":
+        raise InputError([Problem("sweep", "", "--plot cannot draw outcome, which is not a number")])

@@ -22,22 +22,16 @@ def validate(
     only: Annotated[str, option("Check only cases whose name contains the text.", metavar="TEXT")] = "",
     changes: Annotated[
         list[str] | None,
-        option(
-            "Change a value of every scenario, such as model.shear_perimeter=projectile; may be given several times.",
-            "--set",
-            metavar="KEY=VALUE",
-        ),
+        option("Change a value of every scenario; may be given several times.", "--set", metavar="KEY=VALUE"),
     ] = None,
-    update: Annotated[bool, option("List the computed values and write them into the suite.", "--update")] = False,
-    markdown: Annotated[
-        Path | None, option("Write the result as Markdown.", "--markdown", "-o", metavar="FILE")
-    ] = None,
+    update: Annotated[bool, option("Write the computed values into the suite, and exit with 0.", "--update")] = False,
+    markdown: Annotated[Path | None, option("Write the result as Markdown.", "--markdown", metavar="FILE")] = None,
     junit: Annotated[Path | None, option("Write the result as JUnit XML.", "--junit", metavar="FILE")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Check the model against a suite of cases.
 
-    Exits with 3 where a value lies outside its band.
+    Exits with 3 where a value lies outside its band. With --update, the tables have the values before the update.
     """
     from armour.reporting.junit import suite_junit
     from armour.reporting.markdown import markdown_report
@@ -57,6 +51,7 @@ def validate(
         result.to_dict(),
         _tables(result),
         as_json=as_json,
+        title="values before the update" if update else "",
         files=[
             (markdown, lambda: markdown_report(suite_report(result))),
             (junit, lambda: suite_junit(result)),

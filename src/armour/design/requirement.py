@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from armour.analysis.searches import lowest_limits
+from armour.analysis.searches import DENSE_SCAN_POINTS, lowest_limits, lowest_perforated
 from armour.analysis.variants import Bools, Floats, Variants, perforated
 from armour.design.catalogue import Candidates, Catalogue
 from armour.scenario.schema import FASTEST_M_S
@@ -33,7 +33,8 @@ class Requirement:
         """Return the lowest ballistic limits of designs against each threat, m/s, (designs, threats).
 
         The search extends beyond the range of the section ``ballistic_limit`` to 20 m/s and 10,000 m/s; a limit beyond
-        these is set to the nearer one.
+        these is set to the nearer one.  Where it reaches the velocity required, the velocities below that are scanned
+        more densely; the lowest that perforates is then the limit.
         """
         section = self.catalogue.scenario.ballistic_limit
         slowest = min(section.velocity_min_m_s, SLOWEST_M_S)
@@ -48,7 +49,11 @@ class Requirement:
                 where = np.flatnonzero(found == outside)
                 if len(where) and low < high:
                     found[where] = self._counted(variants.at(where), low, high)
-            limits[:, threat] = found.clip(slowest, FASTEST_M_S)
+            found = found.clip(slowest, FASTEST_M_S)
+            where = np.flatnonzero(found >= variants.velocities)
+            self.runs += len(where) * (DENSE_SCAN_POINTS - 1)
+            limits[:, threat] = found
+            limits[where, threat] = np.minimum(found[where], lowest_perforated(variants.at(where), slowest))
         return limits
 
     def _counted(self, variants: Variants, low: float, high: float) -> Floats:

@@ -118,9 +118,7 @@ def _computed(
         kernel(*(array[part] for array in inputs), settings, counts[part], ends[part])
 
     starts = range(0, count, PORTION)
-    # os.process_cpu_count is new in Python 3.13; both return None where the number of cores is unknown.
-    cores = getattr(os, "process_cpu_count", os.cpu_count)() or 1
-    workers = min(threads or cores, len(starts))
+    workers = min(threads or available_cores(), len(starts))
     if workers <= 1:
         for start in starts:
             compute(start)
@@ -128,3 +126,11 @@ def _computed(
         with ThreadPoolExecutor(workers) as pool:
             list(pool.map(compute, starts))
     return counts, ends
+
+
+def available_cores() -> int:
+    """Return the number of cores that this process may use."""
+    # os.process_cpu_count is new in Python 3.13; not every system can restrict a process to some cores.
+    if not hasattr(os, "process_cpu_count") and hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return getattr(os, "process_cpu_count", os.cpu_count)() or 1

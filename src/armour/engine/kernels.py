@@ -10,7 +10,6 @@ from typing import Any
 import numba
 from numba import types
 from numba.extending import overload_method, register_jitable
-from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from armour.core import equations, events, rk4, run, search, stages, state, stepping
 from armour.core.state import Parameters
@@ -42,9 +41,10 @@ def replace_ceramic_thickness(p: Any, Hc0: Any) -> Any:  # noqa: ARG001 (numba g
 
 
 @register_jitable
-def parameters_at(rows: Any, i: int) -> Any:
+def parameters_at(rows: Any, i: int) -> Parameters:
     """Return row i as `Parameters`."""
-    return Parameters(*to_fixed_tuple(rows[i], 12), int(rows[i, 12]))  # type: ignore[call-arg]
+    r = rows[i]
+    return Parameters(r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], r[9], r[10], r[11], int(r[12]))
 
 
 def impacts(rows: Any, velocities: Any, settings: Any, counts: Any, ends: Any) -> None:

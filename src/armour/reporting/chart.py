@@ -107,7 +107,7 @@ class Rule(Series):
 
 @dataclass(frozen=True)
 class Spans(Series):
-    """Ranges of the x axis, shaded in turn and named where there is room."""
+    """Ranges of an x axis with limits, shaded in turn and named where there is room."""
 
     starts: Sequence[float]
     ends: Sequence[float]
@@ -126,14 +126,13 @@ class Map(Series):
 
 @dataclass(frozen=True)
 class Contours(Series):
-    """Labelled lines of equal value over a grid; ``at`` is where labels go, as a part of the x axis."""
+    """Labelled lines of equal value over a grid."""
 
     x: Sequence[float]
     y: Sequence[float]
     z: Sequence[Numbers]
     style: str = "solid"
     levels: int = 6
-    at: float = 0.5
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,7 +35,8 @@ from armour.reporting.chart import (
     Spans,
     Style,
 )
-from armour.reporting.tables.impact import STAGES
+from armour.reporting.tables.design import COST, MARGIN, THICKNESS
+from armour.reporting.tables.impact import AREAL_DENSITY, STAGES, energy_table
 from armour.reporting.tables.statistics import deviation_percent
 from armour.reporting.text import percent, spelt
 from armour.scenario.parameters import BACKING, CERAMIC, ROLES, VELOCITY
@@ -45,7 +47,7 @@ if TYPE_CHECKING:
     from armour.analysis.comparison import Comparison
     from armour.analysis.energy import EnergyBalance
     from armour.analysis.impact import ImpactResult
-    from armour.design.optimise import Design, DesignResult, Pair
+    from armour.design.optimise import Design, DesignResult
     from armour.scenario.loading import Scenario
     from armour.statistics.calibration import CalibrationResult, Residual
     from armour.statistics.sensitivity import SensitivityResult
@@ -62,10 +64,16 @@ SLOW = 0.05
 MOSTLY_FROM_ZERO = 0.3
 # Width of a column of a two-column page, inches.
 COLUMN_INCHES = 3.45
-# Look of the best design.
+# Looks of the best designs, on the grid and between its values.
 BEST: dict[str, Any] = {"marker": "*", "size": 11.0, "colour": VERMILION}
+REFINED: dict[str, Any] = {"marker": "D", "colour": ORANGE}
 # Pairs of materials beside the best that are marked, and rows of bars.
-MAX_PAIRS, MAX_ROWS = 4, 40
+MAX_PAIRS, MAX_ROWS = 11, 40
+# What designs are compared by, named as in their tables.
+CRITERIA = {
+    column.key: Axis(column.label, column.unit, spec=spec)
+    for column, spec in ((AREAL_DENSITY, ".2f"), (THICKNESS, ".5g"), (COST, ",.2f"), (MARGIN, "+.1f"))
+}
 # Probabilities between which the curve of a chart is shown whole.
 SHOWN_PROBABILITY = 0.002
 
@@ -83,12 +91,6 @@ def quantity_axis(name: str, **options: Any) -> Axis:
     return Axis(words, unit, **options)
 
 
-def _axis(heading: str, **options: Any) -> Axis:
-    """Return the axis of a heading "label, unit"."""
-    label, comma, unit = heading.rpartition(", ")
-    return Axis(label, unit, **options) if comma else Axis(heading, **options)
-
-
 def _velocity_rule(label: str, velocity: float, colour: str, style: Style = "-", more: str = "") -> Rule:
     """Return a line at a velocity, with its value in the legend."""
     return Rule(velocity, style, label=f"{label} {velocity:.1f} m/s{more}", colour=colour)
@@ -103,23 +105,12 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
     shown = min(result.duration_us, 1.5 * float(slow[0])) if slow.size else result.duration_us
     seen = history.time_us <= shown
     time = history.time_us[seen].tolist()
-    curves: list[tuple[Axis, float, list[tuple[str, Floats, str, Style]]]] = [
-        (
-            Axis("velocity", "m/s"),
-            1.1,
-            [
-                ("projectile V", history.velocity_m_s, BLUE, "-"),
-                ("penetration U", history.penetration_velocity_m_s, ORANGE, "--"),
-                ("target W", history.target_velocity_m_s, GREEN, "-."),
-            ],
-        ),
-        (Axis("rod length", "mm", from_zero=True), 0.65, [("rod length L", history.length_mm, INK, "-")]),
-        (
-            Axis("depth, bulge", "mm"),
-            0.75,
-            [("depth Z", history.depth_mm, PURPLE, "-"), ("bulge h", history.bulge_height_mm, VERMILION, "-.")],
-        ),
-    ]
+    velocities = {
+        "projectile V": history.velocity_m_s,
+        "penetration U": history.penetration_velocity_m_s,
+        "target W": history.target_velocity_m_s,
+    }
+    depths = {"depth Z": history.depth_mm, "bulge h": history.bulge_height_mm}
     x = Axis("time since impact", "µs", limits=(0.0, max(shown, 1e-9)))
     stages = [stage for stage in result.stages if stage.start_us < shown]
     names = tuple(stage.stage for stage in stages)
@@ -127,10 +118,15 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
     ends = [min(stage.end_us, shown) for stage in stages]
     spans = Spans([stage.start_us for stage in stages], ends, names, text=tuple(words))
     panels: list[Panel] = []
-    for y, height, drawn in curves:
+    colours = iter((BLUE, ORANGE, GREEN, INK, PURPLE, VERMILION))
+    for y, height, curves in (
+        (Axis("velocity", "m/s"), 1.1, velocities),
+        (Axis("rod length", "mm", from_zero=True), 0.65, {"rod length L": history.length_mm}),
+        (Axis("depth, bulge", "mm"), 0.75, depths),
+    ):
         lines = (
-            Line(time, values[seen].tolist(), style, label=label, colour=colour)
-            for label, values, colour, style in drawn
+            Line(time, values[seen].tolist(), style, label=label, colour=next(colours))
+            for (label, values), style in zip(curves.items(), STYLES, strict=False)
         )
         panels.append(Panel(x, y, (spans, *lines), height=height, shares_x=bool(panels)))
         # The first panel alone names the stages.
@@ -138,8 +134,9 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
     outcome = f"{result.outcome} at {result.impact_velocity_m_s:g} m/s"
     if result.outcome == "perforated":
         outcome += f", residual velocity {result.residual_velocity_m_s:.1f} m/s"
-    described = "; ".join(f"{name} {STAGES[name]}" for name in dict.fromkeys(names)).replace("; rod", ", rod")
-    return Chart(f"{title}\n{outcome}".strip(), tuple(panels), f"Stages: {described}", width=6.0)
+    # The caption names every stage: some are too narrow for a name above the panel, or start after the time shown.
+    parts = (f"{s.stage} from {s.start_us:.3g} µs, {STAGES[s.stage].replace(';', ',')}" for s in result.stages)
+    return Chart(f"{title}\n{outcome}".strip(), tuple(panels), f"Stages: {'; '.join(parts)}.", width=6.0)
 
 
 def limit_chart(limit: "LimitResult", curve: Sequence["ImpactResult"], title: str) -> Chart:
@@ -164,67 +161,63 @@ def design_chart(result: "DesignResult", title: str) -> Chart:
     frontier = frontier_chart(result, title)
     if not result.pareto:
         return frontier
-    named = {_pair(item) for item in (result.best, *_others(result))}
+    named = {"best", _pair(result.best), *(name for name, *_ in _others(result))}
     [front] = pareto_chart(result, "").panels
     series = tuple(replace(item, label="") if item.label in named else item for item in front.series)
     return replace(frontier, panels=(*frontier.panels, replace(front, series=series, title="Pareto front")))
 
 
-def _others(result: "DesignResult") -> list["Pair"]:
-    """Return the pairs of materials beside the best that are marked."""
-    return [pair for pair in result.pairs if pair.best is not None and pair.reason][:MAX_PAIRS]
+def _others(result: "DesignResult") -> Sequence[tuple[str, str, "Design"]]:
+    """Return the pairs of materials beside the best that are marked: their names, why they lose and their designs."""
+    found = [(_pair(pair), pair.reason, pair.best) for pair in result.pairs if pair.best is not None and pair.reason]
+    return found[:MAX_PAIRS]
 
 
 def _looks(result: "DesignResult") -> dict[str, dict[str, Any]]:
     """Return colour and marker of every pair of materials."""
-    names = dict.fromkeys(_pair(item) for item in (result.best, *_others(result), *result.pareto))
-    return {name: _look(index) for index, name in enumerate(names)}
+    names = [_pair(result.best), *(name for name, *_ in _others(result)), *map(_pair, result.pareto)]
+    return {name: _look(index) for index, name in enumerate(dict.fromkeys(names))}
 
 
 def _look(index: int) -> dict[str, Any]:
-    """Return colour and marker of one of several series."""
-    return {"colour": COLOURS[index % len(COLOURS)], "marker": MARKERS[index % len(MARKERS)]}
+    """Return colour and marker of one of several series; when colours repeat, they have other markers."""
+    turn, colour = divmod(index, len(COLOURS))
+    return {"colour": COLOURS[colour], "marker": MARKERS[(colour + turn) % len(MARKERS)]}
 
 
 def frontier_chart(result: "DesignResult", title: str) -> Chart:
-    """Describe areal density and required ceramic over the back plate, with the best designs of other pairs."""
-    looks = _looks(result)
-    backing = [design.backing_thickness_mm for design in result.frontier]
-    text = [_design_text(design) for design in result.frontier]
+    """Describe the criterion minimised and the required ceramic over the back plate, for the best pair and others."""
+    x = quantity_axis(BACKING)
+    # The legend is that of the first panel.
+    required = tuple(replace(item, label="") for item in _frontier(result, "ceramic_thickness_mm"))
+    panels = (
+        Panel(x, CRITERIA[result.minimised], _frontier(result, result.minimised)),
+        Panel(x, quantity_axis("required_ceramic_thickness_mm"), required, shares_x=True),
+    )
+    pairs = sum(pair.best is not None for pair in result.pairs)
+    left_out = f"The best {MAX_PAIRS + 1} of {pairs} pairs of materials are shown." if pairs > MAX_PAIRS + 1 else ""
+    return Chart(title, panels, left_out)
+
+
+def _frontier(result: "DesignResult", key: str) -> tuple[Series, ...]:
+    """Describe a quantity of the frontier, of the best designs of other pairs and of the best of all."""
+    looks, pair = _looks(result), _pair(result.best)
+    text = [_design_text(design, result.minimised) for design in result.frontier]
     if len(result.threats) > 1:
         governed = zip(text, result.frontier_governed_by, strict=True)
         text = [f"{words}\ngoverned by {threat}" for words, threat in governed]
-    name = _pair(result.best)
-    line: dict[str, Any] = {"marker": "o", "colour": looks[name]["colour"], "text": tuple(text)}
-    areal: list[Series] = [
-        Line(backing, [design.areal_density_kg_m2 for design in result.frontier], label=name, **line)
-    ]
-    required: list[Series] = [Line(backing, [design.ceramic_thickness_mm for design in result.frontier], **line)]
-    for pair in _others(result):
-        assert pair.best is not None
-        label = f"{_pair(pair)}: {pair.reason}"
-        areal.append(_mark(pair.best, "areal_density_kg_m2", _pair(pair), label, looks[_pair(pair)], filled=False))
-    marked: list[tuple[str, Design | None, dict[str, Any]]] = [
-        ("best", result.best, BEST),
-        ("refined", result.refined, {"marker": "D", "colour": ORANGE}),
-    ]
-    for name, design, look in marked:
-        if design is not None:
-            label = f"{name}: {_thicknesses(design)}, {design.areal_density_kg_m2:.2f} kg/m²"
-            areal.append(_mark(design, "areal_density_kg_m2", name, label, look))
-            required.append(_mark(design, "ceramic_thickness_mm", name, "", look))
-    x = quantity_axis(BACKING)
-    panels = (
-        Panel(x, quantity_axis("areal_density_kg_m2"), tuple(areal)),
-        Panel(x, quantity_axis("required_ceramic_thickness_mm"), tuple(required), shares_x=True),
-    )
-    return Chart(title, panels)
-
-
-def _mark(design: "Design", y: str, name: str, label: str, look: Mapping[str, Any], **more: Any) -> Points:
-    """Describe a design as a point over its back plate."""
-    words = (f"{name}\n{_design_text(design)}",)
-    return Points([design.backing_thickness_mm], [getattr(design, y)], label=label, text=words, **look, **more)
+    marks = [(*other, {"filled": False, **looks[other[0]]}) for other in _others(result)]
+    marks.append(("best", _design_text(result.best, result.minimised), result.best, BEST))
+    if result.refined is not None:
+        marks.append(("refined", _design_text(result.refined, result.minimised), result.refined, REFINED))
+    backing = [design.backing_thickness_mm for design in result.frontier]
+    values = [getattr(design, key) for design in result.frontier]
+    series: list[Series] = [Line(backing, values, label=pair, text=tuple(text), **looks[pair])]
+    for name, detail, design, look in marks:
+        words = (f"{name}\n{_design_text(design, result.minimised)}",)
+        place = [design.backing_thickness_mm], [getattr(design, key)]
+        series.append(Points(*place, label=f"{name}: {detail}", text=words, **look))
+    return tuple(series)
 
 
 def pareto_chart(result: "DesignResult", title: str) -> Chart:
@@ -233,25 +226,23 @@ def pareto_chart(result: "DesignResult", title: str) -> Chart:
     x, y = result.criteria[:2]
     series: list[Series] = []
     for name, designs in _grouped(result.pareto, _pair).items():
-        text = tuple(f"{name}\n{_design_text(design)}" for design in designs)
+        text = tuple(f"{name}\n{_design_text(design, *result.criteria)}" for design in designs)
         xs, ys = ([getattr(design, key) for design in designs] for key in (x, y))
         series.append(Points(xs, ys, filled=False, label=name, text=text, **looks[name]))
     best = [getattr(result.best, x)], [getattr(result.best, y)]
-    series.append(Points(*best, text=(f"best\n{_design_text(result.best)}",), **BEST))
-    return Chart(title, (Panel(quantity_axis(x), quantity_axis(y), tuple(series)),))
+    words = (f"best\n{_design_text(result.best, *result.criteria)}",)
+    series.append(Points(*best, label="best", text=words, **BEST))
+    return Chart(title, (Panel(CRITERIA[x], CRITERIA[y], tuple(series)),))
 
 
 def _pair(item: Any) -> str:
     return f"{item.ceramic} on {item.backing}" if item.ceramic else str(item.backing)
 
 
-def _thicknesses(design: "Design") -> str:
-    return f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm"
-
-
-def _design_text(design: "Design") -> str:
-    words = f"{_thicknesses(design)}, {design.areal_density_kg_m2:.2f} kg/m²"
-    return words + (f", {design.cost_per_m2:,.2f} per m²" if design.cost_per_m2 > 0.0 else "")
+def _design_text(design: "Design", *criteria: str) -> str:
+    """Return the thicknesses of a design and its values of criteria."""
+    values = (f"{CRITERIA[key].label} {CRITERIA[key].text(getattr(design, key))}" for key in criteria)
+    return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])
 
 
 def figure_chart(figure: "Figure") -> Chart:
@@ -267,7 +258,7 @@ def figure_chart(figure: "Figure") -> Chart:
         series.append(Points(xs, ys, marker, size, label=mark.label, colour=colours.get(mark.of, SOFT)))
     shown = [value for curve in figure.curves for value in curve.values if value is not None]
     from_zero = bool(shown) and min(shown) < MOSTLY_FROM_ZERO * max(shown)
-    x, y = _axis(figure.x_label, limits=(figure.x[0], figure.x[-1])), _axis(figure.y_label, from_zero=from_zero)
+    x, y = Axis(figure.x_label, limits=(figure.x[0], figure.x[-1])), Axis(figure.y_label, from_zero=from_zero)
     return Chart(figure.title, (Panel(x, y, tuple(series)),), width=COLUMN_INCHES)
 
 
@@ -339,26 +330,28 @@ def comparison_chart(result: "Comparison", title: str) -> Chart:
     return Chart(title, (_residual_velocity_panel(series),))
 
 
-def calibration_chart(result: "CalibrationResult", title: str) -> Chart:
+def calibration_chart(result: "CalibrationResult", _title: str = "") -> Chart:
     """Describe computed over measured values, and the deviations test by test, fitted and left out."""
-    labels = {"": "measured", "at least": "defeated at", "at most": "perforated at"}
+    words = {"": "measured", "at least": "defeated at", "at most": "perforated at"}
     panels = []
     for quantity, residuals in _grouped(result.residuals, lambda residual: residual.quantity).items():
-        by_bound = _grouped(residuals, lambda residual: labels[residual.bound])
+        by_bound = _grouped(residuals, lambda residual: residual.bound)
         groups = {
-            label: [(residual.test, label, residual.measured, residual.computed) for residual in by_bound[label]]
-            for label in labels.values()
-            if label in by_bound
+            words[bound] if bound else "tests": [
+                (residual.test, words[bound], residual.measured, residual.computed) for residual in by_bound[bound]
+            ]
+            for bound in words
+            if bound in by_bound
         }
         panels.append(_agreement_panel(quantity, "measured", groups))
-        if "measured" in by_bound:
-            panels.append(_deviation_panel(quantity, by_bound["measured"]))
-    return Chart(title, tuple(panels))
+        if "" in by_bound:
+            panels.append(_deviation_panel(quantity, by_bound[""]))
+    return Chart(f"Calibration to {Path(result.tests).name}", tuple(panels))
 
 
 def _deviation_panel(quantity: str, residuals: Sequence["Residual"]) -> Panel:
     """Describe deviations from measured values as bars; of many tests those with the largest."""
-    title = f"deviation of the {quantity_axis(quantity).label}"
+    title = f"Deviation of the {quantity_axis(quantity).label}"
     shown = list(residuals)
     if len(shown) > MAX_ROWS:
         shown = sorted(shown, key=lambda r: -abs(deviation_percent(r.computed, r.measured) or 0.0))[:MAX_ROWS]
@@ -368,31 +361,29 @@ def _deviation_panel(quantity: str, residuals: Sequence["Residual"]) -> Panel:
         "leave-one-out": [deviation_percent(residual.left_out, residual.measured) for residual in shown],
     }
     x, names = Axis("deviation", "%", spec="+.2f"), tuple(residual.test for residual in shown)
-    return _bars_panel(x, names, values, (BLUE, ORANGE), title)
+    return _bars_panel(x, names, values, title)
 
 
 def _bars_panel(
-    x: Axis, names: tuple[str, ...], values: Mapping[str, Sequence[float | None]], colours: Sequence[str], title: str
+    x: Axis, names: tuple[str, ...], values: Mapping[str, Sequence[float | None]], title: str = "", start: float = 0.0
 ) -> Panel:
-    """Describe several values of each name as bars from zero."""
-    series: list[Series] = [Rule(0.0, colour=INK)]
+    """Describe several values of each name as bars side by side; from a start other than zero, in one row."""
+    series: list[Series] = [Rule(start, colour=INK)]
     for slot, (label, ends) in enumerate(values.items()):
-        series.append(Bars([0.0] * len(ends), ends, slot, len(values), label=label, colour=colours[slot]))
+        place = (slot, len(values)) if start == 0.0 else (0, 1)
+        series.append(Bars([start] * len(ends), ends, *place, label=label, colour=COLOURS[slot % len(COLOURS)]))
     return Panel(x, Axis(categories=names), tuple(series), title)
 
 
 def sensitivity_chart(result: "SensitivityResult", title: str) -> Chart:
     """Describe the elasticities of every answer as bars, the inputs of the largest on top."""
     answers = [name for name, value in result.answers.items() if value is not None]
-
-    def largest(elasticities: Mapping[str, float | None]) -> float:
-        return max((abs(elasticities[name] or 0.0) for name in answers), default=0.0)
-
-    inputs = sorted(result.inputs, key=lambda item: -largest(item.elasticities))
+    largest = [max((abs(item.elasticities[name] or 0.0) for name in answers), default=0.0) for item in result.inputs]
+    inputs = [result.inputs[index] for index in np.argsort(-np.array(largest), kind="stable")]
     names = tuple(quantity_axis(item.input).label for item in inputs)
     values = {quantity_axis(answer).label: [item.elasticities[answer] for item in inputs] for answer in answers}
     x = Axis("change per % of the input", "%", spec="+.3f")
-    return Chart(title, (_bars_panel(x, names, values, COLOURS, ""),))
+    return Chart(title, (_bars_panel(x, names, values),))
 
 
 def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
@@ -426,7 +417,8 @@ def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
         quantity_axis(VELOCITY, limits=(low, high)),
         Axis("probability of complete penetration", limits=(-0.02, 1.02)),
     )
-    return Chart(shots.file, (Panel(*axes, tuple(series), height=1.1),), f"Bars at one half are {between}s of V50.")
+    title, note = f"V50 of the shots in {Path(shots.file).name}", f"Bars at one half are {between}s of V50."
+    return Chart(title, (Panel(*axes, tuple(series), height=1.1),), note)
 
 
 def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Chart:
@@ -450,74 +442,68 @@ def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Char
         ),
     ]
     uncertain = [velocity for velocity, value, *_ in points if SHOWN_PROBABILITY < value < 1.0 - SHOWN_PROBABILITY]
-    swings = [limit for index in result.inputs for limit in index.limits_m_s]
-    x = Axis("velocity", "m/s", limits=_span([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *swings]))
+    changed = [limit for index in result.inputs for limit in index.limits_m_s]
+    limits = _span([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *changed])
+    x = Axis("velocity", "m/s", limits=limits)
     panels = [Panel(x, Axis("probability of perforation", limits=(0.0, 1.0)), tuple(series))]
     if result.inputs:
         names = tuple(quantity_axis(index.input).label for index in result.inputs)
-        bars: list[Series] = []
-        for side, (quantile, colour) in enumerate((("5 %", ORANGE), ("95 %", PURPLE))):
-            limits = [index.limits_m_s[side] for index in result.inputs]
-            text = tuple(
-                f"{name} at its {quantile} quantile\nballistic limit {limit:.1f} m/s"
-                for name, limit in zip(names, limits, strict=True)
-            )
-            label = f"input at its {quantile} quantile"
-            bars.append(Bars([found] * len(limits), limits, label=label, colour=colour, text=text))
+        values = {
+            f"input at its {quantile} quantile": [index.limits_m_s[side] for index in result.inputs]
+            for side, quantile in enumerate(("5 %", "95 %"))
+        }
         title = "Ballistic limit with one input changed"
-        bars.append(Rule(found, colour=INK))
-        panels.append(Panel(x, Axis(categories=names), tuple(bars), title, height=0.5, shares_x=True))
+        swings = _bars_panel(x, names, values, title, found)
+        panels.append(replace(swings, shares_x=True))
     return Chart(scenario.title, tuple(panels))
 
 
 def energy_chart(energy: "EnergyBalance") -> Chart:
     """Describe the projectile's loss of kinetic energy, stage by stage."""
-    categories = (*(f"{index}. stage {row.stage}" for index, row in enumerate(energy.rows, start=1)), "left")
-    parts = (
-        ("carried off by eroded material", "carried off", ORANGE, [*(row.eroded for row in energy.rows), 0.0]),
-        ("braking the rod", "braking", BLUE, [*(row.braked for row in energy.rows), 0.0]),
-        ("left in the projectile", "in the projectile", SOFT, [*(0.0 for _ in energy.rows), energy.left]),
-    )
+    categories = (*(f"{index}. stage {row.stage}" for index, row in enumerate(energy.rows, start=1)), "remaining")
+    _, eroded, braked, *_ = (column.label for column in energy_table(energy).columns)
+    looks = ((eroded, ORANGE), (braked, BLUE), ("remaining in the projectile", SOFT))
+    parts = np.array([*((row.eroded, row.braked, 0.0) for row in energy.rows), (0.0, 0.0, energy.left)])
+    share = 100.0 / energy.before if energy.before > 0.0 else 0.0
     series = []
-    starts, share = [0.0] * len(categories), 100.0 / energy.before if energy.before > 0.0 else 0.0
-    for label, short, colour, values in parts:
-        text = tuple(
-            f"{name}: {short}\n{value:.2f} J, {share * value:.1f} %"
-            for name, value in zip(categories, values, strict=True)
-        )
-        ends = [start + value for start, value in zip(starts, values, strict=True)]
-        series.append(Bars(starts, ends, label=label, colour=colour, text=text))
-        starts = ends
+    for (label, colour), values, ends in zip(looks, parts.T, parts.cumsum(axis=1).T, strict=True):
+        shown = zip(categories, values, strict=True)
+        text = tuple(f"{name}: {label}\n{value:.2f} J, {share * value:.1f} %" for name, value in shown)
+        series.append(Bars((ends - values).tolist(), ends.tolist(), label=label, colour=colour, text=text))
     x = Axis("kinetic energy", "J", from_zero=True)
     return Chart("Where the projectile's energy went", (Panel(x, Axis(categories=categories), tuple(series)),))
 
 
 def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, scenario: "Scenario") -> Chart:
-    """Describe a quantity over the one or two keys of a sweep: a curve, or a map with contours.
-
-    Over both thicknesses lines of equal areal density are added.  The columns of the sweep are in the order of its
-    grid.
-    """
+    """Describe a quantity over one key of a sweep, as a curve, or two, as a map; thicknesses have areal densities."""
     axes = [quantity_axis(key) for key in keys]
     answer = quantity_axis(name)
+    title = _sweep_title(answer.label, *(axis.label for axis in axes))
     if len(keys) == 1:
         values = _or_none(table[name])
-        return Chart(scenario.title, (Panel(axes[0], answer, (Line(table[keys[0]].tolist(), values),), height=1.1),))
+        return Chart(title, (Panel(axes[0], answer, (Line(table[keys[0]].tolist(), values),), height=1.1),))
     x, y = (np.unique(table[key]) for key in keys)
     z = np.full((len(y), len(x)), np.nan)
     z[np.searchsorted(y, table[keys[1]]), np.searchsorted(x, table[keys[0]])] = table[name]
     rows = [_or_none(row) for row in z]
     series: list[Series] = [Map(x.tolist(), y.tolist(), rows, answer.heading)]
     if min(z.shape) > 1 and np.isfinite(z).any() and np.nanmin(z) < np.nanmax(z):
-        series.append(Contours(x.tolist(), y.tolist(), rows, levels=8, at=0.3, colour=INK))
-    note = ""
+        label = f"lines of equal {answer.heading}"
+        series.append(Contours(x.tolist(), y.tolist(), rows, levels=8, label=label, colour=INK))
     if set(keys) == {CERAMIC, BACKING} and min(z.shape) > 1:
         ceramic, backing = np.meshgrid(x, y) if keys[0] == CERAMIC else np.meshgrid(x, y)[::-1]
         armour = scenario.core_armour()
-        areal = armour.rho_c * MM * ceramic + armour.rho_B * MM * backing
-        series.append(Contours(x.tolist(), y.tolist(), areal.tolist(), "dashed", 5, 0.8, colour=VERMILION))
-        note = "Dashed lines: equal areal density, kg/m²."
-    return Chart(scenario.title, (Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
+        areal = (armour.rho_c * MM * ceramic + armour.rho_B * MM * backing).tolist()
+        label = f"lines of equal {CRITERIA[AREAL_DENSITY.key].heading}"
+        series.append(Contours(x.tolist(), y.tolist(), areal, "dashed", 5, label=label, colour=VERMILION))
+    return Chart(title, (Panel(axes[0], axes[1], tuple(series), height=1.2),))
+
+
+def _sweep_title(answer: str, first: str, second: str = "") -> str:
+    """Return the title of a sweep, in which a noun that both keys end in stands once."""
+    noun = second.rpartition(" ")[2]
+    over = f"{first.removesuffix(f' {noun}')} and {second}" if second else first
+    return f"{answer[:1].upper()}{answer[1:]} over {over}"
 
 
 def _or_none(values: Floats) -> list[float | None]:

@@ -1,5 +1,6 @@
 """Contents of a report on a scenario: its answer, with the results that explain it and say how reliable it is."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
@@ -29,18 +30,15 @@ class Contents:
     entries: tuple[LibraryEntry, ...]  # projectile and materials
     warnings: tuple[str, ...]
 
-    @property
-    def margin_m_s(self) -> float | None:
-        """Return the ballistic limit less the threat's velocity."""
-        return None if self.limit is None else self.limit.ballistic_limit_m_s - self.answer.impact.velocity_m_s
-
 
 def contents_of(scenario: Scenario) -> Contents:
     """Answer a scenario and gather the results that a report shows."""
     asked = scenario.optimise is not None or scenario.design is not None or bool(scenario.threat)
     design = optimise(scenario) if asked else None
     answer = scenario if design is None else _with_best(scenario, design)
-    impact = simulate(answer, history=True)
+    impact, limit = simulate(answer, history=True), None
+    with suppress(NoLimitError):
+        limit = ballistic_limit(answer)
     sampled = scenario.uncertainty is not None and scenario.uncertainty.inputs()
     misplaced = _misplaced(scenario, answer)
     return Contents(
@@ -48,7 +46,7 @@ def contents_of(scenario: Scenario) -> Contents:
         answer=answer,
         design=design,
         impact=impact,
-        limit=_limit(answer),
+        limit=limit,
         energy=energy_balance(answer, impact),
         sensitivity=sensitivity(answer),
         uncertainty=uncertainty(answer) if sampled and not misplaced else None,
@@ -76,13 +74,6 @@ def _with_best(scenario: Scenario, result: DesignResult) -> Scenario:
     own = inputs_of(answer)
     different = {name: value for name, value in densities.items() if value != own[name]}
     return with_inputs(answer, different) if different else answer
-
-
-def _limit(scenario: Scenario) -> LimitResult | None:
-    try:
-        return ballistic_limit(scenario)
-    except NoLimitError:
-        return None
 
 
 def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[str, ...]:

@@ -1,12 +1,20 @@
 """Reports as one self-contained HTML file, without scripts."""
 
+from itertools import product
+from operator import mul
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from armour.reporting.chart import Chart
 from armour.reporting.inline_svg import inline_svg
 from armour.reporting.report import Report
+from armour.reporting.text import unbroken
+
+# Heights of a heading and of a character of a note, in the points of a chart.
+HEADING_POINTS, NOTE_POINTS = 40.0, 0.2
 
 
 def html_report(report: Report) -> str:
@@ -14,18 +22,28 @@ def html_report(report: Report) -> str:
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
         autoescape=True,
+        # No line of a text ends between a number and its unit.
+        finalize=lambda value: unbroken(value) if type(value) is str else value,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     environment.filters["zip"] = zip
-    charts = [
-        {
-            "heading": ": ".join(chart.title.splitlines()),
-            "svg": Markup(inline_svg(chart, f"chart{number}")),
-            "note": chart.note,
-        }
-        for number, chart in enumerate(report.charts, start=1)
-        if chart.panels
-    ]
-    return environment.get_template("report.html").render(report=report, charts=charts) + "\n"
+    drawn = [_drawn(chart, number) for number, chart in enumerate(report.charts, start=1) if chart.panels]
+    return environment.get_template("report.html").render(report=report, columns=_columns(drawn)) + "\n"
+
+
+def _drawn(chart: Chart, number: int) -> dict[str, Any]:
+    """Return a chart as the template shows it, with its height in points."""
+    svg = inline_svg(chart, f"chart{number}")
+    *_, height = svg.partition('viewBox="')[2].partition('"')[0].split()
+    heading = ": ".join(chart.title.splitlines())
+    points = HEADING_POINTS + NOTE_POINTS * len(chart.note) + float(height)
+    return {"number": number, "heading": heading, "svg": Markup(svg), "note": chart.note, "height": points}
+
+
+def _columns(drawn: list[dict[str, Any]]) -> list[list[dict[str, Any]]]:
+    """Share charts between two columns of as nearly the same height as possible."""
+    heights = [chart["height"] for chart in drawn]
+    signs = min(product((1, -1), repeat=len(drawn)), key=lambda signs: abs(sum(map(mul, signs, heights))))
+    return [[chart for chart, own in zip(drawn, signs, strict=True) if own == sign] for sign in (1, -1)]

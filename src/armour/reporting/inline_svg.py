@@ -4,24 +4,12 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from math import dist, inf
-from textwrap import wrap
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
-from armour.reporting.chart import (
-    BLUE,
-    INK,
-    SOFT,
-    Bars,
-    Chart,
-    Line,
-    Panel,
-    Points,
-    Series,
-    Spans,
-    printable_chart,
-)
+from armour.reporting.chart import BLUE, INK, SOFT, Bars, Chart, Line, Panel, Points, Series, Spans, printable_chart
 from armour.reporting.plots import bar_places, draw, saved
+from armour.reporting.text import wrapped
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -104,7 +92,7 @@ def _values(panel: Panel, item: Series) -> Iterator[tuple[float, float, str]]:
     elif isinstance(item, Bars):
         for index, (start, end, place) in enumerate(zip(item.starts, item.ends, bar_places(item), strict=True)):
             if start is not None and end is not None and start != end:
-                values = f"{panel.y.categories[index]}\n{item.label}: {panel.x.text(end)} {panel.x.label}"
+                values = f"{panel.y.categories[index]}\n{item.label}: {panel.x.label} {panel.x.text(end)}"
                 yield 0.5 * (start + end), place, item.text[index] if item.text else values
     elif isinstance(item, Spans):
         for start, end, words in zip(item.starts, item.ends, item.text, strict=False):
@@ -115,7 +103,7 @@ def _point(across: float, down: float, words: str) -> ElementTree.Element:
     """Return a transparent circle with its words, which the page shows on hover and focus."""
     group = ElementTree.Element("g", {"class": "point", "tabindex": "-1"})
     ElementTree.SubElement(group, "circle", {"cx": f"{across:.1f}", "cy": f"{down:.1f}", "r": f"{RADIUS:g}"})
-    lines = [line for paragraph in words.splitlines() for line in wrap(paragraph, LINE_CHARACTERS)]
+    lines = [line for paragraph in words.splitlines() for line in wrapped(paragraph, LINE_CHARACTERS)]
     reach = CHARACTER * max(len(line) for line in lines)
     x = max(2.0, min(across - 0.5 * reach, POINTS_PER_INCH * WIDTH_INCHES - reach))
     above = ABOVE + LINE_HEIGHT * (len(lines) - 1)

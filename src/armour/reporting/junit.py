@@ -2,6 +2,7 @@
 
 from xml.etree import ElementTree
 
+from armour.reporting.tables.validation import failure
 from armour.reporting.text import printable
 from armour.validation.validate import FAILED, Status, SuiteResult
 
@@ -12,11 +13,11 @@ def suite_junit(result: SuiteResult) -> bytes:
     for check in result.checks:
         message = check.message or check.case.not_scored
         if check.status == "outside":
-            message = f"expected {check.case.expected}, computed {check.computed}, band {check.case.band}"
+            message = failure(check)
         _add(suite, check.case.group or "cases", check.case.name, check.status, message)
     for summary in result.summaries:
         if summary.status != "not scored":
-            message = f"RMS {summary.rms} {summary.unit}, band {summary.rms_band}"
+            message = f"RMS {summary.rms:.2f} {summary.unit}, RMS band {summary.rms_band:g} {summary.unit}"
             _add(suite, summary.name, "RMS", summary.status, message)
     suite.set("tests", str(len(suite)))
     suite.set("failures", str(len(suite.findall("testcase/failure"))))

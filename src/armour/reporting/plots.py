@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from functools import singledispatch
 from io import BytesIO
 from math import nan
-from textwrap import wrap
 from typing import Any
 
 import matplotlib as mpl
@@ -32,11 +31,10 @@ from armour.reporting.chart import (
     Spans,
     printable_chart,
 )
+from armour.reporting.text import wrapped
 
 FORMATS = (".png", ".svg", ".pdf")
 FONT, TITLE = 9.0, 10.0
-# A narrower chart has a smaller title.
-NARROW_INCHES = 4.0
 STYLE: Any = {
     "axes.axisbelow": True,
     "axes.edgecolor": INK,
@@ -64,19 +62,18 @@ PANEL_INCHES, ROW_INCHES, BAR_INCHES, LABELS_INCHES, LINE_INCHES = 2.6, 0.08, 0.
 CHARACTER, CATEGORY_CHARACTERS = 0.56, 22
 # Width that axis labels take beside a panel, inches.
 SIDE_INCHES = 0.8
-# Distance from its place within which a contour has its label, and width of edges without labels, as parts of an axis.
-NEAR, EDGE = 0.3, 0.05
+# Weight of the distance between labels of contours, which are longer than lines are wide; points of a contour compared.
+LABEL_WEIGHT, CONTOUR_POINTS = 0.4, 200
 
 
 def draw(chart: Chart, width: float | None = None) -> Figure:
     """Draw a chart in its own or another width, inches; the first axes are those of the panels, in their order."""
     chart = printable_chart(chart)
     width = width or chart.width
-    size = TITLE if width > NARROW_INCHES else FONT
     labels = [item.label for panel in chart.panels for item in panel.series if item.label]
     columns = _legend_columns(labels, width)
-    title = "\n".join(line for part in chart.title.splitlines() for line in wrap(part, _characters(width, size)))
-    note = "\n".join(wrap(chart.note, _characters(width - SIDE_INCHES, 8.0)))
+    title = "\n".join(line for part in chart.title.splitlines() for line in wrapped(part, _characters(width, TITLE)))
+    note = "\n".join(wrapped(chart.note, _characters(width - SIDE_INCHES, 8.0)))
     heights = [_height(panel, width) for panel in chart.panels]
     texts = title.count("\n") + note.count("\n") + 2 * bool(title) + bool(note) + -(-len(labels) // columns)
     with mpl.rc_context(STYLE):
@@ -87,14 +84,14 @@ def draw(chart: Chart, width: float | None = None) -> Figure:
                 axes.sharex(panels[index - 1])
                 panels[index - 1].tick_params(labelbottom=False)
                 panels[index - 1].set_xlabel("")
-            _draw_panel(axes, panel, width)
+            _draw_panel(axes, panel)
         if note:
             place: Any = {"xy": (0.0, 0.0), "xytext": (0.0, -34.0), "textcoords": "offset points"}
             panels[-1].annotate(note, **place, xycoords="axes fraction", va="top", fontsize=8.0, annotation_clip=False)
         if labels:
             figure.legend(loc="outside lower center", ncols=columns)
         if title:
-            figure.suptitle(title, fontsize=size)
+            figure.suptitle(title, fontsize=TITLE)
     return figure
 
 
@@ -122,10 +119,10 @@ def _height(panel: Panel, width: float) -> float:
 
 
 def _category(name: str) -> str:
-    return "\n".join(wrap(name, CATEGORY_CHARACTERS)) or name
+    return "\n".join(wrapped(name, CATEGORY_CHARACTERS)) or name
 
 
-def _draw_panel(axes: Axes, panel: Panel, width: float) -> None:
+def _draw_panel(axes: Axes, panel: Panel) -> None:
     if panel.x.limits is not None:
         axes.set_xlim(panel.x.limits)
     if panel.y.limits is not None:
@@ -144,18 +141,7 @@ def _draw_panel(axes: Axes, panel: Panel, width: float) -> None:
         axes.tick_params(axis="y", length=0.0)
     if panel.square:
         axes.set_aspect("equal")
-    low, high = axes.get_xlim()
-    for item in panel.series:
-        if isinstance(item, Spans):
-            _name(axes, item, 72.0 * (width - SIDE_INCHES) / (high - low))
-
-
-def _name(axes: Axes, spans: Spans, points_per_unit: float) -> None:
-    """Write the names of spans above the axes where there is room."""
-    for start, end, name in zip(spans.starts, spans.ends, spans.names, strict=False):
-        if (end - start) * points_per_unit > CHARACTER * 8.0 * len(name):
-            place = 0.5 * (start + end), 1.01
-            axes.text(*place, name, transform=axes.get_xaxis_transform(), ha="center", va="bottom", fontsize=8.0)
+    _label_contours(axes)
 
 
 def _floats(values: Numbers) -> list[float]:
@@ -170,8 +156,8 @@ def _draw_series(item: Series, _axes: Axes) -> None:
 
 @_draw_series.register
 def _(item: Line, axes: Axes) -> None:
-    style: Any = {"color": item.colour, "linestyle": item.style, "linewidth": item.width, "markersize": 3.0}
-    axes.plot(_floats(item.x), _floats(item.y), marker=item.marker, label=item.label, **style)
+    style: Any = {"color": item.colour, "linestyle": item.style, "linewidth": item.width, "markerfacecolor": "none"}
+    axes.plot(_floats(item.x), _floats(item.y), marker=item.marker, markersize=5.0, label=item.label, **style)
 
 
 @_draw_series.register
@@ -220,6 +206,12 @@ def _(item: Rule, axes: Axes) -> None:
 def _(item: Spans, axes: Axes) -> None:
     for start, end in list(zip(item.starts, item.ends, strict=True))[::2]:
         axes.axvspan(start, end, color=SOFT, alpha=0.18, linewidth=0)
+    low, high = axes.get_xlim()
+    points_per_unit = 72.0 / axes.figure.dpi * axes.bbox.width / (high - low)
+    for start, end, name in zip(item.starts, item.ends, item.names, strict=False):
+        if (end - start) * points_per_unit > CHARACTER * 8.0 * len(name):
+            place = 0.5 * (start + end), 1.01
+            axes.text(*place, name, transform=axes.get_xaxis_transform(), ha="center", va="bottom", fontsize=8.0)
 
 
 @_draw_series.register
@@ -237,22 +229,34 @@ def _(item: Contours, axes: Axes) -> None:
     z = np.ma.masked_invalid([_floats(row) for row in item.z])
     levels = MaxNLocator(item.levels).tick_values(z.min(), z.max())
     inside = levels[(levels > z.min()) & (levels < z.max())]
-    style: Any = {"colors": item.colour, "linewidths": 0.8, "linestyles": item.style}
-    lines = axes.contour(item.x, item.y, z, levels=inside, **style)
-    axes.clabel(lines, fontsize=7.0, fmt="%g", manual=_label_places(lines, axes, item.at))
+    axes.contour(item.x, item.y, z, levels=inside, colors=item.colour, linewidths=0.8, linestyles=item.style)
+    axes.plot([], [], color=item.colour, linewidth=0.8, linestyle=item.style, label=item.label)
 
 
-def _label_places(lines: ContourSet, axes: Axes, at: float) -> list[tuple[float, float]]:
-    """Return for each contour that comes near a part of the x axis, away from the edges, the place where it does."""
-    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    places = []
-    for segments in lines.allsegs:
-        found = np.concatenate([np.reshape(segment, (-1, 2)) for segment in segments])
-        parts = (found - (left, bottom)) / (right - left, top - bottom)
-        distances = np.where((np.abs(parts - 0.5) < 0.5 - EDGE).all(axis=1), np.abs(parts[:, 0] - at), np.inf)
-        if len(found) and distances.min() < NEAR:
-            places.append(tuple(found[distances.argmin()].tolist()))
-    return places
+def _label_contours(axes: Axes) -> None:
+    """Label every contour where it is farthest from edges, other contours and labels."""
+    contours = [lines for lines in axes.collections if isinstance(lines, ContourSet)]
+    curves = [[axes.transLimits.transform(_thinned(path.vertices)) for path in lines.get_paths()] for lines in contours]
+    labels = np.empty((0, 2))
+    for lines, own in zip(contours, curves, strict=True):
+        first = len(labels)
+        for curve in filter(len, own):
+            others = [np.empty((0, 2)), *(other for found in curves for other in found if other is not curve)]
+            edges = np.minimum(curve, 1.0 - curve).min(axis=1)
+            apart = LABEL_WEIGHT * _distances(curve, labels)
+            room = np.min([edges, apart, _distances(curve, np.concatenate(others))], axis=0)
+            labels = np.append(labels, curve[[room.argmax()]], axis=0)
+        places = axes.transLimits.inverted().transform(labels[first:])
+        axes.clabel(lines, fontsize=7.0, fmt="%g", manual=places.tolist())
+
+
+def _thinned(points: Any) -> Any:
+    return points[:: 1 + len(points) // CONTOUR_POINTS]
+
+
+def _distances(points: Any, others: Any) -> Any:
+    """Return the distance of each point from the nearest of others, as a part of the axes."""
+    return np.linalg.norm(points[:, None] - others, axis=2).min(axis=1, initial=np.inf)
 
 
 def bar_places(item: Bars) -> Any:

@@ -9,14 +9,17 @@ from armour.reporting.contents import Contents
 from armour.reporting.report import Card, CrossSection, Report, Section, origin_section
 from armour.reporting.table import Table
 from armour.reporting.tables.design import (
+    COST,
+    MARGIN,
     SUPERLATIVES,
     best_table,
     frontier_table,
     margin_table,
     pair_table,
     pareto_table,
+    required_margins,
 )
-from armour.reporting.tables.impact import energy_table, stage_table
+from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT, energy_table, stage_table
 from armour.reporting.tables.library import entry_table
 from armour.reporting.tables.statistics import elasticity_table, estimate_table
 from armour.scenario.applicability import MODEL_ERROR_PERCENT
@@ -47,36 +50,38 @@ def _question(contents: Contents) -> str:
     design, impact = contents.design, contents.scenario.impact
     if design is None:
         return f"Does this armour defeat the {impact.projectile} at {impact.velocity_m_s:g} m/s?"
-    armour = "armour on offer"
+    armour, best = "available armour", design.best
     if len(design.pairs) == 1:
-        best = design.best
         armour = f"{best.ceramic} on {best.backing}" if best.ceramic else best.backing
     threats = " and ".join(f"the {threat}" for threat in design.threats)
-    return f"Which is the {SUPERLATIVES[design.minimised]} {armour} that defeats {threats}?"
+    return f"Which {armour} is the {SUPERLATIVES[design.minimised]} that defeats {threats}?"
 
 
 def _armour(contents: Contents) -> tuple[Card, Card]:
-    """Return the armour and its areal density."""
+    """Return the armour and its areal density, with the digits of their tables."""
     armour, design = contents.answer.armour, contents.design
-    layers = f"{armour.backing_thickness_mm:.4g} mm {armour.backing}"
+    layers = f"{round(armour.backing_thickness_mm, 3):g} mm {armour.backing}"
     if armour.ceramic is not None and armour.ceramic_thickness_mm > 0.0:
-        layers = f"{armour.ceramic_thickness_mm:.4g} mm {armour.ceramic} on {layers}"
+        layers = f"{round(armour.ceramic_thickness_mm, 3):g} mm {armour.ceramic} on {layers}"
+    subject, cost = "Armour", ""
     areal_density = contents.impact.areal_density_kg_m2
     thickness = armour.ceramic_thickness_mm + armour.backing_thickness_mm
-    cost = ""
     if design is not None:
+        subject = "Best design"
         areal_density, thickness = design.best.areal_density_kg_m2, design.best.thickness_mm
-        cost = f"cost {design.best.cost_per_m2:,.0f} per m²" if design.best.cost_per_m2 > 0.0 else ""
-    subject = "Armour" if design is None else "Best design"
-    return Card(subject, layers, f"{thickness:.4g} mm thick"), Card("Areal density", f"{areal_density:.1f} kg/m²", cost)
+        cost = f"cost {COST.text(design.best.cost_per_m2)} per m²" if design.best.cost_per_m2 > 0.0 else ""
+    card = Card(subject, layers, f"{round(thickness, 3):g} mm thick")
+    return card, Card("Areal density", f"{AREAL_DENSITY.text(areal_density)} kg/m²", cost)
 
 
 def _outcome(contents: Contents) -> Card:
     impact, design = contents.answer.impact, contents.design
     against = f"{impact.projectile} at {impact.velocity_m_s:g} m/s"
     limit = "ballistic limit outside the range searched"
-    if contents.limit is not None and contents.margin_m_s is not None:
-        limit = f"ballistic limit {contents.limit.ballistic_limit_m_s:.1f} m/s, margin {contents.margin_m_s:+.1f} m/s"
+    if contents.limit is not None:
+        found = contents.limit.ballistic_limit_m_s
+        margin = MARGIN.text(found - impact.velocity_m_s)
+        limit = f"ballistic limit {BALLISTIC_LIMIT.text(found)} m/s, margin {margin} m/s"
     if design is None:
         outcome = {"defeated": "projectile defeated", "perforated": "armour perforated"}[contents.impact.outcome]
         return Card("Outcome", outcome, f"{against}; {limit}")
@@ -94,21 +99,19 @@ def _reliability(contents: Contents) -> Card:
         detail = f"95 % interval {100.0 * p.low:.1f} to {100.0 * p.high:.1f} %, from the given distributions; {error}"
         return Card("Probability of perforation", f"{100.0 * p.value:.1f} %", detail)
     subject = "Mean error of the ballistic limit"
-    if contents.limit is None or contents.margin_m_s is None:
+    if contents.limit is None:
         return Card(subject, f"{mean:g} %", error)
-    usual = mean / 100.0 * contents.limit.ballistic_limit_m_s
+    limit = contents.limit.ballistic_limit_m_s
+    usual = mean / 100.0 * limit
     within = "the margin is within the mean error: test before use"
-    if abs(contents.margin_m_s) >= usual:
+    if abs(limit - contents.answer.impact.velocity_m_s) >= usual:
         within = "the margin is beyond the mean error"
     return Card(subject, f"± {usual:.0f} m/s", f"{error}; {within}")
 
 
 def _energy(contents: Contents) -> Section:
     energy = contents.energy
-    words = (
-        f"The projectile has {energy.before:.2f} J at impact and {energy.left:.2f} J at the end; "
-        f"the stages account for the rest to {abs(energy.difference):.1g} J.".replace("e-", "e\N{MINUS SIGN}")
-    )
+    words = f"The projectile has {energy.before:.2f} J at impact and {energy.left:.2f} J at the end."
     return Section("Energy balance of the projectile", (words,), tables=(energy_table(energy),))
 
 
@@ -116,9 +119,10 @@ def _tables(contents: Contents) -> Iterator[tuple[str, Table]]:
     """Give tables with their headings: designs, stages, uncertainty, sensitivity, and materials with their sources."""
     design = contents.design
     if design is not None:
-        yield "Best design", best_table(design)
+        required = required_margins(contents.scenario)
+        yield "Best design", best_table(design, required)
         if len(design.threats) > 1 or design.best.probabilities:
-            yield "Margins against the threats", margin_table(design)
+            yield "Margins against the threats", margin_table(design, required)
         if len(design.pairs) > 1:
             yield "Pairs of materials", pair_table(design)
         else:

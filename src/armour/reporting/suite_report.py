@@ -21,7 +21,7 @@ def suite_report(result: "SuiteResult", command: str = "") -> Report:
     ]
     own = [check for check in result.checks if check.status != "not scored" and not check.case.group]
     unscored = [check for check in result.checks if check.status == "not scored"]
-    for heading, checks in (("Reasons for the bands", own), ("Shown and not scored", unscored)):
+    for heading, checks in (("Reasons for the bands", own), ("Shown but not scored", unscored)):
         if notes := note_rows(checks):
             sections.append(Section(heading, notes=tuple(notes)))
     if command:
@@ -39,4 +39,5 @@ def _source(checks: "list[Check]") -> tuple[str, ...]:
     """Return source and reason of a table, which all its rows share."""
     case = checks[0].case
     parts = [text for text in (case.source, f"band: {case.reason}" if case.reason else "") if text]
-    return ("; ".join(parts) + ".",) if case.group and parts else ()
+    text = "; ".join(parts) + "."
+    return (text[:1].upper() + text[1:],) if case.group and parts else ()

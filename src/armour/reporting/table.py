@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from io import StringIO
 from typing import Any
 
-from armour.reporting.text import spelt
+from armour.reporting.text import number, spelt
 from armour.units import words_and_unit
 
 Cell = float | int | str | None
@@ -34,9 +34,7 @@ class Column:
 
     def text(self, value: Cell) -> str:
         """Format a value; None gives an empty text, and a text is returned as it is."""
-        if value is None:
-            return ""
-        return value if isinstance(value, str) else format(value, self.spec)
+        return "" if value is None else number(value, self.spec)
 
 
 # A column of the attribute that its key names, or a column and its value, or the function of an item that gives it.

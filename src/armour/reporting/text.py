@@ -1,9 +1,15 @@
-"""Texts: words of keys, intervals, and text from files made safe for terminals and XML."""
+"""Texts: words of keys, numbers, intervals, and text from files made safe for terminals and XML."""
 
+import re
 import unicodedata
+from textwrap import wrap
+
+from armour.units import ENDINGS
 
 # Words of keys that people read in another spelling.
 SPELLING = {"backing": "back plate", "caliber": "calibre", "m2": "m²", "youngs": "Young's"}
+# The space between a number and its unit.
+BEFORE_UNIT = re.compile(rf"(?<=\d) (?=({'|'.join(map(re.escape, [*ENDINGS.values(), 'J']))})(?![\w/]))")
 
 
 def spelt(words: str) -> str:
@@ -23,16 +29,35 @@ def _shown(character: str) -> str:
     return character.encode("unicode_escape").decode("ascii") if hidden else character
 
 
+def unbroken(text: str) -> str:
+    """Return a text in which no line ends between a number and its unit: the space there does not break."""
+    return BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", text)
+
+
+def wrapped(text: str, width: int) -> list[str]:
+    """Wrap a text between words, but not between a number and its unit."""
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in wrap(unbroken(text), width)]
+
+
 def percent(part: float) -> str:
     """Format a part, such as a confidence level, in per cent."""
     return f"{100.0 * part:g} %"
 
 
-def interval(ends: tuple[float | None, float | None], spec: str) -> str:
-    """Format an interval; an end that is None is not bounded."""
+def number(value: float | str, spec: str) -> str:
+    """Format a number, with its thousands separated from 10,000 on; a text is returned as it is."""
+    if isinstance(value, str):
+        return value
+    text = format(value, spec)
+    sign = spec[:1] if spec.startswith("+") else ""
+    return text if abs(float(text)) < 1e4 else format(value, f"{sign},{spec.removeprefix(sign)}")
+
+
+def interval(ends: tuple[float | None, float | None] | None, spec: str) -> str:
+    """Format an interval, if there is one; an end that is None is not bounded."""
+    if ends is None:
+        return ""
     low, high = ends
-    if low is None and high is None:
-        return "not bounded"
     if low is None:
-        return f"up to {high:{spec}}"
-    return f"from {low:{spec}}" if high is None else f"{low:{spec}} to {high:{spec}}"
+        return "not bounded" if high is None else f"up to {number(high, spec)}"
+    return f"from {number(low, spec)}" if high is None else f"{number(low, spec)} to {number(high, spec)}"

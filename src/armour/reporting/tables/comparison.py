@@ -19,12 +19,12 @@ def comparison_table(result: "Comparison") -> Table:
             lambda f: f"Florence, {f.projectile} ({f.mass_g:g} g, {f.diameter_mm:g} mm)",
         ),
         column_of("ballistic_limit_m_s", ".2f"),
-        (Column("to the model", "%", "+.1f"), lambda f: 100.0 * (f.ballistic_limit_m_s / found - 1.0)),
-        column_of("best_ceramic_thickness_mm", ".3f", "best ceramic"),
-        column_of("best_backing_thickness_mm", ".3f", "best back plate"),
-        column_of("best_thickness_ratio", ".3f", "ratio"),
-        column_of("best_ballistic_limit_m_s", ".2f", "limit of the best"),
-        column_of("model_ballistic_limit_m_s", ".2f", "by the model"),
+        (Column("difference from the model", "%", "+.1f"), lambda f: 100.0 * (f.ballistic_limit_m_s / found - 1.0)),
+        column_of("best_ceramic_thickness_mm", ".3f", "optimal ceramic thickness"),
+        column_of("best_backing_thickness_mm", ".3f", "optimal back plate thickness"),
+        column_of("best_thickness_ratio", ".3f", "thickness ratio"),
+        column_of("best_ballistic_limit_m_s", ".2f", "Florence's limit of the optimum"),
+        column_of("model_ballistic_limit_m_s", ".2f", "model's limit of the optimum"),
     )
     return Table(table.columns, (("this model", found, *(None,) * 6), *table.rows))
 
@@ -34,7 +34,7 @@ def fit_table(result: "Comparison") -> Table:
     return listing(
         result.fits,
         column_of("name", label="residual velocity by", prose=True),
-        column_of("ratio", ".4f"),
+        column_of("ratio", ".4f", "velocity ratio a"),
         column_of("exponent", ".3f"),
         column_of("rms_m_s", ".2f", "RMS deviation"),
     )

@@ -1,32 +1,42 @@
 """Tables of a design search."""
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from armour.reporting.table import Cell, Column, Source, Table, column_of, listing, record
+from armour.reporting.table import Column, Source, Table, column_of, listing, record
 from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT
-from armour.reporting.text import interval
+from armour.reporting.text import interval, number
 
 if TYPE_CHECKING:
     from armour.design.optimise import BestDesign, DesignResult
+    from armour.scenario.loading import Scenario
 
 SUPERLATIVES = {"areal_density_kg_m2": "lightest", "thickness_mm": "thinnest", "cost_per_m2": "cheapest"}
 CERAMIC, BACKING = column_of("ceramic"), column_of("backing")
-CERAMIC_THICKNESS, BACKING_THICKNESS = column_of("ceramic_thickness_mm", "g"), column_of("backing_thickness_mm", "g")
-THICKNESS = column_of("thickness_mm", "g", "total thickness")
-COST = column_of("cost_per_m2", ",.2f")
-MARGIN = column_of("margin_m_s", "+.1f")
+# Thicknesses are shown with at most 3 decimals, and with no more than those of a table need.
+CERAMIC_THICKNESS = column_of("ceramic_thickness_mm", ".3f")
+BACKING_THICKNESS = column_of("backing_thickness_mm", ".3f")
+THICKNESS = column_of("thickness_mm", ".3f", "total thickness")
+COST = column_of("cost_per_m2", ".2f")
+MARGIN, REQUIRED = column_of("margin_m_s", "+.1f"), Column("required margin", "m/s", "+.1f")
 
 
-def best_table(result: "DesignResult") -> Table:
+def required_margins(scenario: "Scenario") -> dict[str, float]:
+    """Return the margins that the threats of a scenario require, m/s, by threat."""
+    return {threat.title: threat.margin_m_s for threat in scenario.threat if threat.margin_m_s}
+
+
+def best_table(result: "DesignResult", required: Mapping[str, float]) -> Table:
     """Return the best design, quantity by quantity."""
-    return _design_record(result.best, f"{SUPERLATIVES[result.minimised]} design")
+    return _design_record(result.best, f"{SUPERLATIVES[result.minimised]} design", required)
 
 
-def _design_record(design: "BestDesign", title: str) -> Table:
+def _design_record(design: "BestDesign", title: str, required: Mapping[str, float]) -> Table:
     limit: Source = BALLISTIC_LIMIT
     if design.ballistic_limit_m_s is None:
         limit = Column("ballistic limit"), "outside the range"
-    return record(
+    table = record(
         design,
         *((CERAMIC, CERAMIC_THICKNESS) if design.ceramic else ()),
         BACKING,
@@ -36,8 +46,24 @@ def _design_record(design: "BestDesign", title: str) -> Table:
         *((COST,) if design.cost_per_m2 else ()),
         limit,
         MARGIN,
+        (REQUIRED, required.get(design.governing)),
         title=title,
     )
+    return _aligned(table)
+
+
+def _aligned(table: Table) -> Table:
+    """Show the thicknesses of a table with the decimals that they need."""
+    shown = {CERAMIC_THICKNESS, BACKING_THICKNESS, THICKNESS}
+    texts = [
+        column.text(cell)
+        for row in table.rows
+        for column, cell in zip(table.columns, row, strict=True)
+        if column in shown
+    ]
+    decimals = max((len(text.rstrip("0").partition(".")[2]) for text in texts), default=0)
+    columns = (replace(column, spec=f".{decimals}f") if column in shown else column for column in table.columns)
+    return replace(table, columns=tuple(columns))
 
 
 def frontier_table(result: "DesignResult") -> Table:
@@ -45,15 +71,16 @@ def frontier_table(result: "DesignResult") -> Table:
     backings = (design.backing_thickness_mm for design in result.frontier)
     governing = dict(zip(backings, result.frontier_governed_by, strict=True))
     best = _thicknesses(result.best)
-    return listing(
+    table = listing(
         result.frontier,
         CERAMIC_THICKNESS,
         BACKING_THICKNESS,
         AREAL_DENSITY,
         *_margin(result.frontier),
         *_governed(result, lambda design: governing[design.backing_thickness_mm]),
-        (Column(""), lambda design: SUPERLATIVES[result.minimised] if _thicknesses(design) == best else ""),
+        (Column("note"), lambda design: SUPERLATIVES[result.minimised] if _thicknesses(design) == best else ""),
     )
+    return _aligned(table)
 
 
 def _thicknesses(design: Any) -> tuple[float, float]:
@@ -70,61 +97,55 @@ def _governed(result: "DesignResult", threat: Any) -> tuple[Source, ...]:
     return ((Column("governed by", prose=True), threat),) if len(result.threats) > 1 else ()
 
 
-def margin_table(result: "DesignResult") -> Table:
+def margin_table(result: "DesignResult", required: Mapping[str, float]) -> Table:
     """Return the best design's margin against each threat, and the probability of perforation where it is bounded."""
     best = result.best
-    sampled: list[Source] = []
+    sampled: list[Source] = [(REQUIRED, required.get)] if required else []
     if best.probabilities:
-        sampled.append((Column("probability of perforation", spec=".4f"), lambda threat: _estimate(best, threat)[0]))
-        sampled.append((Column("interval"), lambda threat: _estimate(best, threat)[1]))
+        values = {threat: estimate.value for threat, estimate in best.probabilities.items()}
+        ends = {threat: (estimate.low, estimate.high) for threat, estimate in best.probabilities.items()}
+        sampled.append((Column("probability of perforation", spec=".4f"), values.get))
+        sampled.append((Column("interval"), lambda threat: interval(ends.get(threat), ".4f")))
     return listing(
         best.margins_m_s,
         (Column("threat", prose=True), str),
         (MARGIN, best.margins_m_s.__getitem__),
         *sampled,
-        (Column(""), lambda threat: "governs" if threat == best.governing else ""),
+        (Column("note"), lambda threat: "governs" if threat == best.governing else ""),
     )
-
-
-def _estimate(design: "BestDesign", threat: str) -> tuple[Cell, Cell]:
-    """Return the probability of perforation by a threat and its interval, or None for both."""
-    estimate = design.probabilities.get(threat)
-    return (None, None) if estimate is None else (estimate.value, interval((estimate.low, estimate.high), ".4f"))
 
 
 def pair_table(result: "DesignResult") -> Table:
     """Return every pair of materials with its best design, or the reason why it has none."""
     costs = any(pair.best is not None and pair.best.cost_per_m2 > 0.0 for pair in result.pairs)
     shown = [CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, *((COST,) if costs else ())]
-    return listing(
+    table = listing(
         result.pairs,
         CERAMIC,
         BACKING,
         *((column, lambda pair, key=column.key: getattr(pair.best, key, None)) for column in shown),
         *_governed(result, lambda pair: getattr(pair.best, "governing", None)),
         (Column("result", prose=True), lambda pair: pair.reason or "best"),
+        title="pairs of materials",
     )
+    return _aligned(table)
 
 
 def pareto_table(result: "DesignResult") -> Table:
     """Return the designs of the Pareto front."""
     columns = (CERAMIC, BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST)
-    return listing(result.pareto, *columns, *_margin(result.pareto), title="Pareto front")
+    return _aligned(listing(result.pareto, *columns, *_margin(result.pareto), title="Pareto front"))
 
 
-def design_tables(result: "DesignResult") -> list[Table | str]:
-    """Return all tables of a design search.
-
-    A single pair of materials has its frontier, several have a row each; margins are listed where there are several
-    threats or a bound on the probability of perforation.
-    """
-    tables: list[Table | str] = [best_table(result)]
+def design_tables(result: "DesignResult", required: Mapping[str, float]) -> list[Table | str]:
+    """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
+    tables: list[Table | str] = [best_table(result, required)]
     if result.refined is not None:
         title = f"{SUPERLATIVES[result.minimised]} design between the values of the grid"
-        tables.append(_design_record(result.refined, title))
+        tables.append(_design_record(result.refined, title, required))
     if len(result.threats) > 1 or result.best.probabilities:
-        tables.append(margin_table(result))
+        tables.append(margin_table(result, required))
     tables.append(frontier_table(result) if len(result.pairs) == 1 else pair_table(result))
     if result.pareto:
         tables.append(pareto_table(result))
-    return [*tables, f"examined {result.examined:,} of {result.designs:,} designs on offer"]
+    return [*tables, f"{number(result.examined, 'd')} designs computed"]

@@ -74,17 +74,16 @@ def energy_table(energy: "EnergyBalance") -> Table:
     """Return the projectile's loss of kinetic energy, stage by stage; the last row is the sum."""
     found = [(f"{row.stage}: {STAGES[row.stage]}", row.eroded, row.braked) for row in energy.rows]
     found.append(("all stages", sum(row.eroded for row in energy.rows), sum(row.braked for row in energy.rows)))
-    return listing(
-        [(name, eroded, braked, eroded + braked) for name, eroded, braked in found],
-        (Column("stage", prose=True), lambda row: row[0]),
-        (Column("carried by eroded material", "J", ".2f"), lambda row: row[1]),
-        (Column("lost in braking the rod", "J", ".2f"), lambda row: row[2]),
-        (Column("sum", "J", ".2f"), lambda row: row[3]),
-        (
-            Column("part of the energy at impact", "%", ".1f"),
-            lambda row: 100.0 * row[3] / energy.before if energy.before else 0.0,
-        ),
+    percent = 100.0 / energy.before if energy.before else 0.0
+    columns = (
+        Column("stage", prose=True),
+        Column("carried by eroded material", "J", ".2f"),
+        Column("lost in braking the rod", "J", ".2f"),
+        Column("sum", "J", ".2f"),
+        Column("part of the energy at impact", "%", ".1f"),
     )
+    rows = ((name, eroded, braked, eroded + braked, percent * (eroded + braked)) for name, eroded, braked in found)
+    return Table(columns, tuple(rows))
 
 
 def limit_table(result: "LimitResult") -> Table:

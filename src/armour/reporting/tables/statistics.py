@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from armour.statistics.v50 import FiringResult
 
 
-def _between(result: Any, unit: str = "", *, prose: bool = False) -> Column:
+def _between(result: Any, unit: str = "", of: str = "", *, prose: bool = False) -> Column:
     """Return the column of intervals at the confidence level of a result."""
-    return Column(f"{percent(result.confidence)} interval", unit, prose=prose)
+    return Column(f"{percent(result.confidence)} interval{of}", unit, prose=prose)
 
 
 def calibration_table(result: "CalibrationResult") -> Table:
@@ -24,13 +24,13 @@ def calibration_table(result: "CalibrationResult") -> Table:
     return record(
         result,
         (Column("tests", spec="d"), len({residual.test for residual in result.residuals})),
-        (Column("weights"), "uncertainties of the tests" if uncertainties else "values measured"),
+        (Column("deviations relative to"), "uncertainties of the tests" if uncertainties else "measured values"),
         (Column("law of the ceramic's flow stress"), result.law or None),
         _error("mean error", result.mean_error_percent),
         _error("mean leave-one-out error", result.left_out_error_percent),
         column_of("degrees_of_freedom", "d"),
         *([column_of("chi_squared", ".2f", "chi-squared")] if uncertainties else []),
-        (Column("starts that reach this optimum"), f"{result.starts_agreeing} of {result.starts}"),
+        (Column("starting points that reach this solution"), f"{result.starts_agreeing} of {result.starts}"),
     )
 
 
@@ -42,15 +42,20 @@ def coefficient_table(result: "CalibrationResult") -> Table:
     """Return the fitted coefficients with their intervals, or the reason why one is not identified."""
     return listing(
         result.coefficients,
-        column_of("name", label="coefficient"),
+        (Column("coefficient"), lambda coefficient: _spelt(coefficient.name)),
         (Column("estimate", spec=".4g"), lambda c: "not identified" if c.estimate is None else c.estimate),
         (_between(result, prose=True), lambda c: c.reason if c.interval is None else interval(c.interval, ".4g")),
     )
 
 
+def _spelt(name: str) -> str:
+    """Return the name of a coefficient, which is a key and the term of a law, with the term in words."""
+    return name.replace(" per mm of backing", " per mm of back plate")
+
+
 def correlation_table(result: "CalibrationResult") -> Table:
     """Return the correlations of the coefficients, which are numbered in the heading."""
-    names = [f"{number} {coefficient.name}" for number, coefficient in enumerate(result.coefficients, start=1)]
+    names = [f"{number} {_spelt(coefficient.name)}" for number, coefficient in enumerate(result.coefficients, start=1)]
     numbers = (Column(name.partition(" ")[0], spec="+.3f") for name in names)
     rows: list[tuple[Cell, ...]] = [(name, *values) for name, values in zip(names, result.correlation, strict=True)]
     return Table((Column("correlation"), *numbers), tuple(rows))
@@ -93,8 +98,9 @@ def sensitivity_table(result: "SensitivityResult") -> Table:
     """Return the answers whose elasticities are given."""
     sources: list[Source] = []
     for name, value in result.answers.items():
+        none = "none (defeated)" if name == "residual_velocity_m_s" else "none"
         column = Column(words_and_unit(name)[0]) if value is None else column_of(name, ".2f")
-        sources.append((column, "none" if value is None else value))
+        sources.append((column, none if value is None else value))
     return record(result, *sources)
 
 
@@ -125,7 +131,7 @@ def v50_table(result: "FiringResult") -> Table:
         rule = [
             (Column("V50, MIL-STD-662F", "m/s", ".1f"), mean.v50_m_s),
             (Column("shots averaged"), f"{mean.pairs} partial and {mean.pairs} complete"),
-            (Column("their span", "m/s", ".1f"), mean.span_m_s),
+            (Column("span of these shots", "m/s", ".1f"), mean.span_m_s),
             (Column("span allowed", "m/s", ".1f"), mean.span_allowed_m_s),
         ]
     return record(
@@ -143,11 +149,11 @@ def curve_table(result: "FiringResult") -> Table:
     """Return the curves fitted by maximum likelihood, with their intervals."""
     return listing(
         result.fits,
-        column_of("curve", label="maximum likelihood"),
+        column_of("curve"),
         column_of("v50_m_s", ".1f", "V50"),
-        (_between(result, "m/s"), lambda fit: interval(fit.v50_interval_m_s, ".1f")),
+        (_between(result, "m/s", " of V50"), lambda fit: interval(fit.v50_interval_m_s, ".1f")),
         column_of("scale_m_s", ".1f"),
-        (_between(result, "m/s"), lambda fit: interval(fit.scale_interval_m_s, ".1f")),
+        (_between(result, "m/s", " of the scale"), lambda fit: interval(fit.scale_interval_m_s, ".1f")),
     )
 
 
@@ -165,7 +171,7 @@ def uncertainty_table(result: "UncertaintyResult") -> Table:
     """Return the samples, and the ballistic limit with and without them."""
     return record(
         result,
-        column_of("samples", ",d"),
+        column_of("samples", "d"),
         (Column("method"), f"{result.method}, seed {result.seed}"),
         column_of("deterministic_m_s", ".1f", "ballistic limit of the scenario"),
         column_of("mean_m_s", ".1f", "mean ballistic limit"),
@@ -180,7 +186,7 @@ def estimate_table(result: "UncertaintyResult") -> Table:
         Column("unit"),
         Column("estimate", spec="g"),
         _between(result),
-        Column("last digit settled", prose=True),
+        Column("samples to settle the last digit", spec="d"),
     )
     found = [("probability of perforation", "", result.probability_of_perforation, 3)]
     found += [(name, "m/s", estimate, 1) for name, estimate in result.ballistic_limit_m_s.items()]
@@ -188,27 +194,29 @@ def estimate_table(result: "UncertaintyResult") -> Table:
     for name, unit, estimate, decimals in found:
         spec = f".{decimals}f"
         needed = estimate.samples_for(10.0**-decimals, result.samples)
-        settled = "yes" if needed <= result.samples else f"no, about {float(f'{needed:.2g}'):,.0f} samples would"
+        settling = "settled" if needed <= result.samples else int(float(f"{needed:.2g}"))
         # A probability and velocities have different decimals, so that the number is formatted here.
-        rows.append((name, unit, f"{estimate.value:{spec}}", interval((estimate.low, estimate.high), spec), settled))
+        rows.append((name, unit, f"{estimate.value:{spec}}", interval((estimate.low, estimate.high), spec), settling))
     return Table(columns, tuple(rows))
 
 
 def index_table(result: "UncertaintyResult") -> Table:
     """Return the Sobol' indices of each input, and the ballistic limits at its quantiles."""
-
-    def between(index: Any) -> str | None:
-        return None if index is None else interval((index.low, index.high), ".3f")
-
     return listing(
         result.inputs,
         column_of("input"),
         (Column("first-order index", spec=".3f"), lambda item: getattr(item.first, "value", None)),
-        (_between(result), lambda item: between(item.first)),
+        (
+            _between(result, of=" of the first-order index"),
+            lambda item: item.first and interval((item.first.low, item.first.high), ".3f"),
+        ),
         (Column("total index", spec=".3f"), lambda item: getattr(item.total, "value", None)),
-        (_between(result), lambda item: between(item.total)),
-        (Column("limit at the 5 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[0]),
-        (Column("limit at the 95 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[1]),
+        (
+            _between(result, of=" of the total index"),
+            lambda item: item.total and interval((item.total.low, item.total.high), ".3f"),
+        ),
+        (Column("ballistic limit at the input's 5 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[0]),
+        (Column("ballistic limit at the input's 95 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[1]),
     )
 
 

@@ -5,6 +5,7 @@ from math import floor, log10
 from typing import TYPE_CHECKING
 
 from armour.reporting.table import Column, Table, column_of, listing
+from armour.reporting.text import number
 from armour.units import words_and_unit
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def check_table(checks: Sequence["Check"], title: str = "") -> Table:
         # Each case has decimals of its own, so that computed value and deviation are formatted here.
         (Column("computed", shared, "g"), lambda check: _decimal(check.computed, _decimals(check.case))),
         (Column("deviation", shared, "g"), lambda check: _decimal(check.deviation, _decimals(check.case), sign="+")),
-        column_of("deviation_percent", "+.2f"),
+        column_of("deviation_percent", "+.2f", "relative deviation"),
         (Column("band ±", shared, ".4g"), lambda check: check.case.band),
         column_of("status"),
         title=title,
@@ -53,7 +54,14 @@ def _decimals(case: "Case") -> int:
 
 
 def _decimal(value: float | str | None, decimals: int, sign: str = "") -> str | None:
-    return f"{value:{sign}.{decimals}f}" if isinstance(value, float) else value
+    return None if value is None else number(value, f"{sign}.{decimals}f")
+
+
+def failure(check: "Check") -> str:
+    """Return expected and computed value of a check, with the band."""
+    table = check_table([check])
+    found = zip(table.columns[1:-1], table.texts()[0][1:-1], strict=True)
+    return ", ".join(f"{column.label} {text} {column.unit}".rstrip() for column, text in found if text)
 
 
 def summary_table(result: "SuiteResult") -> Table:
@@ -105,7 +113,7 @@ def verdict(result: "SuiteResult") -> str:
         if result.count(status):
             parts.append(f"{result.count(status)} {status}")
     unscored = sum(check.status == "not scored" for check in result.checks)
-    return ", ".join(parts) + (f"; {unscored} shown and not scored" if unscored else "")
+    return ", ".join(parts) + (f"; {unscored} shown but not scored" if unscored else "")
 
 
 def suite_tables(result: "SuiteResult") -> list[Table]:
