@@ -1,7 +1,6 @@
 """Description of a chart: axes and series, independent of how they are drawn.
 
-Numbers of series are sequences of equal length; None is a gap.  On hover a point shows its values with the units of the
-axes, or its ``text`` in place of them.
+Numbers of series are sequences of equal length; None is a gap.  On hover a point shows its values or its ``text``.
 """
 
 from collections.abc import Sequence
