@@ -1,4 +1,4 @@
-from armour.errors import InputError, NoDesignError, NoLimitError, Problem, suggestion
+from armour.errors import InputError, NoDesignError, NoLimitError, Problem, choices, suggestion
 
 
 def test_a_problem_reads_file_key_message():
@@ -17,6 +17,11 @@ def test_no_answer_is_not_wrong_input():
 
 
 def test_a_suggestion_is_the_closest_name():
-    assert suggestion("AD86", ["AD85", "Al-N"]) == "; did you mean 'AD85'?"
-    assert suggestion("ad85", ["AD85"]) == "; did you mean 'AD85'?"
-    assert suggestion("qqq", ["AD85"]) == ""
+    assert suggestion("AD86", ["AD85", "Al-N"]) == '; did you mean "AD85"?'
+    assert suggestion("ad85", ["AD85"]) == '; did you mean "AD85"?'
+    assert suggestion("nothing", ["uncertain", "dwell"]) == ""
+
+
+def test_choices_are_the_closest_name_or_all():
+    assert choices("AD86", ["AD85", "Al-N"]) == '; did you mean "AD85"?'
+    assert choices("nothing", ["AD85", "Al-N"]) == "; choose from AD85, Al-N"

@@ -69,7 +69,12 @@ class NoDesignError(NoAnswerError):
 
 
 def suggestion(word: str, known: Sequence[str]) -> str:
-    """Return a hint at the known word closest to a given one, such as "; did you mean 'AD85'?"; "" if none is close."""
+    """Return a hint at the known word closest to a given one, such as '; did you mean "AD85"?'; "" if none is close."""
     by_lower = {name.lower(): name for name in known}
-    found = get_close_matches(word.lower(), list(by_lower), n=1, cutoff=0.5)
-    return f"; did you mean {by_lower[found[0]]!r}?" if found else ""
+    found = get_close_matches(word.lower(), list(by_lower), n=1)
+    return f'; did you mean "{by_lower[found[0]]}"?' if found else ""
+
+
+def choices(word: str, known: Sequence[str]) -> str:
+    """Return a hint at the known word closest to a given one, or at all known words if none is close."""
+    return suggestion(word, known) or f"; choose from {', '.join(known)}"

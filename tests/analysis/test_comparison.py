@@ -70,6 +70,6 @@ def test_all_missing_quantities_are_named():
         compare(case)
     assert [problem.key for problem in error.value.problems] == [
         "armour.ceramic_thickness_mm",
-        "armour.backing",
-        "armour.backing",
+        "library.metal.m.ultimate_tensile_strength_MPa",
+        "library.metal.m.strain_to_fracture",
     ]

@@ -74,9 +74,6 @@ def test_a_value_that_is_not_allowed_is_refused():
         evaluate(scenario(), {"armour.ceramic_thickness_mm": np.array([1.0, -1.0])}, ["outcome"])
 
 
-def test_variants_are_concatenated_where_their_settings_are_equal():
+def test_variants_are_concatenated():
     parts = [variants_of(scenario(velocity=velocity), {}, 2) for velocity in (700.0, 800.0)]
     assert concatenated(parts).velocities.tolist() == [700.0, 700.0, 800.0, 800.0]
-    other = variants_of(scenario(solver={"arrest_velocity_m_s": 2.0}), {}, 1)
-    with pytest.raises(ValueError, match="different settings"):
-        concatenated([*parts, other])

@@ -10,7 +10,7 @@ from armour.analysis.searches import (
     bisect_rows,
     least_backings_mm,
     least_ceramics_mm,
-    least_in_proportion,
+    least_totals_mm,
     lowest_limits,
     smooth_limits,
 )
@@ -68,11 +68,10 @@ def test_the_least_back_plate_is_that_of_the_least_ceramic():
 
 
 def test_the_least_armour_in_proportion():
-    found = least_in_proportion(alone(case()))
-    assert found.ceramics_mm[0] == pytest.approx(found.backings_mm[0])  # the case has 6.35 mm of both
-    assert defeated(found) == [True]
-    thinner = with_thicknesses(found, ceramic_mm=found.ceramics_mm - 2e-6, backing_mm=found.backings_mm - 2e-6)
-    assert defeated(thinner) == [False]
+    half = 0.5 * least_totals_mm(alone(case()))  # the case has 6.35 mm of both
+    for less, outcome in ((-1e-9, True), (2e-6, False)):
+        found = with_thicknesses(alone(case()), ceramic_mm=half - less, backing_mm=half - less)
+        assert defeated(found) == [outcome]
 
 
 def test_no_armour_in_proportion():
@@ -81,7 +80,7 @@ def test_no_armour_in_proportion():
         "backing_thickness_mm": {"min": 10.0, "max": 20.0, "step": 0.5},
     }
     for of in (case(velocity=3000.0), case().replaced({"optimise": apart})):
-        assert np.isnan(least_in_proportion(alone(of)).backings_mm).all()
+        assert np.isnan(least_totals_mm(alone(of))).all()
 
 
 def test_a_bare_plate_in_proportion():
@@ -91,9 +90,7 @@ def test_a_bare_plate_in_proportion():
         velocity=500.0,
         optimise={**WIDE, "ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}},
     )
-    found = least_in_proportion(alone(bare))
-    assert found.ceramics_mm.tolist() == [0.0]
-    assert found.backings_mm == pytest.approx(least_backings_mm(alone(bare)), abs=2e-6)
+    assert least_totals_mm(alone(bare)) == pytest.approx(least_backings_mm(alone(bare)), abs=2e-6)
 
 
 def test_limits_of_rows_are_those_of_single_searches():

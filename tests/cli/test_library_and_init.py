@@ -28,7 +28,7 @@ def test_an_entry_is_shown_with_its_sources(cli):
 
 def test_an_entry_that_is_not_there(cli):
     [line] = cli.fails(2, "library", "show", "AD86")
-    assert line.endswith("did you mean 'AD85'?")
+    assert line.endswith('did you mean "AD85"?')
 
 
 def test_init_writes_a_scenario_that_works(cli, folder: Path):
@@ -51,7 +51,7 @@ def test_what_the_template_shows_as_optional_is_valid(folder: Path):
     assert scenario.ballistic_limit == type(scenario.ballistic_limit)()
     assert scenario.threat[0].title == "AP"
     assert scenario.design is not None
-    assert scenario.design.backing[0].free
+    assert scenario.design.backing[0].free_range()
     assert scenario.uncertainty is not None
     assert list(scenario.uncertainty.inputs()) == ["armour.ceramic_thickness_mm", "ceramic.flow_stress_GPa"]
     assert scenario.entry("ceramic", "My alumina")["flow_stress_GPa"] == 4.5
@@ -78,5 +78,5 @@ def test_init_names_what_there_is(cli, folder: Path):
     assert "wilkins" in names
     assert "paper/optimum_25mm_APDS" in names
     [line] = cli.fails(2, "init", "--from", "wilkin")
-    assert "did you mean 'wilkins'?" in line
+    assert 'did you mean "wilkins"?' in line
     assert list(folder.iterdir()) == []

@@ -56,7 +56,7 @@ def test_cases_from_a_file(cli, folder: Path):
     [
         ([], "sweep: give either --over or --cases"),
         (["--over", "a"], "sweep: --over: must be KEY=MIN:MAX:STEP"),
-        (["--over", "impact.velocity_m_s=800", "--quantities", "speed"], "sweep: --quantities: must be of quantities"),
+        (["--over", "impact.velocity_m_s=800", "--quantities", "speed"], "sweep: --quantities: unknown quantity"),
         (["--over", "impact.velocity_m_s=800,-1"], f"{WILKINS}: impact.velocity_m_s: must be greater than 0, found -1"),
         (
             ["--over", "impact.velocity_m_s=800", "--quantities", "outcome", "--plot", "a.png"],

@@ -24,9 +24,7 @@ def test_json(cli):
 
 def test_wrong_input(cli):
     told = cli.fails(2, "uncertainty", SCENARIOS / "wilkins.toml")
-    assert told[0].endswith(
-        "uncertainty: is missing and must be given: the distributions of inputs, as in docs/howto/uncertainty.md"
-    )
+    assert "uncertainty: is missing and must be given: distributions of inputs, such as" in told[0]
     assert "must be a power of 2" in cli.fails(2, "uncertainty", UNCERTAIN, "--samples", "1000")[0]
 
 

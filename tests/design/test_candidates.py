@@ -4,6 +4,7 @@ import pytest
 
 from armour.analysis.impact import simulate
 from armour.design.optimise import optimise
+from armour.errors import InputError
 from armour.scenario.loading import load_scenario
 from tests.helpers.cases import CERAMICS, METALS, SCENARIOS, THREATS, catalogue
 
@@ -73,14 +74,17 @@ def test_free_thicknesses_against_several_threats_are_the_least():
 
 
 def test_refined_catalogues_are_free_between_their_thicknesses():
-    """A list stays a list; a range becomes free."""
     result = optimise(catalogue(ceramic=CERAMICS[:1], backing=METALS[:1]), refine=True)
     assert result.refined is not None
     assert result.refined.areal_density_kg_m2 < result.best.areal_density_kg_m2
     assert min(result.refined.margins_m_s.values()) >= 0.0
-    lists = {
-        "ceramic": [{"material": "AD85", "thickness_mm": [8.0, 9.0, 10.0]}],
-        "backing": [{"material": "6061-T6", "thickness_mm": [6.0, 8.0, 10.0]}],
-    }
-    listed = optimise(catalogue(**lists), refine=True)
+    # A list stays a list.
+    thin = {"material": "6061-T6", "thickness_mm": {"min": 4.0, "max": 4.5, "step": 0.5}}
+    listed = optimise(catalogue(ceramic=CERAMICS[1:], backing=[METALS[1], thin]), refine=True)
     assert listed.refined == listed.best
+
+
+def test_lists_cannot_be_refined():
+    one = {"material": "AD85", "thickness_mm": {"min": 8.0, "max": 8.0, "step": 1.0}}
+    with pytest.raises(InputError, match="--refine: needs a thickness given as a range"):
+        optimise(catalogue(ceramic=[CERAMICS[1], one], backing=METALS[1:]), refine=True)

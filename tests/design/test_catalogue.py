@@ -1,4 +1,4 @@
-"""What is on offer: layers, threats, constraints and costs, and wrong questions about them."""
+"""Catalogues: layers, threats, constraints and costs, and wrong questions about them."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ import pytest
 from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.errors import InputError, NoDesignError
-from tests.helpers.cases import THREATS, catalogue, scenario
+from tests.helpers.cases import CERAMICS, RANGE, THREATS, catalogue, scenario
 from tests.helpers.plain_designs import defeats, designs
 
 UNCERTAIN = {
@@ -42,19 +42,19 @@ def test_a_density_in_place_of_the_librarys():
 
 def test_what_costs_nothing():
     free = [
-        {"material": "AD85", "thickness_mm": [12.0]},
+        {"material": "AD85", "thickness_mm": [12.0], "cost_per_kg": 0.0},
         {"material": "AD99.5", "thickness_mm": [12.0], "cost_per_kg": 9.0},
     ]
-    metal = [{"material": "6061-T6", "thickness_mm": [10.0]}]
+    metal = [{"material": "6061-T6", "thickness_mm": [10.0], "cost_per_m2": 0.0}]
     result = optimise(catalogue(ceramic=free, backing=metal, minimise="cost_per_m2"))
     assert [(pair.ceramic, pair.reason) for pair in result.pairs] == [("AD85", ""), ("AD99.5", "dearer")]
 
 
 def test_nothing_on_offer():
-    with pytest.raises(NoDesignError, match="nothing on offer keeps to the limits"):
+    with pytest.raises(NoDesignError, match=r"^no design in the catalogue meets the constraints of \[design\]$"):
         optimise(catalogue(thickness_max_mm=5.0))
     fast = [{"projectile": "7.62 mm AP", "velocity_m_s": 2500.0}]
-    with pytest.raises(NoDesignError, match=r"nothing on offer defeats 7.62 mm AP at 2500 m/s"):
+    with pytest.raises(NoDesignError, match=r"^no design defeats 7.62 mm AP at 2500 m/s; offer thicker layers"):
         optimise(catalogue(fast))
 
 
@@ -62,8 +62,25 @@ def test_a_pair_that_cannot():
     metals = [{"material": "6061-T6", "thickness_mm": [10.0]}, {"material": "7075-T6", "thickness_mm": [0.5]}]
     result = optimise(catalogue(backing=metals))
     assert [pair.reason for pair in result.pairs if pair.best is None] == [
-        "nothing on offer defeats 7.62 mm AP at 800 m/s or M2"
+        "no design defeats 7.62 mm AP at 800 m/s or M2"
     ] * 2
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [{"minimise": "cost_per_m2"}, {"pareto": ["thickness_mm", "cost_per_m2"]}, {"cost_max_per_m2": 1000.0}],
+)
+def test_costs_that_are_asked_for_must_be_given(asked: dict[str, Any]):
+    ceramics = [CERAMICS[0], {"material": "AD99.5", "thickness_mm": [12.0]}]
+    with pytest.raises(InputError) as error:
+        optimise(catalogue(ceramic=ceramics, **asked))
+    [problem] = error.value.problems
+    assert problem.key == "design.ceramic[1]"
+    assert problem.message == 'must have a cost where [design] asks for costs, found none for "AD99.5"'
+    own = scenario(design=asked, optimise={"ceramic_thickness_mm": RANGE, "backing_thickness_mm": RANGE})
+    with pytest.raises(InputError) as error:
+        optimise(own)
+    assert [problem.key for problem in error.value.problems] == ["design.ceramic[0]", "design.backing[0]"]
 
 
 @pytest.mark.parametrize(
@@ -76,10 +93,10 @@ def test_a_pair_that_cannot():
         ),
         (lambda: catalogue([{**THREATS[0], "name": "a\x1b[31m"}]), "must be one line of printable text"),
         (lambda: catalogue(added_cost_per_m2=1e308), "design.added_cost_per_m2: must be at most 1e+09"),
-        (lambda: catalogue(pareto=["thickness_mm"]), "must have at least 2 of them"),
+        (lambda: catalogue(pareto=["thickness_mm"]), "must list at least 2 values, found 1"),
         (
             lambda: catalogue([THREATS[1], THREATS[1]]),
-            'threat[1].name: must tell the threat from the others, found "M2" twice',
+            'threat[1].name: must be different for each threat, found "M2" twice',
         ),
         (
             lambda: catalogue([{**THREATS[0], "probability_of_perforation": 0.05}]),
@@ -95,9 +112,13 @@ def test_a_pair_that_cannot():
         ),
         (
             lambda: catalogue([{**THREATS[0], "probability_of_perforation": 0.001}], UNCERTAIN),
-            "uncertainty.samples: must be more to show a probability of perforation of 0.001, found 1024",
+            "uncertainty.samples: must be at least 3688 to show a probability of perforation of 0.001, found 1024",
         ),
-        (lambda: catalogue(ceramic=[{"material": "AD86", "thickness_mm": [5.0]}]), "did you mean 'AD85'?"),
+        (
+            lambda: catalogue([{**THREATS[0], "probability_of_perforation": 1e-9}], UNCERTAIN),
+            "(at most 4194304 are allowed: raise the bound)",
+        ),
+        (lambda: catalogue(ceramic=[{"material": "AD86", "thickness_mm": [5.0]}]), 'did you mean "AD85"?'),
         (lambda: catalogue(backing=[{"material": "6061-T6", "thickness_mm": 5.0}]), "thickness_mm: must be a table"),
         (lambda: catalogue(backing=[{"material": "6061-T6", "thickness_mm": []}]), "thickness_mm: must not be empty"),
     ],

@@ -73,7 +73,7 @@ def test_the_probability_is_at_the_threats_own_velocity():
 )
 def test_distributions_must_follow_the_designs(uncertain: Any):
     threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "probability_of_perforation": 0.05}
-    with pytest.raises(InputError, match="must be about the value of each design or threat"):
+    with pytest.raises(InputError, match="must be centred on the value of each design or threat"):
         optimise(catalogue([threat], uncertain))
 
 

@@ -46,7 +46,7 @@ def test_a_scenario_without_a_design_is_its_own_answer():
 def test_a_density_on_offer_is_the_answers():
     case = load_scenario(
         SCENARIOS / "catalogue.toml",
-        {"design": {"ceramic": [{"material": "AD85", "thickness_mm": [10.0], "density_kg_m3": 5000.0}]}},
+        {"design.ceramic": [{"material": "AD85", "thickness_mm": [10.0], "density_kg_m3": 5000.0, "cost_per_kg": 1.0}]},
     )
     found = contents_of(case)
     assert found.design is not None

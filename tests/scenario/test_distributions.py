@@ -17,7 +17,10 @@ PAIR = ["ceramic.density_kg_m3", "ceramic.flow_stress_GPa"]
         ({"distribution": "normal", "standard_deviation": 1.0, "standard_deviation_percent": 1.0}, "and not both"),
         ({"distribution": "uniform", "min": 1.0}, "a uniform distribution must have min and max, and nothing else"),
         ({"distribution": "uniform", "min": 1.0, "max": 2.0, "mean": 1.5}, "and nothing else"),
-        ({"distribution": "normal", "standard_deviation": 1.0, "min": 3.0, "max": 2.0}, "min must be below max"),
+        (
+            {"distribution": "normal", "standard_deviation": 1.0, "min": 3.0, "max": 2.0},
+            "must be above min, which is 3, found 2",
+        ),
         ({"distribution": "triangular"}, "Input should be 'normal'"),
     ],
 )
@@ -29,7 +32,7 @@ def test_wrong_distributions(keys: dict[str, Any], message: str):
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
-        ({"samples": 1000}, "samples must be a power of 2 for Sobol' points, such as 1024, found 1000"),
+        ({"samples": 1000}, "must be a power of 2 for Sobol' points, such as 1024, found 1000"),
         ({"correlation": [{"between": PAIR, "coefficient": 1.0}]}, "less than 1"),
         ({"correlation": [{"between": [PAIR[0], "hardness"], "coefficient": 0.5}]}, 'found "hardness"'),
         ({"correlation": [{"between": [PAIR[0], PAIR[0]], "coefficient": 0.5}]}, "must name two inputs"),

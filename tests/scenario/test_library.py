@@ -93,15 +93,15 @@ def test_every_mistake_in_the_tables_is_reported():
     )
     assert found == [
         'f.toml: ceramic.X.flow_stress_GPa: must be a number, found the text "x"',
-        "f.toml: ceramic.X.densty_kg_m3: unknown key; did you mean 'density_kg_m3'?",
+        'f.toml: ceramic.X.densty_kg_m3: unknown key; did you mean "density_kg_m3"?',
         "f.toml: metal.Y.density_kg_m3: must be at least 100, found 7.85",
-        "f.toml: metall: unknown key; did you mean 'metal'?",
+        'f.toml: metall: unknown key; did you mean "metal"?',
     ]
 
 
 def test_bases_that_are_not_there_or_lead_back():
     assert messages({"ceramic": {"a": {"based_on": "AD86"}}}) == [
-        "f.toml: ceramic.a.based_on: must name a ceramic of the library, found \"AD86\"; did you mean 'AD85'?"
+        'f.toml: ceramic.a.based_on: must name a ceramic of the library, found "AD86"; did you mean "AD85"?'
     ]
     found = messages({"metal": {"a": {"based_on": "b"}, "b": {"based_on": "a"}}})
     assert len(found) == 2

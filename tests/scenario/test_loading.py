@@ -75,27 +75,27 @@ def test_defaults():
         (
             "armour.ceramic",
             "AD86",
-            "must name a ceramic of the library, found \"AD86\"; did you mean 'AD85'?",
+            'must name a ceramic of the library, found "AD86"; did you mean "AD85"?',
         ),
         (
             "armour.backing",
             "6061",
-            "must name a metal of the library, found \"6061\"; did you mean '6061-T6'?",
+            'must name a metal of the library, found "6061"; did you mean "6061-T6"?',
         ),
         ("armour.ceramic_thickness_mm", -1.0, "must be at least 0, found -1.0"),
         ("armour.backing_thickness_mm", 0.0, "must be greater than 0, found 0.0"),
         ("armour.thickness_mm", 1.0, "unknown key; did you mean"),
-        ("model.shear_perimeter", "cone", "must be 'conoid' or 'projectile', found the text \"cone\""),
+        ("model.shear_perimeter", "cone", 'must be "conoid" or "projectile", found the text "cone"'),
         ("solver.time_step_us", 0, "must be greater than 0, found 0"),
         ("solver.arrest_velocity_m_s", -1, "must be greater than 0, found -1"),
         (
-            "ballistic_limit",
-            {"velocity_min_m_s": 50, "velocity_max_m_s": 20},
-            "velocity_min_m_s must be below",
+            "ballistic_limit.velocity_max_m_s",
+            20,
+            "must be above velocity_min_m_s, which is 20, found 20",
         ),
         ("ballistic_limit.tolerance_m_s", 0, "must be at least 1e-09, found 0"),
         ("title", "a\x1b[31m", "must be one line of printable text"),
-        ("impct", {}, "unknown key; did you mean 'impact'?"),
+        ("impct", {}, 'unknown key; did you mean "impact"?'),
         ("impact", 3, "must be a table, found 3"),
         ("library", [], "must be a table, found a list"),
         ("library.files", "a.toml", 'must be a list, found the text "a.toml"'),
@@ -110,7 +110,7 @@ def test_a_mistake_is_named(key: str, value: object, message: str):
 @pytest.mark.parametrize(
     ("axis", "message"),
     [
-        ({"min": 3, "max": 2, "step": 0.1}, "min must not be above max, found 3 and 2"),
+        ({"min": 3, "max": 2, "step": 0.1}, "max: must be at least min, which is 3, found 2"),
         ({"min": 2, "max": 3, "step": 0}, "step: must be greater than 0, found 0"),
         ({"min": 2, "max": 3, "step": 1e-9}, "must hold at most 100000 values, found 1e+09; widen the step"),
         ({"min": 2, "max": 3}, "step: is missing and must be given"),
@@ -136,6 +136,39 @@ def test_a_grid_without_backing_and_an_absurd_one():
     fine = {"min": 1, "max": 3, "step": 1e-4}
     [found] = messages(data(optimise={"ceramic_thickness_mm": fine, "backing_thickness_mm": fine}))
     assert "must hold at most 1000000 designs, found 4e+08" in found
+
+
+def test_all_mistakes_of_an_axis_are_named():
+    fine = {"min": 2, "max": 3, "step": 0.5}
+    content = data(optimise={"ceramic_thickness_mm": {"min": 20, "max": 2, "step": 0}, "backing_thickness_mm": fine})
+    assert messages(content) == [
+        "optimise.ceramic_thickness_mm.max: must be at least min, which is 20, found 2",
+        "optimise.ceramic_thickness_mm.step: must be greater than 0, found 0",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("sections", "message"),
+    [
+        (
+            {"ballistic_limit": {"velocity_min_m_s": 5000}},
+            "ballistic_limit.velocity_max_m_s: must be above velocity_min_m_s, which is 5000, found 4000",
+        ),
+        ({"uncertainty": {"samples": "800"}}, 'uncertainty.samples: must be a whole number, found the text "800"'),
+        ({"uncertainty": {"samples": 200.5}}, "uncertainty.samples: must be a whole number, found 200.5"),
+        ({"uncertainty": {"correlation": [{"between": ["a"], "coefficient": 1}]}}, "must be less than 1, found 1"),
+        ({"uncertainty": {"correlation": [{"between": ["a"]}]}}, "must list at least 2 values, found 1"),
+        ({"design": {"pareto": ["a"] * 4}}, "design.pareto: must list at most 3 values, found 4"),
+        ({"design": {"pareto": ["thickness_mm"] * 2}}, "design.pareto: must not name a criterion twice, found"),
+        (
+            {"library": {"metal": {"m": {"density_kg_m3": {"value": 1, "tests": [{"a": []}]}}}}},
+            "library.metal.m.density_kg_m3.tests[0].a: must be a number, found a list",
+        ),
+    ],
+)
+def test_a_mistake_in_another_section_is_named(sections: dict[str, Any], message: str):
+    found = messages(data(**sections))
+    assert any(message in line for line in found), found
 
 
 def test_missing_sections_are_all_named():

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from armour.errors import InputError
-from armour.scenario.parameters import INPUTS, check_names, check_ranges, inputs_of, with_inputs
+from armour.scenario.parameters import BACKING, CERAMIC, INPUTS, check_names, check_ranges, inputs_of, with_inputs
 from tests.helpers.cases import scenario
 
 
@@ -37,8 +37,8 @@ def test_unknown_names_are_reported():
         't.csv: --fit: must name an input of the scenario, found "ceramic.flow_stress"; '
         "its unit is missing: ceramic.flow_stress_GPa"
     )
-    assert second.endswith("did you mean 'backing.shear_strength_MPa'?")
-    assert "; there are impact.velocity_m_s, " in third
+    assert second.endswith('did you mean "backing.shear_strength_MPa"?')
+    assert "; choose from impact.velocity_m_s, " in third
     with pytest.raises(InputError, match=r'found "ceramic\.flow_stress_GPa"'):
         with_inputs(scenario(ceramic=None, ceramic_mm=0.0, backing="AA6082-T651"), {"ceramic.flow_stress_GPa": 5.0})
 
@@ -49,3 +49,6 @@ def test_values_that_are_not_allowed():
     for value in (np.nan, np.inf, -np.inf):
         with pytest.raises(InputError, match="finite"):
             check_ranges(scenario(), {"impact.velocity_m_s": np.array([500.0, value])})
+    with pytest.raises(InputError) as error:
+        check_ranges(scenario(), {CERAMIC: np.array([-1.0, 5.0]), BACKING: np.array([1e9, 0.0])})
+    assert [problem.key for problem in error.value.problems] == [CERAMIC, BACKING]

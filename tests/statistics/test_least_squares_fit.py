@@ -26,13 +26,18 @@ C, V, TAU = "armour.ceramic_thickness_mm", "impact.velocity_m_s", "backing.shear
             {"fit": [C]},
             "must not be a column where it is fitted",
         ),
-        (f"{C},ballistic_limit_m_s", ["6,700", "7,720"], {"fit": [V]}, "must be of a material or projectile"),
-        (f"{C},ballistic_limit_m_s", ["6,700", "7,720"], {"fit": ["hardness"]}, 'found "hardness"; there are'),
+        (
+            f"{C},ballistic_limit_m_s",
+            ["6,700", "7,720"],
+            {"fit": [V]},
+            "must be a property of a material or projectile",
+        ),
+        (f"{C},ballistic_limit_m_s", ["6,700", "7,720"], {"fit": ["hardness"]}, 'found "hardness"; choose from'),
         (
             f"{C},ballistic_limit_m_s",
             ["6,700", "7,720"],
             {"fit": [TAU], "law": "linear"},
-            "is of ceramic.flow_stress_GPa",
+            'must be "constant" where ceramic.flow_stress_GPa is not fitted, found "linear"',
         ),
         (
             f"armour.ceramic,{C},ballistic_limit_m_s",

@@ -50,6 +50,13 @@ def test_elasticities_agree_with_changed_scenarios():
     )
 
 
+def test_the_limit_is_that_of_the_scenario():
+    """For some armours the limits of the finite differences round to another hundredth."""
+    for ceramic_mm in (6.35, 8.0, 9.5, 11.0):
+        case = scenario(ceramic_mm=ceramic_mm)
+        assert sensitivity(case).answers[LIMIT] == ballistic_limit(case).ballistic_limit_m_s
+
+
 def test_missing_answers():
     defeated = sensitivity(scenario(velocity=500.0))
     assert defeated.answers[RESIDUAL] is None

@@ -67,7 +67,7 @@ def test_the_shipped_tests():
         (
             f"{C},ballistic_limit_m_s",
             ["6,700", "-1,710"],
-            "t.csv: line 2: armour.ceramic_thickness_mm: must be",
+            "t.csv: line 3: armour.ceramic_thickness_mm: must be at least 0, found -1",
         ),
         (f"{C},ballistic_limit_m_s", ["6,700", "6,700"], "line 3: repeats line 2"),
         (
@@ -92,3 +92,19 @@ def test_wrong_tests(tmp_path: Path, header: str, rows: list[str], message: str)
     with pytest.raises(InputError) as error:
         read_tests(csv_file(tmp_path / "t.csv", header, *rows), shipped_scenario("wilkins"))
     assert message in str(error.value)
+
+
+def test_all_mistakes_at_once(tmp_path: Path):
+    rows = ["6,x,", "-1,800,", "7,700,xx", "-3,-4,", "-5,,7.62 mm AP"]
+    path = csv_file(tmp_path / "t.csv", f"{C},ballistic_limit_m_s,impact.projectile", *rows)
+    with pytest.raises(InputError) as error:
+        read_tests(path, shipped_scenario("wilkins"))
+    assert sorted(str(problem).removeprefix(f"{path}: ").split(" must ")[0] for problem in error.value.problems) == [
+        "line 2: ballistic_limit_m_s:",
+        f"line 3: {C}:",
+        "line 4: impact.projectile:",
+        f"line 5: {C}:",
+        "line 5: ballistic_limit_m_s:",
+        "line 6:",
+        f"line 6: {C}:",
+    ]

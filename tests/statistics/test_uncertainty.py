@@ -204,4 +204,4 @@ def test_samples_without_a_limit():
 def test_the_section_is_checked_with_the_scenario():
     with pytest.raises(InputError) as error:
         scenario(uncertainty={"ceramic": {"flow_stres_GPa": NORMAL}, "samples": 100})
-    assert "uncertainty.ceramic.flow_stres_GPa: unknown key; did you mean 'flow_stress_GPa'?" in str(error.value)
+    assert 'uncertainty.ceramic.flow_stres_GPa: unknown key; did you mean "flow_stress_GPa"?' in str(error.value)

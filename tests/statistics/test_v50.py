@@ -6,7 +6,7 @@ import pytest
 
 from armour.errors import InputError
 from armour.statistics.v50 import MeanV50, Shots, mean_v50, read_shots, v50
-from tests.helpers.cases import scenario
+from tests.helpers.cases import csv_file, scenario
 
 MIXED = Shots((700, 710, 715, 720, 725, 730, 722, 735), (False, False, True, False, True, True, False, True))
 APART = Shots((700, 708, 715, 731, 740, 748), (False, False, False, True, True, True))
@@ -47,8 +47,8 @@ def test_the_models_limit_beside_it():
         ("700,partial", "result: must have at least one partial and one complete penetration, found only partial ones"),
         ("700,complete\n710,complete", "found only complete ones"),
         ("700,part\n710,complete", 'line 2: result: must be "partial" or "complete", found "part"'),
-        (",partial\n710,complete", "line 2: velocity_m_s: must be at least 1 and at most 10000"),
-        ("-700,partial\n710,complete", "line 2: velocity_m_s: must be at least 1 and at most 10000"),
+        (",partial\n710,complete", 'line 2: velocity_m_s: must be at least 1 and at most 10000, found ""'),
+        ("-700,partial\n710,complete", 'line 2: velocity_m_s: must be at least 1 and at most 10000, found "-700"'),
     ],
 )
 def test_wrong_shots(tmp_path: Path, rows: str, message: str):
@@ -57,3 +57,21 @@ def test_wrong_shots(tmp_path: Path, rows: str, message: str):
     with pytest.raises(InputError) as error:
         read_shots(path)
     assert message in str(error.value)
+
+
+def test_all_mistakes_at_once(tmp_path: Path):
+    path = csv_file(tmp_path / "shots.csv", "velocity_m_s,result", "700,partial", "710,no", "fast,complete", "-5,part")
+    with pytest.raises(InputError) as error:
+        read_shots(path)
+    assert sorted(problem.key for problem in error.value.problems) == [
+        "line 3: result",
+        "line 4: velocity_m_s",
+        "line 5: result",
+        "line 5: velocity_m_s",
+    ]
+
+
+def test_shots_that_repeat_are_named_in_the_column_of_shots(tmp_path: Path):
+    path = csv_file(tmp_path / "shots.csv", "velocity_m_s,result", "700,partial", "700,partial", "710,complete")
+    with pytest.raises(InputError, match="line 3: repeats line 2; where both took place, name them in the column shot"):
+        read_shots(path)

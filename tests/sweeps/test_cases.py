@@ -41,9 +41,10 @@ def test_cases_in_chunks(tmp_path: Path):
     [
         ("", "must be a table of numbers"),
         ("a,b\n", "at least one row"),
-        ("a,b\n1,x\n", "must be a table of numbers.*'x'"),
-        ("a,b\n1,\n", "must be a table of numbers"),
-        ("a,b\n1,2,3\n", "must be a table of numbers"),
+        ("a,b\n1,2\n\n3,x\n", 'line 4: b: must be a number, found "x"'),
+        ("a,b\n1,\n", 'line 2: b: must be a number, found ""'),
+        ("a,b\n1,2,3\n", "must be a table of numbers below a header of keys: .*got 3"),
+        ("a,b\n1,1_0\n", "must be a table of numbers below a header of keys: .*1_0"),
     ],
 )
 def test_wrong_tables(tmp_path: Path, text: str, message: str):

@@ -115,17 +115,20 @@ def test_another_sweep_does_not_resume_with_its_chunks(tmp_path: Path, other: Ca
         ("impact.velocity_m_s=800,nan", "impact.velocity_m_s: must be a finite number"),
         ("impact.speed=800", "impact.speed: unknown key"),
         ("a b=800", "sweep: a b: must be a key of the scenario"),
+        ("solver.arrest_velocity_m_s=1,2,-1", "solver.arrest_velocity_m_s: must be greater than 0, found -1"),
     ],
 )
-def test_values_that_are_not_allowed(tmp_path: Path, text: str, message: str):
+def test_values_that_are_not_allowed_leave_nothing(tmp_path: Path, text: str, message: str):
     with pytest.raises(InputError, match=message):
-        sweep(sweep_scenario(), sweep_grid(text), ["outcome"], tmp_path / "a.csv")
+        sweep(sweep_scenario(), sweep_grid(text), ["outcome"], tmp_path / "a.csv", size=1)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_run_that_does_not_end_names_the_key(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 5)
     with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run at 700 m/s"):
         sweep(sweep_scenario(), sweep_grid("impact.velocity_m_s=700,800"), ["outcome"], tmp_path / "a.csv")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_all_mistakes_at_once(tmp_path: Path):

@@ -120,7 +120,7 @@ rows = []
 """
     assert mistakes(folder, text) == [
         'case[0].name: must not be empty, found the text ""',
-        "case[0].quantity: must name a quantity, found \"balistic_limit_m_s\"; did you mean 'ballistic_limit_m_s'?",
+        'case[0].quantity: must name a quantity, found "balistic_limit_m_s"; did you mean "ballistic_limit_m_s"?',
         "case[0].expected: must be a finite number, or the outcome in quotes, found true",
         "case[0].colour: unknown key",
         "case[1]: must have a band or band_percent: how far the computed value may be from the expected",
@@ -174,7 +174,7 @@ def test_mistakes_in_scenarios_say_where_they_are_named(folder: Path):
     assert found == [
         "case[0].scenario: must be a valid scenario: "
         f'{folder / "wilkins.toml"}: armour.ceramic: must name a ceramic of the library, found "AD86"; '
-        "did you mean 'AD85'?",
+        'did you mean "AD85"?',
         "case[1].scenario: must be a valid scenario: "
         f"{folder / 'missing.toml'}: cannot be read: no such file or directory",
     ]

@@ -1,4 +1,4 @@
-"""Answers of the engine about variants of a scenario, and the columns of quantities made of them."""
+"""Quantities of variants of a scenario, computed by the engine when they are first needed."""
 
 from collections.abc import Callable
 from functools import cached_property
@@ -51,22 +51,11 @@ class Answers:
         return np.where(self.perforated, self.impacts.V, 0.0)
 
     @cached_property
-    def ballistic_limits(self) -> Floats:
-        """Ballistic limits, m/s."""
-        return searches.ballistic_limits(self.variants, self.threads)
-
-    @cached_property
     def residual_masses(self) -> Floats:
         """Residual masses of the penetrators, g."""
         p: Any = batch.fields(self.variants.parameters)
         found: Floats = p.rho_p * cross_section(p.D0) * self.impacts.L / G
         return found
-
-    @cached_property
-    def required_totals_mm(self) -> Floats:
-        """Required thicknesses of both layers in proportion, mm."""
-        least = searches.least_in_proportion(self.variants, self.threads)
-        return least.ceramics_mm + least.backings_mm
 
 
 COLUMNS: dict[str, Callable[[Answers], Any]] = {
@@ -81,9 +70,9 @@ COLUMNS: dict[str, Callable[[Answers], Any]] = {
     "plug_velocity_m_s": lambda a: np.where(a.perforated, a.impacts.W, 0.0),
     "duration_us": lambda a: a.impacts.t / US,
     "areal_density_kg_m2": lambda a: a.variants.areal_densities_kg_m2,
-    "ballistic_limit_m_s": lambda a: a.ballistic_limits,
+    "ballistic_limit_m_s": lambda a: searches.ballistic_limits(a.variants, a.threads),
     "required_ceramic_thickness_mm": lambda a: a.with_least_ceramic.ceramics_mm,
     "required_backing_thickness_mm": lambda a: a.with_least_backing.backings_mm,
-    "required_total_thickness_mm": lambda a: a.required_totals_mm,
+    "required_total_thickness_mm": lambda a: searches.least_totals_mm(a.variants, a.threads),
     "required_areal_density_kg_m2": lambda a: a.with_least_ceramic.areal_densities_kg_m2,
 }

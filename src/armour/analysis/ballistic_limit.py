@@ -1,11 +1,12 @@
 """Ballistic limit: the lowest impact velocity that perforates, by a scan of velocities and bisection."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Literal
 
 from armour.analysis.impact import ImpactResult, impact_at, perforates
+from armour.analysis.results import Result
 from armour.errors import NoLimitError
 from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
@@ -33,7 +34,7 @@ class Crossing:
 
 
 @dataclass(frozen=True)
-class LimitResult:
+class LimitResult(Result):
     """Ballistic limit of an armour.
 
     Attributes
@@ -61,10 +62,6 @@ class LimitResult:
     monotonic: bool
     crossings: tuple[Crossing, ...]
     warnings: tuple[str, ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain data."""
-        return asdict(self)
 
 
 def ballistic_limit(scenario: Scenario) -> LimitResult:
@@ -154,7 +151,7 @@ def scan(low: float, high: float, count: int) -> list[float]:
 
 
 def bisect(holds: Callable[[float], bool], low: float, high: float, tolerance: float) -> tuple[float, float]:
-    """Narrow a bracket, at whose upper end alone a condition holds, to a tolerance by bisection."""
+    """Narrow a bracket to a tolerance by bisection; a condition holds at its upper end and not at its lower."""
     while high - low > tolerance:
         middle = 0.5 * (low + high)
         if not low < middle < high:

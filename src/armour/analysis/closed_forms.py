@@ -76,22 +76,12 @@ def florence_split(m: float, r: float, rho1: float, rho2: float, areal_density: 
 
 @dataclass(frozen=True)
 class ResidualVelocityFit:
-    """Fit of ``ratio (V^exponent - limit^exponent)^(1/exponent)`` to residual velocities.
+    """Fit of ``ratio (V^exponent - limit^exponent)^(1/exponent)`` to residual velocities."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the closed form.
-    ratio, exponent : float
-        Parameters of the fit.
-    rms_m_s : float
-        Root mean square of the residuals of the fit, m/s.
-    """
-
-    name: str
+    name: str  # of the closed form
     ratio: float
     exponent: float
-    rms_m_s: float
+    rms_m_s: float  # root mean square of the residuals
 
 
 def residual_velocity(V: float, limit: float, ratio: float, exponent: float) -> float:

@@ -15,6 +15,7 @@ from armour.analysis.closed_forms import (
 from armour.analysis.impact import ImpactResult
 from armour.errors import InputError, NoLimitError, Problem
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import key_name
 from armour.units import MM, MPA, G
 
 Body = Literal["penetrator", "whole projectile"]
@@ -29,35 +30,18 @@ TENSILE = ("ultimate_tensile_strength_MPa", "strain_to_fracture")
 
 @dataclass(frozen=True)
 class FlorenceResult:
-    """Florence's limit of an armour, and the best armour of the same areal density according to this formula.
+    """Florence's limit of an armour, and the best armour of the same areal density according to this formula."""
 
-    Attributes
-    ----------
-    projectile : {"penetrator", "whole projectile"}
-        Body taken as the projectile.
-    mass_g, diameter_mm : float
-        Mass, g, and diameter, mm, of that body.
-    ballistic_limit_m_s : float
-        Florence's limit, m/s.
-    best_ceramic_thickness_mm, best_backing_thickness_mm : float
-        Thicknesses, mm, with the highest Florence limit at the same areal density.
-    best_thickness_ratio : float
-        Ratio of these thicknesses, ceramic to back plate.
-    best_ballistic_limit_m_s : float
-        Florence's limit of the best armour, m/s.
-    model_ballistic_limit_m_s : float or None
-        The model's limit of the best armour, m/s; None if the scenario's range contains none.
-    """
-
-    projectile: Body
-    mass_g: float
+    projectile: Body  # body taken as the projectile
+    mass_g: float  # of that body
     diameter_mm: float
-    ballistic_limit_m_s: float
+    ballistic_limit_m_s: float  # Florence's limit
+    # Thicknesses with the highest Florence limit at the same areal density, and their ratio, ceramic to back plate.
     best_ceramic_thickness_mm: float
     best_backing_thickness_mm: float
     best_thickness_ratio: float
-    best_ballistic_limit_m_s: float
-    model_ballistic_limit_m_s: float | None
+    best_ballistic_limit_m_s: float  # Florence's limit of the best armour
+    model_ballistic_limit_m_s: float | None  # the model's limit of it; None if the scenario's range contains none
 
 
 @dataclass(frozen=True)
@@ -146,10 +130,9 @@ def missing_for_florence(scenario: Scenario) -> list[Problem]:
         message = "must be greater than 0 for Florence's limit, found 0"
         problems.append(Problem(scenario.file, "armour.ceramic_thickness_mm", message))
     backing = scenario.armour.backing
-    for key in TENSILE:
-        if key not in scenario.entry("metal", backing).values:
-            message = f'must name a metal with {key}, found "{backing}"; add one that is based on it'
-            problems.append(Problem(scenario.file, "armour.backing", message))
+    missing = [key for key in TENSILE if key not in scenario.entry("metal", backing).values]
+    message = "is missing and must be given for Florence's limit; add it to the entry"
+    problems += [Problem(scenario.file, key_name(["library", "metal", backing, key]), message) for key in missing]
     return problems
 
 

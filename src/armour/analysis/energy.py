@@ -1,4 +1,4 @@
-"""Kinetic energy of the projectile: what each stage of an impact takes from it."""
+"""Kinetic energy of the projectile, and its loss in each stage of an impact."""
 
 from dataclasses import dataclass
 
@@ -10,40 +10,21 @@ from armour.units import MM
 
 @dataclass(frozen=True)
 class StageEnergy:
-    """Kinetic energy that a stage takes from the projectile, J.
-
-    Attributes
-    ----------
-    stage : str
-    eroded : float
-        Carried off by eroded material at the velocity that it had.
-    braked : float
-        Lost by the rest of the rod, by the force on its front.
-    """
+    """Loss of kinetic energy in a stage, J."""
 
     stage: str
-    eroded: float
-    braked: float
+    eroded: float  # carried off by eroded material at the velocity that it had
+    braked: float  # lost by the rest of the rod, by the force on its front
 
     @property
     def total(self) -> float:
-        """Return all that the stage takes."""
+        """Total loss in the stage."""
         return self.eroded + self.braked
 
 
 @dataclass(frozen=True)
 class EnergyBalance:
-    """Kinetic energy of the projectile, J.
-
-    Attributes
-    ----------
-    before : float
-        At impact.
-    rows : tuple of StageEnergy
-        What each stage takes.
-    left : float
-        At the end of the run.
-    """
+    """Kinetic energy of the projectile, J: at impact, lost in each stage, and left at the end of the run."""
 
     before: float
     rows: tuple[StageEnergy, ...]
@@ -51,15 +32,15 @@ class EnergyBalance:
 
     @property
     def difference(self) -> float:
-        """Return what stages and remainder do not account for, which is rounding."""
+        """Rounding error of the balance."""
         return self.before - self.left - sum(row.total for row in self.rows)
 
 
 def energy_balance(scenario: Scenario, impact: ImpactResult) -> EnergyBalance:
-    """Compute what each stage of an impact takes from the projectile's kinetic energy.
+    """Compute the loss of kinetic energy in each stage of an impact.
 
-    Eroded material carries off the energy of its velocity, summed over the history as if velocity fell linearly with
-    length between two instants; the rest of a stage's loss brakes the rod.
+    The energy of the eroded material is integrated over the history, with a velocity linear in length between two
+    instants; the rest of a stage's loss brakes the rod.
     """
     history = impact.history
     if history is None:

@@ -10,19 +10,14 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number estimated from samples, with its confidence interval.
-
-    Attributes
-    ----------
-    value, low, high : float
-    """
+    """A number estimated from samples, with its confidence interval."""
 
     value: float
     low: float
     high: float
 
     def samples_for(self, last_digit: float, samples: int) -> int:
-        """Estimate the number of samples that would settle a digit of this value, from the n samples that gave it."""
+        """Estimate the number of samples that determine a digit of this value, given the number that it is based on."""
         half = 0.5 * (self.high - self.low)
         return max(samples, ceil(samples * (half / (0.5 * last_digit)) ** 2)) if half > 0.5 * last_digit else samples
 

@@ -1,8 +1,7 @@
 """Evaluate quantities of a scenario for many values of its keys at once.
 
-This is the one way from input values to results: sweeps, suites, figures, uncertainty, sensitivity, calibration and
-designs use it or the `Variants` that it is made of.  Policy: a question without an answer gives NaN (an empty text for
-an outcome); a run that does not end is wrong input, and the error names the key at fault.
+Sweeps, suites, figures, uncertainty, sensitivity, calibration and designs use it, or the `Variants` that it is made of.
+A question without an answer gives NaN; a run that does not end raises an InputError that names the key at fault.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,12 +26,9 @@ class Group(NamedTuple):
 def evaluate(
     scenario: Scenario, columns: Mapping[str, Floats], quantities: Sequence[str], threads: int | None = None
 ) -> dict[str, Any]:
-    """Evaluate quantities for n rows of values, by key of the scenario or name of input; without any, for its own.
+    """Return quantities by name, each an array, (n,), for n rows of values by key of the scenario or name of input.
 
-    Returns
-    -------
-    dict of str to array, (n,)
-        By name of the quantity; NaN where a question has no answer.
+    Without values, they are those of the scenario itself.  A question without an answer gives NaN.
     """
     return evaluate_groups(groups_of(scenario, columns), quantities, threads)
 

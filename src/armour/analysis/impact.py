@@ -1,10 +1,11 @@
 """One impact of a scenario: its outcome, the stages it passes through and, on request, its history."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
+from armour.analysis.results import Result
 from armour.core import stages, stepping
 from armour.core.equations import cross_section
 from armour.core.run import Instant, Run, run
@@ -47,7 +48,7 @@ class StageRecord:
 
 
 @dataclass(frozen=True)
-class ImpactResult:
+class ImpactResult(Result):
     """Result of an impact.
 
     Attributes
@@ -96,9 +97,8 @@ class ImpactResult:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result, without its history, as plain data."""
-        data = asdict(self)
+        data = super().to_dict()
         del data["history"]
-        data["stages"] = list(data["stages"])
         return data
 
 

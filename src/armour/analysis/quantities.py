@@ -1,4 +1,4 @@
-"""The quantities that a scenario answers, by name; `armour.analysis.answers` has their columns."""
+"""Quantities that can be computed for a scenario, by name; `armour.analysis.answers` computes them."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ from armour.units import words_and_unit
 
 
 class Quantity(NamedTuple):
-    """A number, or the outcome, that a scenario answers."""
+    """A number, or the outcome, that can be computed for a scenario."""
 
     label: str
     unit: str

@@ -41,7 +41,7 @@ def ballistic_limits(variants: Variants, threads: int | None = None) -> Floats:
 
 
 def smooth_limits(variants: Variants, tolerance: float) -> Floats:
-    """Return ballistic limits, m/s, for finite differences: within a tolerance, m/s, but of no particular bracket."""
+    """Return ballistic limits for finite differences, m/s, accurate to a tolerance, m/s; NaN outside the range."""
     found = _brackets(variants, tolerance)
     return np.where(found.bounded, found.perforated, np.nan)
 
@@ -139,7 +139,7 @@ def bisect_rows(
     below: Floats | None = None,
     above: Floats | None = None,
 ) -> Floats:
-    """Bisect brackets (low, high), at whose upper ends alone a condition holds, and return the upper ends.
+    """Return the upper ends of brackets (low, high) after bisection; a condition holds there and not at the lower ends.
 
     Narrower brackets (below, above) that are known to contain the change save evaluations, but do not alter the result.
     """
@@ -198,10 +198,10 @@ def least_backings_mm(variants: Variants, threads: int | None = None) -> Floats:
     return least_values_mm(defeated, np.full(count, backing.min), np.full(count, backing.max))
 
 
-def least_in_proportion(variants: Variants, threads: int | None = None) -> Variants:
-    """Return the variants made as thin, in proportion, as defeats each impact, within the grid's ranges of both layers.
+def least_totals_mm(variants: Variants, threads: int | None = None) -> Floats:
+    """Return the least thickness of both layers together that defeats each impact, mm; NaN where none does.
 
-    The thicknesses are NaN where none defeats the impact.
+    The layers keep their proportion and are within the grid's ranges.
     """
     grid = variants.settings.grid
     assert grid is not None, "checked before"
@@ -218,14 +218,13 @@ def least_in_proportion(variants: Variants, threads: int | None = None) -> Varia
         ceramic_mm, backing_mm = (values * layer[some] / totals[some] for layer in (ceramics, backings))
         return with_thicknesses(variants.at(some), ceramic_mm=ceramic_mm, backing_mm=backing_mm)
 
-    least = least_values_mm(
+    least = np.full(len(totals), np.nan)
+    least[where] = least_values_mm(
         lambda values, rows: ~perforated(scaled(values, rows), threads),
         low[where] * totals[where],
         high[where] * totals[where],
     )
-    found = with_thicknesses(variants, ceramic_mm=np.nan, backing_mm=np.nan)
-    found.parameters[where] = scaled(least, np.arange(len(where))).parameters
-    return found
+    return least
 
 
 def least_values_mm(defeated: Condition, low: Floats, high: Floats) -> Floats:

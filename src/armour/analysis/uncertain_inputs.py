@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from armour.analysis.variants import Floats
+from armour.analysis.variants import Floats, Variants, variants_of
 from armour.errors import InputError, Problem
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.loading import Scenario
@@ -13,7 +13,8 @@ def section_of(scenario: Scenario) -> Uncertainty:
     """Return the distributions of a scenario."""
     section = scenario.uncertainty
     if section is None or not section.inputs():
-        message = "is missing and must be given: the distributions of inputs, as in docs/howto/uncertainty.md"
+        example = '{ distribution = "normal", standard_deviation_percent = 5 }'
+        message = f"is missing and must be given: distributions of inputs, such as ceramic.flow_stress_GPa = {example}"
         raise InputError([Problem(scenario.file, "uncertainty", message)])
     check_names(section.inputs(), scenario, scenario.file, "uncertainty")
     own = inputs_of(scenario)
@@ -27,8 +28,8 @@ def section_of(scenario: Scenario) -> Uncertainty:
     return section
 
 
-def check_samples(scenario: Scenario, columns: Mapping[str, Floats]) -> None:
-    """Check that the scenario allows every sampled value."""
+def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:
+    """Return n samples as variants of the scenario, which must allow every sampled value."""
     problems = []
     for name, values in columns.items():
         try:
@@ -38,3 +39,4 @@ def check_samples(scenario: Scenario, columns: Mapping[str, Floats]) -> None:
             problems.append(Problem(scenario.file, f"uncertainty.{name}", message))
     if problems:
         raise InputError(problems)
+    return variants_of(scenario, columns, count)

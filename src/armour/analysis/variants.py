@@ -1,7 +1,4 @@
-"""Variants of a scenario as rows for the compiled engine.
-
-A run that does not end is wrong input: the error names the key at fault.
-"""
+"""Variants of a scenario as rows for the compiled engine."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -96,8 +93,6 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
 
 def concatenated(parts: Sequence[Variants]) -> Variants:
     """Concatenate variants with equal settings."""
-    if any(part.settings != parts[0].settings for part in parts):
-        raise ValueError("variants with different settings cannot be concatenated")
     parameters = np.concatenate([part.parameters for part in parts])
     return Variants(parameters, np.concatenate([part.velocities for part in parts]), parts[0].settings)
 
@@ -133,7 +128,7 @@ def perforated(variants: Variants, threads: int | None = None) -> Bools:
 
 
 def check_resolved(resolved: Bools, variants: Variants) -> None:
-    """Raise an error for the first row whose run does not end."""
+    """Raise an InputError that names the key at fault if the run of a row does not end."""
     if not resolved.all():
         first = int(np.argmin(resolved))
         raise unresolved_error(variants.settings.solver, variants.settings.file, float(variants.velocities[first]))

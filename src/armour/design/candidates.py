@@ -1,4 +1,4 @@
-"""Candidate designs: all designs on offer, with the least value of a free thickness that the other layer needs."""
+"""Candidate designs: all combinations of the given thicknesses; of a free thickness, the least value that passes."""
 
 from collections.abc import Callable
 from functools import partial
@@ -11,7 +11,7 @@ from armour.design.catalogue import Candidates
 from armour.design.free import minimise_over_backings
 from armour.design.requirement import Requirement
 from armour.design.search import Search
-from armour.scenario.schema import FreeRange, Layer, Range
+from armour.scenario.schema import FreeRange, Range
 
 # Back plate thicknesses of the first round of a search in which both layers are free.
 FIRST_VALUES = 41
@@ -32,7 +32,7 @@ def candidates_of(requirement: Requirement, *, refine: bool = False) -> Candidat
 def _of_pair(requirement: Requirement, pair: int, *, refine: bool) -> Candidates:
     """Return the candidate designs of a pair; a free thickness is NaN where no value of it passes."""
     catalogue, offer = requirement.catalogue, requirement.catalogue.offers[pair]
-    ceramic, backing = (_free_range(layer, refine=refine) for layer in (offer.ceramic, offer.backing))
+    ceramic, backing = (layer.free_range(refine=refine) for layer in (offer.ceramic, offer.backing))
     ceramics, backings = (np.array(layer.thicknesses()) for layer in (offer.ceramic, offer.backing))
     of_ceramics = partial(catalogue.candidates, pair)
 
@@ -65,14 +65,6 @@ def _of_pair(requirement: Requirement, pair: int, *, refine: bool) -> Candidates
 
     minimise_over_backings(values_of, backings[None], backing.min, backing.max, float(width))
     return Candidates(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
-
-
-def _free_range(layer: Layer, *, refine: bool) -> Range | FreeRange | None:
-    """Return the range of a layer of which any thickness may be chosen; None where only some may."""
-    thickness = layer.thickness_mm
-    if isinstance(thickness, list) or thickness.min == thickness.max:
-        return None
-    return thickness if refine or layer.free else None
 
 
 def _least(

@@ -1,4 +1,4 @@
-"""What a scenario offers for a design: layers, threats and pairs of materials, with constraints and costs."""
+"""Catalogue of a scenario: pairs of materials with thicknesses and costs, threats and constraints."""
 
 from dataclasses import dataclass
 from itertools import product
@@ -16,12 +16,13 @@ from armour.units import MM
 
 # Largest relative constraint violation that counts as rounding.
 ROUNDING = 1e-12
+COST = "cost_per_m2"
 # Decimals to which areal densities, thicknesses and costs are rounded, so that equal sums compare equal.
 DIGITS = 9
 
 
 class Offer(NamedTuple):
-    """A ceramic and a metal, each with the thicknesses on offer."""
+    """A ceramic and a metal, each with its thicknesses."""
 
     ceramic: CeramicLayer
     backing: BackingLayer
@@ -49,7 +50,7 @@ class Candidates(NamedTuple):
 
 @dataclass(frozen=True)
 class Catalogue:
-    """The pairs of materials on offer, the threats that they face and the section ``design`` of a scenario."""
+    """The pairs of materials of a scenario, its threats and its section ``design``."""
 
     scenario: Scenario
     section: DesignSection
@@ -102,7 +103,7 @@ class Catalogue:
 
 
 def catalogue_of(scenario: Scenario) -> Catalogue:
-    """Return what a scenario offers for a design; its impact is the threat where it lists none."""
+    """Return the catalogue of a scenario; its impact is the threat if it lists none."""
     section = _section_of(scenario)
     own = Threat(projectile=scenario.impact.projectile, velocity_m_s=scenario.impact.velocity_m_s)
     threats = tuple(scenario.threat) or (own,)
@@ -111,11 +112,17 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     problems = []
     for i, title in enumerate(titles):
         if title in titles[:i]:
-            message = f'must tell the threat from the others, found "{title}" twice'
+            message = f'must be different for each threat, found "{title}" twice'
             problems.append(Problem(scenario.file, f"threat[{i}].name", message))
-    if bounded and any(layer.free for layer in [*section.ceramic, *section.backing]):
+    if bounded and any(layer.free_range() for layer in [*section.ceramic, *section.backing]):
         message = "must have a step for each thickness_mm where a threat has probability_of_perforation"
         problems.append(Problem(scenario.file, "design", message))
+    if COST in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None:
+        for key, layers in (("ceramic", section.ceramic), ("backing", section.backing)):
+            for i, layer in enumerate(layers):
+                if layer.material and not layer.model_fields_set & {"cost_per_kg", COST}:
+                    message = f'must have a cost where [design] asks for costs, found none for "{layer.material}"'
+                    problems.append(Problem(scenario.file, f"design.{key}[{i}]", message))
     if problems:
         raise InputError(problems)
 
@@ -155,5 +162,4 @@ def _scenario_of(scenario: Scenario, ceramic: CeramicLayer, backing: BackingLaye
         changes["armour.ceramic"] = ceramic.material
     densities = {"ceramic.density_kg_m3": ceramic.density_kg_m3, "backing.density_kg_m3": backing.density_kg_m3}
     given = {name: value for name, value in densities.items() if value is not None}
-    made = scenario.replaced(changes)
-    return with_inputs(made, given) if given else made
+    return with_inputs(scenario.replaced(changes), given)

@@ -1,4 +1,4 @@
-"""Design optimisation: the best design on offer that defeats every threat, and its comparison with the others."""
+"""Design optimisation: the best design that defeats every threat, and its comparison with the others."""
 
 from dataclasses import asdict, dataclass
 from math import inf
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from armour.analysis.results import Result
 from armour.analysis.variants import Ints, grid_of
 from armour.design.candidates import candidates_of
 from armour.design.catalogue import catalogue_of
@@ -24,7 +25,7 @@ COMPARATIVES = {"areal_density_kg_m2": "heavier", "thickness_mm": "thicker", "co
 
 @dataclass(frozen=True)
 class Design:
-    """A design on offer.
+    """A design of the catalogue.
 
     Attributes
     ----------
@@ -59,7 +60,7 @@ class BestDesign(Design):
     margins_m_s : dict of str to float
         By threat: the lowest ballistic limit, at most 10,000 m/s, less the velocity of the threat.
     governing : str
-        Threat of which the least remains of the margin that it requires.
+        Threat whose required velocity the ballistic limit exceeds by the least.
     probabilities : dict of str to Estimate
         Probabilities of perforation, by threat that bounds it.
     """
@@ -83,7 +84,7 @@ class Pair:
     excess_percent : float or None
         Excess of the objective over that of the best of all.
     reason : str
-        Why the pair loses; empty for the best.
+        Why its best design is not the best of all, or why it has none.
     """
 
     ceramic: str
@@ -94,7 +95,7 @@ class Pair:
 
 
 @dataclass(frozen=True)
-class DesignResult:
+class DesignResult(Result):
     """Result of a design optimisation.
 
     Attributes
@@ -116,7 +117,7 @@ class DesignResult:
     pareto : tuple of Design
         Pareto front; empty where it was not asked for.
     designs, examined : int
-        Number of designs on offer that meet the constraints, and of those that were computed: all of them.
+        Number of designs that meet the constraints; all of them are examined.
     runs : int
         Impacts computed to decide which designs pass, samples of uncertain inputs not counted.
     not_monotonic_mm : tuple of float
@@ -142,7 +143,7 @@ class DesignResult:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data; ``refined`` only where it was asked for."""
-        data = asdict(self)
+        data = super().to_dict()
         if self.refined is None:
             del data["refined"]
         return data
@@ -151,32 +152,43 @@ class DesignResult:
 def optimise(scenario: Scenario, *, refine: bool = False) -> DesignResult:
     """Find the best design of a scenario that defeats its threats.
 
-    A design passes if it defeats every threat at the threat's velocity plus margin and its lowest ballistic limit does
-    not lie below that.  All designs of given thicknesses are computed, as the outcome need not be monotonic.  For a
-    free thickness, the least value that the other layer needs is found by bisection.  Under a bound on the probability
-    of perforation, designs that pass are sampled in the order of the objective.
+    A design passes if it defeats every threat at the threat's velocity plus margin and has no ballistic limit below
+    that.  The impacts of all designs of given thicknesses are computed: no monotonic dependence is assumed.  For a free
+    thickness, the least value that passes is found by bisection.  Under a bound on the probability of perforation,
+    designs that pass are sampled in the order of the objective.
 
     Parameters
     ----------
     scenario : Scenario
-        Its sections ``design`` and ``optimise`` give the designs on offer, its list ``threat`` the threats; without
-        them, they are the scenario's own pair of materials and impact.
-    refine : bool
-        Whether to find the best design with both layers free within their ranges, too.
+        Its sections ``design`` and ``optimise`` give the materials and thicknesses, its list ``threat`` the threats;
+        without them, they are the scenario's own pair of materials and impact.
+    refine : bool, default False
+        Whether also to find the best design with both layers free within their ranges.
+
+    Returns
+    -------
+    DesignResult
 
     Raises
     ------
     InputError
-        If something is missing in the scenario, or a run does not end.
+        If something is missing in the scenario, there is no range to refine, or a run does not end.
     NoDesignError
-        If no design on offer passes.
+        If no design passes.
     """
     catalogue = catalogue_of(scenario)
+    problems = []
+    if refine and catalogue.bounded:
+        message = (
+            "must be left out where the design is refined, as designs between the given thicknesses are not sampled"
+        )
+        problems.append(Problem(scenario.file, "threat.probability_of_perforation", message))
+    if refine and not any(layer.free_range(refine=True) for offer in catalogue.offers for layer in offer[:2]):
+        problems.append(Problem(scenario.file, "--refine", "needs a thickness given as a range"))
+    if problems:
+        raise InputError(problems)
     reliability = None
     if catalogue.bounded:
-        if refine:
-            message = "must be left out where the design is refined, as designs between those on offer are not sampled"
-            raise InputError([Problem(scenario.file, "threat.probability_of_perforation", message)])
         from armour.design.reliability import Reliability  # takes half a second to import scipy.stats
 
         reliability = Reliability(catalogue)
@@ -184,7 +196,7 @@ def optimise(scenario: Scenario, *, refine: bool = False) -> DesignResult:
     search = Search(requirement, candidates_of(requirement), reliability)
     first = search.first(np.arange(len(search.values)))
     if first is None:
-        raise NoDesignError(f"no design: {_why_none(search)}")
+        raise NoDesignError(_why_none(search))
 
     criteria = tuple(catalogue.section.pareto or ())
     pair = int(search.candidates.pair[first])
@@ -219,7 +231,7 @@ def _refined(search: Search, first: int) -> BestDesign:
 
 
 def _governing(search: Search, where: Ints) -> list[int]:
-    """Return for each design the threat of which the least remains of the margin that it requires."""
+    """Return for each design the threat whose required velocity the ballistic limit exceeds by the least."""
     threats: list[int] = (search.limits(where) - search.catalogue.required_m_s).argmin(axis=1).tolist()
     return threats
 
@@ -282,37 +294,37 @@ def _excess(search: Search, place: int, least: float) -> tuple[float | None, str
 
 
 def _why_none(search: Search) -> str:
-    """Return why no design on offer passes."""
+    """Return why no design passes."""
     catalogue, scenario = search.catalogue, search.catalogue.scenario
     if not len(search.values):
-        return "nothing on offer keeps to the limits of the section design"
+        return "no design in the catalogue meets the constraints of [design]"
     defeating = search.defeating.any()
     if scenario.design is None and not scenario.threat and not defeating:
         grid = grid_of(scenario)
         return (
-            f"up to {grid.ceramic_thickness_mm.max:g} mm of ceramic on {grid.backing_thickness_mm.max:g} mm of back "
-            f"plate, all of the grid is perforated at {scenario.impact.velocity_m_s:g} m/s; raise the max of "
-            "optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"
+            f"no design: every design of the grid, up to {grid.ceramic_thickness_mm.max:g} mm ceramic on "
+            f"{grid.backing_thickness_mm.max:g} mm back plate, is perforated at {scenario.impact.velocity_m_s:g} m/s; "
+            "raise the max of optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"
         )
     if catalogue.bounded and defeating:
-        return "nothing on offer keeps the probability of perforation within the bound of every threat"
+        return "no design keeps the probability of perforation within the bound of every threat"
     reasons = [_why_none_of(search, pair) for pair in range(len(catalogue.offers))]
-    return f"{'; '.join(dict.fromkeys(reasons))}; offer more thickness in the section design or optimise"
+    return f"{'; '.join(dict.fromkeys(reasons))}; offer thicker layers in [design] or [optimise]"
 
 
 def _why_none_of(search: Search, pair: int) -> str:
     """Return why no design of a pair passes."""
     catalogue, own = search.catalogue, search.of_pair(pair)
     if not len(own):
-        return "nothing on offer keeps to the limits"
+        return "no design meets the constraints"
     good = own[search.defeating[own]]
     if len(good) and catalogue.bounded:
-        return f"none within {catalogue.section.runners_up_percent:g} % of the best"
+        return f"no design within {catalogue.section.runners_up_percent:g} % of the best"
     if len(good):
         lost = (search.limits(good) < catalogue.required_m_s).all(axis=0)
     else:
         candidates = search.candidates.at(own)
         lost = np.array([not search.requirement.defeats(candidates, i).any() for i in range(len(catalogue.threats))])
     titles = " or ".join(np.array(catalogue.titles)[lost]) or "all threats at once"
-    lower = " at every lower velocity too" if len(good) else ""
-    return f"nothing on offer defeats {titles}{lower}"
+    lower = " and at every lower velocity" if len(good) else ""
+    return f"no design defeats {titles}{lower}"

@@ -1,15 +1,13 @@
 """Bounds on the probability that a design is perforated, by sampling the uncertain inputs."""
 
-from math import inf
+from math import ceil, inf, log, log1p
 
-import numpy as np
-
-from armour.analysis.estimates import Estimate, proportion
-from armour.analysis.uncertain_inputs import check_samples, section_of
-from armour.analysis.variants import Floats, perforated, variants_of
+from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
+from armour.analysis.uncertain_inputs import sampled, section_of
+from armour.analysis.variants import Floats, perforated
 from armour.design.catalogue import Candidates, Catalogue
 from armour.errors import InputError, Problem
-from armour.scenario.distributions import Uncertainty
+from armour.scenario.distributions import MAX_SAMPLES, Uncertainty
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of
 from armour.scenario.sampling import columns_of, points_of
@@ -50,12 +48,17 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
     for name, distribution in section.inputs().items():
         values = {own.get(name) for own in owns}
         if distribution.placed and (len(values) > 1 or name in (VELOCITY, CERAMIC, BACKING)):
-            message = "must be about the value of each design or threat: normal or lognormal, without mean, min and max"
+            message = (
+                "must be centred on the value of each design or threat: normal or lognormal, without mean, min and max"
+            )
             problems.append(Problem(file, f"uncertainty.{name}", message))
     bound = min(threat.probability_of_perforation or inf for threat in catalogue.threats)
     if proportion(0, section.samples).high > bound:
-        message = f"must be more to show a probability of perforation of {bound:g}, found {section.samples}"
-        problems.append(Problem(file, "uncertainty.samples", message))
+        # Without a perforation, the upper end of the Clopper-Pearson interval is 1 - (tail)^(1/n).
+        needed = ceil(log(0.5 * (1.0 - CONFIDENCE)) / log1p(-bound))
+        message = f"must be at least {needed} to show a probability of perforation of {bound:g}"
+        more = f" (at most {MAX_SAMPLES} are allowed: raise the bound)" if needed > MAX_SAMPLES else ""
+        problems.append(Problem(file, "uncertainty.samples", f"{message}{more}, found {section.samples}"))
     if problems:
         raise InputError(problems)
 
@@ -69,16 +72,12 @@ def probability_within(
     that the bound is exceeded.
     """
     section = section_of(scenario)
-    own = {**inputs_of(scenario), CERAMIC: ceramic_mm, BACKING: backing_mm}
+    design = scenario.replaced({CERAMIC: ceramic_mm, BACKING: backing_mm})
+    own = inputs_of(design)
     hits, start, end = 0, 0, FIRST_SAMPLES
     while start < len(points):
         part = points[start:end]
-        columns = columns_of(section, own, part)
-        if any(not np.isfinite(values).all() or values.min() <= 0.0 for values in columns.values()):
-            check_samples(scenario, columns)
-        for name in (CERAMIC, BACKING):
-            columns.setdefault(name, np.full(len(part), own[name]))
-        hits += int(perforated(variants_of(scenario, columns, len(part))).sum())
+        hits += int(perforated(sampled(design, columns_of(section, own, part), len(part))).sum())
         estimate = proportion(hits, len(points))
         if estimate.high > bound:
             return None

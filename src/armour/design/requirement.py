@@ -1,4 +1,4 @@
-"""What a design must withstand: its lowest ballistic limit must reach the velocity and the margin of every threat."""
+"""Condition on a design: its lowest ballistic limit must reach the velocity plus margin of every threat."""
 
 from dataclasses import dataclass
 

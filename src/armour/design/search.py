@@ -1,4 +1,4 @@
-"""Which designs of a catalogue pass, in the order of the objective."""
+"""Search for the designs of a catalogue that pass, in the order of the objective."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -19,7 +19,7 @@ MARGIN = "margin_m_s"
 
 
 class Search:
-    """Which of the candidate designs pass; each limit and probability is computed once, when it is first needed.
+    """Search among candidate designs; each limit and probability is computed once, when it is first needed.
 
     Designs are given by their indices among the candidates, which are in the order of the objective.
     """

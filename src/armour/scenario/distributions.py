@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from armour.scenario.messages import Section
+from armour.scenario.messages import Section, above
 
 # Wide bounds that keep the arithmetic from overflowing.
 Number = Annotated[float, Field(ge=-1e9, le=1e9)]
@@ -24,7 +24,7 @@ class Distribution(Section):
     standard_deviation: Width | None = None
     standard_deviation_percent: Width | None = None
     min: Number | None = None
-    max: Number | None = None
+    max: Annotated[Number | None, above("min")] = None
 
     @model_validator(mode="after")
     def _complete(self) -> "Distribution":
@@ -34,8 +34,6 @@ class Distribution(Section):
                 raise ValueError("a uniform distribution must have min and max, and nothing else")
         elif widths != 1:
             raise ValueError("must have standard_deviation or standard_deviation_percent, and not both")
-        if self.min is not None and self.max is not None and self.min >= self.max:
-            raise ValueError(f"min must be below max, found {self.min:g} and {self.max:g}")
         return self
 
     @property
@@ -103,9 +101,9 @@ class Correlation(Section):
 class Uncertainty(Section):
     """Distributions of the uncertain inputs, their correlations and the sampling."""
 
+    method: Literal["sobol", "latin hypercube"] = "sobol"
     samples: Annotated[int, Field(ge=MIN_SAMPLES, le=MAX_SAMPLES)] = 4096
     seed: Annotated[int, Field(ge=0)] = 1
-    method: Literal["sobol", "latin hypercube"] = "sobol"
     impact: ImpactUncertainty = ImpactUncertainty()
     armour: ArmourUncertainty = ArmourUncertainty()
     projectile: ProjectileUncertainty = ProjectileUncertainty()
@@ -124,11 +122,16 @@ class Uncertainty(Section):
                     found[f"{role}.{key}"] = distribution
         return found
 
+    @field_validator("samples")
+    @classmethod
+    def _power_of_2(cls, samples: int, info: ValidationInfo) -> int:
+        if info.data.get("method") == "sobol" and samples & (samples - 1):
+            near = 2 ** samples.bit_length()
+            raise ValueError(f"must be a power of 2 for Sobol' points, such as {near}, found {samples}")
+        return samples
+
     @model_validator(mode="after")
     def _consistent(self) -> "Uncertainty":
-        if self.method == "sobol" and self.samples & (self.samples - 1):
-            near = 2 ** self.samples.bit_length()
-            raise ValueError(f"samples must be a power of 2 for Sobol' points, such as {near}, found {self.samples}")
         names = list(self.inputs())
         pairs = [frozenset(correlation.between) for correlation in self.correlation]
         for correlation, pair in zip(self.correlation, pairs, strict=True):
@@ -136,7 +139,9 @@ class Uncertainty(Section):
                 if name not in names:
                     raise ValueError(f'correlation must be between inputs that have a distribution, found "{name}"')
             if len(pair) < 2 or pairs.count(pair) > 1:
-                raise ValueError(f"correlation must name two inputs, and each two once, found {sorted(pair)}")
+                raise ValueError(
+                    f"correlation must name two inputs, and each two once, found {', '.join(sorted(pair))}"
+                )
         if self.correlation:
             # Imported here because a scenario without correlations does not need numpy.
             import numpy as np

@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, Vali
 
 from armour.errors import InputError, Problem, suggestion
 from armour.files import read_toml, shipped
-from armour.scenario.messages import NUMBER, Section, key_name, problems_of
+from armour.scenario.messages import NUMBER, NumberOrText, Section, key_name, problems_of
 from armour.units import GPA, MM, MPA, G
 
 Status = Literal["measured", "fitted", "assumed"]
@@ -28,7 +28,7 @@ class Value(Section, Generic[Number]):
     value: Number
     status: Status = "assumed"
     source: str = ""
-    tests: list[dict[str, float | str]] = []
+    tests: list[dict[str, NumberOrText]] = []
 
     @model_serializer(mode="wrap")
     def _without_empty_tests(self, whole: SerializerFunctionWrapHandler) -> dict[str, Any]:
@@ -178,13 +178,7 @@ class Library:
         return {kind: {name: entry.to_dict() for name, entry in self.entries[kind].items()} for kind in KINDS}
 
     def find(self, name: str) -> list[LibraryEntry]:
-        """Return the entries of a name, of any kind.
-
-        Raises
-        ------
-        KeyError
-            If there is none; the message suggests the closest name.
-        """
+        """Return the entries of a name, of any kind; if there is none, a KeyError suggests the closest name."""
         found = [entries[name] for entries in self.entries.values() if name in entries]
         if not found:
             known = [known for kind in KINDS for known in self.names(kind)]

@@ -94,17 +94,9 @@ class Scenario(Section):
         return armour.rho_c * armour.Hc0 + armour.rho_B * armour.Hb
 
     def replaced(self, changes: Mapping[str, object]) -> "Scenario":
-        """Return the scenario with other values, validated again.
+        """Return the scenario with other values by dotted key, such as ``{"impact.velocity_m_s": 900.0}``.
 
-        Parameters
-        ----------
-        changes : mapping of str to object
-            Values by dotted key, such as ``{"impact.velocity_m_s": 900.0}``; a table is merged into an existing one.
-
-        Raises
-        ------
-        InputError
-            With every mistake.
+        A table is merged into an existing one.  The scenario is validated again; an InputError lists every mistake.
         """
         data, file, folder = self._source
         return parse_scenario(changed(data, changes), file=file, folder=folder)

@@ -1,16 +1,20 @@
-"""Base class of the sections of a file, and error messages for what pydantic finds wrong in them."""
+"""Base class and types of the sections of a file, and error messages for what pydantic finds wrong in them."""
 
 import json
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any, get_origin
+from typing import Annotated, Any, get_origin
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Tag, ValidationError, ValidationInfo
 
 from armour.errors import Problem, suggestion
 
 # Key of the number where a file may give a number or a table.
 NUMBER = "value"
+NumberOrText = Annotated[
+    Annotated[float, Tag("<number>")] | Annotated[str, Tag("<text>")],
+    Discriminator(lambda value: "<text>" if isinstance(value, str) else "<number>"),
+]
 
 
 class Section(BaseModel):
@@ -39,21 +43,39 @@ def describe(value: object) -> str:
         return "a table"
     if isinstance(value, list):
         return "a list"
-    if isinstance(value, str):
-        return f'the text "{value}"' if len(value) <= 40 else f'the text "{value[:37]}..."'
-    return str(value)
+    text = str(value)
+    text = text if len(text) <= 40 else f"{text[:37]}..."
+    return f'the text "{text}"' if isinstance(value, str) else text
+
+
+def above(key: str, *, or_equal: bool = False) -> AfterValidator:
+    """Return a validator of a number, which must be above the number of an earlier key of its table."""
+
+    def check(value: float | None, info: ValidationInfo) -> float | None:
+        low = info.data.get(key)
+        if value is not None and low is not None and (value < low or (value == low and not or_equal)):
+            must = f"must be {'at least' if or_equal else 'above'} {key}"
+            raise ValueError(f"{must}, which is {low:g}, found {value:g}")
+        return value
+
+    return AfterValidator(check)
 
 
 # Requirements by type of pydantic's error.
 _REQUIREMENTS = {
     "greater_than": "must be greater than {gt:g}",
     "greater_than_equal": "must be at least {ge:g}",
+    "less_than": "must be less than {lt:g}",
     "less_than_equal": "must be at most {le:g}",
     "finite_number": "must be a finite number",
     "float_type": "must be a number",
+    "float_parsing": "must be a number",
+    "int_type": "must be a whole number",
+    "int_from_float": "must be a whole number",
     "string_type": "must be a text in quotes",
     "string_too_short": "must not be empty",
-    "too_short": "must have at least {min_length} of them",
+    "too_short": "must list at least {min_length} values",
+    "too_long": "must list at most {max_length} values",
     "list_type": "must be a list",
     "dict_type": "must be a table",
     "model_type": "must be a table",
@@ -69,6 +91,8 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
         # pydantic adds the tag of a union's member, which is in angle brackets in this project.
         parts = [part for part in detail["loc"] if part != NUMBER and not str(part).startswith("<")]
         context = detail.get("ctx", {})
+        if "expected" in context:
+            context["expected"] = context["expected"].replace("'", '"')
         if detail["type"] == "extra_forbidden":
             message = "unknown key" + suggestion(str(parts[-1]), _known_keys(model, parts[:-1]))
         elif detail["type"] == "missing":
@@ -78,8 +102,9 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
         else:
             empty = detail["type"] == "too_short" and context["min_length"] == 1
             must = _REQUIREMENTS.get("string_too_short" if empty else detail["type"])
-            must = must.format(**context) if must else detail["msg"]
-            message = f"{must}, found {describe(detail['input'])}"
+            must = must.format(**context) if must else detail["msg"].replace("Input should", "must")
+            found = describe(detail["input"]) if empty else context.get("actual_length", describe(detail["input"]))
+            message = f"{must}, found {found}"
         problems.append(Problem(file, key_name(parts), message))
     return problems
 

@@ -7,18 +7,14 @@ as "ceramic.flow_stress_GPa": a property of the scenario's ceramic, independent 
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from armour.errors import InputError, Problem, suggestion
+from armour.errors import InputError, Problem, choices
 from armour.scenario.assignments import changed
 from armour.scenario.library import Kind, LibraryEntry
 from armour.units import GPA, MM, MPA, missing_unit
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from armour.scenario.loading import Scenario
-
-    Floats = NDArray[np.float64]
+    from armour.scenario.sampling import Floats
 
 VELOCITY = "impact.velocity_m_s"
 CERAMIC, BACKING = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
@@ -90,7 +86,7 @@ def check_names(names: Iterable[str], scenario: "Scenario", file: str, key: str 
     problems = []
     for name in names:
         if name not in known:
-            hint = missing_unit(name, known) or suggestion(name, known) or f"; there are {', '.join(known)}"
+            hint = missing_unit(name, known) or choices(name, known)
             problems.append(Problem(file, key or name, f'must name an input of the scenario, found "{name}"{hint}'))
     if problems:
         raise InputError(problems)
@@ -116,7 +112,13 @@ def with_inputs(scenario: "Scenario", values: Mapping[str, float]) -> "Scenario"
 def check_ranges(scenario: "Scenario", columns: Mapping[str, "Floats"]) -> None:
     """Check that the scenario allows the least and the greatest value of each input, and thereby all values."""
     check_names(columns, scenario, scenario.file)
+    problems: list[Problem] = []
     for name, values in columns.items():
-        # A NaN is both the least and the greatest value of an array.
-        for value in (values.min(), values.max()):
-            with_inputs(scenario, {name: float(value)})
+        try:
+            # A NaN is both the least and the greatest value of an array.
+            for value in (values.min(), values.max()):
+                with_inputs(scenario, {name: float(value)})
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)

@@ -1,14 +1,15 @@
 """Sections of a scenario file: keys, types, bounds and defaults."""
 
+import json
 from math import floor
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 
 from armour.core import equations
 from armour.errors import suggestion
 from armour.scenario.library import Kind, LibraryTables
-from armour.scenario.messages import Section
+from armour.scenario.messages import Section, above
 from armour.units import US
 
 # Greatest numbers of values on an axis and of designs on a grid; more are most likely a mistake.
@@ -43,7 +44,7 @@ MetalName = Annotated[str, _in_library("metal")]
 
 def _printable(text: str) -> str:
     if not text.isprintable():
-        raise ValueError(f"must be one line of printable text, found {text!r}")
+        raise ValueError(f"must be one line of printable text, found {json.dumps(text)}")
     return text
 
 
@@ -99,30 +100,19 @@ class BallisticLimitSection(Section):
     """Range and tolerance of the search for the ballistic limit."""
 
     velocity_min_m_s: Velocity = 20.0
-    velocity_max_m_s: Velocity = 4000.0
+    velocity_max_m_s: Annotated[Velocity, above("velocity_min_m_s"), Field(validate_default=True)] = 4000.0
     tolerance_m_s: Annotated[float, Field(ge=1e-9)] = 0.01
-
-    @model_validator(mode="after")
-    def _ordered(self) -> "BallisticLimitSection":
-        if self.velocity_min_m_s >= self.velocity_max_m_s:
-            raise ValueError(
-                "velocity_min_m_s must be below velocity_max_m_s, "
-                f"found {self.velocity_min_m_s:g} and {self.velocity_max_m_s:g}"
-            )
-        return self
 
 
 class Range(Section):
     """Evenly spaced values from min; max is included if it is a whole number of steps away."""
 
     min: ThicknessOrNone
-    max: ThicknessOrNone
+    max: Annotated[ThicknessOrNone, above("min", or_equal=True)]
     step: Positive
 
     @model_validator(mode="after")
     def _countable(self) -> "Range":
-        if self.min > self.max:
-            raise ValueError(f"min must not be above max, found {self.min:g} and {self.max:g}")
         if self.count() > MAX_VALUES:
             raise ValueError(f"must hold at most {MAX_VALUES} values, found {self.count():.7g}; widen the step")
         return self
@@ -136,18 +126,18 @@ class Range(Section):
         return tuple(round(self.min + i * self.step, 9) for i in range(int(self.count())))
 
 
+def _above_zero(thickness: Any) -> Any:
+    least = min(thickness) if isinstance(thickness, list) else thickness.min
+    if least <= 0.0:
+        raise ValueError(f"min must be greater than 0, found {least:g}")
+    return thickness
+
+
 class Optimise(Section):
     """Grid of designs."""
 
     ceramic_thickness_mm: Range
-    backing_thickness_mm: Range
-
-    @field_validator("backing_thickness_mm")
-    @classmethod
-    def _some_backing(cls, backing: Range) -> Range:
-        if backing.min <= 0.0:
-            raise ValueError(f"min must be greater than 0, found {backing.min:g}")
-        return backing
+    backing_thickness_mm: Annotated[Range, AfterValidator(_above_zero)]
 
     @model_validator(mode="after")
     def _not_absurd(self) -> "Optimise":
@@ -188,13 +178,7 @@ class FreeRange(Section):
     """Continuous range of thicknesses."""
 
     min: ThicknessOrNone
-    max: Thickness
-
-    @model_validator(mode="after")
-    def _ordered(self) -> "FreeRange":
-        if self.min >= self.max:
-            raise ValueError(f"min must be below max, found {self.min:g} and {self.max:g}")
-        return self
+    max: Annotated[Thickness, above("min")]
 
 
 def _kind_of_range(value: object) -> str:
@@ -222,10 +206,12 @@ class Layer(Section):
     cost_per_m2: Amount = 0.0
     density_kg_m3: Annotated[float, Field(ge=100.0, le=30000.0)] | None = None
 
-    @property
-    def free(self) -> bool:
-        """Whether the thicknesses are a continuous range."""
-        return isinstance(self.thickness_mm, FreeRange)
+    def free_range(self, *, refine: bool = False) -> Range | FreeRange | None:
+        """Return the range that any thickness may be chosen from, with `refine` also one with a step; None if none."""
+        thickness = self.thickness_mm
+        if isinstance(thickness, list) or thickness.min == thickness.max:
+            return None
+        return thickness if refine or isinstance(thickness, FreeRange) else None
 
     def thicknesses(self) -> tuple[float, ...]:
         """Return the thicknesses, mm, or the ends of a continuous range."""
@@ -246,25 +232,24 @@ class BackingLayer(Layer):
     """A metal of the catalogue, for the back plate."""
 
     material: MetalName
-
-    @field_validator("thickness_mm")
-    @classmethod
-    def _some(cls, thickness: object) -> object:
-        least = min(thickness) if isinstance(thickness, list) else getattr(thickness, "min", 1.0)
-        if least <= 0.0:
-            raise ValueError(f"must be greater than 0, found {least:g}")
-        return thickness
+    thickness_mm: Annotated[Thicknesses, AfterValidator(_above_zero)]
 
 
 Objective = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
 Criterion = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2", "margin_m_s"]
 
 
+def _different(names: list[Criterion]) -> list[Criterion]:
+    if len(set(names)) < len(names):
+        raise ValueError(f"must not name a criterion twice, found {', '.join(names)}")
+    return names
+
+
 class DesignSection(Section):
     """Catalogue of materials, constraints on a design and the objective."""
 
     minimise: Objective = "areal_density_kg_m2"
-    pareto: Annotated[list[Criterion], Field(min_length=2, max_length=3)] | None = None
+    pareto: Annotated[list[Criterion], Field(min_length=2, max_length=3), AfterValidator(_different)] | None = None
     runners_up_percent: Annotated[float, Field(ge=0.0, le=100.0)] = 5.0
     thickness_max_mm: Thickness | None = None
     areal_density_max_kg_m2: Positive | None = None
@@ -277,8 +262,6 @@ class DesignSection(Section):
 
     @model_validator(mode="after")
     def _consistent(self) -> "DesignSection":
-        if self.pareto is not None and len(set(self.pareto)) < len(self.pareto):
-            raise ValueError(f"pareto must not name a criterion twice, found {', '.join(self.pareto)}")
         counts = [
             sum(len(layer.thicknesses()) for layer in layers) for layers in (self.ceramic, self.backing) if layers
         ]

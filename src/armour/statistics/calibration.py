@@ -1,12 +1,12 @@
 """Calibration: inputs of a scenario fitted to tests, with intervals and leave-one-out errors."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from armour.analysis.estimates import CONFIDENCE
+from armour.analysis.results import Result
 from armour.analysis.variants import Floats
 from armour.scenario.loading import Scenario
 from armour.statistics.flow_stress_laws import FLOW_STRESS, Law
@@ -35,7 +35,7 @@ class Residual:
 
 
 @dataclass(frozen=True)
-class CalibrationResult:
+class CalibrationResult(Result):
     """Inputs fitted to tests.
 
     Attributes
@@ -74,10 +74,6 @@ class CalibrationResult:
     starts_agreeing: int
     confidence: float
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain data."""
-        return asdict(self)
-
 
 def calibrate(
     tests: Tests, scenario: Scenario, fit: Sequence[str] = (FLOW_STRESS,), law: Law = "constant"
@@ -86,7 +82,7 @@ def calibrate(
 
     Deviations are divided by their uncertainties or, where none are given, by the measured values.  The residual
     velocity of a test that the model defeats is negative: the impact velocity less the ballistic limit.  A test with an
-    outcome alone is a bound on the ballistic limit; it counts, with the deviation, where it is not met.
+    outcome alone is a bound on the ballistic limit; its deviation counts where the bound is not met.
 
     Parameters
     ----------
@@ -98,6 +94,10 @@ def calibrate(
         Names of the inputs to fit.
     law : {"constant", "linear", "proportional", "thicknesses"}
         Law of the ceramic's flow stress, where it is fitted.
+
+    Returns
+    -------
+    CalibrationResult
 
     Raises
     ------

@@ -7,29 +7,35 @@ from math import isfinite
 from pathlib import Path
 from typing import NamedTuple
 
-from armour.errors import InputError, Problem, suggestion
+from armour.errors import InputError, Problem, choices
 from armour.files import read_text
 from armour.units import missing_unit
 
 
 class CsvRow(NamedTuple):
-    """A row of a CSV table; empty cells are left out."""
+    """A row of a CSV table: its cells by column, without the empty ones."""
 
     place: str  # for messages, such as "line 3"
-    numbers: dict[str, float]  # by column
-    texts: dict[str, str]
+    numbers: dict[str, float]  # without the cells that should be numbers and are not
+    texts: dict[str, str]  # all cells
 
 
-def read_rows(path: Path, *, numbers: Sequence[str], texts: Sequence[str], needed: Sequence[str]) -> list[CsvRow]:
-    """Read a CSV file with a header; its columns of numbers and of texts are those given, at least the needed ones."""
+def read_rows(
+    path: Path, *, numbers: Sequence[str], texts: Sequence[str], needed: Sequence[str]
+) -> tuple[list[CsvRow], list[Problem]]:
+    """Read a CSV file; return its rows and the mistakes in them, to which the caller adds those that it finds.
+
+    The header names columns of numbers and of texts, at least the needed ones; the first of texts is the name of a row.
+    """
     lines = [(place, cells) for place, cells in _lines(path) if any(cells)]
     if not lines:
         raise InputError(
             [Problem(str(path), "", f"must have a header with {' and '.join(needed)}, found an empty file")]
         )
     header = lines[0][1]
-    problems = [Problem(str(path), *found) for found in _wrong_columns(header, [*numbers, *texts], needed)]
+    wrong = [Problem(str(path), *found) for found in _wrong_columns(header, [*numbers, *texts], needed)]
     rows: list[CsvRow] = []
+    problems: list[Problem] = []
     seen: dict[tuple[str, ...], str] = {}
     for place, cells in lines[1:]:
         if len(cells) != len(header):
@@ -37,25 +43,21 @@ def read_rows(path: Path, *, numbers: Sequence[str], texts: Sequence[str], neede
             problems.append(Problem(str(path), place, message))
             continue
         if tuple(cells) in seen:
-            message = f"repeats {seen[tuple(cells)]}; name tests in a column of their own where both took place"
+            message = f"repeats {seen[tuple(cells)]}; where both took place, name them in the column {texts[0]}"
             problems.append(Problem(str(path), place, message))
         seen[tuple(cells)] = place
-        row = CsvRow(place, {}, {})
-        for name, cell in zip(header, cells, strict=True):
-            if not cell:
-                continue
-            if name not in numbers:
-                row.texts[name] = cell
-            elif (value := _number(cell)) is not None:
+        row = CsvRow(place, {}, {name: cell for name, cell in zip(header, cells, strict=True) if cell})
+        for name in filter(row.texts.get, numbers):
+            if (value := finite_number(row.texts[name])) is not None:
                 row.numbers[name] = value
             else:
-                problems.append(Problem(str(path), f"{place}: {name}", f'must be a number, found "{cell}"'))
+                problems.append(Problem(str(path), f"{place}: {name}", f'must be a number, found "{row.texts[name]}"'))
         rows.append(row)
-    if not rows and not problems:
+    if not rows and not problems and not wrong:
         problems.append(Problem(str(path), "", "must have at least one row below its header"))
-    if problems:
-        raise InputError(problems)
-    return rows
+    if wrong or not rows:
+        raise InputError([*wrong, *problems])
+    return rows, problems
 
 
 def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:
@@ -67,7 +69,7 @@ def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:
         raise InputError([Problem(str(path), f"line {reader.line_num}", f"must be CSV: {error}")]) from None
 
 
-def _number(cell: str) -> float | None:
+def finite_number(cell: str) -> float | None:
     """Return a finite number; None for any other text."""
     try:
         value = float(cell)
@@ -82,8 +84,7 @@ def _wrong_columns(header: Sequence[str], known: Sequence[str], needed: Sequence
         if header.count(name) > 1:
             yield name, "must be the name of one column, found several"
         if name not in known:
-            hint = missing_unit(name, known) or suggestion(name, known)
-            yield name or "header", f"unknown column{hint or '; there are ' + ', '.join(known)}"
+            yield name or "header", f"unknown column{missing_unit(name, known) or choices(name, known)}"
     for name in needed:
         if name not in header:
             yield name, "is missing and must be a column"

@@ -172,7 +172,7 @@ def _coefficients(fitted: Coefficients, x: Floats, half_widths: Floats, unidenti
         elif not fitted.lower[i] + EQUAL < x[i] < MAX_RATIO - EQUAL:
             reason = f"the fit runs to {x[i] * scale:.3g}, the end of the range of the search"
         elif half >= max(1.0, abs(x[i])) or half >= MAX_RATIO:
-            reason = f"the tests leave it open to ± {half * scale:.3g}"
+            reason = f"the tests determine it only to ± {half * scale:.3g}"
         if reason:
             found.append(Coefficient(name, None, None, reason))
         else:
@@ -191,7 +191,9 @@ def _check(tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law) ->
         if any(name in group.columns for group in tests.groups):
             problems.append(Problem(tests.file, name, "must not be a column where it is fitted"))
         if name in (VELOCITY, CERAMIC, BACKING):
-            problems.append(Problem(scenario.file, "--fit", f'must be of a material or projectile, found "{name}"'))
+            problems.append(
+                Problem(scenario.file, "--fit", f'must be a property of a material or projectile, found "{name}"')
+            )
     for role, key in NAMES.items():
         names = {name_of(group.scenario, role) for group in tests.groups}
         if len(names) > 1 and any(name.startswith(role + ".") for name in inputs):
@@ -200,7 +202,9 @@ def _check(tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law) ->
             )
             problems.append(Problem(tests.file, key, message))
     if law != "constant" and FLOW_STRESS not in inputs:
-        problems.append(Problem(scenario.file, "--law", f"is of {FLOW_STRESS}, which must be fitted with it"))
+        problems.append(
+            Problem(scenario.file, "--law", f'must be "constant" where {FLOW_STRESS} is not fitted, found "{law}"')
+        )
     count = len(inputs) - 1 + len(LAWS[law])
     exact = sum(m.side == 0 for m in tests.measurements)
     needed = count + (not tests.weighted)

@@ -1,14 +1,14 @@
 """Sensitivity of a scenario's answers to its inputs: elasticities by central differences."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import isnan, log
-from typing import Any
 
 import numpy as np
 
 from armour.analysis.answers import Answers
-from armour.analysis.searches import smooth_limits
+from armour.analysis.results import Result
+from armour.analysis.searches import ballistic_limits, smooth_limits
 from armour.analysis.variants import Floats, Variants, concatenated, grid_of, variants_of
 from armour.design.free import least_areal_densities
 from armour.errors import NoAnswerError
@@ -27,7 +27,7 @@ FREE = {LIMIT: (VELOCITY,), RESIDUAL: (), OPTIMUM: (CERAMIC, BACKING)}
 
 @dataclass(frozen=True)
 class Elasticity:
-    """Per cent of change of each answer per per cent of change of an input."""
+    """Elasticities with respect to an input: relative change of each answer per relative change of the input."""
 
     input: str
     value: float  # of the input, in the unit of its name
@@ -35,7 +35,7 @@ class Elasticity:
 
 
 @dataclass(frozen=True)
-class SensitivityResult:
+class SensitivityResult(Result):
     """Elasticities of a scenario's answers.
 
     Attributes
@@ -50,16 +50,16 @@ class SensitivityResult:
     answers: Mapping[str, float | None]
     inputs: tuple[Elasticity, ...]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain data."""
-        return asdict(self)
-
 
 def sensitivity(scenario: Scenario) -> SensitivityResult:
     """Compute the elasticities of a scenario's answers.
 
-    Each is the ratio of the changes of two logarithms, of the answer and of the input, between an input half a per cent
-    above and below its value.  The strengths of a metal that are derived from its yield strength follow it.
+    Each is the change of the logarithm of an answer over that of an input, between half a per cent below and above its
+    value.  The strengths of a metal that are derived from its yield strength change with it.
+
+    Returns
+    -------
+    SensitivityResult
 
     Raises
     ------
@@ -99,10 +99,15 @@ def sensitivity(scenario: Scenario) -> SensitivityResult:
 
 
 def _answers(scenario: Scenario, variants: Variants) -> dict[str, Floats]:
-    """Return the answers of each variant, (n,); NaN where there is none."""
+    """Return the answers of each variant, (n,); NaN where there is none.
+
+    The first variant is the scenario itself; the ballistic limits of the others are accurate to a finer tolerance.
+    """
     impacts = Answers(variants)
+    limits = smooth_limits(variants, LIMIT_TOLERANCE_M_S)
+    limits[:1] = ballistic_limits(variants.at(np.arange(1)))
     answers = {
-        LIMIT: smooth_limits(variants, LIMIT_TOLERANCE_M_S),
+        LIMIT: limits,
         RESIDUAL: np.where(impacts.perforated, impacts.residual_velocities, np.nan),
     }
     if scenario.optimise is not None:

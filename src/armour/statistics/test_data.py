@@ -76,23 +76,23 @@ def read_tests(path: Path, scenario: Scenario) -> Tests:
         With every mistake in the file.
     """
     numbers = (*INPUTS, *MEASURED, *MEASURED.values())
-    rows = read_rows(path, numbers=numbers, texts=("test", OUTCOME, *NAMES.values()), needed=())
+    rows, problems = read_rows(path, numbers=numbers, texts=("test", OUTCOME, *NAMES.values()), needed=())
     names = tuple(row.texts.get("test", row.place) for row in rows)
-    problems = [
+    problems += [
         Problem(str(path), f"{row.place}: {key}" if key else row.place, message)
         for row in rows
         for key, message in _mistakes(row, names)
     ]
     measurements = [measurement for test, row in enumerate(rows) for measurement in _measurements(test, row)]
-    unweighted = {measurement.uncertainty is None for measurement in measurements}
-    if len(unweighted) == 2:
+    weighted = {MEASURED[m.quantity] in rows[m.test].texts for m in measurements}
+    if len(weighted) == 2:
         message = "uncertainties must be given for every measurement and outcome, or for none"
         problems.append(Problem(str(path), "", message))
-    if problems:
-        raise InputError(problems)
-    groups = _groups(rows, scenario, str(path))
-    cells: list[dict[str, float | str]] = [{**row.numbers, **row.texts} for row in rows]
-    return Tests(str(path), names, groups, tuple(measurements), unweighted == {False}, tuple(cells))
+    groups, wrong = _groups(rows, scenario, str(path))
+    if problems or wrong:
+        raise InputError([*problems, *wrong])
+    cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
+    return Tests(str(path), names, tuple(groups), tuple(measurements), weighted == {True}, tuple(cells))
 
 
 def _mistakes(row: CsvRow, names: Sequence[str]) -> list[tuple[str, str]]:
@@ -101,13 +101,13 @@ def _mistakes(row: CsvRow, names: Sequence[str]) -> list[tuple[str, str]]:
     name, outcome = row.texts.get("test"), row.texts.get(OUTCOME)
     if name is not None and names.count(name) > 1:
         found.append(("test", f'must name one test, found "{name}" on several lines'))
-    if outcome is None and not any(column in row.numbers for column in MEASURED):
+    if outcome is None and not any(column in row.texts for column in MEASURED):
         found.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}"))
     if outcome is not None and outcome not in SIDES:
         found.append((OUTCOME, f'must be "defeated" or "perforated", found "{outcome}"'))
-    if outcome == "defeated" and RESIDUAL in row.numbers:
+    if outcome == "defeated" and RESIDUAL in row.texts:
         found.append((OUTCOME, "must not be defeated where there is a residual velocity"))
-    if outcome is not None and VELOCITY not in row.numbers:
+    if outcome is not None and VELOCITY not in row.texts:
         found.append((VELOCITY, "is missing and must be given with an outcome"))
     for column in (*MEASURED, *MEASURED.values()):
         value = row.numbers.get(column, MIN_MEASURED)
@@ -132,13 +132,13 @@ def _measurements(test: int, row: CsvRow) -> list[Measurement]:
     return found
 
 
-def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[MaterialGroup, ...]:
-    """Group tests by projectile and materials; the scenario must allow their names and values."""
+def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[list[MaterialGroup], list[Problem]]:
+    """Group tests by projectile and materials; return also the names and values that the scenario does not allow."""
     by_names: dict[tuple[tuple[str, str], ...], list[int]] = {}
     for i, row in enumerate(rows):
-        names = tuple((key, row.texts[key]) for key in NAMES.values() if key in row.texts)
-        by_names.setdefault(names, []).append(i)
-    groups, problems = [], []
+        by_names.setdefault(tuple(_names(row).items()), []).append(i)
+    groups: list[MaterialGroup] = []
+    problems: list[Problem] = []
     for names, where in by_names.items():
         given = [name for name in INPUTS if any(name in rows[i].numbers for i in where)]
         try:
@@ -147,9 +147,21 @@ def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[Mate
             columns = {name: np.array([rows[i].numbers.get(name, own.get(name, 0.0)) for i in where]) for name in given}
             check_ranges(changed, columns)
             groups.append(MaterialGroup(changed, np.array(where), columns))
-        except InputError as error:
-            place = rows[where[0]].place
-            problems += [Problem(file, place, f"{problem.key}: {problem.message}") for problem in error.problems]
-    if problems:
-        raise InputError(problems)
-    return tuple(groups)
+        except InputError:
+            problems += [problem for i in where for problem in _not_allowed(rows[i], scenario, file)]
+    return groups, problems
+
+
+def _not_allowed(row: CsvRow, scenario: Scenario, file: str) -> list[Problem]:
+    """Return the names and values in a row that the scenario does not allow."""
+    values = {name: np.array(row.numbers[name]) for name in INPUTS if name in row.numbers}
+    try:
+        check_ranges(scenario.replaced(_names(row)), values)
+    except InputError as error:
+        return [Problem(file, row.place, f"{problem.key}: {problem.message}") for problem in error.problems]
+    return []
+
+
+def _names(row: CsvRow) -> dict[str, str]:
+    """Return the names of projectile and materials in a row, by key."""
+    return {key: row.texts[key] for key in NAMES.values() if key in row.texts}

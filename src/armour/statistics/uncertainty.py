@@ -1,7 +1,7 @@
 """Propagation of input uncertainty to the outcome and the ballistic limit."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import log2
 from typing import Any
 
@@ -9,8 +9,9 @@ import numpy as np
 from scipy.stats import beta, qmc, quantile_test, sobol_indices
 
 from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
+from armour.analysis.results import Result
 from armour.analysis.searches import ballistic_limits
-from armour.analysis.uncertain_inputs import check_samples, section_of
+from armour.analysis.uncertain_inputs import sampled, section_of
 from armour.analysis.variants import Floats, Ints, Variants, perforated, variants_of
 from armour.errors import NoLimitError
 from armour.scenario.applicability import warnings_of
@@ -51,7 +52,7 @@ class ProbabilityCurve:
 
 
 @dataclass(frozen=True)
-class UncertaintyResult:
+class UncertaintyResult(Result):
     """Input uncertainty propagated to the outcome and the ballistic limit.
 
     Attributes
@@ -89,10 +90,6 @@ class UncertaintyResult:
     inputs: tuple[Index, ...]
     warnings: tuple[str, ...]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain data."""
-        return asdict(self)
-
 
 def uncertainty(scenario: Scenario) -> UncertaintyResult:
     """Propagate input uncertainty to the outcome and the ballistic limit.
@@ -101,6 +98,10 @@ def uncertainty(scenario: Scenario) -> UncertaintyResult:
     ----------
     scenario : Scenario
         Its section ``uncertainty`` gives the distributions of the inputs.
+
+    Returns
+    -------
+    UncertaintyResult
 
     Raises
     ------
@@ -111,8 +112,7 @@ def uncertainty(scenario: Scenario) -> UncertaintyResult:
     """
     section = section_of(scenario)
     columns = columns_of(section, inputs_of(scenario), points_of(section))
-    check_samples(scenario, columns)
-    samples = variants_of(scenario, columns, section.samples)
+    samples = sampled(scenario, columns, section.samples)
     hits = int(perforated(samples).sum())
     limits = np.sort(sample_limits(samples))
     deterministic = float(sample_limits(variants_of(scenario, {}, 1))[0])
@@ -172,8 +172,7 @@ def influence_indices(scenario: Scenario, section: Uncertainty) -> tuple[Index, 
         return ()
 
     def limits(columns: Mapping[str, Floats]) -> Floats:
-        check_samples(scenario, columns)
-        return sample_limits(variants_of(scenario, columns, len(columns[names[0]])))
+        return sample_limits(sampled(scenario, columns, len(columns[names[0]])))
 
     def limits_at(points: Floats) -> Floats:
         return limits({name: quantiles(distributions[name], points[i], own[name]) for i, name in enumerate(names)})

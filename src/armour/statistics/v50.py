@@ -1,12 +1,12 @@
 """V50 from firing results, by the rule of MIL-STD-662F and by maximum likelihood."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import CONFIDENCE
+from armour.analysis.results import Result
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
 from armour.statistics.csv_table import read_rows
@@ -51,7 +51,7 @@ class MeanV50:
 
 
 @dataclass(frozen=True)
-class FiringResult:
+class FiringResult(Result):
     """V50 estimated from firing results.
 
     Attributes
@@ -81,10 +81,6 @@ class FiringResult:
     confidence: float
     model_ballistic_limit_m_s: float | None
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain data."""
-        return asdict(self)
-
 
 def read_shots(path: Path) -> Shots:
     """Read firing results from a CSV file.
@@ -99,13 +95,14 @@ def read_shots(path: Path) -> Shots:
     InputError
         With every mistake in the file.
     """
-    rows = read_rows(path, numbers=("velocity_m_s",), texts=("result", "shot"), needed=("velocity_m_s", "result"))
-    velocities = [row.numbers.get("velocity_m_s", 0.0) for row in rows]
+    names = ("velocity_m_s", "result")
+    rows, problems = read_rows(path, numbers=names[:1], texts=("shot", "result"), needed=names)
+    velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     results = [row.texts.get("result", "") for row in rows]
-    problems = []
     for row, velocity, result in zip(rows, velocities, results, strict=True):
-        if not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
-            message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}"
+        found = row.texts.get("velocity_m_s", "")
+        if not found or not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
+            message = f'must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found "{found}"'
             problems.append(Problem(str(path), f"{row.place}: velocity_m_s", message))
         if result not in ("partial", "complete"):
             message = f'must be "partial" or "complete", found "{result}"'
@@ -140,6 +137,10 @@ def v50(
         Greatest span of their velocities, m/s; by default that of MIL-STD-662F for this number of shots.
     confidence : float
         Confidence level of the intervals.
+
+    Returns
+    -------
+    FiringResult
 
     Raises
     ------

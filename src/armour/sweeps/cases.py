@@ -1,6 +1,7 @@
 """Rows of a sweep: grids of values and tables of cases."""
 
 from collections.abc import Iterator
+from csv import reader
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
@@ -14,6 +15,7 @@ from armour.analysis.variants import Floats
 from armour.errors import InputError, Problem
 from armour.files import reason
 from armour.scenario.schema import MAX_VALUES, Range
+from armour.statistics.csv_table import finite_number
 
 
 @dataclass(frozen=True)
@@ -79,17 +81,30 @@ class Cases:
             with csv.open_csv(self.path) as first:
                 types = {name: pa.float64() for name in first.schema.names}
             options = csv.ConvertOptions(column_types=types, strings_can_be_null=False)
-            with csv.open_csv(self.path, convert_options=options) as reader:
-                for batch in reader:
+            with csv.open_csv(self.path, convert_options=options) as batches:
+                for batch in batches:
                     for name in batch.schema.names:
                         if batch.column(name).null_count:
                             raise pa.ArrowInvalid(f"column {name} has empty values")
                     yield batch
         except pa.ArrowInvalid as error:
             message = f"must be a table of numbers below a header of keys: {error}"
-            raise InputError([Problem(str(self.path), "", message)]) from None
+            raise InputError([_wrong_cell(self.path) or Problem(str(self.path), "", message)]) from None
         except OSError as error:
             raise InputError([Problem(str(self.path), "", f"cannot be read: {reason(error)}")]) from None
+
+
+def _wrong_cell(path: Path) -> Problem | None:
+    """Return the first cell of a file that is not a number; pyarrow does not say where it is."""
+    with path.open(newline="", encoding="utf-8-sig", errors="replace") as file:
+        lines = reader(file)
+        header = next(lines, [])
+        for cells in filter(None, lines):
+            for name, cell in zip(header, cells, strict=False):
+                if finite_number(cell) is None:
+                    key = f"line {lines.line_num}: {name}"
+                    return Problem(str(path), key, f'must be a number, found "{cell[:40]}"')
+    return None
 
 
 def axis_of(text: str) -> Axis:

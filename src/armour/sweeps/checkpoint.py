@@ -1,7 +1,7 @@
 """Checkpoints of a long job: chunks of its table on disk, joined into one file at the end.
 
-The chunks lie in a folder beside the output, named after it with the suffix ``.parts``.  Each is written whole or not
-at all.  A file in the folder identifies the job, so that only the same job resumes with its chunks.
+The chunks lie in a folder beside the output, named after it with the suffix ``.parts``.  Each is written
+atomically.  A file in the folder identifies the job, so that only the same job resumes with its chunks.
 """
 
 import shutil
@@ -25,21 +25,19 @@ class Store:
         check_writable(output)
         self.output = output
         self.folder = output.with_name(output.name + ".parts")
-        mark = self.folder / "job"
-        if self.folder.exists() and (not mark.is_file() or mark.read_text() != job):
+        self.mark, self.job = self.folder / "job", job
+        if self.folder.exists() and (not self.mark.is_file() or self.mark.read_text() != job):
             message = "holds chunks of another sweep; finish that with its own command, or remove the folder"
             raise InputError([Problem(str(self.folder), "", message)])
         if output.exists():
             raise InputError([Problem(str(output), "", "exists already; choose another name, or remove it")])
-        self.folder.mkdir(exist_ok=True)
-        write_atomic(mark, job.encode())
 
     def has(self, index: int) -> bool:
         """Return whether a chunk is on disk."""
         return self._chunk(index).exists()
 
     def save(self, index: int, columns: Mapping[str, Any]) -> None:
-        """Write a chunk, whole or not at all; NaN becomes an empty field in CSV."""
+        """Write a chunk atomically, the first one in a new folder; NaN becomes an empty field in CSV."""
         as_csv = _is_csv(self.output)
         table = pa.table({name: pa.array(values, from_pandas=as_csv) for name, values in columns.items()})
         content = pa.BufferOutputStream()
@@ -47,6 +45,9 @@ class Store:
             csv.write_csv(table, content, csv.WriteOptions(include_header=index == 0, quoting_style="needed"))
         else:
             parquet.write_table(table, content)
+        if not self.mark.exists():
+            self.folder.mkdir(exist_ok=True)
+            write_atomic(self.mark, self.job.encode())
         write_atomic(self._chunk(index), bytes(content.getvalue()))
 
     def finish(self, count: int) -> None:

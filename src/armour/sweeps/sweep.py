@@ -9,7 +9,7 @@ from armour.analysis.evaluate import Group, evaluate_groups, groups_of
 from armour.analysis.quantities import QUANTITIES
 from armour.analysis.variants import Floats, grid_of
 from armour.engine.cache import digest
-from armour.errors import InputError, Problem, suggestion
+from armour.errors import InputError, Problem, choices
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import Cases, Grid
 from armour.sweeps.checkpoint import Store
@@ -42,6 +42,8 @@ def sweep(
     gives an empty field in CSV and NaN in Parquet.
     """
     _check(scenario, source, quantities)
+    for chunk in source.chunks(size):
+        groups_of(scenario, chunk)  # a wrong value raises an error before the first chunk is computed
     store = Store(output, _job(scenario, source, quantities, size))
     pending: dict[int, Mapping[str, Floats]] = {}
     notify = on_chunk or (lambda _rows, _stored: None)
@@ -69,8 +71,8 @@ def _check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) 
     problems = []
     for name in quantities:
         if name not in QUANTITIES:
-            hint = suggestion(name, list(QUANTITIES)) or f"; there are {', '.join(QUANTITIES)}"
-            problems.append(Problem("sweep", "--quantities", f'must be of quantities, found "{name}"{hint}'))
+            message = f'unknown quantity "{name}"{choices(name, list(QUANTITIES))}'
+            problems.append(Problem("sweep", "--quantities", message))
     if len(set(source.keys)) != len(source.keys):
         problems.append(Problem("sweep", "--over", "must not name a key twice"))
     if any(QUANTITIES[name].on_grid for name in quantities if name in QUANTITIES):
