@@ -68,7 +68,7 @@ MAX_PAIRS, MAX_ROWS = 11, 40
 # What designs are compared by, named as in their tables.
 CRITERIA = {
     column.key: Axis(column.label, column.unit, spec=spec)
-    for column, spec in ((AREAL_DENSITY, ".2f"), (THICKNESS, ".5g"), (COST, ",.2f"), (MARGIN, "+.1f"))
+    for column, spec in ((AREAL_DENSITY, ".2f"), (THICKNESS, ".5g"), (COST, ".2f"), (MARGIN, "+.1f"))
 }
 # Probabilities between which the curve of a chart is shown whole.
 SHOWN_PROBABILITY = 0.002
