@@ -10,7 +10,7 @@ from matplotlib.transforms import Bbox
 
 from armour.reporting import charts
 from armour.reporting.chart import Axis, Bars, Chart, Contours, Line, Map, Panel, Points, Rule, printable_chart
-from armour.reporting.plots import FORMATS, draw, rendered
+from armour.reporting.plots import METADATA, draw, rendered
 from tests.helpers.cases import scenario
 from tests.helpers.results import OTHER, THREAT, design_result, impact, uncertainty_result
 
@@ -43,7 +43,7 @@ def chart(request: pytest.FixtureRequest) -> Chart:
     return made
 
 
-@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("suffix", METADATA)
 def test_the_same_chart_is_the_same_file(chart: Chart, suffix: str):
     content = rendered(chart, suffix)
     assert content.startswith(MAGIC[suffix])

@@ -1,14 +1,13 @@
 """Description of a chart: axes and series, independent of how they are drawn.
 
-Numbers of series are sequences of equal length; None is a gap.  On hover a point shows its values with the units of the
-axes, or its ``text`` in place of them.
+Numbers of series are sequences of equal length; None is a gap.  On hover a point shows its values or its ``text``.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
-from armour.reporting.text import printable
+from armour.reporting.text import number, printable
 
 # Palette of Okabe and Ito, which colour-blind readers can tell apart.
 BLUE, VERMILION, GREEN, ORANGE, PURPLE = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7"
@@ -41,7 +40,7 @@ class Axis:
 
     def text(self, value: float) -> str:
         """Return a value with its unit."""
-        return f"{value:{self.spec}} {self.unit}".rstrip()
+        return f"{number(value, self.spec)} {self.unit}".rstrip()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -58,10 +58,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-# Below this part of the impact velocity the projectile hardly moves; 1.5 times the time until then is shown.
-SLOW = 0.05
-# A curve whose least value is below this part of its largest is drawn from zero.
-MOSTLY_FROM_ZERO = 0.3
 # Width of a column of a two-column page, inches.
 COLUMN_INCHES = 3.45
 # Looks of the best designs, on the grid and between its values.
@@ -72,7 +68,7 @@ MAX_PAIRS, MAX_ROWS = 11, 40
 # What designs are compared by, named as in their tables.
 CRITERIA = {
     column.key: Axis(column.label, column.unit, spec=spec)
-    for column, spec in ((AREAL_DENSITY, ".2f"), (THICKNESS, ".5g"), (COST, ",.2f"), (MARGIN, "+.1f"))
+    for column, spec in ((AREAL_DENSITY, ".2f"), (THICKNESS, ".5g"), (COST, ".2f"), (MARGIN, "+.1f"))
 }
 # Probabilities between which the curve of a chart is shown whole.
 SHOWN_PROBABILITY = 0.002
@@ -101,7 +97,8 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
     history = result.history
     if history is None:
         raise ValueError("the result has no history; simulate(..., history=True) keeps it")
-    slow = history.time_us[history.velocity_m_s <= SLOW * result.impact_velocity_m_s]
+    # Below 5 % of the impact velocity the projectile hardly moves; 1.5 times the time until then is shown.
+    slow = history.time_us[history.velocity_m_s <= 0.05 * result.impact_velocity_m_s]
     shown = min(result.duration_us, 1.5 * float(slow[0])) if slow.size else result.duration_us
     seen = history.time_us <= shown
     time = history.time_us[seen].tolist()
@@ -113,9 +110,9 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
     depths = {"depth Z": history.depth_mm, "bulge h": history.bulge_height_mm}
     x = Axis("time since impact", "µs", limits=(0.0, max(shown, 1e-9)))
     stages = [stage for stage in result.stages if stage.start_us < shown]
-    names = tuple(stage.stage for stage in stages)
     words = (f"stage {s.stage}: {STAGES[s.stage]}\n{s.start_us:.4g} to {s.end_us:.4g} µs" for s in stages)
     ends = [min(stage.end_us, shown) for stage in stages]
+    names = tuple(stage.stage for stage in stages)
     spans = Spans([stage.start_us for stage in stages], ends, names, text=tuple(words))
     panels: list[Panel] = []
     colours = iter((BLUE, ORANGE, GREEN, INK, PURPLE, VERMILION))
@@ -257,7 +254,7 @@ def figure_chart(figure: "Figure") -> Chart:
         xs, ys = zip(*mark.points, strict=True)
         series.append(Points(xs, ys, marker, size, label=mark.label, colour=colours.get(mark.of, SOFT)))
     shown = [value for curve in figure.curves for value in curve.values if value is not None]
-    from_zero = bool(shown) and min(shown) < MOSTLY_FROM_ZERO * max(shown)
+    from_zero = bool(shown) and min(shown) < 0.3 * max(shown)
     x, y = Axis(figure.x_label, limits=(figure.x[0], figure.x[-1])), Axis(figure.y_label, from_zero=from_zero)
     return Chart(figure.title, (Panel(x, y, tuple(series)),), width=COLUMN_INCHES)
 
@@ -443,8 +440,7 @@ def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Char
     ]
     uncertain = [velocity for velocity, value, *_ in points if SHOWN_PROBABILITY < value < 1.0 - SHOWN_PROBABILITY]
     changed = [limit for index in result.inputs for limit in index.limits_m_s]
-    limits = _span([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *changed])
-    x = Axis("velocity", "m/s", limits=limits)
+    x = Axis("velocity", "m/s", limits=_span([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *changed]))
     panels = [Panel(x, Axis("probability of perforation", limits=(0.0, 1.0)), tuple(series))]
     if result.inputs:
         names = tuple(quantity_axis(index.input).label for index in result.inputs)

@@ -37,9 +37,8 @@ def _drawn(chart: Chart, number: int) -> dict[str, Any]:
     """Return a chart as the template shows it, with its height in points."""
     svg = inline_svg(chart, f"chart{number}")
     *_, height = svg.partition('viewBox="')[2].partition('"')[0].split()
-    heading = ": ".join(chart.title.splitlines())
     points = HEADING_POINTS + NOTE_POINTS * len(chart.note) + float(height)
-    return {"number": number, "heading": heading, "svg": Markup(svg), "note": chart.note, "height": points}
+    return {"number": number, "chart": chart, "svg": Markup(svg), "height": points}
 
 
 def _columns(drawn: list[dict[str, Any]]) -> list[list[dict[str, Any]]]:

@@ -33,7 +33,8 @@ from armour.reporting.chart import (
 )
 from armour.reporting.text import wrapped
 
-FORMATS = (".png", ".svg", ".pdf")
+# Formats of files, with what keeps two files of a chart the same.
+METADATA: dict[str, Any] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 FONT, TITLE = 9.0, 10.0
 STYLE: Any = {
     "axes.axisbelow": True,
@@ -265,14 +266,13 @@ def bar_places(item: Bars) -> Any:
 
 
 def saved(figure: Figure, suffix: str, **options: Any) -> bytes:
-    """Return a figure as a file of the format that the suffix names, one of `FORMATS`."""
+    """Return a figure as a file of the format that the suffix names, a key of `METADATA`."""
     content = BytesIO()
-    metadata: dict[str, Any] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}[suffix]
     with mpl.rc_context(STYLE):
-        figure.savefig(content, format=suffix[1:], metadata=metadata, **{"dpi": 160, **options})
+        figure.savefig(content, format=suffix[1:], metadata=METADATA[suffix], **{"dpi": 160, **options})
     return content.getvalue()
 
 
 def rendered(chart: Chart, suffix: str) -> bytes:
-    """Return a chart as a file of the format that the suffix names, one of `FORMATS`."""
+    """Return a chart as a file of the format that the suffix names, a key of `METADATA`."""
     return saved(draw(chart), suffix)

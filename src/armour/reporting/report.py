@@ -9,9 +9,9 @@ from armour import MODEL_VERSION, __version__
 from armour.reporting.chart import Chart
 from armour.reporting.table import Column, Table
 
-PAPER = "Modeling penetration of ceramic/metal lightweight armours by small and medium caliber projectiles"
 ORIGIN = (
-    f"The model is that of the published paper “{PAPER}”. Do not rely on this report alone for anyone's protection."
+    "The model is that of the published paper “Modeling penetration of ceramic/metal lightweight armours by small and "
+    "medium caliber projectiles”. Do not rely on this report alone for anyone's protection."
 )
 # Packages whose versions the results can depend on.
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite")
