@@ -50,5 +50,5 @@ def calibrate(
         title=loaded.title,
         files=[(library, lambda: library_text(result, read, loaded))],
         plot=plot,
-        chart=lambda charts: charts.calibration_chart(result, loaded.title),
+        chart=lambda charts: charts.calibration_chart(result),
     )

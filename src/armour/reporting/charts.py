@@ -327,7 +327,7 @@ def comparison_chart(result: "Comparison", title: str) -> Chart:
     return Chart(title, (_residual_velocity_panel(series),))
 
 
-def calibration_chart(result: "CalibrationResult", _title: str = "") -> Chart:
+def calibration_chart(result: "CalibrationResult") -> Chart:
     """Describe computed over measured values, and the deviations test by test, fitted and left out."""
     words = {"": "measured", "at least": "defeated at", "at most": "perforated at"}
     panels = []

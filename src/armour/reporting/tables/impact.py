@@ -80,7 +80,7 @@ def energy_table(energy: "EnergyBalance") -> Table:
         Column("carried by eroded material", "J", ".2f"),
         Column("lost in braking the rod", "J", ".2f"),
         Column("sum", "J", ".2f"),
-        Column("part of the energy at impact", "%", ".1f"),
+        Column("share of the impact energy", "%", ".1f"),
     )
     rows = ((name, eroded, braked, eroded + braked, percent * (eroded + braked)) for name, eroded, braked in found)
     return Table(columns, tuple(rows))

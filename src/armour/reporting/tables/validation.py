@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from math import floor, log10
 from typing import TYPE_CHECKING
 
+from armour.analysis.quantities import QUANTITIES
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import number
 from armour.units import words_and_unit
@@ -138,7 +139,12 @@ def update_table(updates: Sequence["Update"]) -> Table:
 
 def figure_table(figure: "Figure") -> Table:
     """Return the curves of a figure, a column each."""
-    labels = [figure.x_label, *(f"{curve.label}: {figure.y_label}" for curve in figure.curves)]
+    unit, quantities = figure.y_label.rpartition(", ")[2], {quantity.label for quantity in QUANTITIES.values()}
+    labels = [figure.x_label]
+    for curve in figure.curves:
+        # The label of a curve may name its quantity, or what the curve differs in.
+        named = curve.label.rpartition(", ")[2] in quantities
+        labels.append(f"{curve.label}, {unit}" if named else f"{curve.label}: {figure.y_label}")
     values = [figure.x, *(curve.values for curve in figure.curves)]
     return Table(tuple(Column(label, spec="g", key=label) for label in labels), tuple(zip(*values, strict=True)))
 
