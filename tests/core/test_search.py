@@ -21,7 +21,7 @@ from armour.core.search import (
 from tests.helpers.cases import armour
 from tests.helpers.runs import perforates, random_designs
 
-COUNT = 60
+COUNT = 40
 STEPS = 500_000
 
 

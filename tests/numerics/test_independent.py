@@ -10,7 +10,7 @@ from armour.core.stepping import default_time_step
 from tests.helpers.runs import path, perforates, random_designs, traced
 from tests.numerics.reference import ARREST, Reference
 
-COUNT = 60
+COUNT = 40
 
 
 def impact_velocity(index: int) -> float:

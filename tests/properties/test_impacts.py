@@ -44,7 +44,7 @@ def scenarios(draw: st.DrawFn) -> dict[str, Any]:
 
 
 @given(scenarios())
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_every_impact_ends_with_an_outcome_and_sensible_numbers(data: dict[str, Any]):
     scenario = parse_scenario(data)
     result = simulate(scenario, history=True)
@@ -100,7 +100,7 @@ positive = st.floats(0.05, 20.0)
     thicknesses=st.tuples(st.floats(0.0, 20.0), positive),
     shear_law=st.sampled_from([PROJECTILE, CONOID]),
 )
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_impacts_of_any_materials_end_with_an_outcome(
     size: float,
     velocity: float,
