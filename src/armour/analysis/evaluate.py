@@ -4,7 +4,7 @@ Sweeps, suites, figures, uncertainty, sensitivity, calibration and designs use i
 A question without an answer gives NaN; a run that does not end raises an InputError that names the key at fault.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,25 +34,30 @@ def evaluate(
 
 
 def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:
-    """Return rows of values as variants of the scenario, grouped by their settings.
+    """Return rows of values as variants of the scenario, grouped by their settings."""
+    inputs = {key: columns[key] for key in columns if key in INPUTS}
+    return [
+        Group(where, variants_of(made, {key: values[where] for key, values in inputs.items()}, len(where)))
+        for where, made in scenarios_of(scenario, columns)
+    ]
+
+
+def scenarios_of(scenario: Scenario, columns: Mapping[str, Floats]) -> Iterator[tuple[Ints, Scenario]]:
+    """Check rows of values, and yield their scenarios, each with the places of its rows.
 
     Inputs go straight into the engine's arrays; each combination of values of other keys makes a scenario.
     """
     count = len(next(iter(columns.values()))) if columns else 1
     others = [key for key in columns if key not in INPUTS]
-    inputs = {key: columns[key] for key in columns if key in INPUTS}
-    check_ranges(scenario, inputs)
+    check_ranges(scenario, {key: columns[key] for key in columns if key in INPUTS})
     if not others:
-        return [Group(np.arange(count), variants_of(scenario, inputs, count))]
+        yield np.arange(count), scenario
+        return
     table = np.column_stack([columns[key] for key in others])
     _, first, which = np.unique(table, axis=0, return_index=True, return_inverse=True)
-    groups = []
     for index, row in enumerate(first):
-        where = np.flatnonzero(which.reshape(-1) == index)
         made = scenario.replaced(changes_of_values(dict(zip(others, table[row].tolist(), strict=True))))
-        own = {key: values[where] for key, values in inputs.items()}
-        groups.append(Group(where, variants_of(made, own, len(where))))
-    return groups
+        yield np.flatnonzero(which.reshape(-1) == index), made
 
 
 def evaluate_groups(groups: Sequence[Group], quantities: Sequence[str], threads: int | None = None) -> dict[str, Any]:

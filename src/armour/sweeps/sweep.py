@@ -5,7 +5,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from armour.analysis.evaluate import Group, evaluate_groups, groups_of
+from armour.analysis.evaluate import Group, evaluate_groups, groups_of, scenarios_of
 from armour.analysis.quantities import QUANTITIES
 from armour.analysis.variants import Floats, grid_of
 from armour.engine.cache import digest
@@ -43,7 +43,8 @@ def sweep(
     """
     _check(scenario, source, quantities)
     for chunk in source.chunks(size):
-        groups_of(scenario, chunk)  # a wrong value raises an error before the first chunk is computed
+        for _ in scenarios_of(scenario, chunk):
+            pass  # a wrong value raises an error before the first chunk is computed
     store = Store(output, _job(scenario, source, quantities, size))
     pending: dict[int, Mapping[str, Floats]] = {}
     notify = on_chunk or (lambda _rows, _stored: None)
