@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from armour.analysis.searches import DENSE_SCAN_POINTS, lowest_limits, lowest_perforated
+from armour.analysis.searches import DENSE_SCAN_POINTS, limit_brackets, lowest_perforated
 from armour.analysis.variants import Bools, Floats, Variants, perforated
 from armour.design.catalogue import Candidates, Catalogue
 from armour.scenario.schema import FASTEST_M_S
@@ -57,6 +57,7 @@ class Requirement:
         return limits
 
     def _counted(self, variants: Variants, low: float, high: float) -> Floats:
-        limits, runs = lowest_limits(variants, low, high)
-        self.runs += runs
-        return limits
+        """Return lowest limits, m/s; -inf where the lowest velocity perforates, inf where none is seen to."""
+        found = limit_brackets(variants, low, high, variants.settings.ballistic_limit.tolerance_m_s)
+        self.runs += int(found.runs.sum())
+        return np.where(np.isneginf(found.defeated), -np.inf, found.perforated)

@@ -10,7 +10,7 @@ from scipy.stats import norm, t
 
 from armour.analysis.answers import Answers
 from armour.analysis.estimates import CONFIDENCE
-from armour.analysis.searches import smooth_limits
+from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, Variants, perforated, variants_of
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
@@ -29,7 +29,7 @@ from armour.statistics.test_data import LIMIT, MASS, RESIDUAL, Tests
 # Starting points of the fit, in units of the coefficients' scales.
 STARTS = (1.0, 0.5, 2.0)
 # Tolerance of ballistic limits, m/s, and relative change of coefficients for the derivatives.
-LIMIT_TOLERANCE_M_S = 1e-6
+LIMIT_TOLERANCE_M_S = 1e-9
 DIFFERENCE = 1e-4
 # Coefficients this close to each other are equal.
 EQUAL = 1e-3
@@ -128,7 +128,7 @@ def predicted(tests: Tests, coefficients: Coefficients, x: Floats) -> Floats:
 def _limits(variants: Variants) -> Floats:
     """Return ballistic limits, m/s; the end of the search's range where the limit lies beyond it."""
     search = variants.settings.ballistic_limit
-    limits = smooth_limits(variants, LIMIT_TOLERANCE_M_S)
+    limits = ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S)
     outside = np.flatnonzero(np.isnan(limits))
     if len(outside):
         slowest = np.full(len(outside), search.velocity_min_m_s)

@@ -8,7 +8,7 @@ import numpy as np
 
 from armour.analysis.answers import Answers
 from armour.analysis.results import Result
-from armour.analysis.searches import ballistic_limits, smooth_limits
+from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Floats, Variants, concatenated, grid_of, variants_of
 from armour.design.free import least_areal_densities
 from armour.errors import NoAnswerError
@@ -104,7 +104,7 @@ def _answers(scenario: Scenario, variants: Variants) -> dict[str, Floats]:
     The first variant is the scenario itself; the ballistic limits of the others are accurate to a finer tolerance.
     """
     impacts = Answers(variants)
-    limits = smooth_limits(variants, LIMIT_TOLERANCE_M_S)
+    limits = ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S)
     limits[:1] = ballistic_limits(variants.at(np.arange(1)))
     answers = {
         LIMIT: limits,
