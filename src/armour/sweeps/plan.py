@@ -1,0 +1,86 @@
+"""What a sweep takes: its time and space, from some of its rows, and from them the rows of a chunk."""
+
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+from time import perf_counter
+from typing import NamedTuple
+
+from armour.analysis.evaluate import evaluate_groups, groups_of
+from armour.scenario.loading import Scenario
+from armour.sweeps.cases import Cases, Grid
+from armour.sweeps.checkpoint import encoded
+
+# A chunk takes about this time, so that a kill costs little, and has at most so many rows.
+CHUNK_S = 1.0
+MAX_CHUNK = 100_000
+# Samples grow until one takes this time.
+SAMPLE_S = 0.1
+SAMPLES = (1, 4, 32, 256)
+# What a sweep may take unasked.
+LONG_S = 3600.0
+MANY_ROWS = 10**8
+
+
+class Plan(NamedTuple):
+    """Work of a sweep."""
+
+    rows: int
+    chunk_rows: int
+    seconds: float
+    bytes: float  # of the output, or more if it is Parquet
+    free_bytes: int  # on its disk
+
+    def __str__(self) -> str:
+        needed, free = 2 * self.bytes / 1e9, self.free_bytes / 1e9
+        space = "" if self._fits else f"; {needed:,.1f} GB while they are joined, where {free:,.1f} GB are free"
+        return f"{self.rows:,} rows; about {duration(self.seconds)}{space}"
+
+    @property
+    def _fits(self) -> bool:
+        return 2 * self.bytes <= self.free_bytes
+
+    @property
+    def is_large(self) -> bool:
+        """Return whether to ask before such a sweep."""
+        return self.seconds > LONG_S or self.rows > MANY_ROWS or not self._fits
+
+
+def plan_of(
+    scenario: Scenario,
+    source: Grid | Cases,
+    quantities: Sequence[str],
+    output: Path,
+    *,
+    threads: int | None = None,
+    workers: int = 1,
+) -> Plan:
+    """Measure some rows of a sweep; ``workers`` compute chunks at the same time, each on some threads."""
+    each = bytes_each = 0.0
+    for size in SAMPLES:
+        columns = source.sample(size)
+        start = perf_counter()
+        results = evaluate_groups(groups_of(scenario, columns), quantities, threads)
+        taken = perf_counter() - start
+        rows = len(columns[source.keys[0]])
+        # The first row also loads the compiled code.
+        each = taken / rows
+        bytes_each = len(encoded({**columns, **results}, as_csv=True)) / rows
+        if rows < size or (size > 1 and taken > SAMPLE_S):
+            break
+    chunk_rows = min(max(int(CHUNK_S / each), 1), MAX_CHUNK)
+    free = shutil.disk_usage(output.parent).free
+    return Plan(source.count, chunk_rows, each * source.count / workers, bytes_each * source.count, free)
+
+
+def duration(seconds: float) -> str:
+    """Return a length of time in words, such as "90 hours"."""
+    for limit, unit, name in (
+        (120, 1, "seconds"),
+        (7200, 60, "minutes"),
+        (360000, 3600, "hours"),
+        (2e8, 86400, "days"),
+    ):
+        if seconds < limit:
+            return f"{max(seconds / unit, 1):.0f} {name}"
+    return f"{seconds / 31557600:,.0f} years"
