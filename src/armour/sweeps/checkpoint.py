@@ -20,6 +20,7 @@ from contextlib import contextmanager, suppress
 from errno import EINVAL
 from hashlib import sha256
 from io import BytesIO
+from itertools import chain
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
@@ -286,17 +287,17 @@ def _join_csv(file: BinaryIO, chunks: Iterable[bytes]) -> None:
 
 
 def _join_parquet(file: BinaryIO, chunks: Iterable[bytes]) -> None:
-    writer = kept = None
-    for chunk in chunks:
-        table = parquet.read_table(BytesIO(chunk))
-        writer = writer or parquet.ParquetWriter(file, table.schema)
-        kept = pa.concat_tables([kept, table]) if kept else table
-        while kept.num_rows >= ROW_GROUP:
-            writer.write_table(kept.slice(0, ROW_GROUP).combine_chunks())
-            kept = kept.slice(ROW_GROUP)
-    if writer and kept:
-        writer.write_table(kept.combine_chunks())
-        writer.close()
+    tables = (parquet.read_table(BytesIO(chunk)) for chunk in chunks)
+    first = next(tables)
+    kept = first.slice(0, 0)
+    with parquet.ParquetWriter(file, first.schema) as writer:
+        for table in chain([first], tables):
+            kept = pa.concat_tables([kept, table])
+            while kept.num_rows >= ROW_GROUP:
+                writer.write_table(kept.slice(0, ROW_GROUP).combine_chunks())
+                kept = kept.slice(ROW_GROUP)
+        if kept.num_rows:
+            writer.write_table(kept.combine_chunks())
 
 
 def _hash_of(values: Mapping[str, Any]) -> str:
