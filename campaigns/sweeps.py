@@ -13,8 +13,10 @@ import subprocess
 import sys
 import tempfile
 import time
+import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import redirect_stderr, redirect_stdout
 from itertools import count
 from pathlib import Path
 
@@ -37,15 +39,17 @@ WRONG = "WRONG"
 references: dict[tuple[str, str], bytes] = {}
 
 
-def sweep(output: Path, quantities: str = QUANTITIES[0]) -> int:
+def sweep(output: Path, quantities: str = QUANTITIES[0], *more: str) -> int:
     """Run a sweep and return its exit code; its messages go to a file beside the output."""
-    sys.stdout = sys.stderr = Path(f"{output.parent}.messages").open("a")
     args = ["sweep", str(SCENARIOS / "wilkins.toml"), *OVER, "--quantities", quantities, "--threads", "1"]
-    try:
-        app([*args, "-o", str(output)], prog_name="armour")
-    except SystemExit as end:
-        return int(end.code or 0)
-    return 0
+    with Path(f"{output.parent}.messages").open("a") as said, redirect_stdout(said), redirect_stderr(said):
+        try:
+            app([*args, *more, "-o", str(output)], prog_name="armour")
+        except SystemExit as end:
+            return int(end.code or 0)
+        except BaseException:
+            traceback.print_exc()
+    return 70
 
 
 def faulty_sweep(output: Path, step: int, fault: Fault) -> int:
@@ -59,12 +63,7 @@ def forked(run: Callable[..., int], *args: object) -> int:
     """Run a function in a process of its own and return its id."""
     child = os.fork()
     if not child:
-        try:
-            code = run(*args)
-        except BaseException:
-            code = 70
-        sys.stderr.flush()
-        os._exit(code % 256)
+        os._exit(run(*args) % 256)
     return child
 
 
@@ -108,7 +107,7 @@ def kills(folder: Path) -> Iterator[str]:
     output = next(new)
     for _ in range(KILLS):
         child = forked(sweep, output)
-        time.sleep(random.uniform(0.0, TIME_S))
+        time.sleep(random.uniform(0.2, 0.9) * TIME_S)
         os.kill(child, signal.SIGKILL)
         exit_code(child)
         if random.random() < 0.5:
@@ -126,7 +125,7 @@ def kills(folder: Path) -> Iterator[str]:
 def steps(folder: Path) -> Iterator[str]:
     """Kill sweeps before, or in the middle of, each of their steps on files, and resume them."""
 
-    def kill(step: str) -> None:
+    def kill(_step: str) -> None:
         os.kill(os.getpid(), signal.SIGKILL)
 
     yield from at_each_step(folder, kill, expected=-signal.SIGKILL)
@@ -219,7 +218,7 @@ def tmpfs(folder: Path) -> Iterator[str]:
                 yield "not possible here"
                 return
             try:
-                code = exit_code(forked(sweep, output))
+                code = exit_code(forked(sweep, output, QUANTITIES[0], "--yes"))
                 subprocess.run(["mount", "-o", "remount,size=10m", str(output.parent)], check=True)
                 told = code == 0 or (code == 2 and "no space left" in messages(output))
                 yield f"exit code {code}; {resumed(output)}" if told else f"{WRONG}: {code} {messages(output)}"

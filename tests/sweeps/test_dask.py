@@ -26,7 +26,7 @@ def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path: Path):
     sweep(case, source, QUANTITIES, tmp_path / "here.csv", size=100)
     killed: list[int] = []
     with (
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster,
         Client(cluster) as client,
     ):
 
@@ -67,7 +67,7 @@ def test_an_address_without_a_scheduler(address: str, message: str, listens: boo
 @pytest.fixture(scope="module")
 def client() -> Iterator[Client]:
     """A cluster in this process, without workers."""
-    with LocalCluster(n_workers=0, processes=False, dashboard_address=None) as cluster, Client(cluster) as client:
+    with LocalCluster(n_workers=0, processes=False, dashboard_address=":0") as cluster, Client(cluster) as client:
         yield client
 
 
@@ -89,6 +89,7 @@ def test_a_cluster_without_workers(client: Client, tmp_path: Path, monkeypatch: 
 def test_workers_of_another_version_are_refused(client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     here = threading.get_ident()
     source = sweep_grid(VELOCITIES)
+    assert client.cluster is not None
     client.cluster.scale(1)
     client.wait_for_workers(1)
     sweep(sweep_scenario(), source, ["outcome"], tmp_path / "a.csv", compute=on_cluster(client), size=1)

@@ -33,9 +33,10 @@ def connected(scheduler: str, timeout_s: float = TIMEOUT_S) -> Iterator["Client"
     except ImportError:
         raise _error("needs dask.distributed; pip install 'armour[cluster]'") from None
     # What goes wrong is said once, by an error.
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    for name in ("distributed", "distributed.client"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     if scheduler == "local":
-        with LocalCluster(threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        with LocalCluster(threads_per_worker=1, dashboard_address=":0") as cluster, Client(cluster) as client:
             yield client
         return
     try:
@@ -142,8 +143,10 @@ def _answering() -> Iterator[None]:
         yield
     except ArmourError:
         raise
-    except (Exception, asyncio.CancelledError) as error:
-        raise _error(f"failed: {error or type(error).__name__}; what is done is kept, {RESUME}") from None
+    except asyncio.CancelledError:
+        raise _error(f"lost the connection to the scheduler; what is done is kept, {RESUME}") from None
+    except Exception as error:
+        raise _error(f"failed: {str(error) or type(error).__name__}; what is done is kept, {RESUME}") from None
 
 
 def _error(message: str) -> InputError:

@@ -32,9 +32,10 @@ class Plan(NamedTuple):
     free_bytes: int  # on its disk
 
     def __str__(self) -> str:
-        needed, free = 2 * self.bytes / 1e9, self.free_bytes / 1e9
-        space = "" if self._fits else f"; {needed:,.1f} GB while they are joined, where {free:,.1f} GB are free"
-        return f"{self.rows:,} rows; about {duration(self.seconds)}{space}"
+        text = f"{self.rows:,} rows; about {duration(self.seconds)}"
+        if self._fits:
+            return text
+        return f"{text}; {size(2 * self.bytes)} to write and join, where {size(self.free_bytes)} are free"
 
     @property
     def _fits(self) -> bool:
@@ -57,8 +58,8 @@ def plan_of(
 ) -> Plan:
     """Measure some rows of a sweep; ``workers`` compute chunks at the same time, each on some threads."""
     each = bytes_each = 0.0
-    for size in SAMPLES:
-        columns = source.sample(size)
+    for number in SAMPLES:
+        columns = source.sample(number)
         start = perf_counter()
         results = evaluate_groups(groups_of(scenario, columns), quantities, threads)
         taken = perf_counter() - start
@@ -66,11 +67,16 @@ def plan_of(
         # The first row also loads the compiled code.
         each = taken / rows
         bytes_each = len(encoded({**columns, **results}, as_csv=True)) / rows
-        if rows < size or (size > 1 and taken > SAMPLE_S):
+        if rows < number or (number > 1 and taken > SAMPLE_S):
             break
     chunk_rows = min(max(int(CHUNK_S / each), 1), MAX_CHUNK)
     free = shutil.disk_usage(output.parent).free
     return Plan(source.count, chunk_rows, each * source.count / workers, bytes_each * source.count, free)
+
+
+def size(count: float) -> str:
+    """Return a number of bytes in words, such as "1.5 GB"."""
+    return f"{count / 1e9:,.1f} GB" if count >= 1e9 else f"{count / 1e6:.1f} MB"
 
 
 def duration(seconds: float) -> str:
@@ -82,5 +88,6 @@ def duration(seconds: float) -> str:
         (2e8, 86400, "days"),
     ):
         if seconds < limit:
-            return f"{max(seconds / unit, 1):.0f} {name}"
+            number = max(round(seconds / unit), 1)
+            return f"{number} {name if number > 1 else name[:-1]}"
     return f"{seconds / 31557600:,.0f} years"
