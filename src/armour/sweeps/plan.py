@@ -16,7 +16,7 @@ CHUNK_S = 1.0
 MAX_CHUNK = 100_000
 # Samples grow until one takes this time.
 SAMPLE_S = 0.1
-SAMPLES = (1, 4, 32, 256)
+SAMPLES = (1, 4, 32, 256, 2048)
 # What a sweep may take unasked.
 LONG_S = 3600.0
 MANY_ROWS = 10**8
@@ -60,8 +60,11 @@ def plan_of(
     each = bytes_each = 0.0
     for number in SAMPLES:
         columns = source.sample(number)
+        groups = groups_of(scenario, columns)
         start = perf_counter()
-        results = evaluate_groups(groups_of(scenario, columns), quantities, threads)
+        results = evaluate_groups(groups, quantities, threads)
+        # Rows of a chunk follow each other, and share more scenarios than rows from all over the source.
+        groups_of(scenario, next(source.chunks(number)))
         taken = perf_counter() - start
         rows = len(columns[source.keys[0]])
         # The first row also loads the compiled code.
