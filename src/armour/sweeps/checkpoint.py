@@ -235,8 +235,10 @@ class Store:
         try:
             yield
         except OSError as error:
-            file = error.filename or self.output
-            raise _problem(Path(file), f"cannot be written: {reason(error)}; what is done is kept, {RESUME}") from None
+            message = f"cannot be written: {reason(error)}"
+            with suppress(OSError):
+                message += f"; what is done is kept, {RESUME}" if self.chunks() else ""
+            raise _problem(error.filename or self.output, message) from None
 
 
 def encoded(columns: Mapping[str, Any], *, as_csv: bool, header: bool = False) -> bytes:
@@ -311,7 +313,7 @@ def _is_csv(path: Path) -> bool:
     return path.suffix.lower() == ".csv"
 
 
-def _problem(path: Path, message: str) -> InputError:
+def _problem(path: Path | str, message: str) -> InputError:
     return InputError([Problem(str(path), "", message)])
 
 
