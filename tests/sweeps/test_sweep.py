@@ -95,16 +95,18 @@ def test_an_interrupted_sweep_is_resumed(tmp_path: Path):
 @pytest.mark.parametrize(
     ("other", "quantity"),
     [(lambda: sweep_scenario(velocity=801.0), "outcome"), (sweep_scenario, "duration_us")],
-    ids=["scenario", "quantity"],
+    ids=["scenario", "quantities"],
 )
-def test_another_sweep_does_not_resume_with_its_chunks(tmp_path: Path, other: Callable[[], Scenario], quantity: str):
+def test_another_sweep_does_not_resume_with_its_chunks(
+    tmp_path: Path, other: Callable[[], Scenario], quantity: str, request: pytest.FixtureRequest
+):
     def interrupt(_rows: int, _stored: bool) -> None:
         raise KeyboardInterrupt
 
     source = sweep_grid("impact.velocity_m_s=700,800")
     with pytest.raises(KeyboardInterrupt):
         sweep(sweep_scenario(), source, ["outcome"], tmp_path / "a.csv", size=1, on_chunk=interrupt)
-    with pytest.raises(InputError, match="another sweep"):
+    with pytest.raises(InputError, match=f"another sweep, with another {request.node.callspec.id}; finish"):
         sweep(other(), source, [quantity], tmp_path / "a.csv", size=1)
 
 
