@@ -211,12 +211,14 @@ def is_trusted(path: Path) -> bool:
 
 
 def contents(directory: Path) -> dict[str, bytes]:
+    """Return the files below a directory, by their relative paths."""
     return {
         path.relative_to(directory).as_posix(): path.read_bytes() for path in directory.rglob("*") if path.is_file()
     }
 
 
 def zipped(files: dict[str, bytes]) -> bytes:
+    """Return a zip file of files by their paths."""
     archive = io.BytesIO()
     with ZipFile(archive, "w") as writer:
         for name, content in files.items():
