@@ -108,7 +108,7 @@ def load_kernels(*names: str) -> "dict[str, Kernel]":
 
 
 def _unusable(reason: str) -> ArmourError:
-    return ArmourError(f"{reason}; this computation needs numba: type `python -m pip install --upgrade numba`")
+    return ArmourError(f"{reason}; this computation needs it: type `python -m pip install --upgrade numba`")
 
 
 def _load(path: Path, archive: bytes | None, *names: str) -> "dict[str, Kernel]":
