@@ -1,17 +1,25 @@
-# `make demo` computes the paper's 7.62 mm optimum, `make test` runs the checks and the tests.
-# Both create the virtual environment .venv.
+# `make demo` computes the paper's 7.62 mm optimum, `make test` runs the checks and the tests, `make lowest` a part of
+# them with the lowest versions of the dependencies. They create the virtual environments .venv and .venv/lowest.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+LOWEST := $(VENV)/lowest
 
-.PHONY: demo test check format docs bench mutants clean
+.PHONY: demo test lowest check format docs bench mutants clean
 
 demo: $(VENV)/installed
 	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine
 
 test: check
 	$(BIN)/pytest -n auto
+
+# Types are not checked here: they are those of the newest libraries.
+lowest: $(LOWEST)/installed
+	$(LOWEST)/bin/ruff format --check .
+	$(LOWEST)/bin/ruff check .
+	$(LOWEST)/bin/lint-imports
+	$(LOWEST)/bin/pytest -n auto tests/test_*.py tests/cli tests/engine tests/reporting tests/scenario tests/sweeps
 
 check: $(VENV)/developing
 	$(BIN)/ruff format --check .
@@ -52,6 +60,12 @@ $(VENV)/installed: pyproject.toml | $(VENV)/bin/python
 $(VENV)/developing: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/pip install --quiet --disable-pip-version-check -e '.[dev]'
 	touch $@ $(VENV)/installed
+
+$(LOWEST)/installed: pyproject.toml .ci/lowest.py
+	$(PYTHON) -m venv --clear $(LOWEST)
+	$(PYTHON) .ci/lowest.py > $(LOWEST)/versions.txt
+	$(LOWEST)/bin/pip install --quiet --disable-pip-version-check -e '.[cluster,dev]' -c $(LOWEST)/versions.txt
+	touch $@
 
 clean:
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis dist

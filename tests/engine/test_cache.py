@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import numba
 import pytest
 
 from armour.engine import cache, kernels
+from armour.errors import ArmourError
 
 CODE = bytes(range(256)) * 4
 RESULT: dict[str, Any] = {"impacts": CODE}
@@ -20,20 +22,23 @@ CONFIG: Any = numba.config
 
 
 class FakeCompiler:
-    """Stands for `armour.engine.kernels.compiled`: caches a file in numba's cache directory, as numba does."""
+    """Stands for `armour.engine.kernels.compiled`: leaves a file in the directory, as numba does."""
 
     def __init__(self) -> None:
         self.compiled = 0
 
-    def __call__(self, *_names: str, cache: bool) -> dict[str, Any]:
-        if not cache:
+    def __call__(self, *_names: str, directory: Path | None = None) -> dict[str, Any]:
+        if directory is None:
             self.compiled += 1
             return RESULT
-        file = Path(CONFIG.CACHE_DIR) / "engine" / "impacts.nbc"
+        assert directory.stat().st_mode & 0o777 == 0o700
+        file = directory / "engine" / "impacts.nbc"
         if not file.exists():
             self.compiled += 1
             file.parent.mkdir()
             file.write_bytes(CODE)
+        if file.read_bytes() != CODE:
+            raise EOFError("such as unpickling raises")
         return {"impacts": file.read_bytes()}
 
 
@@ -110,22 +115,74 @@ def test_an_archive_that_others_can_write(archive: Path, compiler: FakeCompiler,
     assert archive.stat().st_mode & 0o777 == 0o600
 
 
-def test_a_directory_that_others_can_write(archive: Path, compiler: FakeCompiler):
-    archive.parent.chmod(0o777)
-    assert_made_anew(compiler)
-    assert archive.parent.stat().st_mode & 0o777 == 0o700
+def assert_not_used(compiler: FakeCompiler, archive: Path, reason: str) -> None:
+    """The archive is neither read nor written, which the command line says: every process compiles."""
+    content = archive.read_bytes()
+    assert cache.archive_path() == archive
+    assert reason in cache.obstacle()
+    assert not cache.is_compiled()
+    before = compiler.compiled
+    for count in (1, 2):
+        assert cache.load_kernels() == RESULT
+        assert compiler.compiled == before + count
+    assert archive.read_bytes() == content
+
+
+@pytest.mark.parametrize("mode", [0o770, 0o707, 0o777, 0o1777])
+def test_a_directory_that_others_can_write(archive: Path, compiler: FakeCompiler, mode: int):
+    archive.parent.chmod(mode)
+    assert_not_used(compiler, archive, f"in {archive.parent}, which other users can change")
 
 
 def test_a_directory_of_another_user(archive: Path, compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch):
-    """Neither read nor written: every process compiles."""
-    content = archive.read_bytes()
-    user = os.getuid() + 1
-    monkeypatch.setattr(os, "getuid", lambda: user)
-    assert not cache.is_compiled()
-    for count in (2, 3):
-        assert cache.load_kernels() == RESULT
-        assert compiler.compiled == count
-    assert archive.read_bytes() == content
+    user = os.geteuid() + 1
+    monkeypatch.setattr(os, "geteuid", lambda: user)
+    assert_not_used(compiler, archive, "which other users can change")
+
+
+@pytest.mark.parametrize(("mode", "reason"), [(0o1777, ""), (0o777, "which other users can change")])
+def test_a_directory_that_others_can_replace(archive: Path, compiler: FakeCompiler, mode: int, reason: str):
+    """In a directory such as /tmp they cannot."""
+    archive.parent.parent.chmod(mode)
+    if reason:
+        assert_not_used(compiler, archive, reason)
+    else:
+        assert not cache.obstacle()
+        assert cache.is_compiled()
+
+
+def test_a_link_that_others_can_replace(home: Path, archive: Path, compiler: FakeCompiler, tmp_path: Path):
+    """A link on the way is followed: as safe as where it stands and where it leads."""
+    (tmp_path / "elsewhere").mkdir()
+    home.rename(tmp_path / "elsewhere" / "armour")
+    home.symlink_to(Path("..") / "elsewhere" / "armour")
+    assert cache.is_compiled()
+    (tmp_path / "elsewhere").chmod(0o777)
+    assert_not_used(compiler, archive, "which other users can change")
+
+
+def test_links_that_lead_in_a_circle(home: Path, compiler: FakeCompiler):
+    home.parent.mkdir()
+    home.symlink_to(home)
+    assert cache.load_kernels() == RESULT
+    assert "which cannot be written" in cache.obstacle()
+    assert compiler.compiled == 1
+
+
+def test_a_link_in_place_of_the_archive(archive: Path, compiler: FakeCompiler, tmp_path: Path):
+    archive.rename(tmp_path / "elsewhere")
+    archive.symlink_to(tmp_path / "elsewhere")
+    assert_made_anew(compiler)
+    assert not archive.is_symlink()
+
+
+def test_an_intact_archive_of_no_use(archive: Path, compiler: FakeCompiler):
+    for content in (b"no zip file", cache.zipped({"engine/impacts.nbc": b"no code"})):
+        archive.write_bytes(cache.checksum(archive, content) + content)
+        assert cache.is_compiled()
+        before = compiler.compiled
+        assert cache.load_kernels() == cache.load_kernels() == RESULT
+        assert compiler.compiled == before + 1
 
 
 def no_home(*_args: Any, **_kwargs: Any) -> str:
@@ -147,6 +204,7 @@ def test_a_user_without_a_home(
     assert not cache.is_compiled()
     assert cache.load_kernels() == RESULT
     assert compiler.compiled == 1
+    assert "without a user cache directory" in cache.obstacle()
     assert not list(tmp_path.iterdir())
 
 
@@ -163,6 +221,7 @@ def test_a_home_that_cannot_be_written(home: Path, compiler: FakeCompiler):
     assert cache.load_kernels() == RESULT
     assert compiler.compiled == 1
     assert not cache.is_compiled()
+    assert "which cannot be written" in cache.obstacle()
 
 
 def refuse(*_args: Any, **_kwargs: Any) -> None:
@@ -176,11 +235,22 @@ def test_a_home_that_can_only_be_read(archive: Path, compiler: FakeCompiler, mon
     assert archive.exists()
 
 
-@pytest.mark.usefixtures("compiler")
-def test_no_temporary_directory(home: Path, monkeypatch: pytest.MonkeyPatch):
+def test_no_temporary_directory(home: Path, compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(tempfile, "TemporaryDirectory", refuse)
     assert cache.load_kernels() == RESULT
+    assert compiler.compiled == 1
     assert not home.exists()
+
+
+def test_a_temporary_directory_that_others_can_replace(
+    archive: Path, compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+):
+    (tmp_path / "temporary").mkdir()
+    (tmp_path / "temporary").chmod(0o777)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    assert cache.load_kernels() == RESULT
+    assert compiler.compiled == 2
+    assert archive.exists()
 
 
 @pytest.mark.usefixtures("home", "compiler")
@@ -191,11 +261,73 @@ def test_the_temporary_directory_is_removed(monkeypatch: pytest.MonkeyPatch, tmp
     assert not list((tmp_path / "temporary").iterdir())
 
 
-@pytest.mark.usefixtures("home", "compiler")
-def test_numbas_settings_are_restored(monkeypatch: pytest.MonkeyPatch):
+def test_numbas_settings_are_restored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(CONFIG, "CACHE_DIR", "of the user")
-    cache.load_kernels()
+    with kernels.numba_cache(tmp_path):
+        assert str(tmp_path) == CONFIG.CACHE_DIR
     assert CONFIG.CACHE_DIR == "of the user"
+
+
+def test_numbas_settings_are_those_of_the_user_while_it_compiles(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Other threads may make functions with a cache of their own meanwhile."""
+    seen = []
+
+    class Dispatcher:
+        def __init__(self, _function: Any) -> None:
+            pass
+
+        def enable_caching(self) -> None:
+            seen.append(CONFIG.CACHE_DIR)
+
+        def compile(self, _signature: Any) -> None:
+            seen.append(CONFIG.CACHE_DIR)
+
+        def disable_compile(self) -> None:
+            pass
+
+    monkeypatch.setattr(CONFIG, "CACHE_DIR", "of the user")
+    monkeypatch.setattr(numba, "njit", lambda **_options: Dispatcher)
+    kernels.compiled("impacts", directory=tmp_path)
+    assert seen == [str(tmp_path), "of the user"]
+
+
+@pytest.mark.usefixtures("compiler")
+def test_a_system_without_users(home: Path, monkeypatch: pytest.MonkeyPatch):
+    """Such as Windows."""
+    monkeypatch.delattr(os, "geteuid")
+    monkeypatch.delattr(os, "getuid")
+    cache.load_kernels()
+    home.chmod(0o777)
+    assert cache.is_compiled()
+    assert not cache.obstacle()
+
+
+@pytest.mark.usefixtures("compiler")
+def test_an_archive_in_use_that_cannot_be_replaced(archive: Path, monkeypatch: pytest.MonkeyPatch):
+    """As on Windows."""
+    archive.write_bytes(b"damaged")
+    monkeypatch.setattr(os, "replace", refuse)
+    assert cache.load_kernels() == RESULT
+    assert [path.name for path in archive.parent.iterdir()] == [archive.name]
+
+
+def missing(package: str) -> str:
+    raise PackageNotFoundError(package)
+
+
+def test_without_numba(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(cache, "version", missing)
+    with pytest.raises(
+        ArmourError, match=r"^numba is not installed; .*: type `python -m pip install --upgrade numba`$"
+    ):
+        cache.is_compiled()
+
+
+def test_with_a_numba_that_cannot_be_imported(monkeypatch: pytest.MonkeyPatch):
+    """Numba refuses versions of numpy that are too new for it."""
+    monkeypatch.setitem(sys.modules, "armour.engine.kernels", None)
+    with pytest.raises(ArmourError, match=r"^numba cannot be imported: .*; .*: type `python -m pip"):
+        cache.load_kernels()
 
 
 @pytest.mark.usefixtures("compiler")

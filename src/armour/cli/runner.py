@@ -123,10 +123,9 @@ def say_if_compiling() -> None:
     """Say on standard error that the engine is compiled, which takes a while."""
     from armour.engine import cache
 
-    if cache.archive_path() is None:
-        say(f"{COMPILING} at every start: compiled code cannot be kept without a user cache directory")
-    elif not cache.is_compiled():
-        say(COMPILING)
+    if not cache.is_compiled():
+        obstacle = cache.obstacle()
+        say(f"{COMPILING} at every start: compiled code cannot be kept {obstacle}" if obstacle else COMPILING)
 
 
 class _Helpful:

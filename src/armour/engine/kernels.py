@@ -3,12 +3,14 @@
 `armour.engine.cache` imports this module, and with it numba, when the engine is first used.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
 
 import numba
-from numba import types
+from numba import config, types
 from numba.extending import overload_method, register_jitable
 
 from armour.core import equations, events, rk4, run, search, stages, state, stepping
@@ -90,14 +92,38 @@ SIGNATURES = {
 }
 
 
-def compiled(*names: str, cache: bool) -> dict[str, Kernel]:
-    """Return kernels by name, by default all, compiled or, with ``cache``, loaded from numba's cache if in it."""
+def compiled(*names: str, directory: Path | None = None) -> dict[str, Kernel]:
+    """Return kernels by name, by default all: compiled or, with a directory, loaded from numba's files there."""
 
     def compile_one(function: Any, arguments: tuple[Any, ...]) -> Any:
-        return numba.njit(types.void(*arguments), cache=cache, nogil=True, error_model="numpy")(function)
+        kernel = numba.njit(nogil=True, error_model="numpy")(function)
+        if kernel is not function:  # as numba's setting DISABLE_JIT makes it
+            if directory is not None:
+                with numba_cache(directory):
+                    kernel.enable_caching()
+            kernel.compile(types.void(*arguments))
+            kernel.disable_compile()
+        return kernel
 
     return {
         function.__name__: compile_one(function, arguments)
         for function, arguments in SIGNATURES.items()
         if function.__name__ in names or not names
     }
+
+
+@contextmanager
+def numba_cache(directory: Path) -> Iterator[None]:
+    """Make numba use a directory, and nothing else, for the functions whose caching is enabled within the context.
+
+    The settings are those of the process: the context must be short, for the sake of other threads.
+    """
+    settings = {"CACHE_DIR": str(directory), "CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator"}
+    before = {name: getattr(config, name) for name in settings}
+    try:
+        for name, value in settings.items():
+            setattr(config, name, value)
+        yield
+    finally:
+        for name, value in before.items():
+            setattr(config, name, value)

@@ -174,7 +174,9 @@ def _(item: Points, axes: Axes) -> None:
     for ends, values, axis in ((item.x_ends, x, "xerr"), (item.y_ends, y, "yerr")):
         if ends:
             low, high = np.array(ends).T
-            bars: Any = {axis: [values - low, high - values], "fmt": "none", "ecolor": item.colour, "capsize": 3.0}
+            # As lists: matplotlib 3.10 converts arrays of one element in a way that numpy deprecates.
+            lengths = np.array([values - low, high - values]).tolist()
+            bars: Any = {axis: lengths, "fmt": "none", "ecolor": item.colour, "capsize": 3.0}
             axes.errorbar(x, y, **bars)
     style: Any = {"color": item.colour, "markersize": item.size, "linestyle": "none", "clip_on": False, "zorder": 4}
     if not item.filled:
