@@ -14,7 +14,7 @@ def test_a_table():
 
 
 def test_text_is_no_markup_and_one_line():
-    assert markdown_text("a_b <i>\n[x](y) `z` \x1b[1m") == "a\\_b \\<i> \\[x](y) \\`z\\` \\\\x1b\\[1m"
+    assert markdown_text("a_b <i>\n[x](y) `z` \x1b[1m") == "a\\_b \\<i\\> \\[x](y) \\`z\\` \\\\x1b\\[1m"
 
 
 def test_a_report():
