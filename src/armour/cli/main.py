@@ -3,13 +3,12 @@
 import os
 import signal
 import sys
-from contextlib import suppress
 from io import TextIOWrapper
 
 
 def main() -> None:
     """Run the command line."""
-    # Before and after a command nothing is to be cleaned up, and an exception could be lost on the way.
+    # Before and after a command nothing is to be cleaned up, and an exception could be lost in an import.
     signal.signal(signal.SIGINT, _end)
     try:
         _open_streams()
@@ -30,9 +29,10 @@ def main() -> None:
 
 def _end(*_signal: object) -> None:
     """End an interrupted process at once."""
-    with suppress(OSError):
+    try:
         os.write(2, b"interrupted\n")
-    os._exit(130)
+    finally:
+        os._exit(130)
 
 
 def _open_streams() -> None:

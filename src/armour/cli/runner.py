@@ -190,6 +190,9 @@ class Reporting(_Helpful, TyperGroup):
         """Parse the command line."""
         try:
             return super().make_context(*args, **settings)
+        except InputError as error:
+            say(str(error))
+            raise Exit(WRONG_INPUT) from None
         except KeyboardInterrupt:
             say("interrupted")
             raise Exit(INTERRUPTED) from None
