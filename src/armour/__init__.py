@@ -12,7 +12,6 @@ __version__ = "0.1.0"
 MODEL_VERSION = "1.1"
 
 
-
 def __getattr__(name: str) -> object:
     """Attach the public names on the first use of one, which the command line can start without."""
     import lazy_loader

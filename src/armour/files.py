@@ -11,7 +11,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from armour.errors import InputError, Problem
+from armour.errors import ArmourError, InputError, Problem
 
 # Longer than any scenario or library; a device such as /dev/zero has no end.
 MAX_BYTES = 10_000_000
@@ -36,18 +36,18 @@ def reason(error: OSError | ValueError) -> str:
 
 
 def reserve(outputs: Sequence[Path]) -> None:
-    """Have every later read in this context fail whose file is one of the outputs."""
+    """Have every later read in this context raise an ArmourError whose file is one of the outputs."""
     _outputs.set(tuple(outputs))
 
 
 def read_text(path: str | PathLike[str]) -> str:
-    """Read a text file; raise an InputError if it is missing, unreadable, too long, not UTF-8 text or an output."""
+    """Read a text file; raise an InputError if it is missing, unreadable, too long or not UTF-8 text."""
     try:
         with open(path, "rb") as file:
             for output in _outputs.get():
                 if output.exists() and output.samefile(path):
-                    message = "must not be the file that is read; choose another name"
-                    raise InputError([Problem(str(output), "", message)])
+                    # No InputError, which a caller may take for a mistake in the file.
+                    raise ArmourError(f"{output}: must not be the file that is read; choose another name")
             return decoded(file, str(path))
     except (OSError, ValueError) as error:
         raise InputError([Problem(str(path), "", f"cannot be read: {reason(error)}")]) from None

@@ -230,5 +230,5 @@ def _lines(file: str) -> dict[str, int]:
 
     try:
         return lines_of(read_text(Path(file)))
-    except InputError:
+    except ArmourError:
         return {}
