@@ -1,11 +1,24 @@
 """Output of the process itself: what it finds out about the terminal."""
 
+import json
 import os
 import pty
 import subprocess
 import sys
 
+import pytest
+
+from armour.cli.console import show_json
 from tests.helpers.cases import SCENARIOS
+
+
+def test_json_has_no_number_without_a_value_and_no_control_character(capsys: pytest.CaptureFixture[str]):
+    text = "é µ\x1b\x9b\u202e\ufffe\udcff\U000e0001"
+    show_json({text: [text, float("nan"), (float("-inf"), 0.1 + 0.2)], "n": None})
+    shown = capsys.readouterr().out
+    assert json.loads(shown) == {text: [text, None, [None, 0.1 + 0.2]], "n": None}
+    assert all(line.isprintable() for line in shown.splitlines())
+    assert "é µ" in shown
 
 
 def test_a_real_terminal_has_its_width():

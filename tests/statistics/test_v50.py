@@ -55,7 +55,7 @@ def test_wrong_shots(tmp_path: Path, rows: str, message: str):
     path = tmp_path / "shots.csv"
     path.write_text(f"velocity_m_s,result\n{rows}\n")
     with pytest.raises(InputError) as error:
-        read_shots(path)
+        read_shots(str(path))
     assert message in str(error.value)
 
 

@@ -121,7 +121,7 @@ rows = []
     assert mistakes(folder, text) == [
         'case[0].name: must not be empty, found the text ""',
         'case[0].quantity: must name a quantity, found "balistic_limit_m_s"; did you mean "ballistic_limit_m_s"?',
-        "case[0].expected: must be a finite number, or the outcome in quotes, found true",
+        "case[0].expected: must be a number up to 1e+12, or the outcome in quotes, found true",
         "case[0].colour: unknown key",
         "case[1]: must have a band or band_percent: how far the computed value may be from the expected",
         "table[0].rows: must not be empty, found a list",
@@ -133,6 +133,10 @@ rows = []
     [
         ("band = 1.0", "band = 1.0\nband_percent = 2.0", "case[0]: must have band or band_percent, found both"),
         ("band = 1.0", "band = -1.0", "case[0].band: must be at least 0, found -1.0"),
+        ("band = 1.0", "band = 1e300", "case[0].band: must be at most 1e+12, found 1e+300"),
+        ("724.0", "1e300", "case[0].expected: must be a number up to 1e+12, or the outcome in quotes, found 1e+300"),
+        ("724.0", "nan", "case[0].expected: must be a number up to 1e+12, or the outcome in quotes, found nan"),
+        ("724.0", "1" + 400 * "0", ": must be valid TOML, found a whole number of more than 64 bits"),
         ("724.0", '"fast"', "case[0]: expected must be a number for ballistic_limit_m_s, found 'fast'"),
         ("band = 1.0", "band = 1.0\nreplaced_by = {}", "case[0]: replaced_by belongs to thickness_saved_percent and"),
         ("ballistic_limit_m_s", "outcome", "case[0]: an outcome has no band, found band"),

@@ -39,11 +39,11 @@ def report(
     if output.suffix.lower() == ".md":
         from armour.reporting.markdown import markdown_report
 
-        write(output, markdown_report(made))
+        write({output: markdown_report(made)})
     else:
         from armour.reporting.html import html_report
 
-        write(output, html_report(made))
+        write({output: html_report(made)})
 
 
 def _scenario_report(source: Path, changes: list[str], command: str) -> "Report":

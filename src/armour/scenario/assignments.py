@@ -7,6 +7,7 @@ from copy import deepcopy
 from typing import Any
 
 from armour.errors import InputError, Problem
+from armour.files import parse_toml
 
 
 def changed(data: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:
@@ -71,7 +72,7 @@ def _parsed(text: str) -> dict[str, Any] | None:
     key, equals, value = text.partition("=")
     for line in (text, f"{key}{equals}{json.dumps(value.strip())}"):
         try:
-            return tomllib.loads(line) if equals and "\n" not in line else None
-        except (tomllib.TOMLDecodeError, RecursionError):
+            return parse_toml(line, "") if equals and "\n" not in line else None
+        except InputError:
             continue
     return None

@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, Vali
 
 from armour.errors import InputError, Problem, suggestion
 from armour.files import read_toml, shipped
-from armour.scenario.messages import NUMBER, NumberOrText, Section, key_name, problems_of
+from armour.scenario.messages import NOT_TINY, NUMBER, NumberOrText, Section, key_name, problems_of
 from armour.units import GPA, MM, MPA, G
 
 Status = Literal["measured", "fitted", "assumed"]
@@ -30,6 +30,11 @@ class Value(Section, Generic[Number]):
     source: str = ""
     tests: list[dict[str, NumberOrText]] = []
 
+    @classmethod
+    def model_parametrized_name(cls, params: tuple[Any, ...]) -> str:
+        """Return the name of a class of bounded numbers without dots, at which pickle splits it."""
+        return super().model_parametrized_name(params).replace(".", "_")
+
     @model_serializer(mode="wrap")
     def _without_empty_tests(self, whole: SerializerFunctionWrapHandler) -> dict[str, Any]:
         data: dict[str, Any] = whole(self)
@@ -42,12 +47,12 @@ def _as_table(value: object) -> object:
 
 _NumberOrTable = BeforeValidator(_as_table, json_schema_input_type=float | Value[float])
 # The bounds are wide: they catch values in a wrong unit.
-Length = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e4)]], _NumberOrTable]
-Mass = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e9)]], _NumberOrTable]
+Length = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e4), NOT_TINY]], _NumberOrTable]
+Mass = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e9), NOT_TINY]], _NumberOrTable]
 Density = Annotated[Value[Annotated[float, Field(ge=100.0, le=30000.0)]], _NumberOrTable]
 StressGPa = Annotated[Value[Annotated[float, Field(ge=0.001, le=1000.0)]], _NumberOrTable]
 StressMPa = Annotated[Value[Annotated[float, Field(ge=1.0, le=1e6)]], _NumberOrTable]
-Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0)]], _NumberOrTable]
+Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0), NOT_TINY]], _NumberOrTable]
 
 
 class Entry(Section):

@@ -8,12 +8,17 @@ from typing import Annotated, Any, get_origin
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Tag, ValidationError, ValidationInfo
 
 from armour.errors import Problem, suggestion
+from armour.files import MAX_INTEGER
 
 # Key of the number where a file may give a number or a table.
 NUMBER = "value"
+# Least positive number: a smaller one is a mistake, and what is divided by it may overflow.
+TINY = 1e-9
+# Tags of the members of unions.
+TAGS = NUMBER_TAG, TEXT_TAG, LIST_TAG, RANGE_TAG, FREE_TAG = ("<number>", "<text>", "<list>", "<range>", "<free>")
 NumberOrText = Annotated[
-    Annotated[float, Tag("<number>")] | Annotated[str, Tag("<text>")],
-    Discriminator(lambda value: "<text>" if isinstance(value, str) else "<number>"),
+    Annotated[float, Tag(NUMBER_TAG)] | Annotated[str, Tag(TEXT_TAG)],
+    Discriminator(lambda value: TEXT_TAG if isinstance(value, str) else NUMBER_TAG),
 ]
 
 
@@ -43,6 +48,8 @@ def describe(value: object) -> str:
         return "a table"
     if isinstance(value, list):
         return "a list"
+    if isinstance(value, int) and abs(value) >= MAX_INTEGER:
+        return "a whole number of more than 64 bits"
     text = str(value)
     text = text if len(text) <= 40 else f"{text[:37]}..."
     return f'the text "{text}"' if isinstance(value, str) else text
@@ -59,6 +66,15 @@ def above(key: str, *, or_equal: bool = False) -> AfterValidator:
         return value
 
     return AfterValidator(check)
+
+
+def _not_tiny(value: float) -> float:
+    if 0.0 < abs(value) < TINY:
+        raise ValueError(f"must be at least {TINY:g}, found {value:g}")
+    return value
+
+
+NOT_TINY = AfterValidator(_not_tiny)
 
 
 # Requirements by type of pydantic's error.
@@ -88,8 +104,10 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
     """Convert pydantic's errors in a file, validated against a model, to problems."""
     problems = []
     for detail in error.errors():
-        # pydantic adds the tag of a union's member, which is in angle brackets in this project.
-        parts = [part for part in detail["loc"] if part != NUMBER and not str(part).startswith("<")]
+        # pydantic adds the tag of a union's member.
+        parts = [part for part in detail["loc"] if part not in TAGS]
+        if parts[-1:] == [NUMBER] and detail["type"] != "extra_forbidden":
+            parts.pop()
         context = detail.get("ctx", {})
         if "expected" in context:
             context["expected"] = context["expected"].replace("'", '"')

@@ -4,7 +4,7 @@ import csv
 from collections.abc import Iterator, Sequence
 from io import StringIO
 from math import isfinite
-from pathlib import Path
+from os import PathLike
 from typing import NamedTuple
 
 from armour.errors import InputError, Problem, choices
@@ -21,7 +21,7 @@ class CsvRow(NamedTuple):
 
 
 def read_rows(
-    path: Path, *, numbers: Sequence[str], texts: Sequence[str], needed: Sequence[str]
+    path: str | PathLike[str], *, numbers: Sequence[str], texts: Sequence[str], needed: Sequence[str]
 ) -> tuple[list[CsvRow], list[Problem]]:
     """Read a CSV file; return its rows and the mistakes in them, to which the caller adds those that it finds.
 
@@ -60,7 +60,7 @@ def read_rows(
     return rows, problems
 
 
-def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:
+def _lines(path: str | PathLike[str]) -> Iterator[tuple[str, list[str]]]:
     reader = csv.reader(StringIO(read_text(path), newline=""))
     try:
         for cells in reader:

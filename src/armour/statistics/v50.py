@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from os import PathLike
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import CONFIDENCE
@@ -82,12 +82,12 @@ class FiringResult(Result):
     model_ballistic_limit_m_s: float | None
 
 
-def read_shots(path: Path) -> Shots:
+def read_shots(path: str | PathLike[str]) -> Shots:
     """Read firing results from a CSV file.
 
     Parameters
     ----------
-    path : Path
+    path : path-like
         File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete") and, optionally, ``shot``.
 
     Raises

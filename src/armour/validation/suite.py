@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import reduce
-from math import isfinite
 from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeVar
@@ -26,13 +25,18 @@ SAVINGS = tuple(name for name, question in QUESTIONS.items() if question.of_two)
 
 def _number_or_text(value: object) -> object:
     """Check an expected value before pydantic does, which would report each type of the union."""
-    if isinstance(value, str) or (isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)):
+    if isinstance(value, str):
         return value
-    raise ValueError(f"must be a finite number, or the outcome in quotes, found {describe(value)}")
+    if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST:
+        return value
+    raise ValueError(f"must be a number up to {LARGEST:g}, or the outcome in quotes, found {describe(value)}")
 
 
+# Largest number; it keeps what is computed from numbers finite.
+LARGEST = 1e12
 Name = Annotated[str, Field(min_length=1)]
-Width = Annotated[float, Field(ge=0.0)]
+Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
+Width = Annotated[float, Field(ge=0.0, le=LARGEST)]
 SectionT = TypeVar("SectionT", bound=Section)
 
 
@@ -97,7 +101,7 @@ class TableSection(_Expectation):
     """A table of cases, one per row, that differ in some values of the scenario."""
 
     columns: list[Name]
-    rows: Annotated[list[list[float]], Field(min_length=1)]
+    rows: Annotated[list[list[Number]], Field(min_length=1)]
     rms_band: Width | None = None
     rms_band_percent: Width | None = None
     rivals: list[Name] = []
