@@ -35,7 +35,7 @@ CHANGES = {
     "defeated again": [730.78, 1709.42],
     "defeated in between": [524.03, 670.95, 2156.25],
     "perforated between scanned velocities": [1488.70, 1735.91, 6038.31],
-    "perforated at a maximum of depth": [579.79, 701.41],
+    "perforated at a maximum of depth": [48.02, 52.43, 143.89],
 }
 
 
