@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from armour.errors import InputError
-from armour.sweeps.checkpoint import DamagedError, Store, count_rows, read_table
+from armour.sweeps.checkpoint import DamagedError, Store
+from armour.sweeps.tables import count_rows, read_table
 from tests.helpers.faults import faults, full_disk
 
 JOB = {"version": "1.0", "program": "a", "scenario": "b", "quantities": "x", "rows": "c"}
@@ -142,7 +143,7 @@ def test_a_table_that_lacks_rows_is_not_given_out(output: Path):
 
 
 def test_the_size_of_chunks_leaves_no_trace(output: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.sweeps.checkpoint.ROW_GROUP", 7)
+    monkeypatch.setattr("armour.sweeps.tables.ROW_GROUP", 7)
     column = np.random.default_rng(1).normal(size=60)
     for name, size in (("one", 60), ("many", 4)):
         with Store(output.with_stem(name), JOB) as store:
@@ -173,7 +174,7 @@ def test_a_kill_at_any_step_leaves_what_can_be_resumed(output: Path, monkeypatch
     finished(output.with_stem("b"), 1)
     expected = output.with_stem("b").read_bytes()
     # The lock of a process that is killed here dies with it.
-    monkeypatch.setattr("armour.sweeps.checkpoint._lock", lambda _handle: None)
+    monkeypatch.setattr("armour.sweeps.lock._lock", lambda _handle: None)
     killed = []
     for step in itertools.count():
         with faults(step, kill) as steps:

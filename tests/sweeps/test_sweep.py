@@ -13,8 +13,8 @@ from armour.analysis.quantities import QUANTITIES
 from armour.errors import InputError
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import Cases
-from armour.sweeps.checkpoint import read_table
 from armour.sweeps.sweep import sweep
+from armour.sweeps.tables import read_table
 from tests.helpers.cases import csv_file, scenario, sweep_grid, sweep_scenario
 
 KEYS = ("impact.velocity_m_s", "armour.ceramic_thickness_mm", "armour.backing_thickness_mm")

@@ -46,8 +46,8 @@ def sweep(
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
     from armour.sweeps import sweep as sweeps
-    from armour.sweeps.checkpoint import read_table
     from armour.sweeps.dask import connected, on_cluster
+    from armour.sweeps.tables import read_table
 
     check_outputs(output, plot=plot, reads=[scenario, cases])
     loaded = read_scenario(scenario, changes)

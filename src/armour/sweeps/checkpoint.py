@@ -15,24 +15,19 @@ The checksum of a chunk covers its job, place and content, so that a damaged, ex
 import json
 import os
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from errno import EINVAL
 from hashlib import sha256
-from io import BytesIO
-from itertools import chain
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple
-
-import pyarrow as pa
-from pyarrow import csv, parquet
+from typing import Any, NamedTuple
 
 from armour.errors import InputError, Problem
 from armour.files import check_writable, reason, wrong_ending
 from armour.sweeps.job import Job, differences
+from armour.sweeps.lock import holds, locked, unlock
+from armour.sweeps.tables import count_rows, encoded, is_csv, join
 
-# Rows of a row group of Parquet, whatever the size of a chunk.
-ROW_GROUP = 100_000
 RESUME = "repeat the same command to resume"
 
 # In the order in which they are removed: the record of a finished job goes last.
@@ -58,7 +53,7 @@ class Store:
 
     def __init__(self, output: Path, job: Job) -> None:
         self.output, self.folder = output, output.with_name(output.name + ".parts")
-        self.is_csv = _is_csv(output)
+        self.is_csv = is_csv(output)
         self.job = {**job, "format": "CSV" if self.is_csv else "Parquet"}
         self.size: int | None = None
         self.finished: int | None = None
@@ -68,7 +63,10 @@ class Store:
             raise InputError(problems)
         check_writable(self.output)
         with self._disk():
-            self._lock = _locked(self.folder)
+            lock = locked(self.folder)
+            if lock is None:
+                raise _problem(self.folder, "another sweep is at work on this output; wait for it, or choose another")
+            self._lock = lock
             try:
                 self._open()
             except BaseException:
@@ -116,7 +114,7 @@ class Store:
             try:
                 with whole.open("wb") as file:
                     chunks = (self._chunk(index).content for index in range(count))
-                    (_join_csv if self.is_csv else _join_parquet)(file, chunks)
+                    join(file, chunks, as_csv=self.is_csv)
                     file.flush()
                     os.fsync(file.fileno())
                 if (found := count_rows(whole, as_csv=self.is_csv)) != rows:
@@ -142,6 +140,8 @@ class Store:
         elif strange := [path for path in self.folder.iterdir() if not any(map(path.match, (*_FILES, "lock")))]:
             message = f"holds files of something else, {strange[0].name} for one; choose another output, or move them"
             raise _problem(self.folder, message)
+        if self.folder.stat().st_dev != self.output.parent.stat().st_dev:
+            raise _problem(self.folder, f"must be on the file system of {self.output.parent}, to which it is moved")
         self.finished = self._rows_of_output()
         if self.finished is None:
             self._check_output()
@@ -209,7 +209,7 @@ class Store:
         return self.folder / f"{index:08d}.chunk"
 
     def _check_folder(self) -> None:
-        if not _is_at(self._lock, self.folder / "lock"):
+        if not holds(self._lock, self.folder):
             raise _problem(self.folder, f"must stay during the sweep, and was removed; {RESUME}")
 
     def _check_output(self) -> None:
@@ -220,14 +220,11 @@ class Store:
         """Remove the folder if the output is written or no chunk is, and unlock it."""
         unused = False
         with suppress(OSError):
-            unused = _is_at(self._lock, self.folder / "lock") and (self.finished is not None or not self.chunks())
+            unused = holds(self._lock, self.folder) and (self.finished is not None or not self.chunks())
             if unused:
                 for path in (path for pattern in _FILES for path in self.folder.glob(pattern)):
                     path.unlink()
-        _unlock(self._lock, self.folder / "lock", remove=unused)
-        if unused:
-            with suppress(OSError):
-                self.folder.rmdir()
+        unlock(self._lock, self.folder, remove=unused)
 
     @contextmanager
     def _disk(self) -> Iterator[None]:
@@ -239,35 +236,6 @@ class Store:
             with suppress(OSError):
                 message += f"; what is done is kept, {RESUME}" if self.chunks() else ""
             raise _problem(error.filename or self.output, message) from None
-
-
-def encoded(columns: Mapping[str, Any], *, as_csv: bool, header: bool = False) -> bytes:
-    """Return columns as CSV, with or without header, where NaN is an empty field, or as Parquet."""
-    table = pa.table({name: pa.array(values, from_pandas=as_csv) for name, values in columns.items()})
-    content = BytesIO()
-    if as_csv:
-        csv.write_csv(table, content, csv.WriteOptions(include_header=header, quoting_style="needed"))
-    else:
-        parquet.write_table(table, content)
-    return content.getvalue()
-
-
-def read_table(path: Path) -> dict[str, Any]:
-    """Read the columns of a table written by a `Store` as arrays; empty fields are NaN."""
-    table = csv.read_csv(path) if _is_csv(path) else parquet.read_table(path)
-    columns = {name: table.column(name) for name in table.column_names}
-    return {
-        name: (column.cast(pa.float64()) if pa.types.is_null(column.type) else column).to_numpy()
-        for name, column in columns.items()
-    }
-
-
-def count_rows(path: Path, *, as_csv: bool) -> int:
-    """Count the rows of a table."""
-    if not as_csv:
-        return int(parquet.read_metadata(path).num_rows)
-    with path.open("rb") as file:
-        return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 20), b"")) - 1
 
 
 def sync_folder(path: Path) -> None:
@@ -283,25 +251,6 @@ def sync_folder(path: Path) -> None:
             os.close(handle)
 
 
-def _join_csv(file: BinaryIO, chunks: Iterable[bytes]) -> None:
-    for chunk in chunks:
-        file.write(chunk)
-
-
-def _join_parquet(file: BinaryIO, chunks: Iterable[bytes]) -> None:
-    tables = (parquet.read_table(BytesIO(chunk)) for chunk in chunks)
-    first = next(tables)
-    kept = first.slice(0, 0)
-    with parquet.ParquetWriter(file, first.schema) as writer:
-        for table in chain([first], tables):
-            kept = pa.concat_tables([kept, table])
-            while kept.num_rows >= ROW_GROUP:
-                writer.write_table(kept.slice(0, ROW_GROUP).combine_chunks())
-                kept = kept.slice(ROW_GROUP)
-        if kept.num_rows:
-            writer.write_table(kept.combine_chunks())
-
-
 def _hash_of(values: Mapping[str, Any]) -> str:
     found = sha256(repr(list(values)).encode())
     for column in values.values():
@@ -309,62 +258,5 @@ def _hash_of(values: Mapping[str, Any]) -> str:
     return found.hexdigest()
 
 
-def _is_csv(path: Path) -> bool:
-    return path.suffix.lower() == ".csv"
-
-
 def _problem(path: Path | str, message: str) -> InputError:
     return InputError([Problem(str(path), "", message)])
-
-
-def _locked(folder: Path) -> int:
-    """Make a folder and lock the file "lock" in it; return the open file."""
-    lock = folder / "lock"
-    while True:
-        folder.mkdir(exist_ok=True)
-        try:
-            handle = os.open(lock, os.O_RDWR | os.O_CREAT, 0o666)
-        except FileNotFoundError:  # another process has just removed the folder
-            continue
-        try:
-            _lock(handle)
-        except (BlockingIOError, PermissionError):
-            os.close(handle)
-            raise _problem(folder, "another sweep is at work on this output; wait for it, or choose another") from None
-        except OSError:
-            os.close(handle)
-            raise
-        if _is_at(handle, lock):
-            return handle
-        os.close(handle)  # another process has just removed this file
-
-
-def _unlock(handle: int, lock: Path, *, remove: bool) -> None:
-    # Windows removes no open file; elsewhere, a process that came after the unlocking would lose its own.
-    if remove and sys.platform != "win32":
-        lock.unlink(missing_ok=True)
-    os.close(handle)
-    if remove and sys.platform == "win32":
-        with suppress(OSError):
-            lock.unlink()
-
-
-def _is_at(handle: int, path: Path) -> bool:
-    """Return whether an open file is the one at a path."""
-    try:
-        return os.path.samestat(os.fstat(handle), path.stat())
-    except FileNotFoundError:
-        return False
-
-
-if sys.platform == "win32":
-    import msvcrt
-
-    def _lock(handle: int) -> None:
-        msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
-
-else:
-    import fcntl
-
-    def _lock(handle: int) -> None:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

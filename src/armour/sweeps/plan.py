@@ -9,7 +9,7 @@ from typing import NamedTuple
 from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import Cases, Grid
-from armour.sweeps.checkpoint import encoded
+from armour.sweeps.tables import encoded
 
 # A chunk takes about this time, so that a kill costs little, and has at most so many rows.
 CHUNK_S = 1.0
