@@ -57,7 +57,8 @@ def test_cases_from_a_file(cli, folder: Path):
         ([], "sweep: give either --over or --cases"),
         (["--over", "a"], "sweep: --over: must be KEY=MIN:MAX:STEP"),
         (["--over", "impact.velocity_m_s=800", "--quantities", "speed"], "sweep: --quantities: unknown quantity"),
-        (["--over", "impact.velocity_m_s=800,-1"], f"{WILKINS}: impact.velocity_m_s: must be greater than 0, found -1"),
+        (["--over", "impact.velocity_m_s=800,-1"], "command line: --over impact.velocity_m_s: must be greater than 0"),
+        (["--over", "armour.ceramic.density_kg_m3=1"], "sweep: armour.ceramic.density_kg_m3: must not go below"),
         (
             ["--over", "impact.velocity_m_s=800", "--quantities", "outcome", "--plot", "a.png"],
             "sweep: --plot cannot draw outcome, which is not a number",

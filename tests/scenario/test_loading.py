@@ -95,7 +95,7 @@ def test_defaults():
         ),
         ("ballistic_limit.tolerance_m_s", 0, "must be at least 1e-09, found 0"),
         ("title", "a\x1b[31m", "must be one line of printable text"),
-        ("impct", {}, 'unknown key; did you mean "impact"?'),
+        ("impct", {"x": 1}, 'unknown key; did you mean "impact"?'),
         ("impact", 3, "must be a table, found 3"),
         ("library", [], "must be a table, found a list"),
         ("library.files", "a.toml", 'must be a list, found the text "a.toml"'),

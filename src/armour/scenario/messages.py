@@ -118,18 +118,18 @@ def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:
         elif model is not None and part in model.model_fields:
             annotation = model.model_fields[str(part)].annotation
             free_name = get_origin(annotation) is dict
-            model = _model_in(annotation)
+            model = model_in(annotation)
         else:
             return []
     return list(model.model_fields) if model is not None else []
 
 
-def _model_in(annotation: Any) -> Any:
+def model_in(annotation: Any) -> Any:
     """Return the model within an annotation such as ``Model | None`` or ``dict[str, Model]``."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
     for inner in getattr(annotation, "__args__", ()):
-        found = _model_in(inner)
+        found = model_in(inner)
         if found is not None:
             return found
     return None

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from csv import reader
 from dataclasses import dataclass
+from itertools import islice
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,8 @@ from pyarrow import csv
 from armour.analysis.variants import Floats
 from armour.errors import InputError, Problem
 from armour.files import reason
+from armour.scenario.assignments import parts_of
+from armour.scenario.messages import key_name
 from armour.scenario.schema import MAX_VALUES, Range
 from armour.statistics.csv_table import finite_number
 
@@ -50,6 +53,14 @@ class Grid:
             indices = np.unravel_index(np.arange(start, min(start + size, self.count)), shape)
             yield {axis.key: v[i] for axis, v, i in zip(self.axes, values, indices, strict=True)}
 
+    def place(self, start: int, row: int, problem: Problem) -> Problem:
+        """Return a problem in a row, counted from a row at which a chunk starts, with the options that make it."""
+        if problem.key in self.keys:
+            return Problem("command line", f"--over {problem.key}", problem.message)
+        indices = np.unravel_index(start + row, [len(axis.values) for axis in self.axes])
+        values = (f"{axis.key}={axis.values[i]:g}" for axis, i in zip(self.axes, indices, strict=True))
+        return Problem("command line", f"--over {', '.join(values)}", f"{problem.key}: {problem.message}")
+
 
 class Cases:
     """Rows of a CSV file of numbers whose header names keys of the scenario."""
@@ -74,6 +85,13 @@ class Cases:
                 kept = {key: column[size:] for key, column in kept.items()}
         if len(kept[self.keys[0]]):
             yield kept
+
+    def place(self, start: int, row: int, problem: Problem) -> Problem:
+        """Return a problem in a row, counted from a row at which a chunk starts, with its line."""
+        with self.path.open(newline="", encoding="utf-8-sig") as file:
+            lines = reader(file)
+            next(islice(filter(None, lines), start + row + 1, None))
+            return Problem(str(self.path), f"line {lines.line_num}", f"{problem.key}: {problem.message}")
 
     def _batches(self) -> Iterator[Any]:
         """Yield record batches of the file with numeric columns."""
@@ -110,14 +128,14 @@ def _wrong_cell(path: Path) -> Problem | None:
 def axis_of(text: str) -> Axis:
     """Parse an axis from ``KEY=MIN:MAX:STEP`` or ``KEY=VALUE,VALUE,...``."""
     key, _, values = text.rpartition("=")
-    key = key.strip()
     try:
+        key = key_name(parts_of(key))
         if ":" in values:
             low, high, step = (float(part) for part in values.split(":"))
             found = Range.model_validate({"min": low, "max": high, "step": step}).values()
         else:
             found = tuple(float(part) for part in values.split(","))
-        if key and len(found) <= MAX_VALUES:
+        if len(found) <= MAX_VALUES:
             return Axis(key, found)
     except ValueError:
         pass

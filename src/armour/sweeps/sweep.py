@@ -1,15 +1,15 @@
 """Sweeps: quantities of a scenario for many rows of values, computed in chunks."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from armour.analysis.evaluate import Group, evaluate_groups, groups_of, scenarios_of
-from armour.analysis.quantities import QUANTITIES
-from armour.analysis.variants import Floats, grid_of
+from armour.analysis.evaluate import Group, check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
+from armour.analysis.variants import Floats
 from armour.engine.cache import digest
-from armour.errors import InputError, Problem, choices
+from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import Cases, Grid
 from armour.sweeps.checkpoint import Store
@@ -42,9 +42,10 @@ def sweep(
     gives an empty field in CSV and NaN in Parquet.
     """
     _check(scenario, source, quantities)
+    start = 0
     for chunk in source.chunks(size):
-        for _ in scenarios_of(scenario, chunk):
-            pass  # a wrong value raises an error before the first chunk is computed
+        for where, _ in scenarios_of(scenario, chunk, partial(source.place, start)):
+            start += len(where)  # a wrong value raises an error before the first chunk is computed
     store = Store(output, _job(scenario, source, quantities, size))
     pending: dict[int, Mapping[str, Floats]] = {}
     notify = on_chunk or (lambda _rows, _stored: None)
@@ -69,20 +70,18 @@ def sweep(
 
 
 def _check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
-    problems = []
-    for name in quantities:
-        if name not in QUANTITIES:
-            message = f'unknown quantity "{name}"{choices(name, list(QUANTITIES))}'
-            problems.append(Problem("sweep", "--quantities", message))
+    """Check the question, and that every key counts."""
+    problems: list[Problem] = []
+    try:
+        check_quantities(scenario, quantities, "sweep", "--quantities")
+    except InputError as error:
+        problems += error.problems
     if len(set(source.keys)) != len(source.keys):
         problems.append(Problem("sweep", "--over", "must not name a key twice"))
-    if any(QUANTITIES[name].on_grid for name in quantities if name in QUANTITIES):
-        try:
-            grid_of(scenario)
-        except InputError as error:
-            problems += error.problems
     if problems:
         raise InputError(problems)
+    first = next(source.chunks(1))
+    check_keys(scenario, {key: float(values[0]) for key, values in first.items()}, quantities, "sweep")
 
 
 def _job(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str], size: int) -> str:
