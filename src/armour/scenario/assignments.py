@@ -57,7 +57,7 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = 
 
     Every change must count: a key that goes below a value, is given twice or holds an empty table is refused.
     """
-    result = deepcopy(dict(data))
+    result = dict(data)
     given: dict[Parts, object] = {}
     problems = []
     for key, value in changes.items():
@@ -95,14 +95,17 @@ def leaves(value: object, parts: Parts = ()) -> Iterator[tuple[Parts, object]]:
 
 
 def _put_at(data: dict[str, Any], parts: Parts, value: object) -> str:
-    """Put a value into data; return what is wrong if the key goes below a value that is not a table, else ""."""
+    """Put a value into data; return what is wrong if the key goes below a value that is not a table, else "".
+
+    Tables that change are copied first: those of the data may be shared.
+    """
     table: dict[str, Any] = data
     for i, part in enumerate(parts[:-1], 1):
-        there = table.setdefault(part, {})
+        there = table.get(part, {})
         if not isinstance(there, dict):
             found = f"must not go below {key_name(parts[:i])}, which is {describe(there)}"
             return found + _hint(data, parts, i, there)
-        table = there
+        table[part] = table = dict(there)
     _put(table, parts[-1], value)
     return ""
 
@@ -110,8 +113,9 @@ def _put_at(data: dict[str, Any], parts: Parts, value: object) -> str:
 def _put(table: dict[str, Any], key: str, value: object) -> None:
     there = table.get(key)
     if isinstance(value, Mapping) and isinstance(there, dict):
+        table[key] = dict(there)
         for inner in value:
-            _put(there, inner, value[inner])
+            _put(table[key], inner, value[inner])
     else:
         table[key] = deepcopy(value)
 

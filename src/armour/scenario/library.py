@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
 import tomli_w
-from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, ValidationError, model_serializer
+from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
 from armour.errors import InputError, Problem, suggestion
 from armour.files import read_toml, shipped
-from armour.scenario.messages import NUMBER, NumberOrText, Section, key_name, problems_of
+from armour.scenario.messages import NUMBER, NumberOrText, Section, key_name, validated
 from armour.units import GPA, MM, MPA, G
 
 Status = Literal["measured", "fitted", "assumed"]
@@ -294,10 +294,7 @@ def _completed(entry: LibraryEntry) -> LibraryEntry:
 
 def validated_tables(data: object, file: str) -> LibraryTables:
     """Validate the tables of a library file; raise an InputError with every mistake."""
-    try:
-        return LibraryTables.model_validate(data)
-    except ValidationError as error:
-        raise InputError(problems_of(error, LibraryTables, file)) from None
+    return validated(LibraryTables, data, file)
 
 
 def read_library(path: Path, onto: Library) -> Library:

@@ -66,7 +66,7 @@ class Scenario(Section):
     library: LibrarySection = LibrarySection()
 
     _entries: Library = PrivateAttr(default_factory=Library)
-    _source: _Source = PrivateAttr(default=_Source({}, "", Path()))
+    _source: _Source = PrivateAttr(default_factory=lambda: _Source({}, "", Path()))
 
     @property
     def file(self) -> str:

@@ -3,11 +3,11 @@
 import json
 import re
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, get_origin
+from typing import Annotated, Any, TypeVar, get_origin
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Tag, ValidationError, ValidationInfo
 
-from armour.errors import Problem, suggestion
+from armour.errors import InputError, Problem, suggestion
 
 # Key of the number where a file may give a number or a table.
 NUMBER = "value"
@@ -15,6 +15,9 @@ NumberOrText = Annotated[
     Annotated[float, Tag("<number>")] | Annotated[str, Tag("<text>")],
     Discriminator(lambda value: "<text>" if isinstance(value, str) else "<number>"),
 ]
+
+
+SectionT = TypeVar("SectionT", bound="Section")
 
 
 class Section(BaseModel):
@@ -107,6 +110,14 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
             message = f"{must}, found {found}"
         problems.append(Problem(file, key_name(parts), message))
     return problems
+
+
+def validated(model: type[SectionT], data: object, file: str) -> SectionT:
+    """Return data as the sections of a model; raise an InputError with every mistake."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise InputError(problems_of(error, model, file)) from None
 
 
 def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:

@@ -1,6 +1,7 @@
 """Tests for a calibration: a table of inputs and measurements, read from CSV."""
 
 from collections.abc import Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
@@ -59,12 +60,12 @@ class Tests(NamedTuple):
     cells: tuple[Mapping[str, float | str], ...]  # inputs and measurements as they stand in the table
 
 
-def read_tests(path: Path, scenario: Scenario) -> Tests:
+def read_tests(path: str | PathLike[str], scenario: Scenario) -> Tests:
     """Read a table of tests: inputs that differ from test to test, and measurements.
 
     Parameters
     ----------
-    path : Path
+    path : path-like
         CSV file.  Its columns are inputs of the scenario, names of projectiles and materials, measured quantities and
         their uncertainties, ``outcome``, and ``test``, the name of the test.
     scenario : Scenario
@@ -75,6 +76,7 @@ def read_tests(path: Path, scenario: Scenario) -> Tests:
     InputError
         With every mistake in the file.
     """
+    path = Path(path)
     numbers = (*INPUTS, *MEASURED, *MEASURED.values())
     rows, problems = read_rows(path, numbers=numbers, texts=("test", OUTCOME, *NAMES.values()), needed=())
     names = tuple(row.texts.get("test", row.place) for row in rows)

@@ -6,15 +6,15 @@ from functools import cache, partial, reduce
 from math import isfinite
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, TypeVar
+from typing import Annotated, Any, NamedTuple
 
-from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from armour.errors import InputError, Problem, suggestion
 from armour.files import read_toml
 from armour.scenario.assignments import canonical, changed, leaves, parts_of
 from armour.scenario.loading import Scenario, parse_scenario
-from armour.scenario.messages import Section, describe, key_name, problems_of
+from armour.scenario.messages import Section, SectionT, describe, key_name, validated
 from armour.scenario.reach import NOT_USED, check_reach, unused_entries
 from armour.units import words_and_unit
 from armour.validation.questions import QUESTIONS, check_answerable
@@ -36,7 +36,6 @@ def _number_or_text(value: object) -> object:
 
 Name = Annotated[str, Field(min_length=1)]
 Width = Annotated[float, Field(ge=0.0)]
-SectionT = TypeVar("SectionT", bound=Section)
 Read = Callable[[Path], dict[str, Any]]
 Parts = tuple[str | int, ...]
 
@@ -262,10 +261,7 @@ def _placed(problem: Problem, row: "_Row", path: Path) -> Problem:
 
 def read_sections(path: Path, model: type[SectionT]) -> SectionT:
     """Read a TOML file as the sections of a model."""
-    try:
-        return model.model_validate(read_toml(path))
-    except ValidationError as error:
-        raise InputError(problems_of(error, model, str(path))) from None
+    return validated(model, read_toml(path), str(path))
 
 
 class _Row(NamedTuple):
@@ -332,7 +328,7 @@ def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) 
 
 def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenario:
     """Return the scenario of a file with changes, one after the other."""
-    data = reduce(partial(changed, file=str(file)), changes, read(file))
+    data = reduce(partial(changed, file=str(file)), filter(None, changes), read(file))
     return parse_scenario(data, file=str(file), folder=file.parent)
 
 
