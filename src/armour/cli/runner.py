@@ -91,7 +91,7 @@ def read_scenario(
 
 def _blamed(problem: Problem, options: Mapping[str, str], file: str) -> Problem:
     """Return a problem that the file alone does not have with the option that sets its key, or one below it."""
-    for key, option in options.items():
+    for key, option in sorted(options.items(), reverse=True):
         if problem.file == file and (_below(problem.key, key) or _below(key, problem.key)):
             where = f"--set {problem.key}" if option.startswith("--set") else option
             return Problem("command line", where, problem.message)

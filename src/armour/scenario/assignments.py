@@ -55,7 +55,7 @@ def canonical(keys: Iterable[str], file: str) -> list[str]:
 def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = "scenario") -> dict[str, Any]:
     """Return the data of a scenario with other values by dotted key; a table is merged into an existing one.
 
-    Every change must count: a key that goes below a value, is given twice or holds an empty table is refused.
+    Every change must count: a key that goes below a value, is given twice or adds an empty table to a table is refused.
     """
     result = dict(data)
     given: dict[Parts, object] = {}
@@ -67,7 +67,7 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = 
             problems.append(_not_a_key(file, key))
             continue
         for leaf, found in leaves(value, parts):
-            if isinstance(found, Mapping):
+            if isinstance(found, Mapping) and isinstance(_at(result, leaf), Mapping):
                 problems.append(Problem(file, key_name(leaf), "must hold a key, found an empty table"))
             elif leaf in given and given[leaf] != found:
                 message = f"must be given once, found {describe(given[leaf])} and {describe(found)}"
@@ -92,6 +92,13 @@ def leaves(value: object, parts: Parts = ()) -> Iterator[tuple[Parts, object]]:
             yield from leaves(inner, (*parts, name))
     elif parts:
         yield parts, value
+
+
+def _at(data: Any, parts: Parts) -> Any:
+    """Return the value at a key; None if there is none."""
+    for part in parts:
+        data = data.get(part) if isinstance(data, Mapping) else None
+    return data
 
 
 def _put_at(data: dict[str, Any], parts: Parts, value: object) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 from math import inf, pi
+from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
@@ -297,12 +298,12 @@ def validated_tables(data: object, file: str) -> LibraryTables:
     return validated(LibraryTables, data, file)
 
 
-def read_library(path: Path, onto: Library) -> Library:
+def read_library(path: str | PathLike[str], onto: Library) -> Library:
     """Read a library file.
 
     Parameters
     ----------
-    path : Path
+    path : path-like
         A TOML file.
     onto : Library
         Library to which the entries are added; it is not changed.
@@ -316,7 +317,7 @@ def read_library(path: Path, onto: Library) -> Library:
     InputError
         With every mistake in the file, or if it cannot be read.
     """
-    return onto.extended(validated_tables(read_toml(path), str(path)), str(path))
+    return onto.extended(validated_tables(read_toml(Path(path)), str(path)), str(path))
 
 
 def library_toml(tables: Mapping[str, Any]) -> str:
