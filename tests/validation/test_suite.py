@@ -204,6 +204,11 @@ def test_a_quantity_that_needs_a_grid(folder: Path):
         ),
         ("rivals", "set.title.x = 5.0\nrivals", "table[0].scenario: must be a valid scenario: {}: title: must be"),
         ("rivals", 'set."impact.velocity_m_s.mean" = 5.0\nrivals', "{}: impact.velocity_m_s.mean: must not go below"),
+        (
+            "rivals",
+            "set.solver.arrest_velocity_m_s = 2.0\nset.uncertainty.seed = 5\nrivals",
+            "uncertainty.seed: must have",
+        ),
         ("rivals", 'set.library.ceramic.AD86.based_on = "AD85"\nrivals', 'scenario uses; did you mean "AD85"?'),
         (
             '"armour.ceramic_thickness_mm"',

@@ -110,7 +110,8 @@ def scenarios_of(
         return
     table = np.column_stack([columns[key] for key in others])
     _, first, which = np.unique(table, axis=0, return_index=True, return_inverse=True)
-    for index, row in enumerate(first.tolist()):
+    for index in np.argsort(first):
+        row = int(first[index])
         try:
             made = scenario.replaced(dict(zip(others, table[row].tolist(), strict=True)))
         except InputError as error:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, partial, reduce
+from itertools import compress
 from math import isfinite
 from os import PathLike
 from pathlib import Path
@@ -316,14 +317,15 @@ def _case(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, ob
 
 def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) -> None:
     """Check that the changes and the columns of a section, of which the first row is given, all count."""
-    section = row.section
-    fixed = [key_name(leaf) for key, value in section.set.items() for leaf, _ in leaves(value, parts_of(key))]
-    keys = canonical([*fixed, *row.inputs], scenario.file)[len(fixed) :]
-    check_reach(scenario, keys, QUESTIONS[section.quantity].sections, scenario.file, closed_forms=bool(row.rivals))
-    changes = {**section.set, **(getattr(section, "replaced_by", None) or {})}
-    unused = unused_entries(changes, scenario, *([replacement] if replacement else []))
-    if unused:
-        raise InputError([Problem(scenario.file, key, NOT_USED + hint) for key, hint in unused])
+    quantity, file = QUESTIONS[row.section.quantity], scenario.file
+    for changes in (row.section.set, getattr(row.section, "replaced_by", None) or {}):
+        given = [leaf for key, value in changes.items() for leaf, _ in leaves(value, parts_of(key))]
+        # The title is for people; entries of the library may be based on each other.
+        counting = [leaf[0] not in ("title", "library") for leaf in given] + [True] * len(row.inputs)
+        keys = compress(canonical([*map(key_name, given), *row.inputs], file), counting)
+        check_reach(scenario, list(keys), quantity.sections, file, closed_forms=bool(row.rivals))
+        if unused := unused_entries(changes, scenario, *([replacement] if replacement else [])):
+            raise InputError([Problem(file, key, NOT_USED + hint) for key, hint in unused])
 
 
 def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenario:
