@@ -58,7 +58,8 @@ def test_cases_from_a_file(cli, folder: Path):
         ([], "sweep: give either --over or --cases"),
         (["--over", "a"], "sweep: --over: must be KEY=MIN:MAX:STEP"),
         (["--over", "impact.velocity_m_s=800", "--quantities", "speed"], "sweep: --quantities: unknown quantity"),
-        (["--over", "impact.velocity_m_s=800,-1"], f"{WILKINS}: impact.velocity_m_s: must be greater than 0, found -1"),
+        (["--over", "impact.velocity_m_s=800,-1"], "command line: --over impact.velocity_m_s: must be greater than 0"),
+        (["--over", "armour.ceramic.density_kg_m3=1"], "sweep: armour.ceramic.density_kg_m3: must not go below"),
         (
             ["--over", "impact.velocity_m_s=800", "--quantities", "outcome", "--plot", "a.png"],
             "sweep: --plot cannot draw outcome, which is not a number",
@@ -144,3 +145,23 @@ def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
     assert cli(*command, "-o", "whole.csv").exit_code == 0
     assert (folder / "t.csv").read_bytes() == (folder / "whole.csv").read_bytes()
     assert (folder / "t.csv").read_bytes().count(b"\n") == 2001 * 121 + 1
+
+
+def test_a_wrong_row_of_cases_has_its_line(cli, folder: Path):
+    keys = "projectile.penetrator_diameter_mm,projectile.penetrator_mass_g"
+    (folder / "c.csv").write_text(f"{keys}\n6.5,5.46\n\n65,5460\n0.65,5.46\n")
+    [line] = cli.fails(2, "sweep", WILKINS, "--cases", "c.csv", "-o", "t.csv")
+    assert line.startswith('c.csv: line 5: library.projectile."7.62 mm AP".penetrator_mass_g: must make a rod')
+    (folder / "c.csv").write_text(f"{keys}\n6.5,5.46\n65,5460\n0.65,0.00546\n")
+    assert cli("sweep", WILKINS, "--cases", "c.csv", "--quantities", "outcome", "-o", "t.csv").exit_code == 0
+
+
+def test_one_key_in_two_spellings(cli):
+    over = ["--over", "armour.ceramic_thickness_mm=5,6", "--over", ' armour."ceramic_thickness_mm" = 7,8']
+    assert cli.fails(2, "sweep", WILKINS, *over, "-o", "t.csv") == ["sweep: --over: must not name a key twice"]
+
+
+def test_a_wrong_combination_names_the_axes(cli):
+    over = ["--over", "projectile.penetrator_mass_g=5,5000", "--over", "impact.velocity_m_s=700,800"]
+    [line] = cli.fails(2, "sweep", WILKINS, *over, "-o", "t.csv")
+    assert line.startswith("command line: --over projectile.penetrator_mass_g=5000, impact.velocity_m_s=700: library")

@@ -185,3 +185,12 @@ def test_a_run_that_does_not_end_names_the_key(monkeypatch: pytest.MonkeyPatch, 
     monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 5)
     with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run"):
         calibrate(read_tests(TESTS, wilkins), wilkins)
+
+
+def test_a_law_that_is_none_and_nothing_to_fit():
+    wilkins = shipped_scenario("wilkins")
+    tests = read_tests(str(TESTS), wilkins)
+    with pytest.raises(InputError, match='law: must be a law, found "linaer"; did you mean "linear"'):
+        calibrate(tests, wilkins, law="linaer")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="must name at least one input"):
+        calibrate(tests, wilkins, [])

@@ -10,9 +10,9 @@ from armour.analysis.impact import MAX_STEPS, unresolved_error
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem
-from armour.scenario.library import DEFAULTS, length_mm
+from armour.scenario.library import DEFAULTS, ROD, length_mm
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import FIELDS, ROD, VELOCITY, YIELD, entry_of, inputs_of
+from armour.scenario.parameters import FIELDS, VELOCITY, YIELD, entry_of, inputs_of
 from armour.scenario.schema import BallisticLimitSection, Optimise, Solver
 from armour.units import MM
 

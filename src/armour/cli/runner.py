@@ -65,21 +65,55 @@ def check_outputs(
 
 
 def read_scenario(
-    path: Path, assignments: Sequence[str] | None, more: Mapping[str, float | None] | None = None
+    path: Path,
+    assignments: Sequence[str] | None,
+    more: Mapping[str, tuple[str, float | None]] | None = None,
 ) -> "Scenario":
     """Read the scenario of a file, or of standard input where it is "-".
 
-    ``assignments`` are those of ``--set``; ``more`` are values of other options by key, None where one is not given.
+    ``assignments`` are those of ``--set``; ``more`` are the keys and values of other options, None where one is not
+    given.  A wrong value of an option is a problem of the command line, whatever the file holds.
     """
     from armour.scenario.assignments import changed, changes_of
-    from armour.scenario.loading import load_scenario, parse_scenario
+    from armour.scenario.loading import parse_scenario
+    from armour.scenario.reach import NOT_USED, unused_entries
 
-    given = {key: value for key, value in (more or {}).items() if value is not None}
-    changes = changed(changes_of(assignments or ()), given)
-    if str(path) != "-":
-        return load_scenario(path, changes)
-    data = parse_toml(decoded(sys.stdin.buffer, STANDARD_INPUT), STANDARD_INPUT)
-    return parse_scenario(changed(data, changes), file=STANDARD_INPUT)
+    changes = changes_of(assignments or ())
+    options = {key: f"--set {key}" for key in changes}
+    for option, (key, value) in (more or {}).items():
+        if value is not None:
+            if key in changes and changes[key] != value:
+                raise InputError([Problem("command line", option, f"must not be given with {options[key]}")])
+            changes[key], options[key] = value, option
+    standard = str(path) == "-"
+    file, folder = (STANDARD_INPUT, Path()) if standard else (str(path), path.parent)
+    data = parse_toml(decoded(sys.stdin.buffer, file) if standard else read_text(path), file)
+    try:
+        loaded = parse_scenario(changed(data, changes, file), file=file, folder=folder)
+    except InputError as error:
+        own: Sequence[Problem] = ()
+        try:
+            parse_scenario(data, file=file, folder=folder)
+        except InputError as without:
+            own = without.problems
+        raise InputError([p if p in own else _blamed(p, options, file) for p in error.problems]) from None
+    if unused := unused_entries(changes, loaded):
+        raise InputError([Problem("command line", f"--set {key}", NOT_USED + hint) for key, hint in unused])
+    return loaded
+
+
+def _blamed(problem: Problem, options: Mapping[str, str], file: str) -> Problem:
+    """Return a problem that the file alone does not have with the option that sets its key, or one below it."""
+    for key, option in sorted(options.items(), reverse=True):
+        if problem.file == file and (_below(problem.key, key) or _below(key, problem.key)):
+            where = f"--set {problem.key}" if option.startswith("--set") else option
+            return Problem("command line", where, problem.message)
+    return problem
+
+
+def _below(key: str, other: str) -> bool:
+    """Return whether a key is another one, or stands below it."""
+    return key == other or (key.startswith(other) and key[len(other)] in ".[")
 
 
 def respond(

@@ -21,7 +21,7 @@ def simulate(
     from armour.reporting.tables.impact import history_table, impact_tables
 
     check_outputs(history, plot=plot, reads=[scenario])
-    loaded = read_scenario(scenario, changes, {"impact.velocity_m_s": velocity})
+    loaded = read_scenario(scenario, changes, {"--velocity": ("impact.velocity_m_s", velocity)})
     result = impact.simulate(loaded, history=history is not None or plot is not None)
     respond(
         result.to_dict(),
@@ -153,7 +153,7 @@ def uncertainty(
     from armour.statistics import uncertainty as statistics
 
     check_outputs(plot=plot, reads=[scenario])
-    loaded = read_scenario(scenario, changes, {"uncertainty.samples": samples})
+    loaded = read_scenario(scenario, changes, {"--samples": ("uncertainty.samples", samples)})
     say_if_compiling()
     result = statistics.uncertainty(loaded)
     respond(

@@ -17,16 +17,12 @@ def v50(
     scenario: Annotated[
         Path | None, argument("SCENARIO", "Scenario of the same armour, for the model's limit.")
     ] = None,
-    pairs: Annotated[
-        int | None, option("Shots of each kind in the mean, at least 1; by default 5, 3 or 2.", min=1)
-    ] = None,
+    pairs: Annotated[int | None, option("Shots of each kind in the mean, at least 1; by default 5, 3 or 2.")] = None,
     span_m_s: Annotated[
         float | None,
-        option("Largest span of these shots, m/s, at most 10,000; by default MIL-STD-662F's.", min=0.0, max=1e4),
+        option("Largest span of these shots, m/s, at most 10,000; by default MIL-STD-662F's."),
     ] = None,
-    confidence: Annotated[
-        float, typer.Option(min=0.5, max=0.9999, help="Confidence of the intervals, 0.5 to 0.9999.")
-    ] = 0.95,
+    confidence: Annotated[float, typer.Option(help="Confidence of the intervals, 0.5 to 0.9999.")] = 0.95,
     plot: PlotFile = None,
     changes: Changes = None,
     as_json: AsJson = False,

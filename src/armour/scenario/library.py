@@ -6,16 +6,17 @@ Every value has a status (measured, fitted or assumed) and a source.
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
-from math import pi
+from math import inf, pi
+from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
 import tomli_w
-from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, ValidationError, model_serializer
+from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
 from armour.errors import InputError, Problem, suggestion
 from armour.files import read_toml, shipped
-from armour.scenario.messages import NOT_TINY, NUMBER, NumberOrText, Section, key_name, problems_of
+from armour.scenario.messages import NOT_TINY, NUMBER, NumberOrText, Section, key_name, validated
 from armour.units import GPA, MM, MPA, G
 
 Status = Literal["measured", "fitted", "assumed"]
@@ -107,6 +108,8 @@ DEFAULTS = {
     "flow_stress_GPa": (2.7 * MPA / GPA, "2.7 times the dynamic yield strength, the constraint factor of the paper"),
     "shear_strength_MPa": (0.7, "0.7 times the dynamic yield strength, which fits the paper's 6061-T6 and 5083-H3"),
 }
+# Keys of a projectile that its penetrator's length follows from.
+ROD = ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3")
 # Range of length over diameter of a penetrator; outside it, the mass most likely has a wrong unit.
 SLENDERNESS = (0.1, 100.0)
 
@@ -152,14 +155,26 @@ class LibraryEntry:
 
 def penetrator_length_mm(projectile: LibraryEntry) -> float:
     """Return the length of a projectile's penetrator, mm."""
-    values = (projectile[key] for key in ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3"))
-    return float(length_mm(*values))
+    return float(length_mm(*(projectile[key] for key in ROD)))
 
 
 def length_mm(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
     """Compute the length of a cylinder, mm; float or array."""
     area = pi * (diameter_mm * MM) ** 2 / 4.0
     return mass_g * G / (density_kg_m3 * area) / MM
+
+
+def unit_mass_g(diameter_mm: Any, density_kg_m3: Any) -> Any:
+    """Compute the mass of a cylinder one diameter long, g; float or array."""
+    radius_mm = 0.5 * diameter_mm
+    return density_kg_m3 * pi * radius_mm * radius_mm * diameter_mm * (MM**3 / G)
+
+
+def is_rod(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
+    """Return whether the length of a cylinder lies within SLENDERNESS; float or array."""
+    # Masses are compared, as the mass of a thin cylinder is too small to divide by.
+    unit_g = unit_mass_g(diameter_mm, density_kg_m3)
+    return (SLENDERNESS[0] * unit_g <= mass_g) & (mass_g <= SLENDERNESS[1] * unit_g)
 
 
 @dataclass(frozen=True)
@@ -271,8 +286,10 @@ def _completed(entry: LibraryEntry) -> LibraryEntry:
         raise _EntryError(entry.name, *((key, message) for key in missing))
     complete = replace(entry, values={key: values[key] for key in keys if key in values}, derived=frozenset(derived))
     if entry.kind == "projectile":
-        ratio = penetrator_length_mm(complete) / complete["penetrator_diameter_mm"]
-        if not SLENDERNESS[0] <= ratio <= SLENDERNESS[1]:
+        diameter, mass, density = (complete[key] for key in ROD)
+        if not is_rod(diameter, mass, density):
+            unit = unit_mass_g(diameter, density)
+            ratio = mass / unit if unit else inf
             message = (
                 f"must make a rod {SLENDERNESS[0]:g} to {SLENDERNESS[1]:g} diameters long with the "
                 f"diameter and density given, found {ratio:.3g} diameters; is it in g?"
@@ -283,18 +300,15 @@ def _completed(entry: LibraryEntry) -> LibraryEntry:
 
 def validated_tables(data: object, file: str) -> LibraryTables:
     """Validate the tables of a library file; raise an InputError with every mistake."""
-    try:
-        return LibraryTables.model_validate(data)
-    except ValidationError as error:
-        raise InputError(problems_of(error, LibraryTables, file)) from None
+    return validated(LibraryTables, data, file)
 
 
-def read_library(path: Path, onto: Library) -> Library:
+def read_library(path: str | PathLike[str], onto: Library) -> Library:
     """Read a library file.
 
     Parameters
     ----------
-    path : Path
+    path : path-like
         A TOML file.
     onto : Library
         Library to which the entries are added; it is not changed.
@@ -308,7 +322,7 @@ def read_library(path: Path, onto: Library) -> Library:
     InputError
         With every mistake in the file, or if it cannot be read.
     """
-    return onto.extended(validated_tables(read_toml(path), str(path)), str(path))
+    return onto.extended(validated_tables(read_toml(Path(path)), str(path)), str(path))
 
 
 def library_toml(tables: Mapping[str, Any]) -> str:

@@ -3,11 +3,11 @@
 import json
 import re
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, get_origin
+from typing import Annotated, Any, TypeVar, get_origin
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Tag, ValidationError, ValidationInfo
 
-from armour.errors import Problem, suggestion
+from armour.errors import InputError, Problem, suggestion
 from armour.files import MAX_INTEGER
 
 # Key of the number where a file may give a number or a table.
@@ -20,6 +20,9 @@ NumberOrText = Annotated[
     Annotated[float, Tag(NUMBER_TAG)] | Annotated[str, Tag(TEXT_TAG)],
     Discriminator(lambda value: TEXT_TAG if isinstance(value, str) else NUMBER_TAG),
 ]
+
+
+SectionT = TypeVar("SectionT", bound="Section")
 
 
 class Section(BaseModel):
@@ -127,6 +130,14 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
     return problems
 
 
+def validated(model: type[SectionT], data: object, file: str) -> SectionT:
+    """Return data as the sections of a model; raise an InputError with every mistake."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise InputError(problems_of(error, model, file)) from None
+
+
 def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:
     """Return the keys that the model knows in the table at the given parts of a key."""
     free_name = False
@@ -136,18 +147,18 @@ def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:
         elif model is not None and part in model.model_fields:
             annotation = model.model_fields[str(part)].annotation
             free_name = get_origin(annotation) is dict
-            model = _model_in(annotation)
+            model = model_in(annotation)
         else:
             return []
     return list(model.model_fields) if model is not None else []
 
 
-def _model_in(annotation: Any) -> Any:
+def model_in(annotation: Any) -> Any:
     """Return the model within an annotation such as ``Model | None`` or ``dict[str, Model]``."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
     for inner in getattr(annotation, "__args__", ()):
-        found = _model_in(inner)
+        found = model_in(inner)
         if found is not None:
             return found
     return None

@@ -8,8 +8,9 @@ import numpy as np
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import Result
 from armour.analysis.variants import Floats
+from armour.errors import InputError, Problem, choices
 from armour.scenario.loading import Scenario
-from armour.statistics.flow_stress_laws import FLOW_STRESS, Law
+from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law
 from armour.statistics.least_squares_fit import Coefficient, LeastSquaresFit, fit_inputs, minimised, predicted
 from armour.statistics.test_data import Tests
 
@@ -105,6 +106,10 @@ def calibrate(
         If a name is not an input, the tests differ in the material that is fitted, there are too few of them, or a run
         does not end.
     """
+    if law not in LAWS:
+        raise InputError([Problem("calibrate", "law", f'must be a law, found "{law}"{choices(str(law), list(LAWS))}')])
+    if not fit:
+        raise InputError([Problem("calibrate", "fit", "must name at least one input")])
     done = fit_inputs(tests, scenario, fit, law)
     computed, left_out = predicted(tests, done.fitted, done.x), _left_out(tests, done)
     residuals = tuple(

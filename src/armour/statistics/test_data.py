@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from os import PathLike
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from armour.analysis.variants import Floats, Ints
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import INPUTS, NAMES, VELOCITY, check_ranges, inputs_of
+from armour.scenario.parameters import INPUTS, NAMES, VELOCITY, check_rows, inputs_of, with_inputs
 from armour.statistics.csv_table import CsvRow, read_rows
 
 LIMIT, RESIDUAL, MASS, OUTCOME = "ballistic_limit_m_s", "residual_velocity_m_s", "residual_mass_g", "outcome"
@@ -75,6 +76,7 @@ def read_tests(path: str | PathLike[str], scenario: Scenario) -> Tests:
     InputError
         With every mistake in the file.
     """
+    path = Path(path)
     numbers = (*INPUTS, *MEASURED, *MEASURED.values())
     rows, problems = read_rows(path, numbers=numbers, texts=("test", OUTCOME, *NAMES.values()), needed=())
     names = tuple(row.texts.get("test", row.place) for row in rows)
@@ -145,7 +147,7 @@ def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[list
             changed = scenario.replaced(dict(names))
             own = inputs_of(changed)
             columns = {name: np.array([rows[i].numbers.get(name, own.get(name, 0.0)) for i in where]) for name in given}
-            check_ranges(changed, columns)
+            check_rows(changed, columns)
             groups.append(MaterialGroup(changed, np.array(where), columns))
         except InputError:
             problems += [problem for i in where for problem in _not_allowed(rows[i], scenario, file)]
@@ -154,9 +156,9 @@ def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[list
 
 def _not_allowed(row: CsvRow, scenario: Scenario, file: str) -> list[Problem]:
     """Return the names and values in a row that the scenario does not allow."""
-    values = {name: np.array(row.numbers[name]) for name in INPUTS if name in row.numbers}
     try:
-        check_ranges(scenario.replaced(_names(row)), values)
+        values = {name: row.numbers[name] for name in INPUTS if name in row.numbers}
+        with_inputs(scenario.replaced(_names(row)), values)
     except InputError as error:
         return [Problem(file, row.place, f"{problem.key}: {problem.message}") for problem in error.problems]
     return []

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from armour.analysis.variants import Floats
 from armour.errors import InputError, Problem
 from armour.files import reason
+from armour.scenario.assignments import parts_of
+from armour.scenario.messages import key_name
 from armour.scenario.schema import MAX_VALUES, Range
 from armour.statistics.csv_table import finite_number
 
@@ -76,6 +78,14 @@ class Grid:
         indices = np.unravel_index(places, [len(axis.values) for axis in self.axes])
         return {axis.key: np.array(axis.values)[i] for axis, i in zip(self.axes, indices, strict=True)}
 
+    def place(self, start: int, row: int, problem: Problem) -> Problem:
+        """Return a problem in a row, counted from a row at which a chunk starts, with the options that make it."""
+        if problem.key in self.keys:
+            return Problem("command line", f"--over {problem.key}", problem.message)
+        indices = np.unravel_index(start + row, [len(axis.values) for axis in self.axes])
+        values = (f"{axis.key}={axis.values[i]:g}" for axis, i in zip(self.axes, indices, strict=True))
+        return Problem("command line", f"--over {', '.join(values)}", f"{problem.key}: {problem.message}")
+
 
 class Cases:
     """Rows of a CSV file of numbers whose header names keys of the scenario.
@@ -102,6 +112,11 @@ class Cases:
     def sample(self, size: int) -> dict[str, Floats]:
         """Return some rows as columns by key."""
         return next(self.chunks(size))
+
+    def place(self, start: int, row: int, problem: Problem) -> Problem:
+        """Return a problem in a row, counted from a row at which a chunk starts, with its line."""
+        number, _ = next(islice(self._lines(len), start + row + 1, None))
+        return Problem(str(self.path), f"line {number}", f"{problem.key}: {problem.message}")
 
     def _blocks(self, size: int) -> Iterator[tuple[tuple[str, ...], Floats]]:
         """Yield keys and rows of the file, (n, keys), and notice at its end if it is another than before."""
@@ -189,14 +204,14 @@ def _cells(line: str) -> list[str]:
 def axis_of(text: str) -> Axis:
     """Parse an axis from ``KEY=MIN:MAX:STEP`` or ``KEY=VALUE,VALUE,...``."""
     key, _, values = text.rpartition("=")
-    key = key.strip()
     try:
+        key = key_name(parts_of(key))
         if ":" in values:
             low, high, step = (float(part) for part in values.split(":"))
             found = Range.model_validate({"min": low, "max": high, "step": step}).values()
         else:
             found = tuple(float(part) for part in values.split(","))
-        if key and len(found) <= MAX_VALUES:
+        if len(found) <= MAX_VALUES:
             return Axis(key, found)
     except ValueError:
         pass

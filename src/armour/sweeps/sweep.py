@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from armour.analysis.evaluate import Group, evaluate_groups, groups_of, scenarios_of
-from armour.analysis.quantities import QUANTITIES
-from armour.analysis.variants import Floats, grid_of
-from armour.errors import InputError, Problem, choices
+from armour.analysis.evaluate import Group, check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
+from armour.analysis.variants import Floats
+from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import BLOCK, Cases, Grid
 from armour.sweeps.checkpoint import RESUME, DamagedError, Store
@@ -61,12 +61,14 @@ def sweep(
         if store.finished is not None:
             return store.finished
         if size is None:
-            plan = plan_of(scenario, source, quantities, output, threads=compute.threads, workers=compute.workers)
+            try:
+                plan = plan_of(scenario, source, quantities, output, threads=compute.threads, workers=compute.workers)
+            except InputError:
+                _check_rows(scenario, source)  # says which row is wrong
+                raise
             approve(plan)
             size = plan.chunk_rows
-        for chunk in source.chunks(BLOCK):
-            for _ in scenarios_of(scenario, chunk):
-                pass  # a wrong value raises an error before the first chunk is computed
+        _check_rows(scenario, source)
         size = store.begin(size)
         count = -(-source.count // size)
         try:
@@ -112,20 +114,26 @@ def _compute_missing(
 
 
 def _check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
-    problems = []
-    for name in quantities:
-        if name not in QUANTITIES:
-            message = f'unknown quantity "{name}"{choices(name, list(QUANTITIES))}'
-            problems.append(Problem("sweep", "--quantities", message))
+    """Check the question, and that every key counts."""
+    problems: list[Problem] = []
+    try:
+        check_quantities(scenario, quantities, "sweep", "--quantities")
+    except InputError as error:
+        problems += error.problems
     if len(set(source.keys)) != len(source.keys):
         problems.append(Problem("sweep", "--over", "must not name a key twice"))
-    if any(QUANTITIES[name].on_grid for name in quantities if name in QUANTITIES):
-        try:
-            grid_of(scenario)
-        except InputError as error:
-            problems += error.problems
     if problems:
         raise InputError(problems)
+    first = next(source.chunks(1))
+    check_keys(scenario, {key: float(values[0]) for key, values in first.items()}, quantities, "sweep")
+
+
+def _check_rows(scenario: Scenario, source: Grid | Cases) -> None:
+    """Check all rows before the first chunk is computed."""
+    start = 0
+    for chunk in source.chunks(BLOCK):
+        for where, _ in scenarios_of(scenario, chunk, partial(source.place, start)):
+            start += len(where)
 
 
 def in_process(threads: int | None = None) -> Compute:
