@@ -3,7 +3,7 @@
 import os
 import tempfile
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -11,6 +11,8 @@ from armour.errors import InputError, Problem
 
 # Longer than any scenario or library; a device such as /dev/zero has no end.
 MAX_BYTES = 10_000_000
+# Deeper than the tables and lists of any file; what copies and checks them is recursive.
+MAX_DEPTH = 50
 
 _PACKAGE = Path(__file__).resolve().parent
 _CHECKOUT = _PACKAGE.parent.parent
@@ -56,12 +58,27 @@ def read_toml(path: Path) -> dict[str, Any]:
 def parse_toml(text: str, file: str) -> dict[str, Any]:
     """Parse a text in TOML; `file` is its name in messages."""
     try:
-        return tomllib.loads(text)
+        data = tomllib.loads(text)
+        if not nested_too_deeply(data):
+            return data
     except tomllib.TOMLDecodeError as error:
-        message = f"must be valid TOML, found an error: {error}"
+        raise InputError([Problem(file, "", f"must be valid TOML, found an error: {error}")]) from None
     except RecursionError:
-        message = "must be valid TOML, found values nested too deeply"
+        pass
+    message = f"must be valid TOML, found values nested too deeply; at most {MAX_DEPTH} tables and lists in each other"
     raise InputError([Problem(file, "", message)])
+
+
+def nested_too_deeply(data: object) -> bool:
+    """Return whether tables and lists are nested deeper than any file needs."""
+    level = [data]
+    for _ in range(MAX_DEPTH + 1):
+        level = [child for value in level for child in _children(value)]
+    return bool(level)
+
+
+def _children(value: object) -> Iterable[object]:
+    return value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
 
 
 def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:

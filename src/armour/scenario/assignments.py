@@ -7,6 +7,7 @@ from copy import deepcopy
 from typing import Any
 
 from armour.errors import InputError, Problem
+from armour.files import nested_too_deeply
 
 
 def changed(data: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:
@@ -71,7 +72,8 @@ def _parsed(text: str) -> dict[str, Any] | None:
     key, equals, value = text.partition("=")
     for line in (text, f"{key}{equals}{json.dumps(value.strip())}"):
         try:
-            return tomllib.loads(line) if equals and "\n" not in line else None
+            data = tomllib.loads(line) if equals and "\n" not in line else None
+            return None if nested_too_deeply(data) else data
         except (tomllib.TOMLDecodeError, RecursionError):
             continue
     return None
