@@ -52,10 +52,13 @@ def _write(stream: IO[str], text: str) -> None:
 
 
 @contextmanager
-def progress(what: str, total: int) -> Iterator[Callable[[int], None]]:
-    """Give a function that counts some more of a total: a bar with rate and time left on a terminal."""
+def progress(what: str, total: int | None = None) -> Iterator[Callable[..., None]]:
+    """Give a function that counts some more of a total: a bar with rate and time left on a terminal.
+
+    The total may also be given, or given anew, with each count; without one, the bar only moves.
+    """
     if not sys.stderr.isatty():
-        yield lambda _count: None
+        yield lambda _count, _total=None: None
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -64,8 +67,8 @@ def progress(what: str, total: int) -> Iterator[Callable[[int], None]]:
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(what, total=total, rate="compiling or reading compiled code")
 
-        def advance(count: int) -> None:
-            bar.advance(task, count)
+        def advance(count: int, total: int | None = None) -> None:
+            bar.update(task, advance=count, total=total)
             speed = bar.tasks[task].speed
             bar.update(task, rate=f"{speed:,.1f} {what}/s" if speed else "")
 
