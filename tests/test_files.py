@@ -20,7 +20,13 @@ def test_a_byte_order_mark_is_ignored(tmp_path: Path):
 
 @pytest.mark.parametrize(
     ("content", "words"),
-    [(b"\xff\xfe\x00", "UTF-8"), (b"a = ", "valid TOML"), (b"a = " + b"[" * 5000, "nested too deeply")],
+    [
+        (b"\xff\xfe\x00", "UTF-8"),
+        (b"a = ", "valid TOML"),
+        (b"a = " + b"[" * 5000, "nested too deeply"),
+        (b"a." * 500 + b"a = 1", "nested too deeply"),
+        (b"a = " + b"[" * 60 + b"]" * 60, "nested too deeply; at most 50 tables and lists"),
+    ],
 )
 def test_invalid_toml_is_reported(tmp_path: Path, content: bytes, words: str):
     path = tmp_path / "a.toml"

@@ -52,10 +52,13 @@ def _write(stream: IO[str], text: str) -> None:
 
 
 @contextmanager
-def progress(what: str, total: int | None = None) -> Iterator[Callable[..., None]]:
+def progress(
+    what: str, total: int | None = None, first: str = "compiling or reading compiled code"
+) -> Iterator[Callable[..., None]]:
     """Give a function that counts some more of a total: a bar with rate and time left on a terminal.
 
-    The total may also be given, or given anew, with each count; without one, the bar only moves.
+    The total may also be given, or given anew, with each count; without one, the bar only moves.  ``first`` says
+    what is done before the first count.
     """
     if not sys.stderr.isatty():
         yield lambda _count, _total=None: None
@@ -65,7 +68,7 @@ def progress(what: str, total: int | None = None) -> Iterator[Callable[..., None
 
     columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(what, total=total, rate="compiling or reading compiled code")
+        task = bar.add_task(what, total=total, rate=first)
 
         def advance(count: int, total: int | None = None) -> None:
             bar.update(task, advance=count, total=total)

@@ -45,7 +45,8 @@ def ballistic_limit(
 
     check_outputs(plot=plot, reads=[scenario])
     loaded = read_scenario(scenario, changes)
-    result = analysis.ballistic_limit(loaded)
+    with progress("impacts", first="searching"):
+        result = analysis.ballistic_limit(loaded)
     velocities = analysis.curve_velocities(result, loaded)
     several = "the outcome is not monotonic: it changes more than once in the range"
     respond(
@@ -68,7 +69,8 @@ def compare(scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = No
 
     check_outputs(plot=plot, reads=[scenario])
     loaded = read_scenario(scenario, changes)
-    result = comparison.compare(loaded)
+    with progress("impacts", first="searching"):
+        result = comparison.compare(loaded)
     respond(
         result.to_dict(),
         comparison_tables(result),

@@ -41,7 +41,7 @@ def v50(
     check_outputs(plot=plot, reads=[shots, scenario])
     read = statistics.read_shots(shots)
     loaded = None if scenario is None else read_scenario(scenario, changes)
-    with progress("fits"):
+    with progress("fits", first="fitting"):
         result = statistics.v50(read, loaded, pairs=pairs, span_m_s=span_m_s, confidence=confidence)
     respond(
         result.to_dict(),

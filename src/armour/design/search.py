@@ -1,5 +1,6 @@
 """Search for the designs of a catalogue that pass, in the order of the objective."""
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -134,13 +135,23 @@ class Search:
 
 
 def undominated(costs: Floats) -> Ints:
-    """Return the rows that no other row dominates; of equal rows the first.
+    """Return the rows, of two or three columns, that no other row dominates; of equal rows the first.
 
     A row dominates another if it is at most equal to it in every column and less in one.
     """
-    left = np.lexsort(costs.T[::-1])
+    order = np.lexsort(costs.T[::-1])
     front = []
-    while len(left):
-        front.append(int(left[0]))
-        left = left[(costs[left] < costs[left[0]]).any(axis=1)]
+    # Second and third columns of the rows so far that no other of these dominates in them: one rises, the other falls.
+    seconds: list[float] = []
+    thirds: list[float] = []
+    for row, (_, second, *rest) in zip(order.tolist(), costs[order].tolist(), strict=True):
+        third = rest[0] if rest else 0.0
+        place = bisect_right(seconds, second)
+        if place and thirds[place - 1] <= third:
+            continue
+        front.append(row)
+        first, last = bisect_left(seconds, second), place
+        while last < len(thirds) and thirds[last] >= third:
+            last += 1
+        seconds[first:last], thirds[first:last] = [second], [third]
     return np.array(front, dtype=np.int64)

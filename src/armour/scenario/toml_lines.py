@@ -26,7 +26,7 @@ def lines_of(text: str) -> dict[str, int]:
     found: dict[str, int] = {}
     counts: dict[str, int] = {}
     table: Parts = ()
-    for start, statement in _statements(text):
+    for start, statement in statements(text):
         try:
             data = tomllib.loads(statement)
             parts = _header(data, counts) if statement.lstrip().startswith("[") else ()
@@ -39,7 +39,7 @@ def lines_of(text: str) -> dict[str, int]:
     return found
 
 
-def _statements(text: str) -> Iterator[tuple[int, str]]:
+def statements(text: str) -> Iterator[tuple[int, str]]:
     """Yield the statements of a TOML text, each with its first line; they end where a line does, outside brackets."""
     text += "\n"
     start, line, depth = 0, 1, 0

@@ -11,7 +11,6 @@ from armour.errors import InputError, Problem, choices
 from armour.files import read_text
 from armour.units import missing_unit
 
-
 # More rows than tests or shots that anyone has made; their fits take about a minute.
 MAX_ROWS = 100_000
 

@@ -38,7 +38,7 @@ CURVE_POINTS = 121
 # would take longer than the probability itself, and give the indices no further digit.
 INDEX_DIVISOR, MIN_INDEX_SAMPLES, MAX_INDEX_SAMPLES = 4, 256, 2**16
 # Samples that are computed at a time, which bounds the memory.
-SAMPLES_AT_A_TIME = 2**14
+SAMPLES_AT_A_TIME = 2**12
 BOOTSTRAP_RESAMPLES = 499
 
 
