@@ -79,20 +79,26 @@ def discard(stream: IO[str]) -> None:
 
 
 @contextmanager
-def progress(what: str, total: int) -> Iterator[Callable[[int], None]]:
-    """Give a function that counts some more of a total: a bar with rate and time left on a terminal."""
+def progress(
+    what: str, total: int | None = None, first: str = "compiling or reading compiled code"
+) -> Iterator[Callable[..., None]]:
+    """Give a function that counts some more of a total: a bar with rate and time left on a terminal.
+
+    The total may also be given, or given anew, with each count; without one, the bar only moves.  ``first`` says
+    what is done before the first count.
+    """
     if not sys.stderr.isatty():
-        yield lambda _count: None
+        yield lambda _count, _total=None: None
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(what, total=total, rate="compiling or reading compiled code")
+        task = bar.add_task(what, total=total, rate=first)
 
-        def advance(count: int) -> None:
-            bar.advance(task, count)
+        def advance(count: int, total: int | None = None) -> None:
+            bar.update(task, advance=count, total=total)
             speed = bar.tasks[task].speed
             bar.update(task, rate=f"{speed:,.1f} {what}/s" if speed else "")
 

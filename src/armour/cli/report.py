@@ -52,7 +52,9 @@ def _scenario_report(source: Path, changes: list[str], command: str) -> "Report"
 
     loaded = read_scenario(source, changes)
     say_if_compiling()
-    return scenario_report(contents_of(loaded), command)
+    with progress("armours") as count:
+        contents = contents_of(loaded, count)
+    return scenario_report(contents, command)
 
 
 def _suite_report(source: Path, changes: list[str], command: str) -> "Report":

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from armour.cli.console import progress
 from armour.cli.options import AsJson, Changes, PlotFile, argument, option
 from armour.cli.runner import check_outputs, read_scenario, respond
 from armour.errors import InputError, Problem
@@ -36,7 +37,8 @@ def v50(
     check_outputs(plot=plot, reads=[shots, scenario])
     read = statistics.read_shots(shots)
     loaded = None if scenario is None else read_scenario(scenario, changes)
-    result = statistics.v50(read, loaded, pairs=pairs, span_m_s=span_m_s, confidence=confidence)
+    with progress("fits", first="fitting"):
+        result = statistics.v50(read, loaded, pairs=pairs, span_m_s=span_m_s, confidence=confidence)
     respond(
         result.to_dict(),
         v50_tables(result),

@@ -8,6 +8,7 @@ from copy import deepcopy
 from typing import Any
 
 from armour.errors import InputError, Problem, suggestion
+from armour.files import parse_toml
 from armour.scenario.library import KINDS
 from armour.scenario.messages import describe, key_name
 from armour.scenario.parameters import NAMES, ROLES
@@ -177,7 +178,7 @@ def _parsed(text: str) -> tuple[str, Any] | None:
             continue
         value = text[equals.end() :].strip()
         try:
-            return None if "\n" in value else (key, tomllib.loads(f"value = {value}")["value"])
-        except (ValueError, RecursionError):
+            return None if "\n" in value else (key, parse_toml(f"value = {value}", "")["value"])
+        except InputError:
             return key, value
     return None

@@ -3,13 +3,13 @@
 Every value has a status (measured, fitted or assumed) and a source.
 """
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from math import inf, pi
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any, Generic, Literal, TypeVar
+from typing import Annotated, Any, Generic, Literal, NamedTuple, TypeVar
 
 import tomli_w
 from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, model_serializer
@@ -214,43 +214,77 @@ class Library:
         problems: dict[str, Problem] = {}
         for kind in KINDS:
             added: Mapping[str, Entry] = getattr(tables, kind)
-            for name in added:
-                try:
-                    entries[kind][name] = _resolve(kind, name, added, self.entries[kind], file)
-                except _EntryError as error:
-                    for key, message in error.mistakes:
-                        where = key_name([part for part in (prefix, kind, error.name, key) if part])
-                        problems[where] = Problem(file, where, message)
+            for name, resolved in _resolved(kind, added, self.entries[kind], file).items():
+                if isinstance(resolved, LibraryEntry):
+                    entries[kind][name] = resolved
+                    continue
+                for key, message in resolved.found:
+                    where = key_name([part for part in (prefix, kind, resolved.name, key) if part])
+                    problems[where] = Problem(file, where, message)
         if problems:
             raise InputError(list(problems.values()))
         return Library(entries)
 
 
-class _EntryError(Exception):
+class _Mistakes(NamedTuple):
     """Mistakes that prevent an entry from being completed: keys and messages."""
 
-    def __init__(self, name: str, *mistakes: tuple[str, str]) -> None:
-        self.name = name
-        self.mistakes = mistakes
+    name: str
+    found: Sequence[tuple[str, str]]
+
+
+def _resolved(
+    kind: Kind, added: Mapping[str, Entry], known: Mapping[str, LibraryEntry], file: str
+) -> dict[str, LibraryEntry | _Mistakes]:
+    """Return each added entry with the values that it inherits, or its mistakes or those of its base."""
+    found: dict[str, LibraryEntry | _Mistakes] = {}
+    loops: set[str | None] = set()
+    for name in added:
+        chain, base = _chain(name, added, found)
+        if base in chain or base in loops:
+            loops.update(chain)
+        for each in reversed(chain):
+            if each in loops:
+                message = f'must not lead back to the entry itself, found "{added[each].based_on}"'
+                found[each] = _Mistakes(each, [("based_on", message)])
+            else:
+                found[each] = _resolve(kind, each, added, found, known, file)
+    return {name: found[name] for name in added}
+
+
+def _chain(name: str, added: Mapping[str, Entry], found: Container[str]) -> tuple[list[str], str | None]:
+    """Return an entry and its bases, as far as they are not found yet, and the base of the last.
+
+    An entry based on its own name refers to the earlier one.
+    """
+    chain: dict[str, None] = {}
+    base: str | None = name
+    while base is not None and base in added and base not in found and base not in chain:
+        chain[base] = None
+        following = added[base].based_on
+        base = None if following == base else following
+    return list(chain), base
 
 
 def _resolve(
-    kind: Kind, name: str, added: Mapping[str, Entry], known: Mapping[str, LibraryEntry], file: str
-) -> LibraryEntry:
-    """Return an entry with the values that it inherits."""
+    kind: Kind,
+    name: str,
+    added: Mapping[str, Entry],
+    found: Mapping[str, LibraryEntry | _Mistakes],
+    known: Mapping[str, LibraryEntry],
+    file: str,
+) -> LibraryEntry | _Mistakes:
+    """Return an entry with the values that it inherits from its base, which is found already."""
     entry = added[name]
     base = entry.based_on
     description, values = entry.description, {}
     if base is not None:
-        if _leads_back(name, added):
-            raise _EntryError(name, ("based_on", f'must not lead back to the entry itself, found "{base}"'))
-        if base in added and base != name:
-            inherited = _resolve(kind, base, added, known, file)
-        elif base in known:
-            inherited = known[base]
-        else:
+        inherited = found[base] if base in added and base != name else known.get(base)
+        if inherited is None:
             hint = suggestion(base, [*known, *(other for other in added if other != name)])
-            raise _EntryError(name, ("based_on", f'must name a {kind} of the library, found "{base}"{hint}'))
+            return _Mistakes(name, [("based_on", f'must name a {kind} of the library, found "{base}"{hint}')])
+        if isinstance(inherited, _Mistakes):
+            return inherited
         description = description or inherited.description
         values = {key: inherited.values[key] for key in inherited.values if key not in inherited.derived}
     for key, value in entry.values().items():
@@ -258,19 +292,7 @@ def _resolve(
     return _completed(LibraryEntry(kind, name, description, values))
 
 
-def _leads_back(name: str, added: Mapping[str, Entry]) -> bool:
-    """Return whether the chain of bases ends in a loop; an entry based on its own name refers to the earlier one."""
-    seen = [name]
-    base = added[name].based_on
-    while base is not None and base in added and base != seen[-1]:
-        if base in seen:
-            return True
-        seen.append(base)
-        base = added[base].based_on
-    return False
-
-
-def _completed(entry: LibraryEntry) -> LibraryEntry:
+def _completed(entry: LibraryEntry) -> LibraryEntry | _Mistakes:
     """Return the entry with its derived values, in the order of the keys of its kind."""
     values = dict(entry.values)
     derived = []
@@ -283,7 +305,7 @@ def _completed(entry: LibraryEntry) -> LibraryEntry:
     keys = [key for key in KINDS[entry.kind].model_fields if key not in Entry.model_fields]
     if missing := [key for key in keys if key not in (*values, *OPTIONAL)]:
         message = "is missing and must be given, or based_on an entry that has it"
-        raise _EntryError(entry.name, *((key, message) for key in missing))
+        return _Mistakes(entry.name, [(key, message) for key in missing])
     complete = replace(entry, values={key: values[key] for key in keys if key in values}, derived=frozenset(derived))
     if entry.kind == "projectile":
         diameter, mass, density = (complete[key] for key in ROD)
@@ -294,7 +316,7 @@ def _completed(entry: LibraryEntry) -> LibraryEntry:
                 f"must make a rod {SLENDERNESS[0]:g} to {SLENDERNESS[1]:g} diameters long with the "
                 f"diameter and density given, found {ratio:.3g} diameters; is it in g?"
             )
-            raise _EntryError(entry.name, ("penetrator_mass_g", message))
+            return _Mistakes(entry.name, [("penetrator_mass_g", message)])
     return complete
 
 

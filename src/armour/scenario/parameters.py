@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from armour.errors import InputError, Problem, choices
 from armour.scenario.library import KINDS, ROD, Entry, Kind, LibraryEntry, is_rod
-from armour.scenario.messages import NUMBER, Section, key_name, model_in
+from armour.scenario.messages import NOT_TINY, NUMBER, TINY, Section, key_name, model_in
 from armour.scenario.schema import ArmourSection, Impact
 from armour.units import GPA, MM, MPA, missing_unit
 
@@ -168,9 +168,12 @@ def _bounds(name: str) -> tuple[tuple[Callable[[Any, float], Any], float], ...]:
     field = model.model_fields[key]
     inner = model_in(field.annotation)
     stated = field.metadata if inner is None else inner.model_fields[NUMBER].metadata
-    return tuple(
-        (compare, getattr(m, word)) for m in stated for word, compare in _COMPARISONS.items() if hasattr(m, word)
-    )
+    bounds = [(compare, getattr(m, word)) for m in stated for word, compare in _COMPARISONS.items() if hasattr(m, word)]
+    return (*bounds, (_is_not_tiny, TINY)) if NOT_TINY in stated else tuple(bounds)
+
+
+def _is_not_tiny(values: Any, tiny: float) -> Any:
+    return (values == 0.0) | (abs(values) >= tiny)
 
 
 def _rods(scenario: "Scenario", columns: Mapping[str, "Floats"]) -> Iterator[list[Any]]:

@@ -11,6 +11,9 @@ from armour.errors import InputError, Problem, choices
 from armour.files import read_text
 from armour.units import missing_unit
 
+# More rows than tests or shots that anyone has made; their fits take about a minute.
+MAX_ROWS = 100_000
+
 
 class CsvRow(NamedTuple):
     """A row of a CSV table: its cells by column, without the empty ones."""
@@ -32,6 +35,9 @@ def read_rows(
         raise InputError(
             [Problem(str(path), "", f"must have a header with {' and '.join(needed)}, found an empty file")]
         )
+    if len(lines) > MAX_ROWS + 1:
+        message = f"must have at most {MAX_ROWS} rows below its header, found {len(lines) - 1}"
+        raise InputError([Problem(str(path), "", message)])
     header = lines[0][1]
     wrong = [Problem(str(path), *found) for found in _wrong_columns(header, [*numbers, *texts], needed)]
     rows: list[CsvRow] = []

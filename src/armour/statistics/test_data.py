@@ -1,6 +1,7 @@
 """Tests for a calibration: a table of inputs and measurements, read from CSV."""
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Container, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
@@ -80,10 +81,11 @@ def read_tests(path: str | PathLike[str], scenario: Scenario) -> Tests:
     numbers = (*INPUTS, *MEASURED, *MEASURED.values())
     rows, problems = read_rows(path, numbers=numbers, texts=("test", OUTCOME, *NAMES.values()), needed=())
     names = tuple(row.texts.get("test", row.place) for row in rows)
+    repeated = {name for name, count in Counter(names).items() if count > 1}
     problems += [
         Problem(str(path), f"{row.place}: {key}" if key else row.place, message)
         for row in rows
-        for key, message in _mistakes(row, names)
+        for key, message in _mistakes(row, repeated)
     ]
     measurements = [measurement for test, row in enumerate(rows) for measurement in _measurements(test, row)]
     weighted = {MEASURED[m.quantity] in rows[m.test].texts for m in measurements}
@@ -97,11 +99,11 @@ def read_tests(path: str | PathLike[str], scenario: Scenario) -> Tests:
     return Tests(str(path), names, tuple(groups), tuple(measurements), weighted == {True}, tuple(cells))
 
 
-def _mistakes(row: CsvRow, names: Sequence[str]) -> list[tuple[str, str]]:
-    """Return the mistakes in a row, column and message, given the names of all tests."""
+def _mistakes(row: CsvRow, repeated: Container[str]) -> list[tuple[str, str]]:
+    """Return the mistakes in a row, column and message, given the names that several tests have."""
     found = []
     name, outcome = row.texts.get("test"), row.texts.get(OUTCOME)
-    if name is not None and names.count(name) > 1:
+    if name is not None and name in repeated:
         found.append(("test", f'must name one test, found "{name}" on several lines'))
     if outcome is None and not any(column in row.texts for column in MEASURED):
         found.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}"))
