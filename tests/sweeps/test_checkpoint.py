@@ -86,10 +86,10 @@ def test_a_store_resumes_with_its_own_chunks(output: Path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"scenario": "other"}, "with another scenario; finish"),
-        ({"quantities": "y", "rows": "z"}, "with another quantities and another rows; finish"),
-        ({"program": "z"}, "with another program"),
-        ({"version": "0.9", "program": "z"}, r"with another version of armour \(0.9, where this is 1.0\); finish"),
+        ({"scenario": "other"}, "which differs in scenario; finish"),
+        ({"quantities": "y", "rows": "z"}, "which differs in quantities and rows; finish"),
+        ({"program": "z"}, r"which differs in program \(its source, or the version of numba or numpy\); finish"),
+        ({"version": "0.9", "program": "z"}, r"which differs in version of armour \(0.9, where this is 1.0\); finish"),
     ],
 )
 def test_what_differs_is_named(output: Path, change: dict[str, str], message: str):

@@ -106,7 +106,7 @@ def test_another_sweep_does_not_resume_with_its_chunks(
     source = sweep_grid("impact.velocity_m_s=700,800")
     with pytest.raises(KeyboardInterrupt):
         sweep(sweep_scenario(), source, ["outcome"], tmp_path / "a.csv", size=1, on_chunk=interrupt)
-    with pytest.raises(InputError, match=f"another sweep, with another {request.node.callspec.id}; finish"):
+    with pytest.raises(InputError, match=f"another sweep, which differs in {request.node.callspec.id}; finish"):
         sweep(other(), source, [quantity], tmp_path / "a.csv", size=1)
 
 

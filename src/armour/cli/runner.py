@@ -156,9 +156,9 @@ def respond(
             show_json(data)
         else:
             show(*tables, title=title)
+    say(*(f"wrote {path}" for path in contents if not failed), *warnings)
     if failed:
         raise failed[0] if len(failed) == 1 else InputError([problem for error in failed for problem in _told(error)])
-    say(*(f"wrote {path}" for path in contents), *warnings)
 
 
 def _told(error: ArmourError) -> Sequence[Problem]:

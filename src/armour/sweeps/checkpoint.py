@@ -156,7 +156,7 @@ class Store:
             raise _problem(self.folder / "job", message) from None
         if others := differences(self.job, job):
             message = (
-                f"holds chunks of another sweep, with another {' and another '.join(others)}; "
+                f"holds chunks of another sweep, which differs in {' and '.join(others)}; "
                 "finish that with its own command and program, or remove the folder to start anew"
             )
             raise _problem(self.folder, message)
