@@ -133,7 +133,9 @@ def at(data: Any, path: tuple[Any, ...]) -> Any:
 
 def mutated_data(data: dict[str, Any], dice: Dice) -> dict[str, Any]:
     """Change one value or key of TOML data."""
-    found_at = places(data) or [("title",)]
+    found_at = places(data)
+    if not found_at:
+        return {"title": value(dice)}
     numbers = [path for path in found_at if isinstance(at(data, path), float)]
     where = dice.choice(numbers if numbers and dice.random() < 0.7 else found_at)
     table: Any = data
@@ -161,6 +163,8 @@ def mutated_data(data: dict[str, Any], dice: Dice) -> dict[str, Any]:
 def scaled(data: dict[str, Any], dice: Dice) -> dict[str, Any]:
     """Change one number of TOML data by a factor."""
     numbers = [path for path in places(data) if isinstance(at(data, path), float)]
+    if not numbers:
+        return data
     *path, last = dice.choice(numbers)
     at(data, tuple(path))[last] *= 10.0 ** (dice.choice([0.1, 0.3, 1.0]) * dice.uniform(-1, 1))
     return data
