@@ -25,3 +25,8 @@ def test_a_suggestion_is_the_closest_name():
 def test_choices_are_the_closest_name_or_all():
     assert choices("AD86", ["AD85", "Al-N"]) == '; did you mean "AD85"?'
     assert choices("nothing", ["AD85", "Al-N"]) == "; choose from AD85, Al-N"
+
+
+def test_no_suggestion_among_very_many_names():
+    """Ten thousand wrong names are not compared with as many others."""
+    assert suggestion("AD86", ["AD85", *map(str, range(1000))]) == ""

@@ -1,10 +1,11 @@
 import os
+from contextvars import copy_context
 from pathlib import Path
 
 import pytest
 
-from armour.errors import InputError
-from armour.files import check_writable, read_toml, shipped, write_atomic, wrong_ending
+from armour.errors import ArmourError, InputError
+from armour.files import check_writable, parse_toml, read_toml, reserve, shipped, write_atomic, written, wrong_ending
 
 
 def test_shipped_data_is_found():
@@ -20,7 +21,14 @@ def test_a_byte_order_mark_is_ignored(tmp_path: Path):
 
 @pytest.mark.parametrize(
     ("content", "words"),
-    [(b"\xff\xfe\x00", "UTF-8"), (b"a = ", "valid TOML"), (b"a = " + b"[" * 5000, "nested too deeply")],
+    [
+        (b"\xff\xfe\x00", "UTF-8"),
+        (b"a = ", "valid TOML"),
+        (b"a = " + b"[" * 5000, "nested too deeply"),
+        (b".".join([b"a"] * 500) + b" = 1", "nested too deeply"),
+        (b"a = " + b"1" * 5000, "more than 64 bits"),
+        (b"a = [{ b = 0x" + b"f" * 17 + b" }]", "more than 64 bits"),
+    ],
 )
 def test_invalid_toml_is_reported(tmp_path: Path, content: bytes, words: str):
     path = tmp_path / "a.toml"
@@ -29,13 +37,17 @@ def test_invalid_toml_is_reported(tmp_path: Path, content: bytes, words: str):
         read_toml(path)
 
 
+def test_the_longest_integers_are_read():
+    assert parse_toml(f"a = [{2**63 - 1}, {-(2**63)}]", "a") == {"a": [2**63 - 1, -(2**63)]}
+
+
 def test_an_endless_file_is_not_read_to_its_end():
     with pytest.raises(InputError, match="must be at most"):
         read_toml(Path("/dev/zero"))
 
 
 def test_a_missing_file_and_a_folder_cannot_be_read(tmp_path: Path):
-    for path in (tmp_path / "nothing.toml", tmp_path):
+    for path in (tmp_path / "nothing.toml", tmp_path, Path("a\0b"), tmp_path / ("n" * 256)):
         with pytest.raises(InputError, match="cannot be read"):
             read_toml(path)
 
@@ -47,13 +59,61 @@ def test_a_file_is_written_whole(tmp_path: Path):
     assert os.listdir(tmp_path) == ["out.csv"]
 
 
+def full(*_: object) -> None:
+    raise OSError(28, "No space left on device")
+
+
+def two_files(folder: Path) -> dict[Path, bytes]:
+    """Contents of a file that is there and of a new one."""
+    (folder / "old").write_bytes(b"old")
+    return {folder / "old": b"changed", folder / "new": b"new"}
+
+
+def two_are_as_before(folder: Path) -> bool:
+    return os.listdir(folder) == ["old"] and (folder / "old").read_bytes() == b"old"
+
+
+def test_files_are_written_all(tmp_path: Path):
+    with written(two_files(tmp_path)):
+        assert (tmp_path / "new").read_bytes() == b"new"
+    assert (tmp_path / "old").read_bytes() == b"changed"
+    assert sorted(os.listdir(tmp_path)) == ["new", "old"]
+
+
+@pytest.mark.parametrize("call", ["fsync", "replace"])
+@pytest.mark.parametrize("nth", [1, 2])
+def test_or_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str, nth: int):
+    contents = two_files(tmp_path)
+    really, calls = getattr(os, call), []
+
+    def fails_once(*args: object) -> None:
+        calls.append(args)
+        full() if len(calls) == nth else really(*args)
+
+    monkeypatch.setattr(os, call, fails_once)
+    with pytest.raises(InputError, match="no space left"), written(contents):
+        pass
+    assert two_are_as_before(tmp_path)
+
+
+def test_every_file_that_cannot_be_written_is_named(tmp_path: Path):
+    wrong = {tmp_path / "no" / "a": b"", tmp_path / ("n" * 256): b""}
+    with pytest.raises(InputError) as error, written({**two_files(tmp_path), **wrong}):
+        pass
+    assert [problem.file for problem in error.value.problems] == list(map(str, wrong))
+    assert two_are_as_before(tmp_path)
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, InputError([])])
+def test_files_are_taken_back_where_the_body_fails(tmp_path: Path, error: BaseException):
+    with pytest.raises((KeyboardInterrupt, InputError)), written(two_files(tmp_path)):
+        raise error
+    assert two_are_as_before(tmp_path)
+
+
 def test_a_failed_write_leaves_the_existing_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     path = tmp_path / "out.csv"
     path.write_bytes(b"old")
-
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
-
     monkeypatch.setattr(os, "replace", full)
     with pytest.raises(InputError, match="no space left"):
         write_atomic(path, b"new")
@@ -66,6 +126,38 @@ def test_a_written_file_has_the_permissions_of_a_new_file(tmp_path: Path):
     plain.write_bytes(b"")
     write_atomic(whole, b"")
     assert whole.stat().st_mode == plain.stat().st_mode
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o666])
+def test_a_replaced_file_keeps_its_permissions(tmp_path: Path, mode: int):
+    path = tmp_path / "private"
+    path.write_bytes(b"old")
+    path.chmod(mode)
+    write_atomic(path, b"new")
+    assert path.stat().st_mode & 0o777 == mode
+
+
+@pytest.mark.parametrize("length", [246, 255])
+def test_a_long_name(tmp_path: Path, length: int):
+    path = tmp_path / ("n" * length)
+    check_writable(path)
+    write_atomic(path, b"new")
+    assert path.read_bytes() == b"new"
+
+
+def test_a_reserved_output_is_not_read(tmp_path: Path):
+    (tmp_path / "out.toml").write_text("a = 1")
+    (tmp_path / "link.toml").symlink_to("out.toml")
+    (tmp_path / "other.toml").write_text("a = 2")
+
+    def in_a_command() -> None:
+        reserve([tmp_path / "new.toml", tmp_path / "out.toml"])
+        assert read_toml(tmp_path / "other.toml") == {"a": 2}
+        with pytest.raises(ArmourError, match=r"out\.toml: must not be the file that is read"):
+            read_toml(tmp_path / "link.toml")
+
+    copy_context().run(in_a_command)
+    assert read_toml(tmp_path / "link.toml") == {"a": 1}
 
 
 def test_a_symbolic_link_stays_one(tmp_path: Path):
@@ -88,7 +180,9 @@ def test_a_pipe_is_not_replaced(tmp_path: Path):
 
 def test_unwritable_outputs_are_reported(tmp_path: Path):
     check_writable(tmp_path / "new.csv")
-    for path in (tmp_path, tmp_path / "nowhere" / "a.csv"):
+    (tmp_path / "loop").symlink_to("loop")
+    wrong = (tmp_path / "nowhere" / "a.csv", tmp_path / "loop", tmp_path / ("n" * 256), Path("a\0b"))
+    for path in (tmp_path, *wrong):
         with pytest.raises(InputError, match="cannot be written"):
             check_writable(path)
 

@@ -7,10 +7,19 @@ The public names are those in the stub file ``__init__.pyi``; each is imported o
 'perforated'
 """
 
-import lazy_loader
-
 __version__ = "0.1.0"
 # First number: the equations and their interpretation. Second number: any change of the computed digits.
 MODEL_VERSION = "1.1"
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+def __getattr__(name: str) -> object:
+    """Attach the public names on the first use of one, which the command line can start without."""
+    import lazy_loader
+
+    get, listed, names = lazy_loader.attach_stub(__name__, __file__)
+    globals().update(__getattr__=get, __dir__=listed, __all__=names)
+    return names if name == "__all__" else get(name)
+
+
+def __dir__() -> list[str]:
+    return list(__getattr__("__all__"))

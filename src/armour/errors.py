@@ -13,6 +13,9 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import NamedTuple
 
+# Known words beyond which none is suggested, as each wrong word is compared with all of them.
+MAX_WORDS = 1000
+
 
 class Problem(NamedTuple):
     """A mistake in the input.
@@ -70,6 +73,8 @@ class NoDesignError(NoAnswerError):
 
 def suggestion(word: str, known: Sequence[str]) -> str:
     """Return a hint at the known word closest to a given one, such as '; did you mean "AD85"?'; "" if none is close."""
+    if len(known) > MAX_WORDS:
+        return ""
     by_lower = {name.lower(): name for name in known}
     found = get_close_matches(word.lower(), list(by_lower), n=1)
     return f'; did you mean "{by_lower[found[0]]}"?' if found else ""

@@ -1,19 +1,27 @@
-"""Read text and TOML files, locate the shipped data and write files atomically."""
+"""Read text and TOML files, locate the shipped data and write files, all or none."""
 
 import os
-import tempfile
+import secrets
+import stat
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from contextvars import ContextVar
+from os import PathLike
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from armour.errors import InputError, Problem
+from armour.errors import ArmourError, InputError, Problem
 
 # Longer than any scenario or library; a device such as /dev/zero has no end.
 MAX_BYTES = 10_000_000
+# Deeper than any table; TOML has integers of 64 bits.
+MAX_DEPTH, MAX_INTEGER = 50, 2**63
 
 _PACKAGE = Path(__file__).resolve().parent
 _CHECKOUT = _PACKAGE.parent.parent
+# Outputs of the running command, which must not be files that it reads.
+_outputs: ContextVar[tuple[Path, ...]] = ContextVar("_outputs", default=())
 
 
 def shipped(folder: str) -> Path:
@@ -22,17 +30,26 @@ def shipped(folder: str) -> Path:
     return installed if installed.is_dir() else _CHECKOUT / folder
 
 
-def reason(error: OSError) -> str:
-    """Return the message of the operating system, in lower case."""
-    return (error.strerror or str(error)).lower()
+def reason(error: OSError | ValueError) -> str:
+    """Return the message of the operating system, or of a path that is none, in lower case."""
+    return (getattr(error, "strerror", None) or str(error)).lower()
 
 
-def read_text(path: Path) -> str:
+def reserve(outputs: Sequence[Path]) -> None:
+    """Have every later read in this context raise an ArmourError whose file is one of the outputs."""
+    _outputs.set(tuple(outputs))
+
+
+def read_text(path: str | PathLike[str]) -> str:
     """Read a text file; raise an InputError if it is missing, unreadable, too long or not UTF-8 text."""
     try:
-        with path.open("rb") as file:
+        with open(path, "rb") as file:
+            for output in _outputs.get():
+                if output.exists() and output.samefile(path):
+                    # No InputError, which a caller may take for a mistake in the file.
+                    raise ArmourError(f"{output}: must not be the file that is read; choose another name")
             return decoded(file, str(path))
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise InputError([Problem(str(path), "", f"cannot be read: {reason(error)}")]) from None
 
 
@@ -48,7 +65,7 @@ def decoded(stream: BinaryIO, file: str) -> str:
     raise InputError([Problem(file, "", message)])
 
 
-def read_toml(path: Path) -> dict[str, Any]:
+def read_toml(path: str | PathLike[str]) -> dict[str, Any]:
     """Read a TOML file; raise an InputError if it cannot be read or is not valid TOML."""
     return parse_toml(read_text(path), str(path))
 
@@ -56,12 +73,26 @@ def read_toml(path: Path) -> dict[str, Any]:
 def parse_toml(text: str, file: str) -> dict[str, Any]:
     """Parse a text in TOML; `file` is its name in messages."""
     try:
-        return tomllib.loads(text)
+        data = tomllib.loads(text)
+        _check_sizes(data)
+        return data
     except tomllib.TOMLDecodeError as error:
         message = f"must be valid TOML, found an error: {error}"
     except RecursionError:
         message = "must be valid TOML, found values nested too deeply"
+    except ValueError:
+        message = "must be valid TOML, found a whole number of more than 64 bits"
     raise InputError([Problem(file, "", message)])
+
+
+def _check_sizes(value: object, depth: int = 0) -> None:
+    """Raise a RecursionError or a ValueError for data nested too deeply or an integer that is too long."""
+    if depth > MAX_DEPTH:
+        raise RecursionError
+    if isinstance(value, int) and not -MAX_INTEGER <= value < MAX_INTEGER:
+        raise ValueError
+    for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+        _check_sizes(inner, depth + 1)
 
 
 def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:
@@ -74,41 +105,136 @@ def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:
 
 def check_writable(path: Path) -> None:
     """Check before a long computation that a file can be written; raise an InputError if it cannot."""
-    problem = ""
-    if path.is_dir():
-        problem = "is a folder"
-    elif not path.parent.is_dir():
-        problem = f"there is no folder {path.parent}"
-    elif not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
-        problem = "permission denied"
+    try:
+        problem = _unwritable(path)
+    except (OSError, ValueError) as error:
+        problem = reason(error)
     if problem:
         raise InputError([Problem(str(path), "", f"cannot be written: {problem}")])
 
 
+def _unwritable(path: Path) -> str:
+    """Return why a file cannot be written; "" if it can."""
+    there, folder = _status(path), _target(path).parent
+    if there is not None and stat.S_ISDIR(there.st_mode):
+        return "is a folder"
+    if not folder.is_dir():
+        return f"there is no folder {path.parent}"
+    needed = [path] if there is not None else []
+    if _is_replaced(there):
+        needed.append(folder)
+    return "" if all(os.access(name, os.W_OK) for name in needed) else "permission denied"
+
+
+def _status(path: Path) -> os.stat_result | None:
+    """Return the status of a file, or of what a symbolic link leads to; None if there is none."""
+    try:
+        return os.stat(path)
+    except FileNotFoundError:
+        return None
+
+
+def _target(path: Path) -> Path:
+    return Path(os.path.realpath(path))
+
+
+def _is_replaced(there: os.stat_result | None) -> bool:
+    """Return whether a file of this status is replaced by a new one; devices and pipes are written to."""
+    return there is None or stat.S_ISREG(there.st_mode)
+
+
 def write_atomic(path: Path, content: bytes) -> None:
-    """Write a file atomically, and a device or a pipe directly; the target of a symbolic link is replaced.
+    """Write a file as `written` does."""
+    with written({path: content}):
+        pass
 
-    Raise an InputError if the file cannot be written; an existing file is then left unchanged.
+
+@contextmanager
+def written(contents: Mapping[Path, bytes]) -> Iterator[None]:
+    """Write files, all or none, before the body; if the body fails, they are taken back.
+
+    All are written under other names before any is renamed.  The target of a symbolic link is replaced, and the new
+    file has its mode, owner and group; devices and pipes are written to.  Raise an InputError with every failure.
     """
-    try:
-        if path.exists() and not path.is_file():
-            path.write_bytes(content)
-        else:
-            _replace(path.resolve(), content)
-    except OSError as error:
-        raise InputError([Problem(str(path), "", f"cannot be written: {reason(error)}")]) from None
+    problems: list[Problem] = []
+    with ExitStack() as cleanup, ExitStack() as undo:
+        temporaries: dict[Path, Path] = {}
+        for path, content in contents.items():
+            with _collected(path, problems):
+                if _is_replaced(_status(path)):
+                    temporaries[path] = _temporary(_target(path), content, cleanup)
+        for path in sorted(contents, key=temporaries.__contains__) if not problems else ():
+            with _collected(path, problems):
+                if path in temporaries:
+                    _rename(temporaries[path], _target(path), cleanup, undo)
+                else:
+                    # A reader that goes away wants no more.
+                    with suppress(BrokenPipeError):
+                        path.write_bytes(contents[path])
+        if problems:
+            raise InputError(problems)
+        yield
+        undo.pop_all()
 
 
-def _replace(path: Path, content: bytes) -> None:
-    # Permissions that this process gives to new files; they can only be read by changing them.
-    mask = os.umask(0)
-    os.umask(mask)
-    handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+@contextmanager
+def _collected(path: Path, problems: list[Problem]) -> Iterator[None]:
+    """Add the error of writing a file, if there is one, to problems."""
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        os.chmod(temporary, 0o666 & ~mask)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
+        yield
+    except (OSError, ValueError) as error:
+        problems.append(Problem(str(path), "", f"cannot be written: {reason(error)}"))
+
+
+def _temporary(target: Path, content: bytes, cleanup: ExitStack) -> Path:
+    """Write a file beside the target, with the mode, owner and group of an existing target."""
+    there, made = _status(target), _hidden(target, cleanup)
+    mode = 0o666 if there is None else 0o600
+    with open(made, "xb", opener=lambda name, flags: os.open(name, flags, mode)) as file:
+        if there is not None:
+            for owner in ((there.st_uid, -1), (-1, there.st_gid)) if hasattr(os, "chown") else ():
+                with suppress(OSError):
+                    os.chown(made, *owner)
+            # Another group than the old one must not gain its permissions.
+            lost = 0 if made.stat().st_gid == there.st_gid else 0o070
+            made.chmod(there.st_mode & 0o777 & ~lost)
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    return made
+
+
+def _rename(temporary: Path, target: Path, cleanup: ExitStack, undo: ExitStack) -> None:
+    """Rename a file to the target, which can be undone; on a file system without hard links only for a new file."""
+    if target.exists():
+        old = _hidden(target, cleanup)
+        with suppress(OSError):
+            os.link(target, old)
+            undo.callback(_restore, old, target)
+        os.replace(temporary, target)
+    else:
+        os.replace(temporary, target)
+        undo.callback(_remove, target)
+    with suppress(OSError):  # on Windows, a folder cannot be opened
+        folder = os.open(target.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
+
+
+def _hidden(target: Path, cleanup: ExitStack) -> Path:
+    """Return an unused name beside the target, no longer than any name may be; it is removed at the end."""
+    name = target.with_name(f".armour-{secrets.token_hex(8)}")
+    cleanup.callback(_remove, name)
+    return name
+
+
+def _restore(old: Path, target: Path) -> None:
+    with suppress(OSError):
+        os.replace(old, target)
+
+
+def _remove(path: Path) -> None:
+    with suppress(OSError):
+        path.unlink()

@@ -4,12 +4,13 @@ from armour.analysis.ballistic_limit import (
     ballistic_limit,
     bisect,
     curve_velocities,
-    find_crossings,
     residual_velocity_curve,
-    scan,
 )
-from armour.errors import NoLimitError
+from armour.analysis.impact import impact_at
+from armour.core.search import scan
+from armour.errors import InputError, NoLimitError
 from tests.helpers.cases import scenario
+from tests.helpers.exotic import changing_designs
 
 
 def test_bisection_narrows_to_the_tolerance():
@@ -25,16 +26,31 @@ def test_bisection_ends_where_floats_do():
 
 
 def test_the_scan_has_both_ends():
-    velocities = scan(20.0, 4000.0, 33)
+    velocities = scan(20.0, 4000.0)
     assert (velocities[0], velocities[-1], len(velocities)) == (20.0, 4000.0, 33)
     assert velocities == sorted(velocities)
 
 
-def test_all_crossings_are_found():
-    crossings = find_crossings(lambda v: 300 < v < 800 or v > 1500, 20.0, 4000.0, 0.01)
-    assert [c.above for c in crossings] == ["perforated", "defeated", "perforated"]
-    found = [velocity for c in crossings for velocity in c.bracket_m_s]
-    assert found == pytest.approx([300, 300, 800, 800, 1500, 1500], abs=0.01)
+CHANGES = {
+    "defeated again": [730.78, 1709.42],
+    "defeated in between": [524.03, 670.95, 2156.25],
+    "perforated between scanned velocities": [1488.70, 1735.91, 6038.31],
+    "perforated at a maximum of depth": [48.02, 52.43, 143.89],
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_all_changes_of_the_outcome_are_found(name: str):
+    of = changing_designs()[name]
+    result = ballistic_limit(of)
+    assert [c.bracket_m_s[1] for c in result.crossings] == pytest.approx(CHANGES[name], abs=0.01)
+    assert [c.above for c in result.crossings] == (["perforated", "defeated"] * 2)[: len(result.crossings)]
+    assert result.ballistic_limit_m_s == result.crossings[0].bracket_m_s[1]
+    assert not result.monotonic
+    for crossing in result.crossings:
+        outcomes = [impact_at(of, velocity).outcome for velocity in crossing.bracket_m_s]
+        assert outcomes[0] != outcomes[1] == crossing.above
+        assert 0.0 < crossing.bracket_m_s[1] - crossing.bracket_m_s[0] <= 0.01
 
 
 def test_the_limit_is_the_upper_end_of_its_bracket():
@@ -43,7 +59,8 @@ def test_the_limit_is_the_upper_end_of_its_bracket():
     assert result.ballistic_limit_m_s == high
     assert 0 < high - low <= 0.01
     assert result.monotonic
-    assert 33 < result.runs < 60
+    assert 33 < result.runs < 50
+    assert (result.scanned_velocities, result.scanned_range_m_s) == (33, (20.0, 4000.0))
     assert result.areal_density_kg_m2 == pytest.approx(39.243)
 
 
@@ -55,7 +72,10 @@ def test_a_tighter_tolerance_is_kept():
 
 @pytest.mark.parametrize(
     ("low", "high", "message"),
-    [(20.0, 500.0, "no velocity from 20 to 500 m/s perforates"), (900.0, 4000.0, "every velocity from 900")],
+    [
+        (20.0, 500.0, "none of 33 velocities from 20 to 500 m/s perforates"),
+        (900.0, 4000.0, "all of 33 velocities from 900"),
+    ],
 )
 def test_a_range_without_a_limit(low: float, high: float, message: str):
     search = {"velocity_min_m_s": low, "velocity_max_m_s": high}
@@ -63,17 +83,15 @@ def test_a_range_without_a_limit(low: float, high: float, message: str):
         ballistic_limit(scenario(ballistic_limit=search))
 
 
-def test_an_outcome_that_is_not_monotonic_is_reported(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.analysis.ballistic_limit.perforates", lambda _s, _a, v: 300 < v < 800 or v > 1500)
-    result = ballistic_limit(scenario())
-    assert not result.monotonic
-    assert len(result.crossings) == 3
-    assert result.ballistic_limit_m_s == pytest.approx(300, abs=0.01)
+def test_a_lowest_velocity_that_perforates_is_no_limit():
+    of = changing_designs()["defeated in between"].replaced({"ballistic_limit": {"velocity_min_m_s": 600.0}})
+    with pytest.raises(NoLimitError, match=r"perforates, but some higher velocities do not .*defeated above 670\.9"):
+        ballistic_limit(of)
 
 
-def test_a_lowest_velocity_that_perforates_is_no_limit(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.analysis.ballistic_limit.perforates", lambda _s, _a, v: v < 800 or v > 1500)
-    with pytest.raises(NoLimitError, match=r"perforates, but some higher velocities do not .*defeated above 800"):
+def test_a_run_that_does_not_end_names_its_velocity(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("armour.analysis.ballistic_limit.MAX_STEPS", 3)
+    with pytest.raises(InputError, match="the run at 20 m/s"):
         ballistic_limit(scenario())
 
 

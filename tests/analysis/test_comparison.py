@@ -6,7 +6,7 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.closed_forms import residual_velocity
 from armour.analysis.comparison import Comparison, compare, florence_ballistic_limit
-from armour.errors import InputError
+from armour.errors import InputError, NoAnswerError
 from tests.helpers.cases import scenario
 
 
@@ -73,3 +73,9 @@ def test_all_missing_quantities_are_named():
         "library.metal.m.ultimate_tensile_strength_MPa",
         "library.metal.m.strain_to_fracture",
     ]
+
+
+def test_a_range_that_ends_at_the_limit_has_nothing_to_fit():
+    limit = wilkins().limit.ballistic_limit_m_s
+    with pytest.raises(NoAnswerError, match="no fit: the range of velocities ends at the ballistic limit"):
+        compare(scenario(ballistic_limit={"velocity_max_m_s": limit}))

@@ -106,3 +106,9 @@ def test_a_run_that_does_not_end_names_the_arrest_velocity(monkeypatch: pytest.M
     assert str(error.value) == (
         "scenario: solver.arrest_velocity_m_s: must let the run at 100 m/s end within 5000 steps, found 1e-09; raise it"
     )
+
+
+def test_a_default_is_told_as_one(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("armour.analysis.impact.MAX_STEPS", 5)
+    with pytest.raises(InputError, match="end within 5 steps, found 1, the default; raise it"):
+        simulate(scenario())

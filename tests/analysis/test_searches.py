@@ -4,20 +4,19 @@ import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.impact import simulate
 from armour.analysis.searches import (
     ballistic_limits,
     bisect_rows,
     least_backings_mm,
     least_ceramics_mm,
     least_totals_mm,
-    lowest_limits,
-    smooth_limits,
+    limit_brackets,
 )
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated, variants_of, with_thicknesses
-from armour.errors import NoLimitError
+from armour.errors import InputError, NoLimitError
 from armour.scenario.loading import Scenario
-from tests.helpers.cases import library, scenario
+from tests.helpers.cases import scenario
+from tests.helpers.exotic import changing_designs, random_wide_designs
 
 WIDE = {
     "ceramic_thickness_mm": {"min": 1.0, "max": 20.0, "step": 0.5},
@@ -93,31 +92,40 @@ def test_a_bare_plate_in_proportion():
     assert least_totals_mm(alone(bare)) == pytest.approx(least_backings_mm(alone(bare)), abs=2e-6)
 
 
+def inside_the_data(count: int) -> list[Scenario]:
+    rng = np.random.default_rng(3)
+    return [
+        case(ceramic_mm=float(rng.uniform(4.0, 16.0)), backing_mm=float(rng.uniform(4.5, 18.0))) for _ in range(count)
+    ]
+
+
+@pytest.mark.parametrize("of", [*inside_the_data(10), *changing_designs().values(), *random_wide_designs(14, 1)])
+def test_the_limit_of_a_row_is_that_of_a_single_search(of: Scenario):
+    [found] = ballistic_limits(alone(of)).tolist()
+    assert found == pytest.approx(limit_of(of), rel=0.0, abs=0.0, nan_ok=True)
+
+
 def test_limits_of_rows_are_those_of_single_searches():
     thicknesses = [(c, b) for c in (2.0, 6.0, 12.0) for b in (3.0, 9.0)]
     variants = rows_of(case(), *map(list, zip(*thicknesses, strict=True)))
     expected = [limit_of(case(ceramic_mm=c, backing_mm=b)) for c, b in thicknesses]
     assert ballistic_limits(variants).tolist() == expected
-    assert lowest_limits(variants, 20.0, 4000.0).values.tolist() == expected
-    assert smooth_limits(variants, 1e-6) == pytest.approx(np.array(expected), abs=0.01, nan_ok=True)
+    finer = ballistic_limits(variants, tolerance=1e-6)
+    assert (np.array(expected) - 0.01 <= finer).all()
+    assert (finer <= expected).all()
 
 
-def test_the_lowest_limit_is_that_of_the_scan_where_outcomes_are_not_monotonic():
-    materials = library((6.5, 18.235, 11000.0, 1.3743), (4006.0, 398.7, 6.36), (2750.0, 3.7794, 792.4))
-    of = scenario("x", "c", "b", ceramic_mm=3.3, backing_mm=2.3, velocity=533.0, library=materials)
-    found = lowest_limits(alone(of), 20.0, 4000.0)
-    assert simulate(of).outcome == "defeated"
-    assert found.values[0] < 533.0
-    assert found.values[0] == limit_of(of)
-    assert found.runs > 33
-
-
-def test_lowest_limits_outside_the_range():
+def test_brackets_outside_the_range():
     variants = rows_of(case(), [6.0, 6.0], [6.0, 12.0])
-    assert lowest_limits(variants, 20.0, 100.0).values.tolist() == [np.inf, np.inf]
-    assert lowest_limits(variants, 1500.0, 4000.0).values.tolist() == [-np.inf, -np.inf]
-    middle = float(lowest_limits(variants, 20.0, 4000.0).values.mean())
-    assert lowest_limits(variants, middle, 4000.0).values[0] == -np.inf
+    assert limit_brackets(variants, 20.0, 100.0, 0.01).perforated.tolist() == [np.inf, np.inf]
+    assert limit_brackets(variants, 1500.0, 4000.0, 0.01).defeated.tolist() == [-np.inf, -np.inf]
+    assert np.isnan(ballistic_limits(alone(case().replaced({"ballistic_limit": {"velocity_min_m_s": 1500.0}})))).all()
+
+
+def test_an_unresolved_search_names_its_velocity(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 3)
+    with pytest.raises(InputError, match="the run at 20 m/s"):
+        ballistic_limits(alone(case()))
 
 
 def test_brackets_are_narrowed_row_by_row():

@@ -1,11 +1,11 @@
 import json
-import sys
 from pathlib import Path
 
 import pytest
 
 from armour import ballistic_limit, load_scenario
 from tests.helpers.cases import SCENARIOS
+from tests.helpers.exotic import changing_designs
 
 WILKINS = SCENARIOS / "wilkins.toml"
 
@@ -39,22 +39,22 @@ def test_a_plot(cli, folder: Path):
 
 def test_no_limit_in_the_range_is_exit_code_1(cli, folder: Path):
     [line] = cli.fails(1, "ballistic-limit", with_search(folder, "velocity_max_m_s = 500"), "--json")
-    assert "no velocity from 20 to 500 m/s perforates" in line
+    assert "none of 33 velocities from 20 to 500 m/s perforates" in line
     [line] = cli.fails(1, "ballistic-limit", with_search(folder, "velocity_min_m_s = 900"))
-    assert "every velocity from 900 to 4000 m/s perforates" in line
+    assert "all of 33 velocities from 900 to 4000 m/s perforate" in line
 
 
-def test_all_crossings_are_shown(cli, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(
-        sys.modules["armour.analysis.ballistic_limit"], "perforates", lambda _s, _a, v: 300 < v < 800 or v > 1500
-    )
-    result = cli("ballistic-limit", WILKINS)
+def test_all_crossings_are_shown(cli, folder: Path):
+    path = folder / "changing.toml"
+    path.write_text(changing_designs()["defeated in between"].to_toml())
+    result = cli("ballistic-limit", path)
     assert result.exit_code == 0
     assert "not monotonic" in result.stderr
     assert [line.split()[-1] for line in result.stdout.splitlines()[-3:]] == ["perforated", "defeated", "perforated"]
-    data = json.loads(cli("ballistic-limit", WILKINS, "--json").stdout)
+    data = json.loads(cli("ballistic-limit", path, "--json").stdout)
     assert not data["monotonic"]
     assert len(data["crossings"]) == 3
+    assert (data["scanned_velocities"], data["scanned_range_m_s"]) == (33, [1.0, 10000.0])
 
 
 def test_a_limit_outside_the_data_is_warned_of(cli):

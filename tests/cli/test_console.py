@@ -1,11 +1,27 @@
 """Output of the process itself: what it finds out about the terminal."""
 
+import json
 import os
 import pty
+import signal
 import subprocess
 import sys
+from contextlib import suppress
+from pathlib import Path
 
+import pytest
+
+from armour.cli.console import show_json
 from tests.helpers.cases import SCENARIOS
+
+
+def test_json_has_no_number_without_a_value_and_no_control_character(capsys: pytest.CaptureFixture[str]):
+    text = "é µ\x1b\x9b\u202e\ufffe\udcff\U000e0001"
+    show_json({text: [text, float("nan"), (float("-inf"), 0.1 + 0.2)], "n": None})
+    shown = capsys.readouterr().out
+    assert json.loads(shown) == {text: [text, None, [None, 0.1 + 0.2]], "n": None}
+    assert all(line.isprintable() for line in shown.splitlines())
+    assert "é µ" in shown
 
 
 def test_a_real_terminal_has_its_width():
@@ -28,3 +44,24 @@ def test_a_real_terminal_has_its_width():
     lines = text.decode().replace("\r\n", "\n").splitlines()
     assert max(map(len, lines)) == 80
     assert {"residual", "277.38", "1067.2", "penetrated;"} <= {word for line in lines for word in line.split()}
+
+
+def test_a_long_command_shows_progress_and_ends_when_interrupted(folder: Path):
+    """Its standard error is a pseudo-terminal; it leaves no file behind."""
+    theirs, ours = pty.openpty()
+    environment = {**os.environ, "TERM": "xterm", "COLUMNS": "100", "LINES": "24"}
+    options = ["--samples", "131072", "--plot", "u.svg"]
+    command = [sys.executable, "-m", "armour", "uncertainty", str(SCENARIOS / "uncertain.toml"), *options]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=ours, env=environment, cwd=folder) as process:
+        os.close(ours)
+        shown = b""
+        while b"samples/s" not in shown:
+            shown += os.read(theirs, 4096)
+        process.send_signal(signal.SIGINT)
+        with suppress(OSError):
+            while block := os.read(theirs, 4096):
+                shown += block
+        assert process.wait() == 130
+    os.close(theirs)
+    assert b"interrupted" in shown
+    assert not list(folder.iterdir())

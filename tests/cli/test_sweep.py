@@ -1,6 +1,7 @@
 import csv
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -57,7 +58,8 @@ def test_cases_from_a_file(cli, folder: Path):
         ([], "sweep: give either --over or --cases"),
         (["--over", "a"], "sweep: --over: must be KEY=MIN:MAX:STEP"),
         (["--over", "impact.velocity_m_s=800", "--quantities", "speed"], "sweep: --quantities: unknown quantity"),
-        (["--over", "impact.velocity_m_s=800,-1"], f"{WILKINS}: impact.velocity_m_s: must be greater than 0, found -1"),
+        (["--over", "impact.velocity_m_s=800,-1"], "command line: --over impact.velocity_m_s: must be greater than 0"),
+        (["--over", "armour.ceramic.density_kg_m3=1"], "sweep: armour.ceramic.density_kg_m3: must not go below"),
         (
             ["--over", "impact.velocity_m_s=800", "--quantities", "outcome", "--plot", "a.png"],
             "sweep: --plot cannot draw outcome, which is not a number",
@@ -68,6 +70,7 @@ def test_cases_from_a_file(cli, folder: Path):
         ),
         (["--cases", "missing.csv"], "missing.csv: cannot be read"),
         (["--over", "impact.velocity_m_s=800", "--scheduler", "nowhere:x"], "sweep: --scheduler: must be"),
+        (["--over", *",--over,".join(f"{k}=1:4:1e-4" for k in "abcde").split(",")], "sweep: --over: must span at most"),
     ],
 )
 def test_what_is_wrong(cli, args: list[str], message: str):
@@ -76,13 +79,41 @@ def test_what_is_wrong(cli, args: list[str], message: str):
     assert not Path("t.csv").exists()
 
 
-@pytest.mark.usefixtures("folder")
-def test_interrupted_it_says_how_to_resume(cli, monkeypatch: pytest.MonkeyPatch):
+def test_interrupted_it_says_how_to_resume(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
     def interrupted(*_args, **_settings):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("armour.sweeps.sweep.sweep", interrupted)
-    assert cli.fails(130, "sweep", WILKINS, *OVER, "-o", "t.csv") == ["interrupted; repeat the same command to resume"]
+    monkeypatch.setattr("armour.sweeps.plan.MAX_CHUNK", 2)
+    command = ("sweep", WILKINS, "--over", "impact.velocity_m_s=700:900:50", "--quantities", "outcome", "-o", "t.csv")
+    with monkeypatch.context() as patch:
+        patch.setattr("armour.sweeps.checkpoint.Store.finish", interrupted)
+        [line] = cli.fails(130, *command)
+    assert line == "interrupted; 3 of 3 chunks are done; repeat the same command to resume"
+    chunk = folder / "t.csv.parts" / "00000001.chunk"
+    chunk.write_bytes(b"")
+    result = cli(*command)
+    damaged = f"{chunk.relative_to(folder)}: damaged, computed anew"
+    assert (result.exit_code, result.stderr.splitlines()) == (0, [damaged, "wrote t.csv: 5 rows"])
+    assert (folder / "t.csv").read_text().count("\n") == 6
+
+
+def test_a_large_sweep_asks_before_it_starts(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
+    over = (
+        "--over",
+        f"{CERAMIC}=2:12:2e-4",
+        "--over",
+        "impact.velocity_m_s=500:1500:0.02",
+        "--over",
+        "projectile.flow_stress_GPa=1,2,3,4",
+    )
+    [line] = cli.fails(2, "sweep", WILKINS, *over, "-o", "t.csv")
+    assert re.match(r"sweep: 10,000,400,004 rows; about [\d,]+ (hours|days)", line)
+    assert line.endswith("; --yes to go on")
+    assert list(folder.iterdir()) == []
+    monkeypatch.setattr("armour.sweeps.plan.LONG_S", 0.0)
+    monkeypatch.setattr("armour.cli.sweep.ANNOUNCED_S", 0.0)
+    result = cli("sweep", WILKINS, *OVER, "-o", "t.csv", "--yes")
+    assert result.stderr.splitlines() == ["1 rows; about 1 second", "wrote t.csv: 1 rows"]
 
 
 def test_the_help_lists_every_quantity(cli):
@@ -102,15 +133,35 @@ def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
     command = ["sweep", str(WILKINS), *over, "--quantities", "residual_velocity_m_s"]
     process = subprocess.Popen([sys.executable, "-m", "armour", *command, "-o", "t.csv"], stderr=subprocess.DEVNULL)
     deadline = time.monotonic() + 60.0
-    while not list(folder.glob("t.csv.parts/0*.csv")):
+    while not list(folder.glob("t.csv.parts/*.chunk")):
         assert process.poll() is None
         assert time.monotonic() < deadline
         time.sleep(0.01)
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
-    parts = {path: path.stat().st_mtime_ns for path in folder.glob("t.csv.parts/0*.csv")}
-    assert 0 < len(parts) < 25
+    parts = {path: path.stat().st_mtime_ns for path in folder.glob("t.csv.parts/*.chunk")}
+    assert parts
     assert cli(*command, "-o", "t.csv").exit_code == 0
     assert cli(*command, "-o", "whole.csv").exit_code == 0
     assert (folder / "t.csv").read_bytes() == (folder / "whole.csv").read_bytes()
     assert (folder / "t.csv").read_bytes().count(b"\n") == 2001 * 121 + 1
+
+
+def test_a_wrong_row_of_cases_has_its_line(cli, folder: Path):
+    keys = "projectile.penetrator_diameter_mm,projectile.penetrator_mass_g"
+    (folder / "c.csv").write_text(f"{keys}\n6.5,5.46\n\n65,5460\n0.65,5.46\n")
+    [line] = cli.fails(2, "sweep", WILKINS, "--cases", "c.csv", "-o", "t.csv")
+    assert line.startswith('c.csv: line 5: library.projectile."7.62 mm AP".penetrator_mass_g: must make a rod')
+    (folder / "c.csv").write_text(f"{keys}\n6.5,5.46\n65,5460\n0.65,0.00546\n")
+    assert cli("sweep", WILKINS, "--cases", "c.csv", "--quantities", "outcome", "-o", "t.csv").exit_code == 0
+
+
+def test_one_key_in_two_spellings(cli):
+    over = ["--over", "armour.ceramic_thickness_mm=5,6", "--over", ' armour."ceramic_thickness_mm" = 7,8']
+    assert cli.fails(2, "sweep", WILKINS, *over, "-o", "t.csv") == ["sweep: --over: must not name a key twice"]
+
+
+def test_a_wrong_combination_names_the_axes(cli):
+    over = ["--over", "projectile.penetrator_mass_g=5,5000", "--over", "impact.velocity_m_s=700,800"]
+    [line] = cli.fails(2, "sweep", WILKINS, *over, "-o", "t.csv")
+    assert line.startswith("command line: --over projectile.penetrator_mass_g=5000, impact.velocity_m_s=700: library")

@@ -55,3 +55,9 @@ def test_a_change_needs_a_scenario(cli):
 def test_no_answer(cli, folder: Path):
     (folder / "s.csv").write_text("velocity_m_s,result\n700,complete\n730,partial\n")
     assert cli.fails(1, "v50", "s.csv")[0].startswith("no V50")
+
+
+@pytest.mark.parametrize("option", [("--pairs", "0"), ("--span-m-s", "-1"), ("--confidence", "2")])
+def test_an_option_out_of_range(cli, option: tuple[str, str]):
+    [line] = cli.fails(2, "v50", SHOTS, *option)
+    assert line.startswith(f"v50: {option[0][2:].replace('-', '_')}: must be at ")

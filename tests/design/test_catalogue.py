@@ -1,15 +1,21 @@
 """Catalogues: layers, threats, constraints and costs, and wrong questions about them."""
 
 from typing import Any
+from unittest.mock import Mock
 
+import numpy as np
 import pytest
 
+from armour.design import catalogue as module
 from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
+from armour.engine import batch
 from armour.errors import InputError, NoDesignError
-from tests.helpers.cases import CERAMICS, RANGE, THREATS, catalogue, scenario
+from armour.scenario.loading import Scenario
+from tests.helpers.cases import CERAMICS, METALS, RANGE, THREATS, catalogue, scenario
 from tests.helpers.plain_designs import defeats, designs
 
+GRID = {"ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}, "backing_thickness_mm": RANGE}
 UNCERTAIN = {
     "samples": 1024,
     "ceramic": {"flow_stress_GPa": {"distribution": "normal", "standard_deviation_percent": 4.0}},
@@ -126,4 +132,45 @@ def test_costs_that_are_asked_for_must_be_given(asked: dict[str, Any]):
 def test_wrong_questions(case: Any, message: str):
     with pytest.raises(InputError) as error:
         optimise(case())
+    assert message in str(error.value)
+
+
+@pytest.mark.parametrize("ceramic", ["AD85", None])
+def test_the_rows_of_pairs_and_threats_are_those_of_their_scenarios(ceramic: str | None):
+    case = catalogue([*THREATS, {"projectile": "25 mm APDS", "velocity_m_s": 1000.0}])
+    if ceramic is None:
+        case = scenario(ceramic=None, ceramic_mm=0.0, optimise=GRID).replaced({"design": {"backing": METALS}})
+    found = catalogue_of(case)
+    for pair in range(len(found.offers)):
+        for threat in range(len(found.threats)):
+            one = found.candidates(pair, np.array([9.0 if ceramic else 0.0]), np.array([6.0]))
+            thick = {"armour.ceramic_thickness_mm": float(one.ceramic_mm[0]), "armour.backing_thickness_mm": 6.0}
+            armour = found.against(pair, threat).replaced(thick).core_armour()
+            variants = found.variants(one, threat)
+            assert variants.parameters.tolist() == batch.packed([armour]).tolist()
+            assert variants.velocities.tolist() == [found.threats[threat].required_m_s]
+
+
+def test_a_scenario_for_each_material_and_projectile_not_for_each_pair_and_threat(monkeypatch: pytest.MonkeyPatch):
+    threats = [{"projectile": "7.62 mm AP", "velocity_m_s": 500.0 + i} for i in range(40)]
+    case, replaced = catalogue(threats), Mock(wraps=Scenario.replaced)
+    monkeypatch.setattr(Scenario, "replaced", lambda *args: replaced(*args))
+    catalogue_of(case)
+    # Two for each of 2 ceramics, 2 metals and 1 projectile, with a density of its own, and one without the catalogue.
+    assert replaced.call_count <= 11
+
+
+@pytest.mark.parametrize(
+    ("most", "message"),
+    [
+        ({"MAX_PAIRS": 3}, "design: must hold at most 3 pairs of materials, found 4"),
+        ({"MAX_DESIGNS": 143}, "design: must hold at most 143 designs, found 144"),
+        ({"MAX_IMPACTS": 200}, "threat: must list at most 1 threats for 144 designs, found 2"),
+    ],
+)
+def test_more_than_can_be_meant(monkeypatch: pytest.MonkeyPatch, most: dict[str, int], message: str):
+    for name, value in most.items():
+        monkeypatch.setattr(module, name, value)
+    with pytest.raises(InputError) as error:
+        catalogue_of(catalogue())
     assert message in str(error.value)

@@ -161,6 +161,9 @@ def test_a_pareto_front_has_no_design_with_a_ballistic_limit_below_the_threat():
     assert margins[0] > 0.0
     assert margins == sorted(margins)
     assert masses == sorted(masses)
+    for design in front[:: len(front) // 3]:
+        limit = ballistic_limit(of_design(lower_limit(), design)).ballistic_limit_m_s
+        assert design.margin_m_s == limit - 532.67
 
 
 def test_no_design_without_a_lower_ballistic_limit():

@@ -33,8 +33,8 @@ def test_a_bound_on_the_probability_of_perforation():
     for (ceramic, backing, hc, hb), values in designs(case, defeats):
         if values["areal_density_kg_m2"] < best.areal_density_kg_m2 - 1e-9:
             [scenario] = [
-                offer.against[0]
-                for offer in offered.offers
+                offered.against(pair, 0)
+                for pair, offer in enumerate(offered.offers)
                 if (offer.ceramic.material, offer.backing.material) == (ceramic, backing)
             ]
             found = probability_within(1.0, scenario, hc, hb, points)

@@ -1,15 +1,25 @@
 """Search of many designs against several threats."""
 
+import dataclasses
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.core.state import Outcome
+from armour.design import requirement
+from armour.design import search as searches
+from armour.design.catalogue import Catalogue
 from armour.design.optimise import optimise
 from armour.design.search import undominated
 from armour.engine import batch
 from armour.scenario.loading import load_scenario
 from tests.helpers.cases import SCENARIOS, THREATS, catalogue, scenario
+
+VARIANTS = Catalogue.variants
 
 
 def test_margins_and_the_threat_that_governs():
@@ -120,3 +130,30 @@ def test_equal_sums_are_equal_on_the_front():
     front = optimise(catalogue(THREATS[:1], **layers, pareto=["thickness_mm", "areal_density_kg_m2"])).pareto
     thicknesses = [round(item.thickness_mm, 6) for item in front]
     assert len(set(thicknesses)) == len(thicknesses)
+
+
+@given(st.integers(2, 3).flatmap(lambda width: st.lists(st.lists(st.integers(0, 6), min_size=width, max_size=width))))
+@settings(max_examples=100, deadline=None)
+def test_undominated_rows_are_those_that_no_other_dominates(rows: list[list[int]]):
+    costs = np.array(rows, dtype=float).reshape(len(rows), -1 if rows else 2)
+    first = [i for i, row in enumerate(rows) if row not in rows[:i]]
+    expected = [
+        i for i in first if not any(other != rows[i] and (costs[j] <= costs[i]).all() for j, other in enumerate(rows))
+    ]
+    assert sorted(undominated(costs).tolist()) == expected
+
+
+def test_a_search_in_portions(monkeypatch: pytest.MonkeyPatch):
+    """No array grows with the catalogue."""
+    case = catalogue(pareto=["areal_density_kg_m2", "margin_m_s"])
+    whole = optimise(case)
+    variants = Mock(wraps=VARIANTS)
+    monkeypatch.setattr(requirement, "IMPACTS_AT_A_TIME", 20)
+    monkeypatch.setattr(requirement, "LIMITS_AT_A_TIME", 3)
+    monkeypatch.setattr(searches, "LIMITS_AT_A_TIME", 3)
+    monkeypatch.setattr(Catalogue, "variants", lambda *args: variants(*args))
+    counted: list[int] = []
+    found = optimise(case, on_progress=lambda count, _: counted.append(count))
+    assert dataclasses.replace(found, runs=whole.runs) == whole
+    assert max(len(call.args[1].pair) for call in variants.call_args_list) == 20
+    assert sum(counted) >= found.runs

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from armour.core.run import run
-from armour.core.search import find_ballistic_limit, find_least_ceramic_thickness
+from armour.core.search import find_ballistic_limit, find_least_ceramic_thickness, scan
 from armour.core.state import Outcome
 from armour.core.stepping import time_step
 from armour.engine import batch
@@ -14,6 +14,7 @@ from tests.helpers.runs import random_designs
 
 COUNT = 400
 SEARCHES = 40
+LIMITS = 8
 
 
 @pytest.fixture(scope="module")
@@ -34,9 +35,9 @@ def test_impacts_are_those_of_plain_python(rows: batch.Floats, velocities: batch
 
 
 def test_ballistic_limits_are_those_of_plain_python(rows: batch.Floats):
-    found = batch.ballistic_limits(rows[:SEARCHES], 20.0, 4000.0, 1e-3)
-    for i, p in enumerate(random_designs(COUNT)[:SEARCHES]):
-        plain = find_ballistic_limit(p, 20.0, 4000.0, 1e-3, 1.0, 0.0, 500_000)
+    found = batch.ballistic_limits(rows[:LIMITS], 20.0, 4000.0, 1e-3)
+    for i, p in enumerate(random_designs(COUNT)[:LIMITS]):
+        plain = find_ballistic_limit(p, scan(20.0, 4000.0), 1e-3, 1.0, 0.0, 500_000)
         assert tuple(column[i] for column in found) == plain
 
 

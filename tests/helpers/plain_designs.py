@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from armour.analysis.ballistic_limit import SCAN_POINTS, bisect, scan
+from armour.analysis.ballistic_limit import bisect
 from armour.analysis.impact import perforates
+from armour.core.search import scan
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.scenario.loading import Scenario
@@ -38,7 +39,7 @@ def defeats(own: Scenario, required: float) -> bool:
 def passes(own: Scenario, required: float) -> bool:
     """Whether an armour has no ballistic limit below a velocity, by the scan and by a denser one."""
     section, armour = own.ballistic_limit, own.core_armour()
-    velocities = scan(section.velocity_min_m_s, section.velocity_max_m_s, SCAN_POINTS)
+    velocities = scan(section.velocity_min_m_s, section.velocity_max_m_s)
     below = [velocity for velocity in velocities if velocity < required]
     if not all(defeats(own, velocity) for velocity in [required, *below]):
         return False

@@ -9,8 +9,10 @@ import pytest
 
 from armour.reporting.contents import Contents, contents_of
 from armour.reporting.html import html_report
+from armour.reporting.report import Card, Report, Section
 from armour.reporting.scenario_report import scenario_report
 from armour.reporting.suite_report import suite_report
+from armour.reporting.table import Column, Table
 from armour.scenario.loading import load_scenario
 from tests.helpers.cases import SCENARIOS, scenario
 from tests.helpers.results import OTHER, THREAT, design_result, uncertainty_result
@@ -131,6 +133,18 @@ def test_texts_of_users_are_text():
     assert "<!--" not in content
     assert "&lt;script&gt;alert" in content
     assert "&lt;b&gt;" in content
+
+
+def test_control_characters_are_escaped():
+    name = "\x1b[31m\x01\ufffe\u202e</pre><script>"
+    table = Table((Column(name),), ((name,),))
+    section = Section(name, (name,), f"{name}\n{name}", "toml", (table,), ((name, name),))
+    content = html_report(Report(name, name, (section,), (), (Card(name, name, name),), (name,)))
+    assert all(line.isprintable() for line in content.replace(NO_BREAK, " ").splitlines())
+    assert content.count("\\x1b[31m\\x01\\ufffe\\u202e&lt;/pre&gt;&lt;script&gt;") == 16
+    nesting = Nesting()
+    nesting.feed(content)
+    assert nesting.open == []
 
 
 def test_names_of_materials_are_text():

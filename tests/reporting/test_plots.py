@@ -1,6 +1,7 @@
 import warnings
 from dataclasses import replace
 from itertools import combinations
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -142,6 +143,17 @@ def test_a_square_panel_has_one_scale():
 def test_a_title_is_shown_as_it_is():
     chart = replace(CHARTS["bars"](), title="5 $ for $x_{_^ <&>")
     assert "5 $ for $x_{_^ &lt;&amp;&gt;" in rendered(chart, ".svg").decode()
+
+
+def test_no_text_is_markup():
+    text = "_ $\\frac{1}{0}$ <&>"
+    bars = Bars([0.0], [1.0], label=text)
+    panel = Panel(Axis(text, text), Axis(text, categories=(text,)), (bars,), title=text)
+    root = ElementTree.fromstring(rendered(Chart(text, (panel,), text), ".svg"))
+    shown = ["".join(element.itertext()).strip() for element in root.iter("{http://www.w3.org/2000/svg}text")]
+    # Title, note, legend, category, y axis and panel; the x axis has its unit as well.
+    assert shown.count(text) == 6
+    assert f"{text}, {text}" in shown
 
 
 def test_no_line_ends_between_a_number_and_its_unit():

@@ -68,3 +68,17 @@ def test_csv_has_keys_and_numbers_with_all_digits():
     first, second = csv.DictReader(StringIO(csv_text(table)))
     assert (first["name"], float(first["length_mm"])) == ('a "b", c', 0.1 + 0.2)
     assert second == {"name": "d", "length_mm": ""}
+
+
+def test_a_text_is_no_formula_for_a_spreadsheet():
+    texts = ["=cmd|' /C calc'!A0", "+1", "-x", "@x", "\tx", "\rx", "a=b", "6061-T6", ""]
+    table = Table((NAME, LENGTH), tuple((text, -1.5) for text in texts))
+    cells = [row["name"] for row in csv.DictReader(StringIO(csv_text(table)))]
+    assert cells == ["'=cmd|' /C calc'!A0", "'+1", "'-x", "'@x", "'\\tx", "'\\rx", "a=b", "6061-T6", ""]
+    assert {row["length_mm"] for row in csv.DictReader(StringIO(csv_text(table)))} == {"-1.5"}
+
+
+def test_a_number_that_is_not_finite_is_left_out():
+    table = Table((NAME, LENGTH), (("a", float("nan")), ("b", float("inf"))))
+    assert csv_text(table) == "name,length_mm\na,\nb,\n"
+    assert table.texts() == [["a", ""], ["b", ""]]

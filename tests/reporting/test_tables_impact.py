@@ -78,7 +78,7 @@ THREE = (*ONE, Crossing((900.0, 900.01), "defeated"), Crossing((950.0, 950.01), 
 
 
 def limit(crossings: tuple[Crossing, ...]) -> LimitResult:
-    return LimitResult(700.01, (700.0, 700.01), 46, 39.243, len(crossings) == 1, crossings, ())
+    return LimitResult(700.01, (700.0, 700.01), 46, 39.243, len(crossings) == 1, crossings, 33, (20.0, 4000.0), ())
 
 
 def test_a_limit():
@@ -92,6 +92,7 @@ def test_a_limit():
 
 
 def test_crossings_are_listed_where_there_are_several():
-    assert len(limit_tables(limit(ONE))) == 1
-    assert limit_tables(limit(THREE))[1] == crossing_table(limit(THREE))
+    scanned = "33 velocities from 20 to 4000 m/s were scanned; "
+    assert limit_tables(limit(ONE))[1:] == [scanned + "all above the ballistic limit perforate"]
+    assert limit_tables(limit(THREE))[1:] == [scanned + "the outcome changes 3 times", crossing_table(limit(THREE))]
     assert crossing_table(limit(THREE)).rows[1] == (900.0, 900.01, "defeated")

@@ -1,9 +1,11 @@
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
 from armour.errors import InputError
+from armour.scenario import library
 from armour.scenario.library import (
     KINDS,
     Library,
@@ -139,3 +141,21 @@ def test_a_library_file(tmp_path: Path):
     path.write_text("[ceramic.X]\nbased_on = 'AD85'\nflow_stress_GPa = {value = 4, status = 'fitted', source = 'us'}\n")
     value = read_library(path, shipped_library()).find("X")[0].values["flow_stress_GPa"]
     assert (value.value, value.status, value.source) == (4, "fitted", "us")
+
+
+@pytest.mark.parametrize("step", [1, -1])
+def test_a_long_chain_of_bases_is_resolved_once(monkeypatch: pytest.MonkeyPatch, step: int):
+    chain = {f"m{i}": {"based_on": f"m{i - 1}" if i else "6061-T6"} for i in range(1500)}
+    shipped_library()  # is read once
+    complete = Mock(wraps=library._completed)
+    monkeypatch.setattr(library, "_completed", complete)
+    entries = extended({"metal": dict(list(chain.items())[::step])})
+    assert complete.call_count == 1500
+    assert entries.find("m1499")[0]["density_kg_m3"] == shipped_library().find("6061-T6")[0]["density_kg_m3"]
+
+
+def test_a_long_loop_is_reported_for_each_entry_that_leads_to_it():
+    loop = {f"m{i}": {"based_on": f"m{(i + 1) % 1500}"} for i in range(1500)}
+    found = messages({"metal": {**loop, "first": {"based_on": "m3"}, "free": {"based_on": "6061-T6"}}})
+    assert len(found) == 1501
+    assert all("must not lead back" in message for message in found)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from armour.errors import InputError
-from armour.scenario.parameters import BACKING, CERAMIC, INPUTS, check_names, check_ranges, inputs_of, with_inputs
+from armour.scenario.parameters import BACKING, CERAMIC, INPUTS, check_names, check_rows, inputs_of, with_inputs
 from tests.helpers.cases import scenario
 
 
@@ -45,10 +45,10 @@ def test_unknown_names_are_reported():
 
 def test_values_that_are_not_allowed():
     with pytest.raises(InputError, match="found -1"):
-        check_ranges(scenario(), {"ceramic.flow_stress_GPa": np.array([5.0, -1.0])})
+        check_rows(scenario(), {"ceramic.flow_stress_GPa": np.array([5.0, -1.0])})
     for value in (np.nan, np.inf, -np.inf):
         with pytest.raises(InputError, match="finite"):
-            check_ranges(scenario(), {"impact.velocity_m_s": np.array([500.0, value])})
+            check_rows(scenario(), {"impact.velocity_m_s": np.array([500.0, value])})
     with pytest.raises(InputError) as error:
-        check_ranges(scenario(), {CERAMIC: np.array([-1.0, 5.0]), BACKING: np.array([1e9, 0.0])})
-    assert [problem.key for problem in error.value.problems] == [CERAMIC, BACKING]
+        check_rows(scenario(), {CERAMIC: np.array([-1.0, 5.0]), BACKING: np.array([1e9, 0.0])})
+    assert [problem.key for problem in error.value.problems] == [f"row 1: {CERAMIC}", f"row 1: {BACKING}"]

@@ -1,5 +1,10 @@
+import tomllib
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 
+from armour.scenario import toml_lines
 from armour.scenario.toml_lines import line_of, lines_of
 
 TEXT = """# a comment
@@ -57,3 +62,16 @@ def test_where_a_key_is(key: str, line: int | None):
 
 def test_what_stands_before_an_error():
     assert lines_of("a = 1\n[b]\nc = = 2\nd = 3\n") == {"a": 1, "b": 2}
+
+
+def test_a_long_statement_is_parsed_once(monkeypatch: pytest.MonkeyPatch):
+    parsed = []
+
+    def loads(text: str) -> dict[str, Any]:
+        parsed.append(len(text))
+        return tomllib.loads(text)
+
+    monkeypatch.setattr(toml_lines, "tomllib", SimpleNamespace(loads=loads, TOMLDecodeError=tomllib.TOMLDecodeError))
+    text = "[[table]]\nrows = [\n" + "  [1.0, 2.0],\n" * 300 + "]\nname = 'x'\n"
+    assert lines_of(text)["table[0].name"] == 304
+    assert sum(parsed) == len(text) + 1

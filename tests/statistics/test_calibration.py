@@ -12,6 +12,7 @@ from armour.analysis.impact import simulate
 from armour.errors import InputError
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import with_inputs
+from armour.statistics import least_squares_fit
 from armour.statistics.calibration import calibrate
 from armour.statistics.fitted_library import value_at
 from armour.statistics.flow_stress_laws import FLOW_STRESS, Law
@@ -185,3 +186,30 @@ def test_a_run_that_does_not_end_names_the_key(monkeypatch: pytest.MonkeyPatch, 
     monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 5)
     with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run"):
         calibrate(read_tests(TESTS, wilkins), wilkins)
+
+
+def test_a_law_that_is_none_and_nothing_to_fit():
+    wilkins = shipped_scenario("wilkins")
+    tests = read_tests(str(TESTS), wilkins)
+    with pytest.raises(InputError, match='law: must be a law, found "linaer"; did you mean "linear"'):
+        calibrate(tests, wilkins, law="linaer")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="must name at least one input"):
+        calibrate(tests, wilkins, [])
+
+
+def test_tests_left_out_cost_one_prediction_where_they_change_little(
+    tmp_path: Path, wilkins: Scenario, monkeypatch: pytest.MonkeyPatch
+):
+    """The linearised fits without a test agree with repeated searches."""
+    columns = {C: np.repeat([5.0, 6.0, 7.0, 8.0, 9.0], 6), B: np.tile([4.0, 5.0, 6.0, 7.0, 8.0, 9.0], 5)}
+    limits = evaluate(wilkins, columns, ["ballistic_limit_m_s"])["ballistic_limit_m_s"] + np.tile([4.0, -4.0], 15)
+    rows = [f"{c},{b},{value:.3f}" for c, b, value in zip(*columns.values(), limits, strict=True)]
+    tests = read_tests(csv_file(tmp_path / "t.csv", f"{C},{B},ballistic_limit_m_s", *rows), wilkins)
+    counts: list[int] = []
+    quick = calibrate(tests, wilkins, on_progress=lambda count, _: counts.append(count))
+    searches = len(counts)
+    monkeypatch.setattr(least_squares_fit, "SMALL_CHANGE", 0.0)
+    exact = calibrate(tests, wilkins, on_progress=lambda count, _: counts.append(count))
+    assert len(counts) > 2 * searches + 2 * len(rows)
+    assert [r.left_out for r in quick.residuals] == pytest.approx([r.left_out for r in exact.residuals], rel=2e-6)
+    assert quick.residuals[0].left_out != quick.residuals[0].computed

@@ -3,6 +3,7 @@ from pathlib import Path
 import pytest
 
 from armour.errors import InputError
+from armour.statistics import csv_table
 from armour.statistics.csv_table import read_rows
 
 
@@ -69,3 +70,10 @@ def test_wrong_columns(tmp_path: Path, header: str, found: list[str]):
 )
 def test_nothing_in_it(tmp_path: Path, text: str, message: str):
     assert messages(tmp_path, text) == [message]
+
+
+def test_a_table_of_too_many_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(csv_table, "MAX_ROWS", 2)
+    rows = "velocity_m_s,result\n700,partial\n710,partial\n"
+    assert messages(tmp_path, rows) == []
+    assert messages(tmp_path, rows + "720,complete\n") == ["t.csv: must have at most 2 rows below its header, found 3"]

@@ -12,7 +12,7 @@ C, B, V = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "impact.
 def test_measurements_and_bounds(tmp_path: Path):
     rows = ["a,6,,700,,", "b,7,800,,250,perforated", "c,9,810,,,defeated"]
     path = csv_file(tmp_path / "t.csv", f"test,{C},{V},ballistic_limit_m_s,residual_velocity_m_s,outcome", *rows)
-    tests = read_tests(path, shipped_scenario("wilkins"))
+    tests = read_tests(str(path), shipped_scenario("wilkins"))
     assert tests.names == ("a", "b", "c")
     assert not tests.weighted
     assert [(m.test, m.quantity, m.value, m.side) for m in tests.measurements] == [

@@ -9,11 +9,13 @@ from scipy import stats
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import Estimate
-from armour.analysis.variants import perforated, variants_of
+from armour.analysis.searches import ballistic_limits
+from armour.analysis.variants import Floats, Variants, perforated, variants_of
 from armour.errors import InputError, NoLimitError
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import with_inputs
-from armour.statistics.uncertainty import probability_curve, quantile, sample_limits, sobol, uncertainty
+from armour.statistics import uncertainty as module
+from armour.statistics.uncertainty import index_samples, probability_curve, quantile, sample_limits, sobol, uncertainty
 from tests.helpers.cases import scenario, shipped_scenario
 
 
@@ -205,3 +207,27 @@ def test_the_section_is_checked_with_the_scenario():
     with pytest.raises(InputError) as error:
         scenario(uncertainty={"ceramic": {"flow_stres_GPa": NORMAL}, "samples": 100})
     assert 'uncertainty.ceramic.flow_stres_GPa: unknown key; did you mean "flow_stress_GPa"?' in str(error.value)
+
+
+def test_samples_are_computed_in_portions(monkeypatch: pytest.MonkeyPatch):
+    normal = {"distribution": "normal", "standard_deviation_percent": 2.0}
+    case = with_section(ceramic={"flow_stress_GPa": normal}, armour={"backing_thickness_mm": normal}, samples=256)
+    whole = uncertainty(case)
+    sizes, done = [], []
+
+    def limits(samples: Variants) -> Floats:
+        sizes.append(len(samples.velocities))
+        return ballistic_limits(samples)
+
+    monkeypatch.setattr(module, "SAMPLES_AT_A_TIME", 50)
+    monkeypatch.setattr(module, "ballistic_limits", limits)
+    assert uncertainty(case, on_progress=lambda *counts: done.append(counts)) == whole
+    assert max(sizes) == 50
+    assert {total for _, total in done} == {sum(count for count, _ in done)}
+
+
+def test_the_samples_of_indices_are_bounded():
+    normal = {"distribution": "normal", "standard_deviation_percent": 2.0}
+    inputs = {"ceramic": {"flow_stress_GPa": normal}, "armour": {"backing_thickness_mm": normal}}
+    sections = [with_section(**inputs, samples=samples).uncertainty for samples in (128, 4096, 2**22)]
+    assert [index_samples(section) for section in sections if section] == [256, 1024, 65_536]

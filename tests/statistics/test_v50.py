@@ -1,6 +1,7 @@
 """V50 by the rule of MIL-STD-662F, against examples worked out by hand."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -55,7 +56,7 @@ def test_wrong_shots(tmp_path: Path, rows: str, message: str):
     path = tmp_path / "shots.csv"
     path.write_text(f"velocity_m_s,result\n{rows}\n")
     with pytest.raises(InputError) as error:
-        read_shots(path)
+        read_shots(str(path))
     assert message in str(error.value)
 
 
@@ -75,3 +76,31 @@ def test_shots_that_repeat_are_named_in_the_column_of_shots(tmp_path: Path):
     path = csv_file(tmp_path / "shots.csv", "velocity_m_s,result", "700,partial", "700,partial", "710,complete")
     with pytest.raises(InputError, match="line 3: repeats line 2; where both took place, name them in the column shot"):
         read_shots(path)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"pairs": 0}, "v50: pairs: must be at least 1, found 0"),
+        ({"span_m_s": -1.0}, "v50: span_m_s: must be at least 0, found -1"),
+        ({"span_m_s": float("nan")}, "v50: span_m_s: must be a finite number"),
+        ({"confidence": 2.0}, r"v50: confidence: must be at most 0\.9999, found 2"),
+        ({"confidence": 0.0}, r"v50: confidence: must be at least 0\.5, found 0"),
+    ],
+)
+def test_settings_out_of_range(settings: dict[str, Any], message: str):
+    with pytest.raises(InputError, match=message):
+        v50(APART, **settings)
+
+
+@pytest.mark.parametrize(
+    ("shots", "message"),
+    [
+        (Shots((700.0,), (True,)), "at least one partial and one complete"),
+        (Shots((700.0, 800.0), (True,)), "as many velocities as results, found 2 and 1"),
+        (Shots((700.0, float("nan")), (True, False)), "at most 10000 m/s, found nan"),
+    ],
+)
+def test_shots_that_are_none(shots: Shots, message: str):
+    with pytest.raises(InputError, match=message):
+        v50(shots)

@@ -1,3 +1,4 @@
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,16 @@ def test_a_grid_gives_every_combination_once():
     assert (source.keys, source.count) == (("a", "b"), 9)
 
 
+def test_a_grid_of_many_axes_is_not_held_in_memory():
+    wide = "=" + ",".join(map(str, range(1000)))
+    source = sweep_grid(*(key + wide for key in "abcd"))
+    assert source.count == 10**12
+    assert {key: column.tolist() for key, column in source.sample(2).items()} == {key: [0.0, 999.0] for key in "abcd"}
+    assert next(source.chunks(3))["d"].tolist() == [0.0, 1.0, 2.0]
+    with pytest.raises(InputError, match="--over: must span at most 1,000,000,000,000 rows, found 1e\\+15"):
+        sweep_grid(*(key + wide for key in "abcde"))
+
+
 def test_cases_in_chunks(tmp_path: Path):
     rows = np.random.default_rng(3).uniform(0.0, 1.0, (57, 2))
     source = Cases(csv_file(tmp_path / "cases.csv", "a,b", *(f"{a!r},{b!r}" for a, b in rows.tolist())))
@@ -39,20 +50,64 @@ def test_cases_in_chunks(tmp_path: Path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "must be a table of numbers"),
+        ("", "must have a header of keys and at least one row"),
         ("a,b\n", "at least one row"),
         ("a,b\n1,2\n\n3,x\n", 'line 4: b: must be a number, found "x"'),
         ("a,b\n1,\n", 'line 2: b: must be a number, found ""'),
-        ("a,b\n1,2,3\n", "must be a table of numbers below a header of keys: .*got 3"),
-        ("a,b\n1,1_0\n", "must be a table of numbers below a header of keys: .*1_0"),
+        ("a,b\n1,2,3\n", "line 2: must have 2 cells as the header has, found 3"),
+        ("a,b\n1,2\n1\n", "line 3: must have 2 cells as the header has, found 1"),
+        ("a,b\n1,1_0\n", 'line 2: b: must be a number, found "1_0"'),
+        ("a,b\n1,inf\n", 'line 2: b: must be a number, found "inf"'),
+        ('a,b\n1,"2\n3"\n', "line 3: must have 2 cells"),
+        ("a,a\n1,2\n", "line 1: a: must be the name of one column, found several"),
+        ("a,\n1,2\n", "line 1: must name a key in each column, found none in 2"),
+        ("a\n1\0\n", "line 2: must be text, found the character 0x00"),
+        ("a\r1\r", "line 1: must be text, found the character 0x0d"),
+        ("a\n" + "1" * 200_000, "line 2: must be shorter than 100,000 bytes"),
+        ("é\n1\n".encode("latin-1"), "line 1: must be UTF-8 text, found the byte 0xe9"),
+        ("a\n1\n".encode("utf-16"), "line 1: must be UTF-8 text, found the byte 0xff"),
     ],
 )
-def test_wrong_tables(tmp_path: Path, text: str, message: str):
-    (tmp_path / "cases.csv").write_text(text)
+def test_wrong_tables(tmp_path: Path, text: str | bytes, message: str):
+    (tmp_path / "cases.csv").write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(InputError, match=message):
         Cases(tmp_path / "cases.csv")
 
 
-def test_a_missing_table(tmp_path: Path):
-    with pytest.raises(InputError, match="cannot be read"):
-        Cases(tmp_path / "cases.csv")
+@pytest.mark.parametrize("text", [b"\xef\xbb\xbfa,b\r\n1,2\r\n\r\n3,4", b'"a" , b\n\n"1", 2 \n 3,"4"\n \n'])
+def test_tables_of_other_programs(tmp_path: Path, text: bytes):
+    (tmp_path / "cases.csv").write_bytes(text)
+    source = Cases(tmp_path / "cases.csv")
+    assert source.count == 2
+    assert {key: column.tolist() for key, column in next(source.chunks(5)).items()} == {"a": [1, 3], "b": [2, 4]}
+
+
+def test_a_table_that_changes_between_passes(tmp_path: Path):
+    path = csv_file(tmp_path / "cases.csv", "a", "1", "2", "3")
+    source = Cases(path)
+    for lines, message in (
+        (("a", "1", "2"), "it had 3 rows, and has 2"),
+        (("a", "1", "2", "3.5"), "must not change during the sweep"),
+        (("b", "1", "2", "3"), "must not change during the sweep, found another header"),
+    ):
+        csv_file(path, *lines)
+        with pytest.raises(InputError, match=message):
+            list(source.chunks(2))
+
+
+@pytest.mark.parametrize(("name", "message"), [("cases.csv", "cannot be read"), (".", "must be a file")])
+def test_what_is_not_a_table(tmp_path: Path, name: str, message: str):
+    with pytest.raises(InputError, match=message):
+        Cases(tmp_path / name)
+
+
+def test_a_table_takes_memory_bounded_by_a_chunk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("armour.sweeps.cases.BLOCK", 300)
+    path = csv_file(tmp_path / "cases.csv", "a,b", *["0.123456789,1e-3"] * 9000)
+    tracemalloc.start()
+    try:
+        for chunk in Cases(path).chunks(300):
+            assert len(chunk["a"]) == 300
+        assert tracemalloc.get_traced_memory()[1] < path.stat().st_size
+    finally:
+        tracemalloc.stop()

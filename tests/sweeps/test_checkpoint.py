@@ -1,62 +1,277 @@
+import itertools
+import os
+import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from armour.errors import InputError
-from armour.sweeps.checkpoint import Store, read_table
+from armour.sweeps.checkpoint import DamagedError, Store
+from armour.sweeps.tables import count_rows, read_table
+from tests.helpers.faults import faults, full_disk
+
+JOB = {"version": "1.0", "program": "a", "scenario": "b", "quantities": "x", "rows": "c"}
 
 
-def chunk(index: int, rows: int = 3) -> dict[str, object]:
-    first = index * rows
-    return {
-        "armour.x_mm": np.arange(first, first + rows) / 10,
-        "limit_m_s": np.array([1 / 3, np.nan, 1e300]),
-        "outcome": np.array(["perforated", "", "defeated"], dtype=object),
-    }
+def values(index: int, rows: int = 3) -> dict[str, np.ndarray]:
+    return {"armour.x_mm": np.arange(index * rows, (index + 1) * rows) / 10}
 
 
-@pytest.mark.parametrize("name", ["a.csv", "a.parquet"])
-def test_chunks_in_any_order_make_the_table(tmp_path: Path, name: str):
-    path = tmp_path / name
-    store = Store(path, "job")
-    for index in (2, 0, 1):
-        store.save(index, chunk(index))
-    assert not path.exists()
-    store.finish(3)
-    if name == "a.csv":
-        assert path.read_text().splitlines()[2] == '0.1,,""'
-    table = read_table(path)
+RESULTS = {
+    "limit_m_s": np.array([1 / 3, np.nan, 1e300]),
+    "outcome": np.array(["perforated", "", "defeated"], dtype=object),
+}
+
+
+def filled(output: Path, indices: tuple[int, ...] = (0, 1, 2), job: dict[str, str] = JOB) -> None:
+    """Write some of three chunks, and all that is not there."""
+    with Store(output, job) as store:
+        store.begin(3)
+        for index in indices:
+            store.save(index, values(index), RESULTS)
+
+
+def finished(output: Path, count: int = 3) -> int:
+    """Write what is missing or damaged of some chunks, and join them."""
+    with Store(output, JOB) as store:
+        if store.finished is not None:
+            return store.finished
+        store.begin(3)
+        for index in range(count):
+            try:
+                intact = store.has(index, values(index))
+            except DamagedError:
+                intact = False
+            if not intact:
+                store.save(index, values(index), RESULTS)
+        return store.finish(count, 3 * count)
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disk that need not survive a loss of power."""
+    monkeypatch.setattr("os.fsync", lambda _handle: None)
+
+
+@pytest.fixture(params=["a.csv", "a.parquet"])
+def output(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    return tmp_path / str(request.param)
+
+
+def test_chunks_in_any_order_make_the_table(output: Path):
+    filled(output, (2, 0, 1))
+    assert not output.exists()
+    assert finished(output) == 9
+    if output.suffix == ".csv":
+        assert output.read_text().splitlines()[2] == '0.1,,""'
+    table = read_table(output)
     assert table["armour.x_mm"].tolist() == [i / 10 for i in range(9)]
     np.testing.assert_array_equal(table["limit_m_s"], [1 / 3, np.nan, 1e300] * 3)
     assert [text or "" for text in table["outcome"]] == ["perforated", "", "defeated"] * 3
-    assert list(tmp_path.iterdir()) == [path]
+    assert list(output.parent.iterdir()) == [output]
 
 
-def test_a_store_resumes_with_its_own_chunks(tmp_path: Path):
-    path = tmp_path / "a.csv"
-    first = Store(path, "job")
-    first.save(0, chunk(0))
-    again = Store(path, "job")
-    assert again.has(0)
-    assert not again.has(1)
-    with pytest.raises(InputError, match="holds chunks of another sweep"):
-        Store(path, "another job")
+def test_a_store_resumes_with_its_own_chunks(output: Path):
+    filled(output, (0,))
+    with Store(output, JOB) as again:
+        assert again.begin(99) == 3
+        assert again.has(0, values(0))
+        assert not again.has(1, values(1))
+        with pytest.raises(DamagedError):
+            again.has(0, values(1))
 
 
-def test_existing_files_are_not_overwritten(tmp_path: Path):
-    path = tmp_path / "a.csv"
-    path.write_text("mine")
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"scenario": "other"}, "which differs in scenario; finish"),
+        ({"quantities": "y", "rows": "z"}, "which differs in quantities and rows; finish"),
+        ({"program": "z"}, r"which differs in program \(its source, or the version of numba or numpy\); finish"),
+        ({"version": "0.9", "program": "z"}, r"which differs in version of armour \(0.9, where this is 1.0\); finish"),
+    ],
+)
+def test_what_differs_is_named(output: Path, change: dict[str, str], message: str):
+    filled(output, (0,), {**JOB, **change})
+    with pytest.raises(InputError, match=message):
+        Store(output, JOB).__enter__()
+    assert output.with_name(output.name + ".parts").is_dir()
+
+
+def bit_flipped(chunk: Path, _other: Path) -> None:
+    data = bytearray(chunk.read_bytes())
+    data[-3] ^= 4
+    chunk.write_bytes(data)
+
+
+def truncated(chunk: Path, _other: Path) -> None:
+    os.truncate(chunk, chunk.stat().st_size - 5)
+
+
+def emptied(chunk: Path, _other: Path) -> None:
+    chunk.write_bytes(b"")
+
+
+def exchanged(chunk: Path, other: Path) -> None:
+    shutil.copy(other, chunk)
+
+
+def deleted(chunk: Path, _other: Path) -> None:
+    chunk.unlink()
+
+
+@pytest.mark.parametrize("damage", [bit_flipped, truncated, emptied, exchanged, deleted])
+def test_a_damaged_chunk_is_noticed_before_and_while_they_are_joined(output: Path, damage: Callable[..., None]):
+    finished(output.with_stem("b"))
+    filled(output)
+    chunk, other = (output.with_name(output.name + ".parts") / f"0000000{index}.chunk" for index in (1, 2))
+    damage(chunk, other)
+    with Store(output, JOB) as store, pytest.raises(DamagedError, match=r"00000001\.chunk"):
+        store.finish(3, 9)
+    assert not output.exists()
+    assert finished(output) == 9
+    assert output.read_bytes() == output.with_stem("b").read_bytes()
+
+
+def test_a_table_that_lacks_rows_is_not_given_out(output: Path):
+    filled(output)
+    with Store(output, JOB) as store, pytest.raises(InputError, match="must have 10 rows, found 9"):
+        store.finish(3, 10)
+    assert not output.exists()
+    assert finished(output) == 9
+
+
+def test_the_size_of_chunks_leaves_no_trace(output: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("armour.sweeps.tables.ROW_GROUP", 7)
+    column = np.random.default_rng(1).normal(size=60)
+    for name, size in (("one", 60), ("many", 4)):
+        with Store(output.with_stem(name), JOB) as store:
+            store.begin(size)
+            for index in range(60 // size):
+                store.save(index, {"x": column[index * size : (index + 1) * size]}, {})
+            store.finish(60 // size, 60)
+    assert output.with_stem("one").read_bytes() == output.with_stem("many").read_bytes()
+    assert count_rows(output.with_stem("one"), as_csv=output.suffix == ".csv") == 60
+
+
+def test_one_process_at_a_time(output: Path):
+    with Store(output, JOB) as first:
+        with pytest.raises(InputError, match="another sweep is at work"):
+            Store(output, {**JOB, "quantities": "y"}).__enter__()
+        first.begin(3)
+    assert list(output.parent.iterdir()) == []
+
+
+class KilledError(BaseException):
+    """The process is dead: nothing that it does reaches the disk."""
+
+
+def test_a_kill_at_any_step_leaves_what_can_be_resumed(output: Path, monkeypatch: pytest.MonkeyPatch):
+    def kill(_step: str) -> None:
+        raise KilledError
+
+    finished(output.with_stem("b"), 1)
+    expected = output.with_stem("b").read_bytes()
+    # The lock of a process that is killed here dies with it.
+    monkeypatch.setattr("armour.sweeps.lock._lock", lambda _handle: None)
+    killed = []
+    for step in itertools.count():
+        with faults(step, kill) as steps:
+            try:
+                finished(output, 1)
+            except KilledError:
+                killed.append(steps[step])
+        if len(steps) <= step:
+            break
+        assert not output.exists() or output.read_bytes() == expected
+        try:
+            assert finished(output, 1) == 3
+        except InputError as error:
+            assert "exists already" in str(error)  # noqa: PT017
+        assert output.read_bytes() == expected
+        assert {path.name for path in output.parent.iterdir()} == {output.name, output.with_stem("b").name}
+        output.unlink()
+    assert set(killed) == {"open", "mkdir", "create", "write", "fsync", "replace", "unlink", "rmdir"}
+
+
+def test_a_full_disk_at_any_step_is_told(output: Path):
+    finished(output.with_stem("b"), 1)
+    for step in itertools.count():
+        with faults(step, full_disk) as steps:
+            try:
+                finished(output, 1)
+            except InputError as error:
+                assert "cannot be written: no space left on device" in str(error)  # noqa: PT017
+                kept = "what is done is kept, repeat the same command to resume" in str(error)
+                assert kept == bool(list(output.parent.glob("*.parts/*.chunk")))
+        if len(steps) <= step:
+            break
+        if not output.exists() or output.with_name(output.name + ".parts").exists():
+            assert finished(output, 1) == 3
+        assert output.read_bytes() == output.with_stem("b").read_bytes()
+        assert {path.name for path in output.parent.iterdir()} == {output.name, output.with_stem("b").name}
+        output.unlink()
+    assert step > 15
+
+
+def test_a_folder_that_goes_during_the_sweep(output: Path):
+    with Store(output, JOB) as store:
+        store.begin(3)
+        store.save(0, values(0), RESULTS)
+        shutil.rmtree(store.folder)
+        with pytest.raises(InputError, match="must stay during the sweep, and was removed"):
+            store.save(1, values(1), RESULTS)
+    assert finished(output) == 9
+
+
+def test_existing_files_are_not_overwritten(output: Path):
+    output.write_text("mine")
     with pytest.raises(InputError, match="exists already"):
-        Store(path, "job")
-    folder = tmp_path / "b.csv.parts"
+        Store(output, JOB).__enter__()
+    assert list(output.parent.iterdir()) == [output]
+    folder = output.with_name("b.csv.parts")
     folder.mkdir()
-    with pytest.raises(InputError, match="another sweep"):
-        Store(tmp_path / "b.csv", "job")
+    (folder / "mine").touch()
+    with pytest.raises(InputError, match=r"b\.csv\.parts: holds files of something else, mine for one"):
+        Store(output.with_name("b.csv"), JOB).__enter__()
+    assert [path.name for path in folder.iterdir()] == ["mine"]
 
 
-@pytest.mark.parametrize("name", ["a.txt", "a", "no/a.csv"])
-def test_files_that_cannot_be_written(tmp_path: Path, name: str):
-    with pytest.raises(InputError):
-        Store(tmp_path / name, "job")
+def test_an_output_that_comes_during_the_sweep_stays(output: Path):
+    with Store(output, JOB) as store:
+        store.begin(3)
+        store.save(0, values(0), RESULTS)
+        output.write_text("mine")
+        with pytest.raises(InputError, match="exists already"):
+            store.finish(1, 3)
+    assert output.read_text() == "mine"
+
+
+@pytest.mark.parametrize("mark", [b"\xff\xfe", b"", b"{}", b"[]", b'{"size": "x"}'])
+def test_a_mark_that_cannot_be_read(output: Path, mark: bytes):
+    filled(output, (0,))
+    output.with_name(output.name + ".parts").joinpath("job").write_bytes(mark)
+    with pytest.raises(InputError, match="job: does not say which sweep it belongs to; remove the folder"):
+        Store(output, JOB).__enter__()
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("a.txt", "must end in"),
+        ("a", "must end in"),
+        ("no/a.csv", "there is no folder"),
+        ("x" * 247 + ".csv", "name too long"),
+    ],
+)
+def test_files_that_cannot_be_written(tmp_path: Path, name: str, message: str):
+    with pytest.raises(InputError, match=message):
+        Store(tmp_path / name, JOB).__enter__()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_link_to_itself(output: Path):
+    output.symlink_to(output.name)
+    with pytest.raises(InputError, match="too many levels of symbolic links"):
+        Store(output, JOB).__enter__()

@@ -4,16 +4,19 @@ import os
 import pickle
 import signal
 import socket
+import threading
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from distributed import Client, LocalCluster
 
 from armour.errors import InputError, Problem
-from armour.sweeps.dask import connected, on_cluster
+from armour.sweeps.dask import check_workers, connected, on_cluster
 from armour.sweeps.sweep import sweep
 from tests.helpers.cases import sweep_grid, sweep_scenario
 
+VELOCITIES = "impact.velocity_m_s=700,800"
 QUANTITIES = ("ballistic_limit_m_s", "residual_velocity_m_s", "outcome")
 
 
@@ -23,7 +26,7 @@ def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path: Path):
     sweep(case, source, QUANTITIES, tmp_path / "here.csv", size=100)
     killed: list[int] = []
     with (
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster,
         Client(cluster) as client,
     ):
 
@@ -39,12 +42,64 @@ def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path: Path):
     assert (tmp_path / "there.csv").read_bytes() == (tmp_path / "here.csv").read_bytes()
 
 
-def test_an_address_where_nothing_answers():
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    with pytest.raises(InputError, match="--scheduler: must be"), connected(f"tcp://127.0.0.1:{port}", timeout_s=0.5):
-        pass
+@pytest.mark.parametrize(
+    ("address", "message"),
+    [
+        ("tcp://127.0.0.1:{}", "no answer"),
+        ("tls://127.0.0.1:{}", "TLS"),
+        ("ucx://127.0.0.1:{}", ""),
+        ("http://127.0.0.1:{}", "unknown address scheme"),
+        ("nowhere:x", "invalid literal"),
+    ],
+)
+@pytest.mark.parametrize("listens", [True, False])
+def test_an_address_without_a_scheduler(address: str, message: str, listens: bool):
+    with socket.socket() as server:
+        server.bind(("127.0.0.1", 0))
+        if listens:
+            server.listen()
+        found = address.format(server.getsockname()[1])
+        expected = f'--scheduler: must be "local" or .*, found "{found}": .*{message}'
+        with pytest.raises(InputError, match=expected), connected(found, timeout_s=0.3):
+            pass
+
+
+@pytest.fixture(scope="module")
+def client() -> Iterator[Client]:
+    """A cluster in this process, without workers."""
+    with LocalCluster(n_workers=0, processes=False, dashboard_address=":0") as cluster, Client(cluster) as client:
+        yield client
+
+
+def test_a_cluster_without_workers(client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    with pytest.raises(InputError, match="must have a worker, found none"):
+        check_workers(client, timeout_s=0.1)
+    monkeypatch.setattr("armour.sweeps.dask.TIMEOUT_S", 0.1)
+    with pytest.raises(InputError, match="lost all workers; start others, then repeat the same command to resume"):
+        sweep(
+            sweep_scenario(),
+            sweep_grid(VELOCITIES),
+            ["outcome"],
+            tmp_path / "a.csv",
+            compute=on_cluster(client),
+            size=1,
+        )
+
+
+def test_workers_of_another_version_are_refused(client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    here = threading.get_ident()
+    source = sweep_grid(VELOCITIES)
+    assert client.cluster is not None
+    client.cluster.scale(1)
+    client.wait_for_workers(1)
+    sweep(sweep_scenario(), source, ["outcome"], tmp_path / "a.csv", compute=on_cluster(client), size=1)
+    monkeypatch.setattr("armour.sweeps.dask.program", lambda: "this" if threading.get_ident() == here else "other")
+    message = "must have workers with this program, armour .*; found .* with other sources or libraries on inproc://"
+    with pytest.raises(InputError, match=message):
+        check_workers(client)
+    # One that joins later is found out by its first chunk.
+    with pytest.raises(InputError, match=message):
+        sweep(sweep_scenario(), source, ["outcome"], tmp_path / "b.csv", compute=on_cluster(client), size=1)
 
 
 def test_errors_of_workers_arrive_whole():

@@ -121,7 +121,7 @@ rows = []
     assert mistakes(folder, text) == [
         'case[0].name: must not be empty, found the text ""',
         'case[0].quantity: must name a quantity, found "balistic_limit_m_s"; did you mean "ballistic_limit_m_s"?',
-        "case[0].expected: must be a finite number, or the outcome in quotes, found true",
+        "case[0].expected: must be a number up to 1e+12, or the outcome in quotes, found true",
         "case[0].colour: unknown key",
         "case[1]: must have a band or band_percent: how far the computed value may be from the expected",
         "table[0].rows: must not be empty, found a list",
@@ -133,6 +133,10 @@ rows = []
     [
         ("band = 1.0", "band = 1.0\nband_percent = 2.0", "case[0]: must have band or band_percent, found both"),
         ("band = 1.0", "band = -1.0", "case[0].band: must be at least 0, found -1.0"),
+        ("band = 1.0", "band = 1e300", "case[0].band: must be at most 1e+12, found 1e+300"),
+        ("724.0", "1e300", "case[0].expected: must be a number up to 1e+12, or the outcome in quotes, found 1e+300"),
+        ("724.0", "nan", "case[0].expected: must be a number up to 1e+12, or the outcome in quotes, found nan"),
+        ("724.0", "1" + 400 * "0", ": must be valid TOML, found a whole number of more than 64 bits"),
         ("724.0", '"fast"', "case[0]: expected must be a number for ballistic_limit_m_s, found 'fast'"),
         ("band = 1.0", "band = 1.0\nreplaced_by = {}", "case[0]: replaced_by belongs to thickness_saved_percent and"),
         ("ballistic_limit_m_s", "outcome", "case[0]: an outcome has no band, found band"),
@@ -187,3 +191,56 @@ def test_a_suite_without_cases(folder: Path):
 def test_a_quantity_that_needs_a_grid(folder: Path):
     [found] = mistakes(folder, CASE.replace("ballistic_limit_m_s", "optimum_areal_density_kg_m2"))
     assert "optimise: is missing and must be given" in found
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            '"armour.ceramic_thickness_mm"',
+            '"armour.ceramic.density_kg_m3"',
+            "table[0].rows[0]: must be a valid scenario: {}: armour.ceramic.density_kg_m3: must not go below",
+        ),
+        (
+            "rivals",
+            "set.armour.ceramic_thickness_mm = 5.0\nrivals",
+            "{}: armour.ceramic_thickness_mm: must be given once",
+        ),
+        ("rivals", "set.title.x = 5.0\nrivals", "table[0].scenario: must be a valid scenario: {}: title: must be"),
+        ("rivals", 'set."impact.velocity_m_s.mean" = 5.0\nrivals', "{}: impact.velocity_m_s.mean: must not go below"),
+        (
+            "rivals",
+            "set.solver.arrest_velocity_m_s = 2.0\nset.uncertainty.seed = 5\nrivals",
+            "uncertainty.seed: must have",
+        ),
+        ("rivals", 'set.library.ceramic.AD86.based_on = "AD85"\nrivals', 'scenario uses; did you mean "AD85"?'),
+        (
+            '"armour.ceramic_thickness_mm"',
+            '"design.thickness_max_mm"',
+            "design.thickness_max_mm: must have an effect",
+        ),
+        (
+            "[6.35, 7",
+            "[-1.0, 7",
+            "table[0].rows[0]: must be a valid scenario: {}: armour.ceramic_thickness_mm: must be",
+        ),
+    ],
+)
+def test_changes_that_reach_nothing(folder: Path, old: str, new: str, message: str):
+    found = mistakes(folder, TABLE.replace(old, new, 1))
+    assert len(found) == 1
+    assert message.format(folder / "wilkins.toml") in found[0]
+
+
+def test_a_change_that_no_case_uses(folder: Path):
+    (folder / "suite.toml").write_text(CASE)
+    with pytest.raises(InputError, match=r"--set library\.ceramic\.AD86: must be an entry of the library"):
+        load_suite(folder / "suite.toml", {"library": {"ceramic": {"AD86": {"based_on": "AD85"}}}})
+
+
+def test_a_script_that_makes_many_mistakes(folder: Path):
+    rows = "".join(f"    [-{i + 1}.0, 724.0, 700.0],\n" for i in range(30))
+    found = mistakes(folder, TABLE.replace("rows = [\n", f"rows = [\n{rows}"))
+    assert len(found) == 21
+    assert found[19].startswith("table[0].rows[19]: must be a valid scenario")
+    assert found[20] == ": must be right up to here; what follows is not checked"

@@ -3,7 +3,9 @@
 from pathlib import Path
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.validation.update import updated_text, updates_of
+from armour.validation.suite import load_suite
+from armour.validation.update import updated_file, updates_of
+from armour.validation.validate import validate
 from tests.helpers.cases import scenario
 from tests.helpers.suites import TABLE, case, result
 
@@ -17,7 +19,7 @@ def test_an_update_writes_what_is_computed_and_nothing_else(folder: Path):
         ("t: ceramic thickness 6.35 mm", 730.0, new),
         ("a", 725.0, new),
     ]
-    changed = updated_text(text, updates_of(found))
+    changed = updated_file(text.encode(), updates_of(found)).decode()
     expected = text.replace("725.0", str(new)).replace("720.0", str(new)).replace("6.35, 730.0", f"6.35, {new}")
     assert changed == expected
     again = result(folder, changed)
@@ -27,4 +29,16 @@ def test_an_update_writes_what_is_computed_and_nothing_else(folder: Path):
 
 def test_an_outcome_is_updated_too(folder: Path):
     text = case("a", '"defeated"', "").replace("ballistic_limit_m_s", "outcome")
-    assert updated_text(text, updates_of(result(folder, text))) == text.replace("defeated", "perforated")
+    content = text.encode()
+    assert updated_file(content, updates_of(result(folder, text))) == content.replace(b"defeated", b"perforated")
+
+
+def test_an_update_keeps_the_byte_order_mark_and_the_line_ends(folder: Path):
+    content = (
+        b"\xef\xbb\xbf" + ("# \N{MICRO SIGN}\n" + case("a", 725.0, "band = 1.0") + TABLE).replace("\n", "\r\n").encode()
+    )
+    (folder / "suite.toml").write_bytes(content)
+    found = validate(load_suite(folder / "suite.toml"))
+    new = f"{ballistic_limit(scenario()).ballistic_limit_m_s:.8g}".encode()
+    expected = content.replace(b"725.0", new).replace(b"720.0", new).replace(b"6.35, 730.0", b"6.35, " + new)
+    assert updated_file(content, updates_of(found)) == expected

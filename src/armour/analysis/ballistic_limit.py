@@ -1,18 +1,16 @@
-"""Ballistic limit: the lowest impact velocity that perforates, by a scan of velocities and bisection."""
+"""Ballistic limit: the lowest change of the outcome that a scan of impact velocities sees."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal
 
-from armour.analysis.impact import ImpactResult, impact_at, perforates
+from armour.analysis.impact import MAX_STEPS, ImpactResult, impact_at, unresolved_error
 from armour.analysis.results import Result
+from armour.core import search
 from armour.errors import NoLimitError
 from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
 
-# Number of velocities of the coarse scan, evenly spaced on a logarithmic scale.
-SCAN_POINTS = 33
 # Number of intervals above the limit in a plotted curve.
 CURVE_POINTS = 60
 
@@ -42,7 +40,7 @@ class LimitResult(Result):
     ballistic_limit_m_s : float
         Lowest velocity found to perforate, m/s: the upper end of the bracket.
     bracket_m_s : tuple of float
-        Highest velocity found to be defeated and lowest found to perforate, m/s.
+        Velocities just below the limit, defeated, and at it, perforated, m/s.
     runs : int
         Number of impacts computed.
     areal_density_kg_m2 : float
@@ -51,6 +49,10 @@ class LimitResult(Result):
         Whether every scanned velocity above the limit perforates.
     crossings : tuple of Crossing
         All changes of the outcome found by the scan; the first is the ballistic limit.
+    scanned_velocities : int
+        Number of velocities of the scan, evenly spaced on a logarithmic scale.
+    scanned_range_m_s : tuple of float
+        Lowest and highest scanned velocity, m/s.
     warnings : tuple of str
         Ways in which the armour, or its ballistic limit, lies outside the validated range.
     """
@@ -61,11 +63,17 @@ class LimitResult(Result):
     areal_density_kg_m2: float
     monotonic: bool
     crossings: tuple[Crossing, ...]
+    scanned_velocities: int
+    scanned_range_m_s: tuple[float, float]
     warnings: tuple[str, ...]
 
 
 def ballistic_limit(scenario: Scenario) -> LimitResult:
-    """Compute the ballistic limit of a scenario's armour.
+    """Compute the ballistic limit of a scenario's armour: the lowest change of the outcome that a scan sees.
+
+    The scan has 33 velocities, evenly spaced on a logarithmic scale.  Between two of them, changes of the outcome are
+    searched for at a maximum of the penetration depth of defeated projectiles, at a minimum of the residual velocity,
+    and where projectiles stop at one and are used up at the next.
 
     Parameters
     ----------
@@ -80,23 +88,15 @@ def ballistic_limit(scenario: Scenario) -> LimitResult:
     Raises
     ------
     NoLimitError
-        If no velocity of the range perforates, or if its lowest velocity does.
+        If no velocity of the range is seen to perforate, or if its lowest velocity does.
     InputError
         If a run does not end within the maximum number of steps.
     """
-    search = scenario.ballistic_limit
-    armour = scenario.core_armour()
-    runs = 0
-
-    def counted(velocity: float) -> bool:
-        nonlocal runs
-        runs += 1
-        return perforates(scenario, armour, velocity)
-
-    low, high = search.velocity_min_m_s, search.velocity_max_m_s
-    crossings = find_crossings(counted, low, high, search.tolerance_m_s)
-    if not crossings or crossings[0].above == "defeated":
-        raise NoLimitError(_no_limit(crossings, counted(low), low, high))
+    section = scenario.ballistic_limit
+    low, high = section.velocity_min_m_s, section.velocity_max_m_s
+    crossings, runs, lowest_perforates = find_crossings(scenario)
+    if lowest_perforates or not crossings:
+        raise NoLimitError(_no_limit(crossings, lowest_perforates, low, high))
     return LimitResult(
         ballistic_limit_m_s=crossings[0].bracket_m_s[1],
         bracket_m_s=crossings[0].bracket_m_s,
@@ -104,24 +104,44 @@ def ballistic_limit(scenario: Scenario) -> LimitResult:
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
         monotonic=len(crossings) == 1,
         crossings=crossings,
+        scanned_velocities=search.SCAN_POINTS,
+        scanned_range_m_s=(low, high),
         warnings=warnings_of(scenario, crossings[0].bracket_m_s[1]),
     )
 
 
-def find_crossings(
-    perforates: Callable[[float], bool], low: float, high: float, tolerance: float
-) -> tuple[Crossing, ...]:
-    """Find the velocities, m/s, at which the outcome changes, by a coarse scan and a bisection of each change."""
-    velocities = scan(low, high, SCAN_POINTS)
-    outcomes = [(velocity, perforates(velocity)) for velocity in velocities]
-    return tuple(
-        Crossing(
-            bisect(lambda v, above=above: perforates(v) == above, below, beyond, tolerance),  # type: ignore[misc]
-            "perforated" if above else "defeated",
-        )
-        for (below, under), (beyond, above) in pairwise(outcomes)
-        if under != above
-    )
+def find_crossings(scenario: Scenario) -> tuple[tuple[Crossing, ...], int, bool]:
+    """Return the changes of the outcome that the scan sees, the impacts computed, and whether the lowest perforates."""
+    section, armour = scenario.ballistic_limit, scenario.core_armour()
+    solver = search.Solver(scenario.solver.arrest_velocity_m_s, scenario.solver.time_step, MAX_STEPS)
+    velocities = search.scan(section.velocity_min_m_s, section.velocity_max_m_s)
+    runs = 0
+
+    def resolved(velocity: float, of: search.Impact | search.SearchResult) -> None:
+        if not of.resolved:
+            raise unresolved_error(scenario.solver, scenario.file, velocity)
+
+    def impact(velocity: float) -> search.Impact:
+        nonlocal runs
+        runs += 1
+        found = search.impact(armour, velocity, solver)
+        resolved(velocity, found)
+        return found
+
+    start = impact(velocities[0])
+    lowest_perforates = start.perforated
+    crossings: list[Crossing] = []
+    while True:
+        change = search.next_change(armour, start, velocities, solver)
+        runs += change.runs
+        resolved(change.above.V, change.above)
+        if change.above.perforated == start.perforated:
+            return tuple(crossings), runs, lowest_perforates
+        found = search.narrowed(armour, change, section.tolerance_m_s, solver)
+        runs += found.runs
+        resolved(found.high, found)
+        crossings.append(Crossing((found.low, found.high), "perforated" if change.above.perforated else "defeated"))
+        start = impact(found.high)
 
 
 def residual_velocity_curve(scenario: Scenario, velocities: Sequence[float]) -> tuple[ImpactResult, ...]:
@@ -135,19 +155,13 @@ def curve_velocities(limit: LimitResult, scenario: Scenario) -> list[float]:
     They are dense just above the limit, where the residual velocity rises as a square root, and extend beyond the
     last crossing.
     """
-    search = scenario.ballistic_limit
+    section = scenario.ballistic_limit
     found = limit.ballistic_limit_m_s
-    low = max(search.velocity_min_m_s, 0.7 * found)
+    low = max(section.velocity_min_m_s, 0.7 * found)
     last = limit.crossings[-1].bracket_m_s[1]
-    high = min(search.velocity_max_m_s, max(1.6 * found, 1.1 * last))
+    high = min(section.velocity_max_m_s, max(1.6 * found, 1.1 * last))
     rising = [found + (high - found) * (i / CURVE_POINTS) ** 2 for i in range(CURVE_POINTS + 1)]
     return [low, limit.bracket_m_s[0], *rising]
-
-
-def scan(low: float, high: float, count: int) -> list[float]:
-    """Return `count` values from `low` to `high`, both included, evenly spaced on a logarithmic scale."""
-    ratio = high / low
-    return [low, *(low * ratio ** (i / (count - 1)) for i in range(1, count - 1)), high]
 
 
 def bisect(holds: Callable[[float], bool], low: float, high: float, tolerance: float) -> tuple[float, float]:
@@ -165,16 +179,11 @@ def bisect(holds: Callable[[float], bool], low: float, high: float, tolerance: f
 
 def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, low: float, high: float) -> str:
     """Return why the range contains no ballistic limit."""
+    scanned = f"{search.SCAN_POINTS} velocities from {low:g} to {high:g} m/s"
     if not lowest_perforates:
-        return (
-            f"no ballistic limit: no velocity from {low:g} to {high:g} m/s perforates; "
-            "raise ballistic_limit.velocity_max_m_s"
-        )
+        return f"no ballistic limit: none of {scanned} perforates; raise ballistic_limit.velocity_max_m_s"
     if not crossings:
-        return (
-            f"no ballistic limit: every velocity from {low:g} to {high:g} m/s perforates; "
-            "lower ballistic_limit.velocity_min_m_s"
-        )
+        return f"no ballistic limit: all of {scanned} perforate; lower ballistic_limit.velocity_min_m_s"
     changes = ", ".join(f"{c.above} above {c.bracket_m_s[1]:.2f} m/s" for c in crossings)
     return (
         f"no ballistic limit: the lowest velocity, {low:g} m/s, perforates, but some higher velocities do not "

@@ -13,7 +13,7 @@ from armour.analysis.closed_forms import (
     florence_split,
 )
 from armour.analysis.impact import ImpactResult
-from armour.errors import InputError, NoLimitError, Problem
+from armour.errors import InputError, NoAnswerError, NoLimitError, Problem
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import key_name
 from armour.units import MM, MPA, G
@@ -101,11 +101,19 @@ def compare(scenario: Scenario) -> Comparison:
         If the armour has no ceramic, or its metal no tensile strength or strain to fracture.
     NoLimitError
         If the scenario's range contains no ballistic limit.
+    NoAnswerError
+        If the range contains no velocities above the limit.
     """
     problems = missing_for_florence(scenario)
     if problems:
         raise InputError(problems)
     limit = ballistic_limit(scenario)
+    highest = scenario.ballistic_limit.velocity_max_m_s
+    if highest <= limit.ballistic_limit_m_s * (1.0 + 1e-9):
+        raise NoAnswerError(
+            f"no fit: the range of velocities ends at the ballistic limit, {highest:g} m/s; "
+            "raise ballistic_limit.velocity_max_m_s"
+        )
     curve = residual_velocity_curve(scenario, curve_velocities(limit, scenario))
     above = [impact for impact in curve if impact.impact_velocity_m_s > limit.ballistic_limit_m_s]
     velocities = [impact.impact_velocity_m_s for impact in above]

@@ -5,15 +5,19 @@ A question without an answer gives NaN; a run that does not end raises an InputE
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from armour.analysis.answers import COLUMNS, Answers
-from armour.analysis.variants import Floats, Ints, Variants, variants_of
-from armour.scenario.assignments import changes_of_values
+from armour.analysis.quantities import QUANTITIES
+from armour.analysis.variants import Floats, Ints, Variants, grid_of, variants_of
+from armour.errors import InputError, Problem, choices
+from armour.scenario.assignments import canonical
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import INPUTS, check_ranges
+from armour.scenario.parameters import INPUTS, Place, check_rows, in_row
+from armour.scenario.reach import check_known, check_reach
 
 
 class Group(NamedTuple):
@@ -28,13 +32,59 @@ def evaluate(
 ) -> dict[str, Any]:
     """Return quantities by name, each an array, (n,), for n rows of values by key of the scenario or name of input.
 
-    Without values, they are those of the scenario itself.  A question without an answer gives NaN.
+    Without values, they are those of the scenario itself.  A question without an answer gives NaN.  Raise an InputError
+    if a quantity is unknown, the columns are not n numbers each, a row is not a valid scenario, or a key has no effect.
     """
+    check_quantities(scenario, quantities, "evaluate", "quantities")
+    columns = _checked(columns)
+    check_keys(scenario, {key: float(values[0]) for key, values in columns.items()}, quantities, "evaluate")
     return evaluate_groups(groups_of(scenario, columns), quantities, threads)
+
+
+def check_quantities(scenario: Scenario, quantities: Sequence[str], file: str, key: str) -> None:
+    """Check that quantities are known, and that the scenario has the grid that they need."""
+    unknown = [name for name in quantities if name not in QUANTITIES]
+    problems = [Problem(file, key, f'unknown quantity "{name}"{choices(name, list(QUANTITIES))}') for name in unknown]
+    if any(QUANTITIES[name].on_grid for name in quantities if name not in unknown):
+        try:
+            grid_of(scenario)
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)
+
+
+def _checked(columns: Mapping[str, Floats]) -> dict[str, Floats]:
+    """Return columns as arrays of numbers, (n,), with n of at least 1."""
+    found = {key: np.asarray(values) for key, values in columns.items()}
+    problems = []
+    for key, values in found.items():
+        if values.ndim != 1 or values.dtype.kind not in "iuf" or not len(values):
+            shape = f"an array of shape {values.shape} of {values.dtype}"
+            problems.append(Problem("evaluate", key, f"must be a column of at least one number, found {shape}"))
+    counts = {key: len(values) for key, values in found.items() if values.ndim == 1}
+    if len(set(counts.values())) > 1:
+        listed = ", ".join(f"{key} {count}" for key, count in counts.items())
+        problems.append(Problem("evaluate", "columns", f"must be of equal lengths, found {listed}"))
+    if problems:
+        raise InputError(problems)
+    return {key: values.astype(np.float64) for key, values in found.items()}
+
+
+def check_keys(scenario: Scenario, row: Mapping[str, float], quantities: Sequence[str], file: str) -> None:
+    """Check that the keys of a table, of which a row is given, are known and that each counts for the quantities."""
+    row = dict(zip(canonical(row, file), row.values(), strict=True))
+    check_known(scenario, row, file)
+    try:
+        made = scenario.replaced({key: value for key, value in row.items() if key not in INPUTS})
+    except InputError:
+        made = scenario  # the check of the rows reports it
+    check_reach(made, list(row), {section for name in quantities for section in QUANTITIES[name].sections}, file)
 
 
 def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:
     """Return rows of values as variants of the scenario, grouped by their settings."""
+    columns = dict(zip(canonical(columns, scenario.file), columns.values(), strict=True))
     inputs = {key: columns[key] for key in columns if key in INPUTS}
     return [
         Group(where, variants_of(made, {key: values[where] for key, values in inputs.items()}, len(where)))
@@ -42,22 +92,38 @@ def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:
     ]
 
 
-def scenarios_of(scenario: Scenario, columns: Mapping[str, Floats]) -> Iterator[tuple[Ints, Scenario]]:
+def scenarios_of(
+    scenario: Scenario, columns: Mapping[str, Floats], place: Place = in_row
+) -> Iterator[tuple[Ints, Scenario]]:
     """Check rows of values, and yield their scenarios, each with the places of its rows.
 
-    Inputs go straight into the engine's arrays; each combination of values of other keys makes a scenario.
+    Inputs go straight into the engine's arrays; each combination of values of other keys makes a scenario.  `place`
+    completes the problem in a row.
     """
+    columns = dict(zip(canonical(columns, scenario.file), columns.values(), strict=True))
     count = len(next(iter(columns.values()))) if columns else 1
     others = [key for key in columns if key not in INPUTS]
-    check_ranges(scenario, {key: columns[key] for key in columns if key in INPUTS})
+    inputs = {key: columns[key] for key in columns if key in INPUTS}
     if not others:
+        check_rows(scenario, inputs, place)
         yield np.arange(count), scenario
         return
     table = np.column_stack([columns[key] for key in others])
     _, first, which = np.unique(table, axis=0, return_index=True, return_inverse=True)
-    for index, row in enumerate(first):
-        made = scenario.replaced(changes_of_values(dict(zip(others, table[row].tolist(), strict=True))))
-        yield np.flatnonzero(which.reshape(-1) == index), made
+    for index in np.argsort(first):
+        row = int(first[index])
+        try:
+            made = scenario.replaced(dict(zip(others, table[row].tolist(), strict=True)))
+        except InputError as error:
+            raise InputError([place(row, problem) for problem in error.problems]) from None
+        where = np.flatnonzero(which.reshape(-1) == index)
+        check_rows(made, {key: values[where] for key, values in inputs.items()}, partial(_placed, where, place))
+        yield where, made
+
+
+def _placed(where: Ints, place: Place, row: int, problem: Problem) -> Problem:
+    """Complete a problem in a row of a group, given the places of its rows."""
+    return place(int(where[row]), problem)
 
 
 def evaluate_groups(groups: Sequence[Group], quantities: Sequence[str], threads: int | None = None) -> dict[str, Any]:

@@ -170,10 +170,12 @@ def run_impact(scenario: Scenario, armour: Parameters, velocity: float, trace: l
 def unresolved_error(solver: Solver, file: str, velocity: float) -> InputError:
     """Return the error of a run that does not end: it names the time step if one is given, else the arrest velocity."""
     if solver.time_step_us is not None:
-        key, found, advice = "solver.time_step_us", solver.time_step_us, "raise it or leave it out"
+        key, found, advice = "solver.time_step_us", f"{solver.time_step_us:g}", "raise it or leave it out"
     else:
-        key, found, advice = "solver.arrest_velocity_m_s", solver.arrest_velocity_m_s, "raise it"
-    message = f"must let the run at {velocity:g} m/s end within {MAX_STEPS} steps, found {found:g}; {advice}"
+        key, found, advice = "solver.arrest_velocity_m_s", f"{solver.arrest_velocity_m_s:g}", "raise it"
+        if "arrest_velocity_m_s" not in solver.model_fields_set:
+            found += ", the default"
+    message = f"must let the run at {velocity:g} m/s end within {MAX_STEPS} steps, found {found}; {advice}"
     return InputError([Problem(file, key, message)])
 
 

@@ -12,6 +12,11 @@ class Quantity(NamedTuple):
     unit: str
     on_grid: bool = False  # needs the range of thicknesses of the section ``optimise``
 
+    @property
+    def sections(self) -> tuple[str, ...]:
+        """Sections of the scenario that it depends on besides `armour.scenario.reach.READ`."""
+        return ("optimise",) if self.on_grid else ("ballistic_limit",) if self.label == "ballistic limit" else ()
+
 
 QUANTITIES: dict[str, Quantity] = {
     "outcome": Quantity("outcome", ""),

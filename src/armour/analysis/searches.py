@@ -1,11 +1,9 @@
 """Ballistic limits and least thicknesses of many variants of a scenario at once."""
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
-from armour.analysis.ballistic_limit import SCAN_POINTS, scan
 from armour.analysis.variants import Bools, Floats, Ints, Variants, check_resolved, perforated, with_thicknesses
 from armour.engine import batch
 from armour.units import MM
@@ -22,89 +20,24 @@ DENSE_SCAN_POINTS = 513
 Condition = Callable[[Floats, Ints], Bools]
 
 
-def ballistic_limits(variants: Variants, threads: int | None = None) -> Floats:
-    """Return the ballistic limit of each row, m/s; NaN outside the range of the search.
+def ballistic_limits(variants: Variants, threads: int | None = None, *, tolerance: float | None = None) -> Floats:
+    """Return the ballistic limit of each row, m/s, to a tolerance, m/s, by default that of the section; NaN for none.
 
-    Where the outcome changes once in that range, this is, to the last bit, the number that
-    `armour.analysis.ballistic_limit.ballistic_limit` finds.
+    It is, to the last bit, the number that `armour.analysis.ballistic_limit.ballistic_limit` finds.
     """
     section = variants.settings.ballistic_limit
-    found = _brackets(variants, section.tolerance_m_s, threads)
-    limits = np.full(len(variants.velocities), np.nan)
-    where = np.flatnonzero(found.bounded)
-    if len(where):
-        holds = perforates(variants.at(where), threads)
-        velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, SCAN_POINTS))
-        interval = _scan_interval(holds, velocities, found.defeated[where], found.perforated[where])
-        limits[where] = bisect_rows(holds, section.tolerance_m_s, *interval)
-    return limits
-
-
-def smooth_limits(variants: Variants, tolerance: float) -> Floats:
-    """Return ballistic limits for finite differences, m/s, accurate to a tolerance, m/s; NaN outside the range."""
-    found = _brackets(variants, tolerance)
+    tolerance = section.tolerance_m_s if tolerance is None else tolerance
+    found = limit_brackets(variants, section.velocity_min_m_s, section.velocity_max_m_s, tolerance, threads)
     return np.where(found.bounded, found.perforated, np.nan)
 
 
-def _brackets(variants: Variants, tolerance: float, threads: int | None = None) -> batch.Brackets:
-    section = variants.settings.ballistic_limit
-    low, high = section.velocity_min_m_s, section.velocity_max_m_s
+def limit_brackets(
+    variants: Variants, low: float, high: float, tolerance: float, threads: int | None = None
+) -> batch.Brackets:
+    """Return brackets of the ballistic limit of each row that a scan from low to high, m/s, sees."""
     found = batch.ballistic_limits(variants.parameters, low, high, tolerance, variants.settings.options(threads))
-    check_resolved(found.resolved, variants)
+    check_resolved(found.resolved, variants._replace(velocities=found.perforated))
     return found
-
-
-def perforates(variants: Variants, threads: int | None = None) -> Condition:
-    """Return the condition that rows are perforated at velocities, m/s."""
-    return lambda velocities, rows: perforated(variants.at(rows)._replace(velocities=velocities), threads)
-
-
-def _scan_interval(
-    holds: Condition, values: Floats, below: Floats, above: Floats
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return the interval of the scanned values in which the condition starts to hold, and the bracket within it."""
-    index = np.searchsorted(values, above).clip(1)
-    below, above = below.copy(), above.copy()
-    while len(rows := np.flatnonzero((below < values[index - 1]) & (index > 1))):
-        start = values[index[rows] - 1]
-        beyond = holds(start, rows)
-        above[rows[beyond]] = start[beyond]
-        index[rows[beyond]] -= 1
-        below[rows[~beyond]] = start[~beyond]
-    return values[index - 1], values[index], below, above
-
-
-class Limits(NamedTuple):
-    """Ballistic limits and the number of impacts computed to find them."""
-
-    values: Floats  # m/s, (n,)
-    runs: int
-
-
-def lowest_limits(variants: Variants, low: float, high: float) -> Limits:
-    """Return the lowest ballistic limit of each row between two velocities, m/s, by scan and bisection.
-
-    The outcome need not be monotonic: these are, to the last bit, the numbers that
-    `armour.analysis.ballistic_limit.ballistic_limit` finds in this range.  The limit is -inf where the lowest velocity
-    perforates, inf where none does.
-    """
-    velocities = np.array(scan(low, high, SCAN_POINTS))
-    outcomes = _scanned(variants, np.tile(velocities, (len(variants.velocities), 1)))
-    runs = outcomes.size
-
-    limits = np.where(outcomes[:, 0], -np.inf, np.inf)
-    where = np.flatnonzero(outcomes.any(axis=1) & ~outcomes[:, 0])
-    holds = perforates(variants.at(where))
-
-    def counted(values: Floats, rows: Ints) -> Bools:
-        nonlocal runs
-        runs += len(values)
-        return holds(values, rows)
-
-    first = outcomes[where].argmax(axis=1)
-    tolerance = variants.settings.ballistic_limit.tolerance_m_s
-    limits[where] = bisect_rows(counted, tolerance, velocities[first - 1], velocities[first])
-    return Limits(limits, runs)
 
 
 def lowest_perforated(variants: Variants, low: float) -> Floats:
@@ -115,20 +48,14 @@ def lowest_perforated(variants: Variants, low: float) -> Floats:
     """
     parts = np.linspace(0.0, 1.0, DENSE_SCAN_POINTS)[:-1]
     velocities = low * (variants.velocities[:, None] / low) ** parts
-    outcomes = _scanned(variants, velocities)
-    first = outcomes.argmax(axis=1)
-    return np.where(outcomes.any(axis=1), velocities[np.arange(len(first)), first], np.inf)
-
-
-def _scanned(variants: Variants, velocities: Floats) -> Bools:
-    """Return whether each row is perforated at each of its velocities, m/s, (n, k)."""
     outcomes = np.empty(velocities.shape, dtype=bool)
-    size = max(1, SCANNED_AT_A_TIME // velocities.shape[1])
+    size = SCANNED_AT_A_TIME // velocities.shape[1]
     for start in range(0, len(velocities), size):
         some = np.arange(start, min(start + size, len(velocities)))
         rows = variants.at(np.repeat(some, velocities.shape[1]))
         outcomes[some] = perforated(rows._replace(velocities=velocities[some].ravel())).reshape(len(some), -1)
-    return outcomes
+    first = outcomes.argmax(axis=1)
+    return np.where(outcomes.any(axis=1), velocities[np.arange(len(first)), first], np.inf)
 
 
 def bisect_rows(

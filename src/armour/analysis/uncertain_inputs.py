@@ -6,7 +6,7 @@ from armour.analysis.variants import Floats, Variants, variants_of
 from armour.errors import InputError, Problem
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import check_names, check_ranges, inputs_of
+from armour.scenario.parameters import check_names, inputs_of, with_inputs, wrong_rows
 
 
 def section_of(scenario: Scenario) -> Uncertainty:
@@ -31,9 +31,9 @@ def section_of(scenario: Scenario) -> Uncertainty:
 def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:
     """Return n samples as variants of the scenario, which must allow every sampled value."""
     problems = []
-    for name, values in columns.items():
+    for name, row in wrong_rows(scenario, columns):
         try:
-            check_ranges(scenario, {name: values})
+            with_inputs(scenario, {key: float(values[row]) for key, values in columns.items()})
         except InputError as error:
             message = f"must not reach values that are not allowed: {error.problems[0].message}; give it a min or max"
             problems.append(Problem(scenario.file, f"uncertainty.{name}", message))

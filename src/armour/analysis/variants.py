@@ -1,6 +1,6 @@
 """Variants of a scenario as rows for the compiled engine."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,15 +10,22 @@ from armour.analysis.impact import MAX_STEPS, unresolved_error
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem
-from armour.scenario.library import DEFAULTS, length_mm
+from armour.scenario.library import DEFAULTS, ROD, length_mm
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import FIELDS, ROD, VELOCITY, YIELD, entry_of, inputs_of
+from armour.scenario.parameters import FIELDS, VELOCITY, YIELD, entry_of, inputs_of
 from armour.scenario.schema import BallisticLimitSection, Optimise, Solver
 from armour.units import MM
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
+
+# Callback of long computations: how much is done since the last call, and how much there is, None where not known.
+OnProgress = Callable[[int, int | None], None]
+
+
+def ignore_progress(_done: int, _total: int | None) -> None:
+    """Do nothing."""
 
 
 class Settings(NamedTuple):
@@ -41,7 +48,7 @@ class Variants(NamedTuple):
     velocities: Floats  # impact velocities, m/s, (n,)
     settings: Settings
 
-    def at(self, where: Ints | Bools) -> "Variants":
+    def at(self, where: Ints | Bools | slice) -> "Variants":
         """Return some of the rows."""
         return Variants(self.parameters[where], self.velocities[where], self.settings)
 
@@ -89,6 +96,12 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
                 getattr(field, target[0])[:] = DEFAULTS[key][0] * columns[YIELD] * target[1]
     velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
     return Variants(rows, velocities, settings_of(scenario))
+
+
+def portions(count: int, size: int) -> Iterator[slice]:
+    """Yield the parts of n rows, which are computed one after the other to bound the memory."""
+    for start in range(0, count, size):
+        yield slice(start, min(start + size, count))
 
 
 def concatenated(parts: Sequence[Variants]) -> Variants:

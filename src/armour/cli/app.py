@@ -8,6 +8,7 @@ import typer
 from armour import MODEL_VERSION, __version__
 from armour.analysis.quantities import QUANTITIES
 from armour.cli.calibrate import calibrate
+from armour.cli.console import emit
 from armour.cli.figures import figures
 from armour.cli.library import app as library
 from armour.cli.options import option
@@ -30,7 +31,7 @@ app = typer.Typer(
 
 def _version(asked: bool) -> None:
     if asked:
-        typer.echo(f"armour {__version__}, model {MODEL_VERSION}")
+        emit(f"armour {__version__}, model {MODEL_VERSION}\n")
         raise typer.Exit
 
 

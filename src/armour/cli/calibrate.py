@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from armour.cli.console import progress
 from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, argument, option
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
 
@@ -42,7 +43,8 @@ def calibrate(
     loaded = read_scenario(scenario, changes)
     read = read_tests(tests, loaded)
     say_if_compiling()
-    result = calibration.calibrate(read, loaded, fit or [FLOW_STRESS], law)
+    with progress("tests") as count:
+        result = calibration.calibrate(read, loaded, fit or [FLOW_STRESS], law, on_progress=count)
     respond(
         result.to_dict(),
         calibration_tables(result),

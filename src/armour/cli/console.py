@@ -2,14 +2,18 @@
 
 import json
 import os
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from math import isfinite
 from typing import IO, Any
 
 import typer
 
 from armour.cli.layout import rendered
+from armour.errors import InputError, Problem
+from armour.files import reason
 from armour.reporting.table import Table
 
 # Width of what goes into a pipe, where each row of a table stays on one line.
@@ -23,12 +27,25 @@ def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:
     console = Console(stderr=stderr)
     width = console.width if console.is_terminal else UNLIMITED
     text = rendered(items, width, title=title, bold=_bold if console.color_system else str)
-    _write(sys.stderr if stderr else sys.stdout, text)
+    emit(text, sys.stderr if stderr else sys.stdout)
 
 
 def show_json(data: Mapping[str, Any]) -> None:
-    """Print one JSON object on standard output."""
-    _write(sys.stdout, json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    """Print one JSON object on standard output; a number that is not finite is null, control characters are escaped."""
+    text = json.dumps(_finite(data), indent=2, ensure_ascii=False, allow_nan=False)
+    emit(re.sub(r"[^\n -~]", _escaped, text) + "\n")
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _finite(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(inner) for inner in value]
+    return None if isinstance(value, float) and not isfinite(value) else value
+
+
+def _escaped(found: re.Match[str]) -> str:
+    return found[0] if found[0].isprintable() else json.dumps(found[0])[1:-1]
 
 
 def say(*lines: str) -> None:
@@ -41,31 +58,47 @@ def _bold(text: str) -> str:
     return typer.style(text, bold=True)
 
 
-def _write(stream: IO[str], text: str) -> None:
-    """Write at once, so that a closed pipe is noticed here and not at the end of the process."""
+def emit(text: str, stream: IO[str] | None = None) -> None:
+    """Write to a stream, by default standard output, at once, so that errors appear here and not at the end.
+
+    A reader that has closed the pipe is no error; messages that cannot be written are lost.
+    """
+    stream = stream or sys.stdout
     try:
         stream.write(text)
         stream.flush()
-    except BrokenPipeError:
-        # What is still in the buffer goes nowhere.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    except OSError as error:
+        discard(stream)
+        if stream is not sys.stderr and not isinstance(error, BrokenPipeError):
+            raise InputError([Problem("standard output", "", f"cannot be written: {reason(error)}")]) from None
+
+
+def discard(stream: IO[str]) -> None:
+    """Let what is still in the buffer of a stream, and all that follows, go nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 @contextmanager
-def progress(what: str, total: int) -> Iterator[Callable[[int], None]]:
-    """Give a function that counts some more of a total: a bar with rate and time left on a terminal."""
+def progress(
+    what: str, total: int | None = None, first: str = "compiling or reading compiled code"
+) -> Iterator[Callable[..., None]]:
+    """Give a function that counts some more of a total: a bar with rate and time left on a terminal.
+
+    The total may also be given, or given anew, with each count; without one, the bar only moves.  ``first`` says
+    what is done before the first count.
+    """
     if not sys.stderr.isatty():
-        yield lambda _count: None
+        yield lambda _count, _total=None: None
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(what, total=total, rate="compiling or reading compiled code")
+        task = bar.add_task(what, total=total, rate=first)
 
-        def advance(count: int) -> None:
-            bar.advance(task, count)
+        def advance(count: int, total: int | None = None) -> None:
+            bar.update(task, advance=count, total=total)
             speed = bar.tasks[task].speed
             bar.update(task, rate=f"{speed:,.1f} {what}/s" if speed else "")
 

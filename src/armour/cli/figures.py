@@ -1,5 +1,8 @@
 """``armour figures``."""
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -32,21 +35,34 @@ def figures(
     if not chosen:
         message = f'must be part of a name, found "{only}"; there are {", ".join(names)}'
         raise InputError([Problem("figures", "--only", message)])
+    with _made(folder):
+        check_outputs(*(folder / f"{name}.{ending}" for name in chosen for ending in ("csv", image)))
+        say_if_compiling()
+        # Each figure is written as soon as it is computed: all of them take a while.
+        with progress("figures", len(chosen)) as count:
+            for name in chosen:
+                if name == PARITY:
+                    result = parity_of_table_3()
+                    table, chart = parity_table(result), charts.parity_chart(result)
+                else:
+                    figure = compute_figure(sections[name], path.parent)
+                    table, chart = figure_table(figure), charts.figure_chart(figure)
+                drawn = plots.rendered(chart, f".{image}")
+                write({folder / f"{name}.csv": csv_text(table), folder / f"{name}.{image}": drawn})
+                count(1)
+
+
+@contextmanager
+def _made(folder: Path) -> Iterator[None]:
+    """Make a folder and those above it; remove those that stay empty."""
+    missing = [path for path in (folder, *folder.parents) if not os.path.lexists(path)]
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        raise InputError([Problem(str(folder), "", "must be a folder or free to be made one")]) from None
-    check_outputs(folder / "fig03.csv")
-    say_if_compiling()
-    # Each figure is written as soon as it is computed: all of them take a while.
-    with progress("figures", len(chosen)) as count:
-        for name in chosen:
-            if name == PARITY:
-                result = parity_of_table_3()
-                table, chart = parity_table(result), charts.parity_chart(result)
-            else:
-                figure = compute_figure(sections[name], path.parent)
-                table, chart = figure_table(figure), charts.figure_chart(figure)
-            write(folder / f"{name}.csv", csv_text(table))
-            write(folder / f"{name}.{image}", plots.rendered(chart, f".{image}"))
-            count(1)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError:
+            raise InputError([Problem(str(folder), "", "must be a folder or free to be made one")]) from None
+        yield
+    finally:
+        for path in missing:
+            with suppress(OSError):
+                path.rmdir()

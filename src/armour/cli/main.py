@@ -1,18 +1,52 @@
 """Start of the command line."""
 
+import os
+import signal
 import sys
 from io import TextIOWrapper
 
 
 def main() -> None:
     """Run the command line."""
-    # What an encoding such as ASCII does not have, µ for one, is escaped.
-    if isinstance(sys.stdout, TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")
+    # Before and after a command nothing is to be cleaned up, and an exception could be lost in an import.
+    signal.signal(signal.SIGINT, _end)
     try:
+        _open_streams()
+        # What an encoding such as ASCII does not have, µ for one, is escaped.
+        if isinstance(sys.stdout, TextIOWrapper):
+            sys.stdout.reconfigure(errors="backslashreplace")
         from armour.cli.app import app
 
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         app(prog_name="armour")
     except KeyboardInterrupt:
-        sys.stderr.write("interrupted\n")
-        sys.exit(130)
+        _end()
+    except OSError as error:
+        _give_up(error)
+    finally:
+        signal.signal(signal.SIGINT, _end)
+
+
+def _end(*_signal: object) -> None:
+    """End an interrupted process at once."""
+    try:
+        os.write(2, b"interrupted\n")
+    finally:
+        os._exit(130)
+
+
+def _open_streams() -> None:
+    """Open streams that are closed to nothing, in their order, so that no file of a command takes their place."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8"))
+
+
+def _give_up(error: OSError) -> None:
+    """End with the message of the operating system, such as that of a full disk."""
+    from armour.cli.console import discard, say
+    from armour.files import reason
+
+    discard(sys.stdout)
+    say(": ".join((str(error.filename or "standard output"), reason(error))))
+    sys.exit(2)

@@ -39,11 +39,11 @@ def report(
     if output.suffix.lower() == ".md":
         from armour.reporting.markdown import markdown_report
 
-        write(output, markdown_report(made))
+        write({output: markdown_report(made)})
     else:
         from armour.reporting.html import html_report
 
-        write(output, html_report(made))
+        write({output: html_report(made)})
 
 
 def _scenario_report(source: Path, changes: list[str], command: str) -> "Report":
@@ -52,7 +52,9 @@ def _scenario_report(source: Path, changes: list[str], command: str) -> "Report"
 
     loaded = read_scenario(source, changes)
     say_if_compiling()
-    return scenario_report(contents_of(loaded), command)
+    with progress("armours") as count:
+        contents = contents_of(loaded, count)
+    return scenario_report(contents, command)
 
 
 def _suite_report(source: Path, changes: list[str], command: str) -> "Report":

@@ -5,7 +5,8 @@ Files are written before anything is printed, so that a reader that closes the p
 
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
+from contextvars import copy_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from armour.cli.console import say, show, show_json
 from armour.errors import ArmourError, InputError, NoAnswerError, Problem
-from armour.files import check_writable, decoded, parse_toml, read_text, write_atomic, wrong_ending
+from armour.files import check_writable, decoded, parse_toml, read_text, reserve, written, wrong_ending
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -28,12 +29,23 @@ INTERRUPTED = 130
 STANDARD_INPUT = "standard input"
 COMPILING = "compiling the numerical code, which takes about ten seconds"
 PLOT_ENDINGS = (".png", ".svg", ".pdf")
+# Mistakes that are shown; a script may make thousands.
+MAX_PROBLEMS = 20
 
 
-def check_outputs(*writes: Path | None, plot: Path | None = None, reads: Sequence[Path | None] = ()) -> None:
-    """Check that all outputs can be written, and that none is another one or a file that is read."""
+def check_outputs(
+    *writes: Path | None,
+    plot: Path | None = None,
+    reads: Sequence[Path | None] = (),
+    updated: Path | None = None,
+) -> None:
+    """Check that all outputs can be written, and that none is another one or a file that is read.
+
+    ``reads`` are known to be read; an output that is found to be read later is refused then, but for the updated one.
+    """
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
-    paths = [path for path in (*writes, plot) if path is not None]
+    fresh = [path for path in (*writes, plot) if path is not None]
+    paths = fresh if updated is None else [*fresh, updated]
     sources = [path for path in reads if path is not None and path.exists()]
     for path in paths:
         try:
@@ -41,7 +53,7 @@ def check_outputs(*writes: Path | None, plot: Path | None = None, reads: Sequenc
         except InputError as error:
             problems += error.problems
             continue
-        if path.exists() and any(path.samefile(source) for source in sources):
+        if path is not updated and path.exists() and any(path.samefile(source) for source in sources):
             problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
     if not problems:
         resolved = [path.resolve() for path in paths]
@@ -49,24 +61,59 @@ def check_outputs(*writes: Path | None, plot: Path | None = None, reads: Sequenc
         problems += (Problem(path, "", "must not be written twice; choose another name") for path in twice)
     if problems:
         raise InputError(problems)
+    reserve(fresh)
 
 
 def read_scenario(
-    path: Path, assignments: Sequence[str] | None, more: Mapping[str, float | None] | None = None
+    path: Path,
+    assignments: Sequence[str] | None,
+    more: Mapping[str, tuple[str, float | None]] | None = None,
 ) -> "Scenario":
     """Read the scenario of a file, or of standard input where it is "-".
 
-    ``assignments`` are those of ``--set``; ``more`` are values of other options by key, None where one is not given.
+    ``assignments`` are those of ``--set``; ``more`` are the keys and values of other options, None where one is not
+    given.  A wrong value of an option is a problem of the command line, whatever the file holds.
     """
     from armour.scenario.assignments import changed, changes_of
-    from armour.scenario.loading import load_scenario, parse_scenario
+    from armour.scenario.loading import parse_scenario
+    from armour.scenario.reach import NOT_USED, unused_entries
 
-    given = {key: value for key, value in (more or {}).items() if value is not None}
-    changes = changed(changes_of(assignments or ()), given)
-    if str(path) != "-":
-        return load_scenario(path, changes)
-    data = parse_toml(decoded(sys.stdin.buffer, STANDARD_INPUT), STANDARD_INPUT)
-    return parse_scenario(changed(data, changes), file=STANDARD_INPUT)
+    changes = changes_of(assignments or ())
+    options = {key: f"--set {key}" for key in changes}
+    for option, (key, value) in (more or {}).items():
+        if value is not None:
+            if key in changes and changes[key] != value:
+                raise InputError([Problem("command line", option, f"must not be given with {options[key]}")])
+            changes[key], options[key] = value, option
+    standard = str(path) == "-"
+    file, folder = (STANDARD_INPUT, Path()) if standard else (str(path), path.parent)
+    data = parse_toml(decoded(sys.stdin.buffer, file) if standard else read_text(path), file)
+    try:
+        loaded = parse_scenario(changed(data, changes, file), file=file, folder=folder)
+    except InputError as error:
+        own: Sequence[Problem] = ()
+        try:
+            parse_scenario(data, file=file, folder=folder)
+        except InputError as without:
+            own = without.problems
+        raise InputError([p if p in own else _blamed(p, options, file) for p in error.problems]) from None
+    if unused := unused_entries(changes, loaded):
+        raise InputError([Problem("command line", f"--set {key}", NOT_USED + hint) for key, hint in unused])
+    return loaded
+
+
+def _blamed(problem: Problem, options: Mapping[str, str], file: str) -> Problem:
+    """Return a problem that the file alone does not have with the option that sets its key, or one below it."""
+    for key, option in sorted(options.items(), reverse=True):
+        if problem.file == file and (_below(problem.key, key) or _below(key, problem.key)):
+            where = f"--set {problem.key}" if option.startswith("--set") else option
+            return Problem("command line", where, problem.message)
+    return problem
+
+
+def _below(key: str, other: str) -> bool:
+    """Return whether a key is another one, or stands below it."""
+    return key == other or (key.startswith(other) and key[len(other)] in ".[")
 
 
 def respond(
@@ -91,27 +138,43 @@ def respond(
 
         return None if plot is None or chart is None else plots.rendered(chart(charts), plot.suffix.lower())
 
+    contents: dict[Path, bytes] = {}
     failed: list[ArmourError] = []
     for path, content in [*files, (plot, drawn)]:
         try:
             if path is not None and (made := content()) is not None:
-                write(path, made)
+                contents[path] = _encoded(made)
         except ArmourError as error:
             failed.append(error)
-    # The answer is shown even if a file cannot be made or written.
-    if as_json:
-        show_json(data)
-    else:
-        show(*tables, title=title)
-    say(*warnings)
+    with ExitStack() as stack:
+        try:
+            stack.enter_context(written({} if failed else contents))
+        except InputError as error:
+            failed.append(error)
+        # The answer is shown even if a file cannot be made or written; if it cannot be shown, no file stays.
+        if as_json:
+            show_json(data)
+        else:
+            show(*tables, title=title)
+    say(*(f"wrote {path}" for path in contents if not failed), *warnings)
     if failed:
-        raise failed[0]
+        raise failed[0] if len(failed) == 1 else InputError([problem for error in failed for problem in _told(error)])
 
 
-def write(path: Path, content: str | bytes) -> None:
-    """Write an output atomically, and report it on standard error."""
-    write_atomic(path, content.encode() if isinstance(content, str) else content)
-    say(f"wrote {path}")
+def _told(error: ArmourError) -> Sequence[Problem]:
+    return error.problems if isinstance(error, InputError) else [Problem("", "", str(error))]
+
+
+def write(contents: Mapping[Path, str | bytes]) -> None:
+    """Write outputs, all or none, and report them on standard error."""
+    with written({path: _encoded(content) for path, content in contents.items()}):
+        pass
+    say(*(f"wrote {path}" for path in contents))
+
+
+def _encoded(content: str | bytes) -> bytes:
+    """Encode a text; what is no Unicode, such as bytes of the name of a file, is escaped."""
+    return content.encode(errors="backslashreplace") if isinstance(content, str) else content
 
 
 def warnings_of(scenario: "Scenario", warnings: Iterable[str]) -> list[str]:
@@ -160,6 +223,9 @@ class Reporting(_Helpful, TyperGroup):
         """Parse the command line."""
         try:
             return super().make_context(*args, **settings)
+        except InputError as error:
+            say(str(error))
+            raise Exit(WRONG_INPUT) from None
         except KeyboardInterrupt:
             say("interrupted")
             raise Exit(INTERRUPTED) from None
@@ -167,7 +233,8 @@ class Reporting(_Helpful, TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run the command; turn what it raises into a message and an exit code."""
         try:
-            return super().invoke(ctx)
+            # A context of its own, so that what it reserves ends with the command.
+            return copy_context().run(super().invoke, ctx)
         except ArmourError as error:
             say(*(_located(error.problems) if isinstance(error, InputError) else [str(error)]))
             ctx.exit(NO_ANSWER if isinstance(error, NoAnswerError) else WRONG_INPUT)
@@ -177,16 +244,17 @@ class Reporting(_Helpful, TyperGroup):
 
 
 def _located(problems: Sequence[Problem]) -> list[str]:
-    """Return the messages of problems, with the lines of TOML files where their keys are."""
+    """Return the messages of the first problems, with the lines of TOML files where their keys are."""
     from armour.scenario.toml_lines import line_of
 
-    files = {problem.file for problem in problems if problem.key and problem.file.endswith(".toml")}
+    shown, more = problems[:MAX_PROBLEMS], len(problems) - MAX_PROBLEMS
+    files = {problem.file for problem in shown if problem.key and problem.file.endswith(".toml")}
     lines = {file: _lines(file) for file in files}
     messages = []
-    for problem in problems:
+    for problem in shown:
         line = line_of(problem.key, lines.get(problem.file, {}))
         messages.append(str(problem) if line is None else f"{problem} (line {line})")
-    return messages
+    return [*messages, f"and {more} more problems"] if more > 0 else messages
 
 
 def _lines(file: str) -> dict[str, int]:
@@ -195,5 +263,5 @@ def _lines(file: str) -> dict[str, int]:
 
     try:
         return lines_of(read_text(Path(file)))
-    except InputError:
+    except ArmourError:
         return {}

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
+from armour.cli.console import progress
 from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, option
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling, warnings_of
 
@@ -21,7 +22,7 @@ def simulate(
     from armour.reporting.tables.impact import history_table, impact_tables
 
     check_outputs(history, plot=plot, reads=[scenario])
-    loaded = read_scenario(scenario, changes, {"impact.velocity_m_s": velocity})
+    loaded = read_scenario(scenario, changes, {"--velocity": ("impact.velocity_m_s", velocity)})
     result = impact.simulate(loaded, history=history is not None or plot is not None)
     respond(
         result.to_dict(),
@@ -44,7 +45,8 @@ def ballistic_limit(
 
     check_outputs(plot=plot, reads=[scenario])
     loaded = read_scenario(scenario, changes)
-    result = analysis.ballistic_limit(loaded)
+    with progress("impacts", first="searching"):
+        result = analysis.ballistic_limit(loaded)
     velocities = analysis.curve_velocities(result, loaded)
     several = "the outcome is not monotonic: it changes more than once in the range"
     respond(
@@ -67,7 +69,8 @@ def compare(scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = No
 
     check_outputs(plot=plot, reads=[scenario])
     loaded = read_scenario(scenario, changes)
-    result = comparison.compare(loaded)
+    with progress("impacts", first="searching"):
+        result = comparison.compare(loaded)
     respond(
         result.to_dict(),
         comparison_tables(result),
@@ -101,7 +104,8 @@ def optimise(
     check_outputs(csv, plot=plot, reads=[scenario])
     loaded = read_scenario(scenario, changes)
     say_if_compiling()
-    result = design.optimise(loaded, refine=refine)
+    with progress("impacts") as count:
+        result = design.optimise(loaded, refine=refine, on_progress=count)
     thicknesses = ", ".join(f"{thickness:g}" for thickness in result.not_monotonic_mm)
     perforated = [f"a thicker ceramic was perforated on a back plate of {thicknesses} mm"] if thicknesses else []
     respond(
@@ -130,7 +134,8 @@ def sensitivity(
     check_outputs(plot=plot, reads=[scenario])
     loaded = read_scenario(scenario, changes)
     say_if_compiling()
-    result = statistics.sensitivity(loaded)
+    with progress("designs") as count:
+        result = statistics.sensitivity(loaded, on_progress=count)
     respond(
         result.to_dict(),
         sensitivity_tables(result),
@@ -153,9 +158,10 @@ def uncertainty(
     from armour.statistics import uncertainty as statistics
 
     check_outputs(plot=plot, reads=[scenario])
-    loaded = read_scenario(scenario, changes, {"uncertainty.samples": samples})
+    loaded = read_scenario(scenario, changes, {"--samples": ("uncertainty.samples", samples)})
     say_if_compiling()
-    result = statistics.uncertainty(loaded)
+    with progress("samples") as count:
+        result = statistics.uncertainty(loaded, on_progress=count)
     respond(
         result.to_dict(),
         uncertainty_tables(result),

@@ -33,7 +33,7 @@ def init(
     check_outputs(file)
     if file.exists() and not force:
         raise InputError([Problem(str(file), "", "exists already; choose another name, or --force")])
-    write(file, known[source].read_bytes())
+    write({file: known[source].read_bytes()})
     say(f"next: armour simulate {file}")
 
 

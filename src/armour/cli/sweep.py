@@ -13,6 +13,10 @@ from armour.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from armour.sweeps.cases import Cases, Grid
+    from armour.sweeps.plan import Plan
+
+# Sweeps that take longer are announced.
+ANNOUNCED_S = 10.0
 
 
 def sweep(
@@ -36,13 +40,14 @@ def sweep(
     scheduler: Annotated[
         str, option('Compute on the Dask cluster at this address; "local" starts one.', metavar="ADDRESS")
     ] = "",
+    yes: Annotated[bool, option("Go on where a sweep takes hours, or more space than is free.", "--yes")] = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
     from armour.sweeps import sweep as sweeps
-    from armour.sweeps.checkpoint import read_table
     from armour.sweeps.dask import connected, on_cluster
+    from armour.sweeps.tables import read_table
 
     check_outputs(output, plot=plot, reads=[scenario, cases])
     loaded = read_scenario(scenario, changes)
@@ -52,11 +57,16 @@ def sweep(
         _check_plot(source, names)
     say_if_compiling()
     with connected(scheduler) if scheduler else nullcontext() as client, progress("rows", source.count) as count:
-        compute = sweeps.in_process(threads) if client is None else on_cluster(client)
-        try:
-            rows = sweeps.sweep(loaded, source, names, output, compute=compute, on_chunk=lambda n, _stored: count(n))
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt("repeat the same command to resume") from None
+        rows = sweeps.sweep(
+            loaded,
+            source,
+            names,
+            output,
+            compute=sweeps.in_process(threads) if client is None else on_cluster(client),
+            on_chunk=lambda n, _stored: count(n),
+            approve=lambda plan: _approve(plan, yes),
+            tell=say,
+        )
     say(f"wrote {output}: {rows} rows")
     respond(
         {"rows": rows, "output": str(output)},
@@ -74,6 +84,14 @@ def _source(over: list[str], cases: Path | None) -> "Grid | Cases":
     if (cases is None) == (not over):
         raise InputError([Problem("sweep", "", "give either --over or --cases")])
     return Grid(tuple(axis_of(text) for text in over)) if cases is None else Cases(cases)
+
+
+def _approve(plan: "Plan", yes: bool) -> None:
+    """Announce a sweep that is not over at once; refuse a large one without ``--yes``."""
+    if plan.is_large and not yes:
+        raise InputError([Problem("sweep", "", f"{plan}; --yes to go on")])
+    if plan.seconds > ANNOUNCED_S:
+        say(str(plan))
 
 
 def _check_plot(source: "Grid | Cases", names: list[str]) -> None:

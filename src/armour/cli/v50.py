@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from armour.cli.console import progress
 from armour.cli.options import AsJson, Changes, PlotFile, argument, option
 from armour.cli.runner import check_outputs, read_scenario, respond
 from armour.errors import InputError, Problem
@@ -17,16 +18,12 @@ def v50(
     scenario: Annotated[
         Path | None, argument("SCENARIO", "Scenario of the same armour, for the model's limit.")
     ] = None,
-    pairs: Annotated[
-        int | None, option("Shots of each kind in the mean, at least 1; by default 5, 3 or 2.", min=1)
-    ] = None,
+    pairs: Annotated[int | None, option("Shots of each kind in the mean, at least 1; by default 5, 3 or 2.")] = None,
     span_m_s: Annotated[
         float | None,
-        option("Largest span of these shots, m/s, at most 10,000; by default MIL-STD-662F's.", min=0.0, max=1e4),
+        option("Largest span of these shots, m/s, at most 10,000; by default MIL-STD-662F's."),
     ] = None,
-    confidence: Annotated[
-        float, typer.Option(min=0.5, max=0.9999, help="Confidence of the intervals, 0.5 to 0.9999.")
-    ] = 0.95,
+    confidence: Annotated[float, typer.Option(help="Confidence of the intervals, 0.5 to 0.9999.")] = 0.95,
     plot: PlotFile = None,
     changes: Changes = None,
     as_json: AsJson = False,
@@ -40,7 +37,8 @@ def v50(
     check_outputs(plot=plot, reads=[shots, scenario])
     read = statistics.read_shots(shots)
     loaded = None if scenario is None else read_scenario(scenario, changes)
-    result = statistics.v50(read, loaded, pairs=pairs, span_m_s=span_m_s, confidence=confidence)
+    with progress("fits", first="fitting"):
+        result = statistics.v50(read, loaded, pairs=pairs, span_m_s=span_m_s, confidence=confidence)
     respond(
         result.to_dict(),
         v50_tables(result),

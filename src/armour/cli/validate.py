@@ -43,7 +43,7 @@ def validate(
     if update:
         _check_update(suite, changes)
     updated = suite if update else None
-    check_outputs(markdown, junit, updated, reads=[] if update else [suite])
+    check_outputs(markdown, junit, reads=[suite], updated=updated)
     chosen = load_suite(suite or paper_suite(), changes_of(changes or ())).only(only)
     say_if_compiling()
     result = _computed(chosen, quiet=as_json)
@@ -101,14 +101,14 @@ def _tables(result: "SuiteResult") -> "list[Table | str]":
     return [*suite_tables(result), "", *(f"{name}: {note}" for name, note in notes), verdict(result)]
 
 
-def _updated(suite: Path, result: "SuiteResult") -> str | None:
+def _updated(suite: Path, result: "SuiteResult") -> bytes | None:
     """Return the suite with computed values, which are listed on standard error; None where nothing changes."""
     from armour.reporting.tables.validation import update_table
-    from armour.validation.update import updated_text, updates_of
+    from armour.validation.update import updated_file, updates_of
 
     updates = updates_of(result)
     if not updates:
         say("every expected value is the computed one")
         return None
     show(update_table(updates), stderr=True)
-    return updated_text(suite.read_text(encoding="utf-8"), updates)
+    return updated_file(suite.read_bytes(), updates)

@@ -1,14 +1,20 @@
-"""Searches for the ballistic limit and the least ceramic thickness, by interpolation of residual velocities.
+"""Searches for the ballistic limit and the least ceramic thickness.
+
+The outcome may change more than once with the impact velocity.  The ballistic limit is the lowest change that a scan of
+velocities sees.  Perforation, or defeat, between two scanned velocities is searched for where their neighbours hint at
+it: at a maximum of the penetration depth, at a minimum of the residual velocity, and where defeated projectiles stop at
+one velocity and are used up at the next.
 
 Just above the ballistic limit the square of the residual velocity is linear in the impact velocity, and in the ceramic
-thickness.  Each run is therefore placed just on the perforated side of the root of a polynomial through the last
-perforations, or at the middle of the bracket where that root lies outside it.
+thickness.  Within a bracket, each run is therefore placed just on the perforated side of the root of a polynomial
+through the last perforations, or at the middle of the bracket where that root lies outside it.
 """
 
-from math import inf, isfinite, sqrt
+from collections.abc import Sequence
+from math import inf, sqrt
 from typing import NamedTuple
 
-from armour.core.equations import sheared_diameter
+from armour.core.events import ERODED_FRACTION
 from armour.core.run import run
 from armour.core.state import Outcome, Parameters
 from armour.core.stepping import time_step
@@ -17,8 +23,40 @@ from armour.core.stepping import time_step
 ENERGY_LEFT = 0.85
 # Runs of a search after which it continues by bisection.
 MAX_INTERPOLATED_RUNS = 30
-# Factor by which the velocity is raised until a run perforates.
-GROWTH = 1.25
+# Number of velocities of a scan.
+SCAN_POINTS = 33
+# Runs of a search between scanned velocities.
+HIDDEN_RUNS = 10
+# Part of the larger interval at which a search of a maximum by golden section places its next run.
+GOLDEN = (3.0 - sqrt(5.0)) / 2.0
+
+
+class Solver(NamedTuple):
+    """Settings of a run, see `armour.core.run.run`."""
+
+    V_arrest: float
+    given: float  # time step, s, as in `armour.core.stepping.time_step`
+    max_steps: int
+
+
+class Impact(NamedTuple):
+    """An impact and its outcome."""
+
+    V: float  # impact velocity, m/s
+    perforated: bool
+    eroded: bool  # the projectile was used up
+    resolved: bool  # the run ended within the maximum number of steps
+    # How near it is to the other outcome: the penetration depth, m, or if perforated the square of the arrest velocity
+    # less that of the residual velocity, m^2/s^2.
+    nearness: float
+
+
+class Change(NamedTuple):
+    """Two impacts between which the outcome changes; the outcome is the same at both if no change is seen."""
+
+    below: Impact
+    above: Impact
+    runs: int
 
 
 class Bracket(NamedTuple):
@@ -107,38 +145,136 @@ def next_point(b: Bracket, tolerance: float) -> float:
     return x if b.low < x < b.high else middle
 
 
-def find_ballistic_limit(
-    p: Parameters, low: float, high: float, tolerance: float, V_arrest: float, given: float, max_steps: int
-) -> SearchResult:
-    """Find the ballistic limit between two impact velocities, m/s, between which the outcome changes once.
+def scan(low: float, high: float) -> list[float]:
+    """Return the velocities of a scan from `low` to `high`, both included, evenly spaced on a logarithmic scale."""
+    ratio, last = high / low, SCAN_POINTS - 1
+    return [low, *(low * ratio ** (i / last) for i in range(1, last)), high]
 
-    ``tolerance`` is the width of the final bracket, m/s, and ``given`` the time step, s, as in
-    `armour.core.stepping.time_step`.
+
+def impact(p: Parameters, V: float, solver: Solver) -> Impact:
+    """Compute the impact at a velocity, m/s."""
+    end = run(p, V, time_step(p, V, solver.given), solver.V_arrest, solver.max_steps)
+    resolved = end.outcome != Outcome.UNRESOLVED
+    if end.outcome == Outcome.PERFORATED:
+        return Impact(V, True, False, resolved, solver.V_arrest * solver.V_arrest - end.y.V * end.y.V)
+    return Impact(V, False, end.y.L < ERODED_FRACTION * p.L0, resolved, end.y.Z)
+
+
+def find_ballistic_limit(
+    p: Parameters, velocities: Sequence[float], tolerance: float, V_arrest: float, given: float, max_steps: int
+) -> SearchResult:
+    """Find the ballistic limit: the lowest change of the outcome that a scan of velocities, m/s, sees.
+
+    It is none if the lowest velocity perforates.  ``tolerance`` is the width of the final bracket, m/s, and ``given``
+    the time step, s, as in `armour.core.stepping.time_step`.  An unresolved run is both ends of the bracket.
     """
-    b = initial_bracket(low, high)
-    guess = estimated_limit(p)
-    V = min(max(guess, low), high) if isfinite(guess) else low
-    while True:
-        end = run(p, V, time_step(p, V, given), V_arrest, max_steps)
-        if end.outcome == Outcome.UNRESOLVED:
-            return SearchResult(-inf, inf, b.runs + 1, False)
-        if end.outcome == Outcome.PERFORATED:
-            f = end.y.V * end.y.V - V_arrest * V_arrest
-            b = after_perforation(b, V, f, sqrt(max(V * V - f / ENERGY_LEFT, 0.0)))
-            if low >= V:
-                return SearchResult(-inf, V, b.runs, True)
+    solver = Solver(V_arrest, given, max_steps)
+    start = impact(p, velocities[0], solver)
+    if not start.resolved:
+        return SearchResult(start.V, start.V, 1, False)
+    if start.perforated:
+        return SearchResult(-inf, start.V, 1, True)
+    change = next_change(p, start, velocities, solver)
+    runs = change.runs + 1
+    if not change.above.resolved:
+        return SearchResult(change.above.V, change.above.V, runs, False)
+    if not change.above.perforated:
+        return SearchResult(change.above.V, inf, runs, True)
+    found = narrowed(p, change, tolerance, solver)
+    return SearchResult(found.low, found.high, found.runs + runs, found.resolved)
+
+
+def next_change(p: Parameters, start: Impact, velocities: Sequence[float], solver: Solver) -> Change:
+    """Return the lowest change of the outcome above an impact that a scan of velocities, m/s, sees.
+
+    The search ends at an unresolved run, which is then the impact above.
+    """
+    before, last, runs = start, start, 0
+    for V in velocities:
+        if V <= start.V:
+            continue
+        end = impact(p, V, solver)
+        runs += 1
+        if not end.resolved or end.perforated != last.perforated:
+            return Change(last, end, runs)
+        hidden = Change(last, last, 0)
+        if end.eroded != last.eroded:
+            hidden = change_between_causes(p, last, end, solver)
+        elif before.eroded == last.eroded and before.nearness < last.nearness > end.nearness:
+            hidden = change_at_peak(p, before, last, end, solver)
+        runs += hidden.runs
+        if not hidden.above.resolved or hidden.above.perforated != last.perforated:
+            return Change(hidden.below, hidden.above, runs)
+        before, last = last, end
+    return Change(last, last, runs)
+
+
+def change_at_peak(p: Parameters, below: Impact, peak: Impact, above: Impact, solver: Solver) -> Change:
+    """Search around the nearest of three impacts to the other outcome for an impact of that outcome."""
+    for i in range(HIDDEN_RUNS):
+        upper = above.V - peak.V > peak.V - below.V
+        V = peak.V + GOLDEN * (above.V - peak.V if upper else below.V - peak.V)
+        tried = impact(p, V, solver)
+        if not tried.resolved or tried.perforated != peak.perforated:
+            return Change(peak if upper else below, tried, i + 1)
+        if tried.nearness > peak.nearness:
+            below, peak, above = (peak, tried, above) if upper else (below, tried, peak)
+        elif upper:
+            above = tried
         else:
-            b = after_defeat(b, V)
-            if high <= V:
-                return SearchResult(V, inf, b.runs, True)
-        if is_converged(b, tolerance):
-            return SearchResult(b.low, b.high, b.runs, True)
-        if not b.high_known:
-            V = min(GROWTH * b.low, high)
-        elif not b.low_known and b.estimate <= low:
-            V = low
+            below = tried
+    return Change(peak, peak, HIDDEN_RUNS)
+
+
+def change_between_causes(p: Parameters, below: Impact, above: Impact, solver: Solver) -> Change:
+    """Search between a projectile that stops and one that is used up for one that perforates, by bisection."""
+    for i in range(HIDDEN_RUNS):
+        tried = impact(p, 0.5 * (below.V + above.V), solver)
+        if not tried.resolved or tried.perforated:
+            return Change(below, tried, i + 1)
+        if tried.eroded == below.eroded:
+            below = tried
         else:
-            V = next_point(b, tolerance)
+            above = tried
+    return Change(below, below, HIDDEN_RUNS)
+
+
+def narrowed(p: Parameters, change: Change, tolerance: float, solver: Solver) -> SearchResult:
+    """Narrow a change of the outcome to the bracket that bisection to a tolerance, m/s, finds, in fewer runs.
+
+    The bracket is in ascending order of velocity.
+    """
+    # The upper end of a bracket perforates: velocities are negative where the outcome above the change is defeat.
+    sign = 1.0 if change.above.perforated else -1.0
+    first, other = (change.above, change.below) if change.above.perforated else (change.below, change.above)
+    low, high = sign * other.V, sign * first.V
+    b = after_defeat(initial_bracket(low, high), low)
+    b = after_perforation(b, high, -first.nearness, sign * sqrt(max(first.V**2 + first.nearness / ENERGY_LEFT, 0.0)))
+    start, end = bisected(low, low, high, tolerance)
+    while not is_converged(b, tolerance):
+        under, over = bisected(next_point(b, end - start), low, high, tolerance)
+        x = over if over < b.high else under
+        tried = impact(p, sign * x, solver)
+        if not tried.resolved:
+            return SearchResult(tried.V, tried.V, b.runs - 1, False)
+        b = after_perforation(b, x, -tried.nearness, 0.0) if tried.perforated else after_defeat(b, x)
+    runs = b.runs - 2  # less the two ends of the change
+    if sign < 0.0:
+        return SearchResult(-b.high, -b.low, runs, True)
+    return SearchResult(b.low, b.high, runs, True)
+
+
+def bisected(x: float, low: float, high: float, tolerance: float) -> tuple[float, float]:
+    """Return the interval that contains x of those into which bisection divides an interval, down to a tolerance."""
+    while high - low > tolerance:
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            break
+        if x < middle:
+            high = middle
+        else:
+            low = middle
+    return low, high
 
 
 def find_least_ceramic_thickness(
@@ -172,15 +308,3 @@ def find_least_ceramic_thickness(
         Hc0 = -next_point(b, tolerance)
         if not b.low_known and b.estimate <= b.low:
             Hc0 = thick
-
-
-def estimated_limit(p: Parameters) -> float:
-    """Return an estimate of the ballistic limit, m/s, good to about a tenth, from which a search starts.
-
-    The work of strength and shear is equated to the energy of the projectile.  The coefficients are fitted to 1,000
-    random designs of both projectiles of the paper; they affect the number of runs of a search, not its result.
-    """
-    rod = p.rho_p * p.L0
-    sheared = 3.4 * p.Hb + 3.25 * (sheared_diameter(p.shear_law, p.D0, p.Hc0) - p.D0)
-    work = 0.86 * p.Yc0 * p.Hc0 + 0.56 * p.YB * p.Hb + p.tau * p.Hb * sheared / p.D0
-    return sqrt(max(work / rod, 0.0)) * (1.0 + 0.3 * p.rho_c * p.Hc0 / rod + 0.6 * p.rho_B * p.Hb / rod)

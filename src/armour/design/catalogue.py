@@ -1,5 +1,6 @@
 """Catalogue of a scenario: pairs of materials with thicknesses and costs, threats and constraints."""
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
@@ -7,11 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, settings_of, with_thicknesses
+from armour.core.state import Parameters
 from armour.engine import batch
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import VELOCITY, with_inputs
-from armour.scenario.schema import BackingLayer, CeramicLayer, DesignSection, Threat
+from armour.scenario.parameters import FIELDS, VELOCITY, inputs_of, with_inputs
+from armour.scenario.schema import MAX_DESIGNS, BackingLayer, CeramicLayer, DesignSection, Threat
 from armour.units import MM
 
 # Largest relative constraint violation that counts as rounding.
@@ -19,6 +21,9 @@ ROUNDING = 1e-12
 COST = "cost_per_m2"
 # Decimals to which areal densities, thicknesses and costs are rounded, so that equal sums compare equal.
 DIGITS = 9
+# Greatest numbers of pairs of materials, and of designs times threats, whose impacts take about a minute.
+MAX_PAIRS = 10_000
+MAX_IMPACTS = 10_000_000
 
 
 class Offer(NamedTuple):
@@ -26,8 +31,6 @@ class Offer(NamedTuple):
 
     ceramic: CeramicLayer
     backing: BackingLayer
-    against: tuple[Scenario, ...]  # the pair against each threat
-    parameters: Floats  # of the engine, (threats, 13)
     ceramic_density_kg_m3: float
     backing_density_kg_m3: float
 
@@ -42,7 +45,7 @@ class Candidates(NamedTuple):
     thickness_mm: Floats
     cost_per_m2: Floats
 
-    def at(self, where: Ints | Bools) -> "Candidates":
+    def at(self, where: Ints | Bools | slice) -> "Candidates":
         """Return some of the candidates."""
         pair, *numbers = self
         return Candidates(pair[where], *(column[where] for column in numbers))
@@ -59,10 +62,18 @@ class Catalogue:
     required_m_s: Floats  # velocities that the ballistic limits must reach, (threats,)
     bounded: bool  # whether a threat bounds the probability of perforation
     offers: tuple[Offer, ...]
+    layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, 13)
+    projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, 13)
+    inputs: tuple[Mapping[str, float], ...]  # inputs that each material and projectile has at least once
+
+    def against(self, pair: int, threat: int) -> Scenario:
+        """Return the scenario of a pair against a threat."""
+        offer = self.offers[pair]
+        return _scenario_of(_without_catalogue(self.scenario), offer.ceramic, offer.backing, self.threats[threat])
 
     def variants(self, candidates: Candidates, threat: int) -> Variants:
         """Return designs against a threat, a row each, at the velocity that it requires."""
-        parameters = np.array([offer.parameters[threat] for offer in self.offers])[candidates.pair]
+        parameters = self.layers[candidates.pair] + self.projectiles[threat]
         velocities = np.full(len(parameters), self.threats[threat].required_m_s)
         rows = Variants(parameters, velocities, settings_of(self.scenario))
         return with_thicknesses(rows, ceramic_mm=candidates.ceramic_mm, backing_mm=candidates.backing_mm)
@@ -109,11 +120,13 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     threats = tuple(scenario.threat) or (own,)
     titles = tuple(threat.title for threat in threats)
     bounded = any(threat.probability_of_perforation is not None for threat in threats)
-    problems = []
+    problems = _too_much(scenario.file, section, len(threats))
+    seen: set[str] = set()
     for i, title in enumerate(titles):
-        if title in titles[:i]:
+        if title in seen:
             message = f'must be different for each threat, found "{title}" twice'
             problems.append(Problem(scenario.file, f"threat[{i}].name", message))
+        seen.add(title)
     if bounded and any(layer.free_range() for layer in [*section.ceramic, *section.backing]):
         message = "must have a step for each thickness_mm where a threat has probability_of_perforation"
         problems.append(Problem(scenario.file, "design", message))
@@ -126,14 +139,65 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     if problems:
         raise InputError(problems)
 
-    offers = []
-    for ceramic, backing in product(section.ceramic, section.backing):
-        against = tuple(_scenario_of(scenario, ceramic, backing, threat) for threat in threats)
-        armours = [each.core_armour() for each in against]
-        densities = armours[0].rho_c, armours[0].rho_B
-        offers.append(Offer(ceramic, backing, against, batch.packed(armours), *densities))
-    required = np.array([threat.required_m_s for threat in threats])
-    return Catalogue(scenario, section, threats, titles, required, bounded, tuple(offers))
+    alone = _without_catalogue(scenario)
+    first = section.ceramic[0], section.backing[0], threats[0]
+    of_ceramics = [_scenario_of(alone, ceramic, *first[1:]) for ceramic in section.ceramic]
+    of_backings = [_scenario_of(alone, first[0], backing, first[2]) for backing in section.backing]
+    flying = {threat.projectile: threat for threat in threats}
+    of_projectiles = {name: _scenario_of(alone, *first[:2], threat) for name, threat in flying.items()}
+
+    ceramics, backings = _parameters(of_ceramics, "ceramic"), _parameters(of_backings, "backing")
+    projectiles = dict(zip(of_projectiles, _parameters(of_projectiles.values(), "projectile"), strict=True))
+    rows = (ceramics[:, None] + backings[None]).reshape(-1, ceramics.shape[1])
+    density = batch.fields(rows)
+    offers = [
+        Offer(*pair, float(density.rho_c[i]), float(density.rho_B[i]))
+        for i, pair in enumerate(product(section.ceramic, section.backing))
+    ]
+    return Catalogue(
+        scenario,
+        section,
+        threats,
+        titles,
+        np.array([threat.required_m_s for threat in threats]),
+        bounded,
+        tuple(offers),
+        rows,
+        np.array([projectiles[threat.projectile] for threat in threats]),
+        tuple(map(inputs_of, (*of_ceramics, *of_backings, *of_projectiles.values()))),
+    )
+
+
+def _too_much(file: str, section: DesignSection, threats: int) -> list[Problem]:
+    """Return what is too much to be meant in a catalogue."""
+    offered = section.ceramic, section.backing
+    pairs = len(section.ceramic) * len(section.backing)
+    ceramics, backings = (sum(len(layer.thicknesses()) for layer in layers) for layers in offered)
+    designs = ceramics * backings
+    found = []
+    if pairs > MAX_PAIRS:
+        found.append(Problem(file, "design", f"must hold at most {MAX_PAIRS} pairs of materials, found {pairs}"))
+    if designs > MAX_DESIGNS:
+        found.append(Problem(file, "design", f"must hold at most {MAX_DESIGNS} designs, found {designs}"))
+    elif designs * threats > MAX_IMPACTS:
+        message = f"must list at most {MAX_IMPACTS // designs} threats for {designs} designs, found {threats}"
+        found.append(Problem(file, "threat", message))
+    return found
+
+
+def _without_catalogue(scenario: Scenario) -> Scenario:
+    """Return the scenario of an impact alone, which is quicker to change than one with many threats and materials."""
+    return scenario.replaced({"threat": [], "design": None})
+
+
+def _parameters(scenarios: Iterable[Scenario], role: str) -> Floats:
+    """Return the parameters of the engine that a role sets, with the options of the model for the projectile."""
+    rows = batch.packed([scenario.core_armour() for scenario in scenarios])
+    names = {target[0] for name, target in FIELDS.items() if target is not None and name.startswith(role + ".")}
+    if role == "projectile":
+        names |= {"L0", "shear_law"}
+    kept = np.array([name in names for name in Parameters._fields])
+    return np.where(kept, rows, 0.0)
 
 
 def _section_of(scenario: Scenario) -> DesignSection:

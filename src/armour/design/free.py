@@ -5,28 +5,34 @@ from collections.abc import Callable
 import numpy as np
 
 from armour.analysis.searches import least_ceramics_mm
-from armour.analysis.variants import Floats, Variants, with_thicknesses
+from armour.analysis.variants import Floats, OnProgress, Variants, ignore_progress, portions, with_thicknesses
 
 # Largest distance of the back plate thicknesses of the last round, mm.
 BACKING_TOLERANCE_MM = 1e-3
 # Ratio of the distances of the back plate thicknesses of one round and the next.
 CLOSER = 10
+# Searches for a ceramic thickness that are done at a time, which bounds the memory.
+SEARCHES_AT_A_TIME = 10_000
 
 
-def least_areal_densities(variants: Variants) -> Floats:
+def least_areal_densities(variants: Variants, on_progress: OnProgress = ignore_progress) -> Floats:
     """Return the least areal density that defeats each impact, kg/m^2, (n,); NaN where no design does.
 
-    Both thicknesses are free within the ranges of the grid.
+    Both thicknesses are free within the ranges of the grid.  `on_progress` is called with searches for a ceramic.
     """
     grid = variants.settings.grid
     assert grid is not None, "checked before"
     count = len(variants.velocities)
 
     def values_of(backings: Floats) -> Floats:
-        many = variants.at(np.repeat(np.arange(count), backings.shape[1]))
-        many = with_thicknesses(many, backing_mm=backings.ravel())
-        many = with_thicknesses(many, ceramic_mm=least_ceramics_mm(many))
-        return np.nan_to_num(many.areal_densities_kg_m2, nan=np.inf).reshape(backings.shape)
+        values = np.empty(backings.size)
+        for part in portions(backings.size, SEARCHES_AT_A_TIME):
+            many = variants.at(np.arange(part.start, part.stop) // backings.shape[1])
+            many = with_thicknesses(many, backing_mm=backings.ravel()[part])
+            many = with_thicknesses(many, ceramic_mm=least_ceramics_mm(many))
+            values[part] = np.nan_to_num(many.areal_densities_kg_m2, nan=np.inf)
+            on_progress(part.stop - part.start, None)
+        return values.reshape(backings.shape)
 
     section = grid.backing_thickness_mm
     first = np.tile(section.values(), (count, 1))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from armour.analysis.results import Result
-from armour.analysis.variants import Ints, grid_of
+from armour.analysis.variants import Ints, OnProgress, grid_of, ignore_progress
 from armour.design.candidates import candidates_of
 from armour.design.catalogue import catalogue_of
 from armour.design.requirement import Requirement
@@ -149,7 +149,7 @@ class DesignResult(Result):
         return data
 
 
-def optimise(scenario: Scenario, *, refine: bool = False) -> DesignResult:
+def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgress = ignore_progress) -> DesignResult:
     """Find the best design of a scenario that defeats its threats.
 
     A design passes if it defeats every threat at the threat's velocity plus margin and has no ballistic limit below
@@ -164,6 +164,8 @@ def optimise(scenario: Scenario, *, refine: bool = False) -> DesignResult:
         without them, they are the scenario's own pair of materials and impact.
     refine : bool, default False
         Whether also to find the best design with both layers free within their ranges.
+    on_progress : callable, optional
+        Called with the number of impacts computed since the last call, and None, as their total is not known.
 
     Returns
     -------
@@ -191,8 +193,8 @@ def optimise(scenario: Scenario, *, refine: bool = False) -> DesignResult:
     if catalogue.bounded:
         from armour.design.reliability import Reliability  # takes half a second to import scipy.stats
 
-        reliability = Reliability(catalogue)
-    requirement = Requirement(catalogue)
+        reliability = Reliability(catalogue, on_progress)
+    requirement = Requirement(catalogue, on_progress)
     search = Search(requirement, candidates_of(requirement), reliability)
     first = search.first(np.arange(len(search.values)))
     if first is None:
@@ -204,7 +206,7 @@ def optimise(scenario: Scenario, *, refine: bool = False) -> DesignResult:
     pareto = search.pareto(criteria) if criteria else frontier[:0]
     best = _best(search, first)
     thicknesses = {CERAMIC: best.ceramic_thickness_mm, BACKING: best.backing_thickness_mm}
-    governing = catalogue.offers[pair].against[catalogue.titles.index(best.governing)].replaced(thicknesses)
+    governing = catalogue.against(pair, catalogue.titles.index(best.governing)).replaced(thicknesses)
     return DesignResult(
         minimised=catalogue.section.minimise,
         threats=catalogue.titles,

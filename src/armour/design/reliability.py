@@ -4,7 +4,7 @@ from math import ceil, inf, log, log1p
 
 from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
 from armour.analysis.uncertain_inputs import sampled, section_of
-from armour.analysis.variants import Floats, perforated
+from armour.analysis.variants import Floats, OnProgress, ignore_progress, perforated
 from armour.design.catalogue import Candidates, Catalogue
 from armour.errors import InputError, Problem
 from armour.scenario.distributions import MAX_SAMPLES, Uncertainty
@@ -14,14 +14,16 @@ from armour.scenario.sampling import columns_of, points_of
 
 # Samples of a design after which it is first checked whether it can still pass.
 FIRST_SAMPLES = 256
+# Samples that are computed at a time at most, which bounds the memory.
+MOST_SAMPLES = 2**15
 
 
 class Reliability:
     """Bounds of the threats of a catalogue on the probability of perforation, with the samples to estimate it."""
 
-    def __init__(self, catalogue: Catalogue) -> None:
-        self.catalogue = catalogue
-        section = section_of(catalogue.offers[0].against[0])
+    def __init__(self, catalogue: Catalogue, on_progress: OnProgress = ignore_progress) -> None:
+        self.catalogue, self.on_progress = catalogue, on_progress
+        section = section_of(catalogue.against(0, 0))
         _check(catalogue, section)
         self.points = points_of(section)
 
@@ -29,11 +31,11 @@ class Reliability:
         """Estimate the probabilities of perforation of a design, see `Search.probabilities`."""
         thicknesses = float(candidates.ceramic_mm[place]), float(candidates.backing_mm[place])
         found = {}
-        offer = self.catalogue.offers[candidates.pair[place]]
-        for threat, scenario in zip(self.catalogue.threats, offer.against, strict=True):
+        for i, threat in enumerate(self.catalogue.threats):
             bound = threat.probability_of_perforation
             if bound is not None:
-                estimate = probability_within(bound, scenario, *thicknesses, self.points)
+                scenario = self.catalogue.against(int(candidates.pair[place]), i)
+                estimate = probability_within(bound, scenario, *thicknesses, self.points, self.on_progress)
                 if estimate is None:
                     return None
                 found[threat.title] = estimate
@@ -43,10 +45,9 @@ class Reliability:
 def _check(catalogue: Catalogue, section: Uncertainty) -> None:
     """Check that the distributions follow designs, materials and threats, and that the samples suffice."""
     file = catalogue.scenario.file
-    owns = [inputs_of(scenario) for offer in catalogue.offers for scenario in offer.against]
     problems = []
     for name, distribution in section.inputs().items():
-        values = {own.get(name) for own in owns}
+        values = {own.get(name) for own in catalogue.inputs}
         if distribution.placed and (len(values) > 1 or name in (VELOCITY, CERAMIC, BACKING)):
             message = (
                 "must be centred on the value of each design or threat: normal or lognormal, without mean, min and max"
@@ -64,7 +65,12 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
 
 
 def probability_within(
-    bound: float, scenario: Scenario, ceramic_mm: float, backing_mm: float, points: Floats
+    bound: float,
+    scenario: Scenario,
+    ceramic_mm: float,
+    backing_mm: float,
+    points: Floats,
+    on_progress: OnProgress = ignore_progress,
 ) -> Estimate | None:
     """Estimate the probability of perforation of a design; None where its interval reaches beyond a bound.
 
@@ -79,7 +85,8 @@ def probability_within(
         part = points[start:end]
         hits += int(perforated(sampled(design, columns_of(section, own, part), len(part))).sum())
         estimate = proportion(hits, len(points))
+        on_progress(len(part), None)
         if estimate.high > bound:
             return None
-        start, end = end, 2 * end
+        start, end = end, end + min(end, MOST_SAMPLES)
     return estimate

@@ -4,13 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from armour.analysis.searches import DENSE_SCAN_POINTS, lowest_limits, lowest_perforated
-from armour.analysis.variants import Bools, Floats, Variants, perforated
+from armour.analysis.searches import DENSE_SCAN_POINTS, limit_brackets, lowest_perforated
+from armour.analysis.variants import Bools, Floats, OnProgress, Variants, ignore_progress, perforated, portions
 from armour.design.catalogue import Candidates, Catalogue
 from armour.scenario.schema import FASTEST_M_S
 
 # Velocity, m/s, from which a ballistic limit is searched for below the range of the section ``ballistic_limit``.
 SLOWEST_M_S = 20.0
+# Designs whose impacts, and whose limits, are computed at a time, which bounds the memory.
+IMPACTS_AT_A_TIME = 50_000
+LIMITS_AT_A_TIME = 500
 
 
 @dataclass
@@ -18,16 +21,23 @@ class Requirement:
     """The threats of a catalogue as a condition on designs; counts the impacts that it computes."""
 
     catalogue: Catalogue
+    on_progress: OnProgress = ignore_progress  # called with impacts
     runs: int = 0
 
     def defeats(self, candidates: Candidates, threat: int | None = None) -> Bools:
         """Return whether designs defeat all threats, or one, at the velocities required."""
         defeated = np.ones(len(candidates.pair), dtype=bool)
-        for each in range(len(self.catalogue.threats)) if threat is None else [threat]:
-            variants = self.catalogue.variants(candidates.at(defeated), each)
-            self.runs += len(variants.velocities)
-            defeated[defeated] = ~perforated(variants)
+        for part in portions(len(defeated), IMPACTS_AT_A_TIME):
+            left = np.arange(part.start, part.stop)
+            for each in range(len(self.catalogue.threats)) if threat is None else [threat]:
+                defeated[left] = ~perforated(self.catalogue.variants(candidates.at(left), each))
+                self._count(len(left))
+                left = left[defeated[left]]
         return defeated
+
+    def _count(self, runs: int) -> None:
+        self.runs += runs
+        self.on_progress(runs, None)
 
     def lowest_limits(self, candidates: Candidates) -> Floats:
         """Return the lowest ballistic limits of designs against each threat, m/s, (designs, threats).
@@ -36,27 +46,31 @@ class Requirement:
         these is set to the nearer one.  Where it reaches the velocity required, the velocities below that are scanned
         more densely; the lowest that perforates is then the limit.
         """
-        section = self.catalogue.scenario.ballistic_limit
-        slowest = min(section.velocity_min_m_s, SLOWEST_M_S)
         limits = np.empty((len(candidates.pair), len(self.catalogue.threats)))
-        for threat in range(limits.shape[1]):
-            variants = self.catalogue.variants(candidates, threat)
-            found = self._counted(variants, section.velocity_min_m_s, section.velocity_max_m_s)
-            for outside, low, high in (
-                (-np.inf, slowest, section.velocity_min_m_s),
-                (np.inf, section.velocity_max_m_s, FASTEST_M_S),
-            ):
-                where = np.flatnonzero(found == outside)
-                if len(where) and low < high:
-                    found[where] = self._counted(variants.at(where), low, high)
-            found = found.clip(slowest, FASTEST_M_S)
-            where = np.flatnonzero(found >= variants.velocities)
-            self.runs += len(where) * (DENSE_SCAN_POINTS - 1)
-            limits[:, threat] = found
-            limits[where, threat] = np.minimum(found[where], lowest_perforated(variants.at(where), slowest))
+        for part in portions(len(limits), LIMITS_AT_A_TIME):
+            for threat in range(limits.shape[1]):
+                limits[part, threat] = self._lowest_limits(self.catalogue.variants(candidates.at(part), threat))
         return limits
 
+    def _lowest_limits(self, variants: Variants) -> Floats:
+        section = self.catalogue.scenario.ballistic_limit
+        slowest = min(section.velocity_min_m_s, SLOWEST_M_S)
+        found = self._counted(variants, section.velocity_min_m_s, section.velocity_max_m_s)
+        for outside, low, high in (
+            (-np.inf, slowest, section.velocity_min_m_s),
+            (np.inf, section.velocity_max_m_s, FASTEST_M_S),
+        ):
+            where = np.flatnonzero(found == outside)
+            if len(where) and low < high:
+                found[where] = self._counted(variants.at(where), low, high)
+        found = found.clip(slowest, FASTEST_M_S)
+        where = np.flatnonzero(found >= variants.velocities)
+        found[where] = np.minimum(found[where], lowest_perforated(variants.at(where), slowest))
+        self._count(len(where) * (DENSE_SCAN_POINTS - 1))
+        return found
+
     def _counted(self, variants: Variants, low: float, high: float) -> Floats:
-        limits, runs = lowest_limits(variants, low, high)
-        self.runs += runs
-        return limits
+        """Return lowest limits, m/s; -inf where the lowest velocity perforates, inf where none is seen to."""
+        found = limit_brackets(variants, low, high, variants.settings.ballistic_limit.tolerance_m_s)
+        self._count(int(found.runs.sum()))
+        return np.where(np.isneginf(found.defeated), -np.inf, found.perforated)

@@ -1,14 +1,15 @@
 """Search for the designs of a catalogue that pass, in the order of the objective."""
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import Bools, Floats, Ints
+from armour.analysis.variants import Bools, Floats, Ints, portions
 from armour.design.catalogue import Candidates
-from armour.design.requirement import Requirement
+from armour.design.requirement import LIMITS_AT_A_TIME, Requirement
 
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
@@ -33,10 +34,12 @@ class Search:
         self.defeating = requirement.defeats(candidates)
         self._limits = np.full((len(self.values), len(self.catalogue.threats)), np.nan)
         self._probabilities: dict[int, dict[str, Estimate] | None] = {}
+        self._by_pair = candidates.pair.argsort(kind="stable")
+        self._ends = np.searchsorted(candidates.pair[self._by_pair], np.arange(len(self.catalogue.offers) + 1))
 
     def of_pair(self, pair: int) -> Ints:
         """Return the designs of a pair."""
-        return np.flatnonzero(self.candidates.pair == pair)
+        return self._by_pair[self._ends[pair] : self._ends[pair + 1]]
 
     def limits(self, where: Ints) -> Floats:
         """Return the lowest ballistic limits of designs against each threat, m/s, (designs, threats)."""
@@ -63,7 +66,7 @@ class Search:
         left = where[self.defeating[where]]
         size = 1
         while len(left):
-            batch, left, size = left[:size], left[size:], 2 * size
+            batch, left, size = left[:size], left[size:], min(2 * size, LIMITS_AT_A_TIME)
             for place in batch[self.passes(batch)].tolist():
                 if self.probabilities(place) is not None:
                     return int(place)
@@ -87,13 +90,14 @@ class Search:
     def not_monotonic_mm(self, frontier: Ints) -> tuple[float, ...]:
         """Return the back plate thicknesses of a frontier at which a thicker ceramic is known not to pass, mm."""
         ceramics, backings = self.candidates.ceramic_mm, self.candidates.backing_mm
-        failing = ~self.defeating | (self._limits < self.catalogue.required_m_s).any(axis=1)
-        failing &= self.candidates.pair == self.candidates.pair[frontier[0]]
-        return tuple(
-            float(backings[place])
-            for place in frontier.tolist()
-            if (failing & (backings == backings[place]) & (ceramics > ceramics[place])).any()
-        )
+        own = self.of_pair(int(self.candidates.pair[frontier[0]]))
+        failing = own[~self.defeating[own] | (self._limits[own] < self.catalogue.required_m_s).any(axis=1)]
+        failing = failing[np.isin(backings[failing], backings[frontier])]
+        # The frontier is in the order of its back plates.
+        thickest = np.zeros(len(frontier))
+        np.maximum.at(thickest, np.searchsorted(backings[frontier], backings[failing]), ceramics[failing])
+        found: list[float] = backings[frontier][thickest > ceramics[frontier]].tolist()
+        return tuple(found)
 
     def pareto(self, criteria: Sequence[str]) -> Ints:
         """Return the Pareto front of the designs that pass, bounds on probabilities included.
@@ -120,21 +124,34 @@ class Search:
     def _quick_limits(self, where: Ints) -> Floats:
         """Return all limits, where unknown by the quick search or, if that finds none for a design, by scan."""
         limits = self._limits.copy()
-        for threat in range(limits.shape[1]):
-            limits[where, threat] = ballistic_limits(self.catalogue.variants(self.candidates.at(where), threat))
+        for part in portions(len(where), LIMITS_AT_A_TIME):
+            some = where[part]
+            for threat in range(limits.shape[1]):
+                limits[some, threat] = ballistic_limits(self.catalogue.variants(self.candidates.at(some), threat))
+            self.requirement.on_progress(limits[some].size, None)
         missing = where[np.isnan(limits[where]).any(axis=1)]
         limits[missing] = self.limits(missing)
         return limits
 
 
 def undominated(costs: Floats) -> Ints:
-    """Return the rows that no other row dominates; of equal rows the first.
+    """Return the rows, of two or three columns, that no other row dominates; of equal rows the first.
 
     A row dominates another if it is at most equal to it in every column and less in one.
     """
-    left = np.lexsort(costs.T[::-1])
+    order = np.lexsort(costs.T[::-1])
     front = []
-    while len(left):
-        front.append(int(left[0]))
-        left = left[(costs[left] < costs[left[0]]).any(axis=1)]
+    # Second and third columns of the rows so far that no other of these dominates in them: one rises, the other falls.
+    seconds: list[float] = []
+    thirds: list[float] = []
+    for row, (_, second, *rest) in zip(order.tolist(), costs[order].tolist(), strict=True):
+        third = rest[0] if rest else 0.0
+        place = bisect_right(seconds, second)
+        if place and thirds[place - 1] <= third:
+            continue
+        front.append(row)
+        first, last = bisect_left(seconds, second), place
+        while last < len(thirds) and thirds[last] >= third:
+            last += 1
+        seconds[first:last], thirds[first:last] = [second], [third]
     return np.array(front, dtype=np.int64)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from armour.core.search import scan
 from armour.core.state import Parameters
 from armour.engine import cache
 
@@ -81,7 +82,9 @@ def ballistic_limits(
     rows: Floats, low: float, high: float, tolerance: float, options: SolverOptions = DEFAULT_OPTIONS
 ) -> Brackets:
     """Find ballistic limits between two velocities, m/s; see `armour.core.search.find_ballistic_limit`."""
-    return _brackets("ballistic_limits", [rows], (low, high, tolerance), options)
+    velocities = np.array(scan(low, high), dtype=np.float64)
+    velocities.flags.writeable = False
+    return _brackets("ballistic_limits", [rows], (velocities, tolerance), options)
 
 
 def least_thicknesses(
@@ -96,13 +99,13 @@ def least_thicknesses(
     return _brackets("least_thicknesses", [rows, velocities], (thin, thick, tolerance), options)
 
 
-def _brackets(name: str, inputs: list[Floats], search: tuple[float, ...], options: SolverOptions) -> Brackets:
+def _brackets(name: str, inputs: list[Floats], search: tuple[Any, ...], options: SolverOptions) -> Brackets:
     counts, ends = _computed(name, inputs, (*search, *options[:3]), 2, options.threads)
     return Brackets(ends[:, 0], ends[:, 1], counts[:, 0], counts[:, 1] != 0)
 
 
 def _computed(
-    name: str, inputs: list[Floats], settings: tuple[float, ...], width: int, threads: int | None
+    name: str, inputs: list[Floats], settings: tuple[Any, ...], width: int, threads: int | None
 ) -> tuple[Ints, Floats]:
     """Call a kernel on portions of the inputs; return its integers, shape (n, 2), and numbers, shape (n, width)."""
     rows, *others = (np.ascontiguousarray(array, dtype=np.float64) for array in inputs)

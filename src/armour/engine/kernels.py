@@ -82,11 +82,12 @@ _rows = types.Array(_float, 2, "C", readonly=True)
 _counts, _ends = _int[:, ::1], _float[:, ::1]
 _tuple: Any = types.Tuple
 _solver = _tuple((_float, _float, _int))
+_scan = _tuple((_velocities, _float, _float, _float, _int))
 _search = _tuple((_float, _float, _float, _float, _float, _int))
 
 SIGNATURES = {
     impacts: (_rows, _velocities, _solver, _counts, _ends),
-    ballistic_limits: (_rows, _search, _counts, _ends),
+    ballistic_limits: (_rows, _scan, _counts, _ends),
     least_thicknesses: (_rows, _velocities, _search, _counts, _ends),
 }
 

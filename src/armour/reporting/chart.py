@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
-from armour.reporting.text import number, printable
+from armour.reporting.text import number, printable_lines
 
 # Palette of Okabe and Ito, which colour-blind readers can tell apart.
 BLUE, VERMILION, GREEN, ORANGE, PURPLE = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7"
@@ -160,7 +160,7 @@ class Chart:
 def printable_chart(chart: Any) -> Any:
     """Return a chart, or a part of one, with the control characters of its texts escaped; line ends stay."""
     if isinstance(chart, str):
-        return "\n".join(printable(line) for line in chart.split("\n"))
+        return printable_lines(chart)
     if isinstance(chart, tuple):
         return tuple(printable_chart(part) for part in chart)
     if is_dataclass(chart) and not isinstance(chart, type):

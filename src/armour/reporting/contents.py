@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.energy import EnergyBalance, energy_balance
 from armour.analysis.impact import ImpactResult, simulate
+from armour.analysis.variants import OnProgress, ignore_progress
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import NoLimitError
 from armour.scenario.library import LibraryEntry
@@ -31,10 +32,14 @@ class Contents:
     warnings: tuple[str, ...]
 
 
-def contents_of(scenario: Scenario) -> Contents:
+def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress) -> Contents:
     """Answer a scenario and gather the results that a report shows."""
+
+    def on_part(done: int, _total: int | None) -> None:
+        on_progress(done, None)
+
     asked = scenario.optimise is not None or scenario.design is not None or bool(scenario.threat)
-    design = optimise(scenario) if asked else None
+    design = optimise(scenario, on_progress=on_part) if asked else None
     answer = scenario if design is None else _with_best(scenario, design)
     impact, limit = simulate(answer, history=True), None
     with suppress(NoLimitError):
@@ -48,8 +53,8 @@ def contents_of(scenario: Scenario) -> Contents:
         impact=impact,
         limit=limit,
         energy=energy_balance(answer, impact),
-        sensitivity=sensitivity(answer),
-        uncertainty=uncertainty(answer) if sampled and not misplaced else None,
+        sensitivity=sensitivity(answer, on_progress=on_part),
+        uncertainty=uncertainty(answer, on_progress=on_part) if sampled and not misplaced else None,
         entries=tuple(entry for role in ROLES if (entry := entry_of(answer, role)) is not None),
         warnings=(*impact.warnings, *misplaced),
     )

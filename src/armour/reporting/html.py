@@ -11,7 +11,7 @@ from markupsafe import Markup
 from armour.reporting.chart import Chart
 from armour.reporting.inline_svg import inline_svg
 from armour.reporting.report import Report
-from armour.reporting.text import unbroken
+from armour.reporting.text import printable_lines, unbroken
 
 # Heights of a heading and of a character of a note, in the points of a chart.
 HEADING_POINTS, NOTE_POINTS = 40.0, 0.2
@@ -22,13 +22,13 @@ def html_report(report: Report) -> str:
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
         autoescape=True,
-        # No line of a text ends between a number and its unit.
-        finalize=lambda value: unbroken(value) if type(value) is str else value,
+        # Control characters are escaped, and no line of a text ends between a number and its unit.
+        finalize=lambda value: unbroken(printable_lines(value)) if type(value) is str else value,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["zip"] = zip
+    environment.filters |= {"zip": zip, "printable": printable_lines}
     drawn = [_drawn(chart, number) for number, chart in enumerate(report.charts, start=1) if chart.panels]
     return environment.get_template("report.html").render(report=report, columns=_columns(drawn)) + "\n"
 

@@ -4,7 +4,7 @@ import re
 from typing import TYPE_CHECKING
 
 from armour.reporting.table import Table
-from armour.reporting.text import printable
+from armour.reporting.text import printable, printable_lines
 
 if TYPE_CHECKING:
     from armour.reporting.report import Report, Section
@@ -22,10 +22,9 @@ def markdown_table(table: Table) -> str:
 
 def markdown_text(text: str) -> str:
     """Escape the markup and the control characters of a text, and join its lines."""
-    text = printable(" ".join(text.split()))
-    for mark in "\\|*_<`[":
-        text = text.replace(mark, "\\" + mark)
-    return text
+    text = re.sub(r"[\\|*_<>`\[~$&]", r"\\\g<0>", printable(" ".join(text.split())))
+    # What begins a heading, a list or a rule at the start of a line.
+    return re.sub(r"^(#{0,5}|\d{0,9})([#+\-.)])(?=[ -]|$)", r"\1\\\2", text)
 
 
 def markdown_report(report: "Report") -> str:
@@ -56,5 +55,6 @@ def _section(section: "Section") -> list[str]:
 
 def _fenced(text: str, language: str) -> str:
     """Return text within a fence longer than any in it."""
+    text = printable_lines(text)
     fence = "`" * max(3, 1 + max((len(run) for run in re.findall("`+", text)), default=0))
     return f"{fence}{language}\n{text.rstrip()}\n{fence}"

@@ -1,6 +1,7 @@
 """Charts drawn by matplotlib, which is imported with this module and by no other."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import singledispatch
 from io import BytesIO
 from math import nan
@@ -129,7 +130,9 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
     if panel.y.limits is not None:
         axes.set_ylim(panel.y.limits)
     for item in panel.series:
-        _draw_series(item, axes)
+        # A label that begins with an underscore has no place in a legend.
+        label = f" {item.label}" if item.label.startswith("_") else item.label
+        _draw_series(replace(item, label=label), axes)
     if panel.x.from_zero:
         axes.set_xlim(left=0.0)
     if panel.y.from_zero:

@@ -4,9 +4,10 @@ import csv
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from io import StringIO
+from math import isfinite
 from typing import Any
 
-from armour.reporting.text import number, spelt
+from armour.reporting.text import number, printable, spelt
 from armour.units import words_and_unit
 
 Cell = float | int | str | None
@@ -89,11 +90,24 @@ def _cell(item: Any, source: Source) -> Cell:
     return value(item) if callable(value) else value
 
 
+# Beginnings of a cell that a spreadsheet takes for a formula.
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+
+
 def csv_text(table: Table) -> str:
-    """Format a table as a CSV file: the keys of its columns, and numbers with all their digits."""
+    """Format a table as a CSV file: the keys of its columns, and numbers with all their digits.
+
+    A text that a spreadsheet would take for a formula is preceded by an apostrophe.
+    """
     text = StringIO()
     writer = csv.writer(text, lineterminator="\n")
     kept = [index for index, column in enumerate(table.columns) if column.key]
-    writer.writerow([table.columns[index].key for index in kept])
-    writer.writerows([row[index] for index in kept] for row in table.rows)
+    writer.writerow([_csv_cell(table.columns[index].key) for index in kept])
+    writer.writerows([_csv_cell(row[index]) for index in kept] for row in table.rows)
     return text.getvalue()
+
+
+def _csv_cell(cell: Cell) -> Cell:
+    if isinstance(cell, str):
+        return printable(f"'{cell}" if cell.startswith(FORMULA) else cell)
+    return None if cell is None or not isfinite(cell) else cell

@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from math import isfinite
 from textwrap import wrap
 
 from armour.units import ENDINGS
@@ -29,6 +30,11 @@ def _shown(character: str) -> str:
     return character.encode("unicode_escape").decode("ascii") if hidden else character
 
 
+def printable_lines(text: str) -> str:
+    """Escape the control characters of a text from a file; line ends stay."""
+    return "\n".join(map(printable, text.split("\n")))
+
+
 def unbroken(text: str) -> str:
     """Return a text in which no line ends between a number and its unit: the space there does not break."""
     return BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", text)
@@ -45,9 +51,14 @@ def percent(part: float) -> str:
 
 
 def number(value: float | str, spec: str) -> str:
-    """Format a number, with its thousands separated from 10,000 on; a text is returned as it is."""
+    """Format a number, with its thousands separated from 10,000 on; a text is returned as it is.
+
+    A number that is not finite has no value and gives an empty text.
+    """
     if isinstance(value, str):
         return value
+    if not isfinite(value):
+        return ""
     text = format(value, spec)
     sign = spec[:1] if spec.startswith("+") else ""
     return text if abs(float(text)) < 1e4 else format(value, f"{sign},{spec.removeprefix(sign)}")

@@ -1,40 +1,153 @@
 """Changes of a scenario by key, also as texts such as ``armour.ceramic_thickness_mm=8``."""
 
 import json
+import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from copy import deepcopy
 from typing import Any
 
-from armour.errors import InputError, Problem
+from armour.errors import InputError, Problem, suggestion
+from armour.files import parse_toml
+from armour.scenario.library import KINDS
+from armour.scenario.messages import describe, key_name
+from armour.scenario.parameters import NAMES, ROLES
+
+Parts = tuple[str, ...]
+# More parts than any key of a scenario has; deeper tables exhaust the stack.
+MAX_PARTS = 20
 
 
-def changed(data: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:
-    """Return the data of a scenario with other values by dotted key; a table is merged into an existing one."""
-    result = deepcopy(dict(data))
+def parts_of(key: str) -> Parts:
+    """Return the parts of a dotted key as TOML reads it; raise a ValueError if it is not one."""
+    parts: Parts = ()
+    if re.fullmatch(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*", key):
+        parts = tuple(key.split("."))
+    else:
+        # A key, and nothing else, can stand both in the header of a table and before a value.
+        tomllib.loads(f"{key} = 0")
+        table = tomllib.loads(f"[{key}]")
+        while table:
+            [(name, table)] = table.items()
+            parts = (*parts, name)
+    if len(parts) > MAX_PARTS:
+        raise ValueError(key)
+    return parts
+
+
+def canonical(keys: Iterable[str], file: str) -> list[str]:
+    """Return keys in one spelling; they must be keys as in TOML, and differ from each other."""
+    found: list[str] = []
+    problems = []
+    for key in keys:
+        try:
+            name = key_name(parts_of(key))
+        except ValueError:
+            problems.append(_not_a_key(file, key))
+            continue
+        if name in found:
+            problems.append(Problem(file, name, "must be given once, found it twice"))
+        found.append(name)
+    if problems:
+        raise InputError(problems)
+    return found
+
+
+def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = "scenario") -> dict[str, Any]:
+    """Return the data of a scenario with other values by dotted key; a table is merged into an existing one.
+
+    Every change must count: a key that goes below a value, is given twice or adds an empty table to a table is refused.
+    """
+    result = dict(data)
+    given: dict[Parts, object] = {}
+    problems = []
     for key, value in changes.items():
-        *sections, last = key.split(".")
-        table = result
-        for section in sections:
-            table = table.setdefault(section, {})
-            if not isinstance(table, dict):
-                break  # the validation reports that this must be a table
-        else:
-            _put(table, last, value)
+        try:
+            parts = parts_of(key)
+        except ValueError:
+            problems.append(_not_a_key(file, key))
+            continue
+        for leaf, found in leaves(value, parts):
+            if isinstance(found, Mapping) and isinstance(_at(result, leaf), Mapping):
+                problems.append(Problem(file, key_name(leaf), "must hold a key, found an empty table"))
+            elif leaf in given and given[leaf] != found:
+                message = f"must be given once, found {describe(given[leaf])} and {describe(found)}"
+                problems.append(Problem(file, key_name(leaf), message))
+            given[leaf] = found
+        if message := _put_at(result, parts, value):
+            problems.append(Problem(file, key_name(parts), message))
+    for leaf in given:
+        for above in (leaf[:i] for i in range(1, len(leaf))):
+            if above in given:
+                message = f"must not be given with {key_name(leaf)}, which goes below it"
+                problems.append(Problem(file, key_name(above), message))
+    if problems:
+        raise InputError(list(dict.fromkeys(problems)))
     return result
+
+
+def leaves(value: object, parts: Parts = ()) -> Iterator[tuple[Parts, object]]:
+    """Yield the keys of a value and of the tables within it that hold no further tables, with their values."""
+    if isinstance(value, Mapping) and value:
+        for name, inner in value.items():
+            yield from leaves(inner, (*parts, name))
+    elif parts:
+        yield parts, value
+
+
+def _at(data: Any, parts: Parts) -> Any:
+    """Return the value at a key; None if there is none."""
+    for part in parts:
+        data = data.get(part) if isinstance(data, Mapping) else None
+    return data
+
+
+def _put_at(data: dict[str, Any], parts: Parts, value: object) -> str:
+    """Put a value into data; return what is wrong if the key goes below a value that is not a table, else "".
+
+    Tables that change are copied first: those of the data may be shared.
+    """
+    table: dict[str, Any] = data
+    for i, part in enumerate(parts[:-1], 1):
+        there = table.get(part, {})
+        if not isinstance(there, dict):
+            found = f"must not go below {key_name(parts[:i])}, which is {describe(there)}"
+            return found + _hint(data, parts, i, there)
+        table[part] = table = dict(there)
+    _put(table, parts[-1], value)
+    return ""
 
 
 def _put(table: dict[str, Any], key: str, value: object) -> None:
     there = table.get(key)
     if isinstance(value, Mapping) and isinstance(there, dict):
+        table[key] = dict(there)
         for inner in value:
-            _put(there, inner, value[inner])
+            _put(table[key], inner, value[inner])
     else:
         table[key] = deepcopy(value)
 
 
+def _hint(data: Mapping[str, Any], parts: Parts, length: int, there: object) -> str:
+    """Return a hint at the key that is meant by one that goes below the value at its first parts."""
+    [role] = [role for role, key in NAMES.items() if key == key_name(parts[:length])] or [""]
+    if not role or not isinstance(there, str):
+        return suggestion(key_name(parts), [key_name(leaf) for leaf, _ in leaves(data)])
+    entry = ("library", ROLES[role], there)
+    keys = [key_name([*entry, key]) for key in KINDS[ROLES[role]].model_fields]
+    base = "" if any(leaf[:3] == entry for leaf, _ in leaves(data)) else f" It needs based_on = {json.dumps(there)}."
+    return suggestion(key_name([*entry, parts[length]]), keys) + base
+
+
+def _not_a_key(file: str, key: str) -> Problem:
+    example = 'armour.ceramic_thickness_mm or library.projectile."7.62 mm AP"'
+    return Problem(
+        file, "", f"must be a key of the scenario as TOML writes it, such as {example}, found {describe(key)}"
+    )
+
+
 def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
-    """Return the changes that assignments on the command line make, as tables within tables.
+    """Return the changes that assignments on the command line make, values by dotted key.
 
     An assignment is a line of TOML; a value that is not TOML is taken as a text.
     """
@@ -45,33 +158,27 @@ def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
         if found is None:
             message = f"must be KEY=VALUE, such as impact.velocity_m_s=900, found {json.dumps(assignment)}"
             problems.append(Problem("command line", "--set", message))
-        else:
-            changes = changed(changes, found)
-    if problems:
-        raise InputError(problems)
-    return changes
-
-
-def changes_of_values(values: Mapping[str, float]) -> dict[str, Any]:
-    """Return the changes that numbers by TOML key make, as tables within tables."""
-    changes: dict[str, Any] = {}
-    problems = []
-    for key, value in values.items():
-        try:
-            changes = changed(changes, tomllib.loads(f"{key} = {float(value)!r}"))
-        except tomllib.TOMLDecodeError:
-            problems.append(Problem("sweep", key, "must be a key of the scenario"))
-    if problems:
-        raise InputError(problems)
-    return changes
-
-
-def _parsed(text: str) -> dict[str, Any] | None:
-    """Return the data of an assignment; None if the text is not one."""
-    key, equals, value = text.partition("=")
-    for line in (text, f"{key}{equals}{json.dumps(value.strip())}"):
-        try:
-            return tomllib.loads(line) if equals and "\n" not in line else None
-        except (tomllib.TOMLDecodeError, RecursionError):
             continue
+        key, value = found
+        if key in changes and changes[key] != value:
+            message = f"must be given once, found {describe(changes[key])} and {describe(value)}"
+            problems.append(Problem("command line", f"--set {key}", message))
+        changes[key] = value
+    if problems:
+        raise InputError(problems)
+    return changes
+
+
+def _parsed(text: str) -> tuple[str, Any] | None:
+    """Return key and value of an assignment; None if the text is not one."""
+    for equals in re.finditer("=", text):
+        try:
+            key = key_name(parts_of(text[: equals.start()]))
+        except ValueError:
+            continue
+        value = text[equals.end() :].strip()
+        try:
+            return None if "\n" in value else (key, parse_toml(f"value = {value}", "")["value"])
+        except InputError:
+            return key, value
     return None

@@ -12,6 +12,10 @@ Number = Annotated[float, Field(ge=-1e9, le=1e9)]
 Width = Annotated[float, Field(ge=1e-9, le=1e9)]
 # Greatest number of samples of a scenario.
 MAX_SAMPLES = 2**22
+# Fewer for a Latin hypercube, which needs three times the memory.
+MAX_HYPERCUBE = 2**21
+# Each two of the 14 inputs once.
+MAX_CORRELATIONS = 91
 # Fewer samples give no confidence interval for the 5 % quantile.
 MIN_SAMPLES = 128
 
@@ -109,7 +113,7 @@ class Uncertainty(Section):
     projectile: ProjectileUncertainty = ProjectileUncertainty()
     ceramic: CeramicUncertainty = CeramicUncertainty()
     backing: BackingUncertainty = BackingUncertainty()
-    correlation: list[Correlation] = []
+    correlation: Annotated[list[Correlation], Field(max_length=MAX_CORRELATIONS)] = []
 
     def inputs(self) -> dict[str, Distribution]:
         """Return the distributions by name of input, such as "ceramic.flow_stress_GPa"."""
@@ -124,10 +128,12 @@ class Uncertainty(Section):
 
     @field_validator("samples")
     @classmethod
-    def _power_of_2(cls, samples: int, info: ValidationInfo) -> int:
+    def _allowed_by_the_method(cls, samples: int, info: ValidationInfo) -> int:
         if info.data.get("method") == "sobol" and samples & (samples - 1):
             near = 2 ** samples.bit_length()
             raise ValueError(f"must be a power of 2 for Sobol' points, such as {near}, found {samples}")
+        if info.data.get("method") == "latin hypercube" and samples > MAX_HYPERCUBE:
+            raise ValueError(f"must be at most {MAX_HYPERCUBE} for a Latin hypercube, found {samples}")
         return samples
 
     @model_validator(mode="after")

@@ -3,19 +3,20 @@
 Every value has a status (measured, fitted or assumed) and a source.
 """
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from math import pi
+from math import inf, pi
+from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any, Generic, Literal, TypeVar
+from typing import Annotated, Any, Generic, Literal, NamedTuple, TypeVar
 
 import tomli_w
-from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, ValidationError, model_serializer
+from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
 from armour.errors import InputError, Problem, suggestion
 from armour.files import read_toml, shipped
-from armour.scenario.messages import NUMBER, NumberOrText, Section, key_name, problems_of
+from armour.scenario.messages import NOT_TINY, NUMBER, NumberOrText, Section, key_name, validated
 from armour.units import GPA, MM, MPA, G
 
 Status = Literal["measured", "fitted", "assumed"]
@@ -30,6 +31,11 @@ class Value(Section, Generic[Number]):
     source: str = ""
     tests: list[dict[str, NumberOrText]] = []
 
+    @classmethod
+    def model_parametrized_name(cls, params: tuple[Any, ...]) -> str:
+        """Return the name of a class of bounded numbers without dots, at which pickle splits it."""
+        return super().model_parametrized_name(params).replace(".", "_")
+
     @model_serializer(mode="wrap")
     def _without_empty_tests(self, whole: SerializerFunctionWrapHandler) -> dict[str, Any]:
         data: dict[str, Any] = whole(self)
@@ -42,12 +48,12 @@ def _as_table(value: object) -> object:
 
 _NumberOrTable = BeforeValidator(_as_table, json_schema_input_type=float | Value[float])
 # The bounds are wide: they catch values in a wrong unit.
-Length = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e4)]], _NumberOrTable]
-Mass = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e9)]], _NumberOrTable]
+Length = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e4), NOT_TINY]], _NumberOrTable]
+Mass = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e9), NOT_TINY]], _NumberOrTable]
 Density = Annotated[Value[Annotated[float, Field(ge=100.0, le=30000.0)]], _NumberOrTable]
 StressGPa = Annotated[Value[Annotated[float, Field(ge=0.001, le=1000.0)]], _NumberOrTable]
 StressMPa = Annotated[Value[Annotated[float, Field(ge=1.0, le=1e6)]], _NumberOrTable]
-Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0)]], _NumberOrTable]
+Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0), NOT_TINY]], _NumberOrTable]
 
 
 class Entry(Section):
@@ -102,6 +108,8 @@ DEFAULTS = {
     "flow_stress_GPa": (2.7 * MPA / GPA, "2.7 times the dynamic yield strength, the constraint factor of the paper"),
     "shear_strength_MPa": (0.7, "0.7 times the dynamic yield strength, which fits the paper's 6061-T6 and 5083-H3"),
 }
+# Keys of a projectile that its penetrator's length follows from.
+ROD = ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3")
 # Range of length over diameter of a penetrator; outside it, the mass most likely has a wrong unit.
 SLENDERNESS = (0.1, 100.0)
 
@@ -147,14 +155,26 @@ class LibraryEntry:
 
 def penetrator_length_mm(projectile: LibraryEntry) -> float:
     """Return the length of a projectile's penetrator, mm."""
-    values = (projectile[key] for key in ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3"))
-    return float(length_mm(*values))
+    return float(length_mm(*(projectile[key] for key in ROD)))
 
 
 def length_mm(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
     """Compute the length of a cylinder, mm; float or array."""
     area = pi * (diameter_mm * MM) ** 2 / 4.0
     return mass_g * G / (density_kg_m3 * area) / MM
+
+
+def unit_mass_g(diameter_mm: Any, density_kg_m3: Any) -> Any:
+    """Compute the mass of a cylinder one diameter long, g; float or array."""
+    radius_mm = 0.5 * diameter_mm
+    return density_kg_m3 * pi * radius_mm * radius_mm * diameter_mm * (MM**3 / G)
+
+
+def is_rod(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
+    """Return whether the length of a cylinder lies within SLENDERNESS; float or array."""
+    # Masses are compared, as the mass of a thin cylinder is too small to divide by.
+    unit_g = unit_mass_g(diameter_mm, density_kg_m3)
+    return (SLENDERNESS[0] * unit_g <= mass_g) & (mass_g <= SLENDERNESS[1] * unit_g)
 
 
 @dataclass(frozen=True)
@@ -194,43 +214,77 @@ class Library:
         problems: dict[str, Problem] = {}
         for kind in KINDS:
             added: Mapping[str, Entry] = getattr(tables, kind)
-            for name in added:
-                try:
-                    entries[kind][name] = _resolve(kind, name, added, self.entries[kind], file)
-                except _EntryError as error:
-                    for key, message in error.mistakes:
-                        where = key_name([part for part in (prefix, kind, error.name, key) if part])
-                        problems[where] = Problem(file, where, message)
+            for name, resolved in _resolved(kind, added, self.entries[kind], file).items():
+                if isinstance(resolved, LibraryEntry):
+                    entries[kind][name] = resolved
+                    continue
+                for key, message in resolved.found:
+                    where = key_name([part for part in (prefix, kind, resolved.name, key) if part])
+                    problems[where] = Problem(file, where, message)
         if problems:
             raise InputError(list(problems.values()))
         return Library(entries)
 
 
-class _EntryError(Exception):
+class _Mistakes(NamedTuple):
     """Mistakes that prevent an entry from being completed: keys and messages."""
 
-    def __init__(self, name: str, *mistakes: tuple[str, str]) -> None:
-        self.name = name
-        self.mistakes = mistakes
+    name: str
+    found: Sequence[tuple[str, str]]
+
+
+def _resolved(
+    kind: Kind, added: Mapping[str, Entry], known: Mapping[str, LibraryEntry], file: str
+) -> dict[str, LibraryEntry | _Mistakes]:
+    """Return each added entry with the values that it inherits, or its mistakes or those of its base."""
+    found: dict[str, LibraryEntry | _Mistakes] = {}
+    loops: set[str | None] = set()
+    for name in added:
+        chain, base = _chain(name, added, found)
+        if base in chain or base in loops:
+            loops.update(chain)
+        for each in reversed(chain):
+            if each in loops:
+                message = f'must not lead back to the entry itself, found "{added[each].based_on}"'
+                found[each] = _Mistakes(each, [("based_on", message)])
+            else:
+                found[each] = _resolve(kind, each, added, found, known, file)
+    return {name: found[name] for name in added}
+
+
+def _chain(name: str, added: Mapping[str, Entry], found: Container[str]) -> tuple[list[str], str | None]:
+    """Return an entry and its bases, as far as they are not found yet, and the base of the last.
+
+    An entry based on its own name refers to the earlier one.
+    """
+    chain: dict[str, None] = {}
+    base: str | None = name
+    while base is not None and base in added and base not in found and base not in chain:
+        chain[base] = None
+        following = added[base].based_on
+        base = None if following == base else following
+    return list(chain), base
 
 
 def _resolve(
-    kind: Kind, name: str, added: Mapping[str, Entry], known: Mapping[str, LibraryEntry], file: str
-) -> LibraryEntry:
-    """Return an entry with the values that it inherits."""
+    kind: Kind,
+    name: str,
+    added: Mapping[str, Entry],
+    found: Mapping[str, LibraryEntry | _Mistakes],
+    known: Mapping[str, LibraryEntry],
+    file: str,
+) -> LibraryEntry | _Mistakes:
+    """Return an entry with the values that it inherits from its base, which is found already."""
     entry = added[name]
     base = entry.based_on
     description, values = entry.description, {}
     if base is not None:
-        if _leads_back(name, added):
-            raise _EntryError(name, ("based_on", f'must not lead back to the entry itself, found "{base}"'))
-        if base in added and base != name:
-            inherited = _resolve(kind, base, added, known, file)
-        elif base in known:
-            inherited = known[base]
-        else:
+        inherited = found[base] if base in added and base != name else known.get(base)
+        if inherited is None:
             hint = suggestion(base, [*known, *(other for other in added if other != name)])
-            raise _EntryError(name, ("based_on", f'must name a {kind} of the library, found "{base}"{hint}'))
+            return _Mistakes(name, [("based_on", f'must name a {kind} of the library, found "{base}"{hint}')])
+        if isinstance(inherited, _Mistakes):
+            return inherited
         description = description or inherited.description
         values = {key: inherited.values[key] for key in inherited.values if key not in inherited.derived}
     for key, value in entry.values().items():
@@ -238,19 +292,7 @@ def _resolve(
     return _completed(LibraryEntry(kind, name, description, values))
 
 
-def _leads_back(name: str, added: Mapping[str, Entry]) -> bool:
-    """Return whether the chain of bases ends in a loop; an entry based on its own name refers to the earlier one."""
-    seen = [name]
-    base = added[name].based_on
-    while base is not None and base in added and base != seen[-1]:
-        if base in seen:
-            return True
-        seen.append(base)
-        base = added[base].based_on
-    return False
-
-
-def _completed(entry: LibraryEntry) -> LibraryEntry:
+def _completed(entry: LibraryEntry) -> LibraryEntry | _Mistakes:
     """Return the entry with its derived values, in the order of the keys of its kind."""
     values = dict(entry.values)
     derived = []
@@ -263,33 +305,32 @@ def _completed(entry: LibraryEntry) -> LibraryEntry:
     keys = [key for key in KINDS[entry.kind].model_fields if key not in Entry.model_fields]
     if missing := [key for key in keys if key not in (*values, *OPTIONAL)]:
         message = "is missing and must be given, or based_on an entry that has it"
-        raise _EntryError(entry.name, *((key, message) for key in missing))
+        return _Mistakes(entry.name, [(key, message) for key in missing])
     complete = replace(entry, values={key: values[key] for key in keys if key in values}, derived=frozenset(derived))
     if entry.kind == "projectile":
-        ratio = penetrator_length_mm(complete) / complete["penetrator_diameter_mm"]
-        if not SLENDERNESS[0] <= ratio <= SLENDERNESS[1]:
+        diameter, mass, density = (complete[key] for key in ROD)
+        if not is_rod(diameter, mass, density):
+            unit = unit_mass_g(diameter, density)
+            ratio = mass / unit if unit else inf
             message = (
                 f"must make a rod {SLENDERNESS[0]:g} to {SLENDERNESS[1]:g} diameters long with the "
                 f"diameter and density given, found {ratio:.3g} diameters; is it in g?"
             )
-            raise _EntryError(entry.name, ("penetrator_mass_g", message))
+            return _Mistakes(entry.name, [("penetrator_mass_g", message)])
     return complete
 
 
 def validated_tables(data: object, file: str) -> LibraryTables:
     """Validate the tables of a library file; raise an InputError with every mistake."""
-    try:
-        return LibraryTables.model_validate(data)
-    except ValidationError as error:
-        raise InputError(problems_of(error, LibraryTables, file)) from None
+    return validated(LibraryTables, data, file)
 
 
-def read_library(path: Path, onto: Library) -> Library:
+def read_library(path: str | PathLike[str], onto: Library) -> Library:
     """Read a library file.
 
     Parameters
     ----------
-    path : Path
+    path : path-like
         A TOML file.
     onto : Library
         Library to which the entries are added; it is not changed.
@@ -303,7 +344,7 @@ def read_library(path: Path, onto: Library) -> Library:
     InputError
         With every mistake in the file, or if it cannot be read.
     """
-    return onto.extended(validated_tables(read_toml(path), str(path)), str(path))
+    return onto.extended(validated_tables(read_toml(Path(path)), str(path)), str(path))
 
 
 def library_toml(tables: Mapping[str, Any]) -> str:

@@ -66,7 +66,7 @@ class Scenario(Section):
     library: LibrarySection = LibrarySection()
 
     _entries: Library = PrivateAttr(default_factory=Library)
-    _source: _Source = PrivateAttr(default=_Source({}, "", Path()))
+    _source: _Source = PrivateAttr(default_factory=lambda: _Source({}, "", Path()))
 
     @property
     def file(self) -> str:
@@ -99,7 +99,7 @@ class Scenario(Section):
         A table is merged into an existing one.  The scenario is validated again; an InputError lists every mistake.
         """
         data, file, folder = self._source
-        return parse_scenario(changed(data, changes), file=file, folder=folder)
+        return parse_scenario(changed(data, changes, file), file=file, folder=folder)
 
     def to_toml(self) -> str:
         """Return the scenario as the text of a TOML file."""
@@ -127,7 +127,7 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
         With every mistake in the file and in the library files that it names.
     """
     path = Path(path)
-    data = changed(read_toml(path), changes or {})
+    data = changed(read_toml(path), changes or {}, str(path))
     return parse_scenario(data, file=str(path), folder=path.parent)
 
 

@@ -3,18 +3,26 @@
 import json
 import re
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, get_origin
+from typing import Annotated, Any, TypeVar, get_origin
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Tag, ValidationError, ValidationInfo
 
-from armour.errors import Problem, suggestion
+from armour.errors import InputError, Problem, suggestion
+from armour.files import MAX_INTEGER
 
 # Key of the number where a file may give a number or a table.
 NUMBER = "value"
+# Least positive number: a smaller one is a mistake, and what is divided by it may overflow.
+TINY = 1e-9
+# Tags of the members of unions.
+TAGS = NUMBER_TAG, TEXT_TAG, LIST_TAG, RANGE_TAG, FREE_TAG = ("<number>", "<text>", "<list>", "<range>", "<free>")
 NumberOrText = Annotated[
-    Annotated[float, Tag("<number>")] | Annotated[str, Tag("<text>")],
-    Discriminator(lambda value: "<text>" if isinstance(value, str) else "<number>"),
+    Annotated[float, Tag(NUMBER_TAG)] | Annotated[str, Tag(TEXT_TAG)],
+    Discriminator(lambda value: TEXT_TAG if isinstance(value, str) else NUMBER_TAG),
 ]
+
+
+SectionT = TypeVar("SectionT", bound="Section")
 
 
 class Section(BaseModel):
@@ -43,6 +51,8 @@ def describe(value: object) -> str:
         return "a table"
     if isinstance(value, list):
         return "a list"
+    if isinstance(value, int) and abs(value) >= MAX_INTEGER:
+        return "a whole number of more than 64 bits"
     text = str(value)
     text = text if len(text) <= 40 else f"{text[:37]}..."
     return f'the text "{text}"' if isinstance(value, str) else text
@@ -59,6 +69,15 @@ def above(key: str, *, or_equal: bool = False) -> AfterValidator:
         return value
 
     return AfterValidator(check)
+
+
+def _not_tiny(value: float) -> float:
+    if 0.0 < abs(value) < TINY:
+        raise ValueError(f"must be at least {TINY:g}, found {value:g}")
+    return value
+
+
+NOT_TINY = AfterValidator(_not_tiny)
 
 
 # Requirements by type of pydantic's error.
@@ -88,8 +107,10 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
     """Convert pydantic's errors in a file, validated against a model, to problems."""
     problems = []
     for detail in error.errors():
-        # pydantic adds the tag of a union's member, which is in angle brackets in this project.
-        parts = [part for part in detail["loc"] if part != NUMBER and not str(part).startswith("<")]
+        # pydantic adds the tag of a union's member.
+        parts = [part for part in detail["loc"] if part not in TAGS]
+        if parts[-1:] == [NUMBER] and detail["type"] != "extra_forbidden":
+            parts.pop()
         context = detail.get("ctx", {})
         if "expected" in context:
             context["expected"] = context["expected"].replace("'", '"')
@@ -109,6 +130,14 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
     return problems
 
 
+def validated(model: type[SectionT], data: object, file: str) -> SectionT:
+    """Return data as the sections of a model; raise an InputError with every mistake."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise InputError(problems_of(error, model, file)) from None
+
+
 def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:
     """Return the keys that the model knows in the table at the given parts of a key."""
     free_name = False
@@ -118,18 +147,18 @@ def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:
         elif model is not None and part in model.model_fields:
             annotation = model.model_fields[str(part)].annotation
             free_name = get_origin(annotation) is dict
-            model = _model_in(annotation)
+            model = model_in(annotation)
         else:
             return []
     return list(model.model_fields) if model is not None else []
 
 
-def _model_in(annotation: Any) -> Any:
+def model_in(annotation: Any) -> Any:
     """Return the model within an annotation such as ``Model | None`` or ``dict[str, Model]``."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
     for inner in getattr(annotation, "__args__", ()):
-        found = _model_in(inner)
+        found = model_in(inner)
         if found is not None:
             return found
     return None

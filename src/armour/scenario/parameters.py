@@ -4,23 +4,27 @@ A name is either a key of the scenario, such as "armour.ceramic_thickness_mm", o
 as "ceramic.flow_stress_GPa": a property of the scenario's ceramic, independent of the entry's name.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import cache
+from operator import ge, gt, le, lt
 from typing import TYPE_CHECKING, Any
 
 from armour.errors import InputError, Problem, choices
-from armour.scenario.assignments import changed
-from armour.scenario.library import Kind, LibraryEntry
+from armour.scenario.library import KINDS, ROD, Entry, Kind, LibraryEntry, is_rod
+from armour.scenario.messages import NOT_TINY, NUMBER, TINY, Section, key_name, model_in
+from armour.scenario.schema import ArmourSection, Impact
 from armour.units import GPA, MM, MPA, missing_unit
 
 if TYPE_CHECKING:
     from armour.scenario.loading import Scenario
     from armour.scenario.sampling import Floats
 
+# Completes a problem in the row of an index.
+Place = Callable[[int, Problem], Problem]
+
 VELOCITY = "impact.velocity_m_s"
 CERAMIC, BACKING = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 YIELD = "backing.dynamic_yield_strength_MPa"
-# Keys of the projectile that its penetrator's length follows from.
-ROD = ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3")
 
 # Parameter of the core that an input sets, and the unit's factor; None for an input that sets none or several.
 FIELDS: dict[str, tuple[str, float] | None] = {
@@ -41,6 +45,7 @@ FIELDS: dict[str, tuple[str, float] | None] = {
 }
 # Names of all inputs.
 INPUTS = tuple(FIELDS)
+_SECTIONS: dict[str, type[Section]] = {"impact": Impact, "armour": ArmourSection}
 # Kinds of library entry by role in the scenario.
 ROLES: dict[str, Kind] = {"projectile": "projectile", "ceramic": "ceramic", "backing": "metal"}
 # Keys of the scenario that name its library entries, by role.
@@ -99,26 +104,105 @@ def with_inputs(scenario: "Scenario", values: Mapping[str, float]) -> "Scenario"
     for name, value in values.items():
         role, key = name.split(".")
         if role not in ROLES:
-            changes = changed(changes, {name: value})
+            changes[name] = value
             continue
         entry = entry_of(scenario, role)
         assert entry is not None
-        own: Mapping[str, Any] = getattr(scenario.library, entry.kind)
-        base = {} if entry.name in own else {"based_on": entry.name}
-        changes = changed(changes, {"library": {entry.kind: {entry.name: {key: value, **base}}}})
+        changes[key_name(["library", entry.kind, entry.name, key])] = value
+        if entry.name not in getattr(scenario.library, entry.kind):
+            changes[key_name(["library", entry.kind, entry.name, "based_on"])] = entry.name
     return scenario.replaced(changes)
 
 
-def check_ranges(scenario: "Scenario", columns: Mapping[str, "Floats"]) -> None:
-    """Check that the scenario allows the least and the greatest value of each input, and thereby all values."""
-    check_names(columns, scenario, scenario.file)
-    problems: list[Problem] = []
-    for name, values in columns.items():
+def check_rows(scenario: "Scenario", columns: Mapping[str, "Floats"], place: Place | None = None) -> None:
+    """Check that the scenario allows every row of values of inputs, (n,) each.
+
+    `place` completes the problem that `with_inputs` finds in a row, given the index of the row.
+    """
+    found: dict[str, Problem] = {}
+    for row in sorted({row for _, row in wrong_rows(scenario, columns)}):
         try:
-            # A NaN is both the least and the greatest value of an array.
-            for value in (values.min(), values.max()):
-                with_inputs(scenario, {name: float(value)})
+            with_inputs(scenario, {name: float(values[row]) for name, values in columns.items()})
         except InputError as error:
-            problems += error.problems
-    if problems:
-        raise InputError(problems)
+            for problem in error.problems:
+                found.setdefault(problem.key, (place or in_row)(row, problem))
+    if found:
+        raise InputError(list(found.values()))
+
+
+def in_row(row: int, problem: Problem) -> Problem:
+    """Return a problem with the number of its row, from 1."""
+    return problem._replace(key=f"row {row + 1}: {problem.key}")
+
+
+def wrong_rows(scenario: "Scenario", columns: Mapping[str, "Floats"]) -> list[tuple[str, int]]:
+    """Return the first row that breaks each condition on inputs: the name of one of them and the index of the row.
+
+    The rows that are left are those that `with_inputs` accepts.
+    """
+    # Imported here because a scenario without rows does not need numpy.
+    import numpy as np
+
+    check_names(columns, scenario, scenario.file)
+    found = []
+    with np.errstate(all="ignore"):
+        for name, values in columns.items():
+            for compare, bound in _bounds(name):
+                # A comparison with a NaN is false.
+                found.append((name, compare(values, bound)))
+        for rod in _rods(scenario, columns):
+            name = next(f"projectile.{key}" for key in reversed(ROD) if f"projectile.{key}" in columns)
+            found.append((name, is_rod(*rod)))
+    return [(name, int(np.argmin(allowed))) for name, allowed in found if not np.all(allowed)]
+
+
+# Comparisons by their names in pydantic.
+_COMPARISONS: dict[str, Callable[[Any, float], Any]] = {"gt": gt, "ge": ge, "lt": lt, "le": le}
+
+
+@cache
+def _bounds(name: str) -> tuple[tuple[Callable[[Any, float], Any], float], ...]:
+    """Return the bounds of an input that its section states, as comparisons with numbers."""
+    section, key = name.split(".")
+    model: type[Section] = KINDS[ROLES[section]] if section in ROLES else _SECTIONS[section]
+    field = model.model_fields[key]
+    inner = model_in(field.annotation)
+    stated = field.metadata if inner is None else inner.model_fields[NUMBER].metadata
+    bounds = [(compare, getattr(m, word)) for m in stated for word, compare in _COMPARISONS.items() if hasattr(m, word)]
+    return (*bounds, (_is_not_tiny, TINY)) if NOT_TINY in stated else tuple(bounds)
+
+
+def _is_not_tiny(values: Any, tiny: float) -> Any:
+    return (values == 0.0) | (abs(values) >= tiny)
+
+
+def _rods(scenario: "Scenario", columns: Mapping[str, "Floats"]) -> Iterator[list[Any]]:
+    """Yield the values of ROD, numbers or columns, of the projectiles whose length the columns change.
+
+    These are the scenario's own and those of its section [library] that are based on it.
+    """
+    name = scenario.impact.projectile
+    own = scenario.library.projectile
+    for other in dict.fromkeys((name, *own)):
+        chain = bases_of(scenario, "projectile", other)
+        if name not in chain:
+            continue
+        between = [own[base] for base in chain[: chain.index(name)]]
+        follows = [all(getattr(entry, key) is None for entry in between) for key in ROD]
+        if any(f"projectile.{key}" in columns for key, free in zip(ROD, follows, strict=True) if free):
+            entry = scenario.entry("projectile", other)
+            yield [
+                columns.get(f"projectile.{key}", entry[key]) if free else entry[key]
+                for key, free in zip(ROD, follows, strict=True)
+            ]
+
+
+def bases_of(scenario: "Scenario", kind: Kind, name: str) -> list[str]:
+    """Return an entry and those that it is based on, one on the next, up to the first from outside the scenario."""
+    own: Mapping[str, Entry] = getattr(scenario.library, kind)
+    chain: dict[str, None] = {}
+    base: str | None = name
+    while base is not None and base not in chain:
+        chain[base] = None
+        base = own[base].based_on if base in own else None
+    return list(chain)

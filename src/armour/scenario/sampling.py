@@ -24,7 +24,7 @@ def points_of(uncertainty: Uncertainty) -> Floats:
     else:
         points = qmc.LatinHypercube(width, rng=rng).random(uncertainty.samples)
     # The quantile at 0 of an unbounded distribution is infinite.
-    return np.clip(points, 2.0**-53, 1.0 - 2.0**-53)
+    return np.clip(points, 2.0**-53, 1.0 - 2.0**-53, out=points)
 
 
 def columns_of(uncertainty: Uncertainty, own: Mapping[str, float], points: Floats) -> dict[str, Floats]:

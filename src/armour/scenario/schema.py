@@ -9,18 +9,18 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo, 
 from armour.core import equations
 from armour.errors import suggestion
 from armour.scenario.library import Kind, LibraryTables
-from armour.scenario.messages import Section, above
+from armour.scenario.messages import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Section, above
 from armour.units import US
 
 # Greatest numbers of values on an axis and of designs on a grid; more are most likely a mistake.
 MAX_VALUES = 100_000
 MAX_DESIGNS = 1_000_000
 
-Thickness = Annotated[float, Field(gt=0.0, le=1e5)]
-ThicknessOrNone = Annotated[float, Field(ge=0.0, le=1e5)]
+Thickness = Annotated[float, Field(gt=0.0, le=1e5), NOT_TINY]
+ThicknessOrNone = Annotated[float, Field(ge=0.0, le=1e5), NOT_TINY]
 FASTEST_M_S = 1e4
-Velocity = Annotated[float, Field(gt=0.0, le=FASTEST_M_S)]
-Positive = Annotated[float, Field(gt=0.0)]
+Velocity = Annotated[float, Field(gt=0.0, le=FASTEST_M_S), NOT_TINY]
+Positive = Annotated[float, Field(gt=0.0), NOT_TINY]
 # Costs and masses per area; the bound catches mistakes.
 Amount = Annotated[float, Field(ge=0.0, le=1e9)]
 
@@ -184,15 +184,15 @@ class FreeRange(Section):
 def _kind_of_range(value: object) -> str:
     """Return the tag of the form in which thicknesses are given."""
     if isinstance(value, list):
-        return "<list>"
+        return LIST_TAG
     stepped = isinstance(value, Range) or (isinstance(value, dict) and "step" in value)
-    return "<range>" if stepped else "<free>"
+    return RANGE_TAG if stepped else FREE_TAG
 
 
 Thicknesses = Annotated[
-    Annotated[Annotated[list[ThicknessOrNone], Field(min_length=1)], Tag("<list>")]
-    | Annotated[Range, Tag("<range>")]
-    | Annotated[FreeRange, Tag("<free>")],
+    Annotated[Annotated[list[ThicknessOrNone], Field(min_length=1)], Tag(LIST_TAG)]
+    | Annotated[Range, Tag(RANGE_TAG)]
+    | Annotated[FreeRange, Tag(FREE_TAG)],
     Discriminator(_kind_of_range),
 ]
 

@@ -1,5 +1,6 @@
 """Line numbers of the keys of a TOML file."""
 
+import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -7,39 +8,59 @@ from typing import Any
 from armour.scenario.messages import key_name
 
 Parts = tuple[str | int, ...]
+# What decides where a statement ends: texts and comments as wholes, brackets and ends of lines.
+_TOKEN = re.compile(
+    r"""
+    "{3} [^"\\]* (?: (?: \\. | "(?!"") ) [^"\\]* )* "{3,5} | '{3} .*? '{3,5} | "{3} | '{3}
+    | " [^"\\\n]* (?: \\[^\n] [^"\\\n]* )* "? | ' [^'\n]* '? | \#[^\n]* | [\[\]{}\n]
+    """,
+    re.DOTALL | re.VERBOSE,
+)
 
 
 def lines_of(text: str) -> dict[str, int]:
     """Return the line numbers, from 1, of every key and table of a TOML text, up to a syntax error.
 
-    The text is parsed statement by statement; a statement is the least number of lines that is valid TOML.
+    The text is parsed statement by statement, each once.
     """
     found: dict[str, int] = {}
     counts: dict[str, int] = {}
     table: Parts = ()
-    statement, start = "", 1
-    for number, line in enumerate(text.split("\n"), 1):
-        if not statement:
-            start = number
-        statement += line + "\n"
+    for start, statement in statements(text):
         try:
             data = tomllib.loads(statement)
-        except tomllib.TOMLDecodeError:
-            continue
-        if statement.lstrip().startswith("["):
-            table = _header(data, counts)
-            found.setdefault(key_name(table), start)
-        else:
-            for parts in _keys(data, table):
-                found.setdefault(key_name(parts), start)
-        statement = ""
+            parts = _header(data, counts) if statement.lstrip().startswith("[") else ()
+            keys = [parts] if parts else list(_keys(data, table))
+        except (tomllib.TOMLDecodeError, RecursionError):
+            break
+        table = parts or table
+        for key in keys:
+            found.setdefault(key_name(key), start)
     return found
+
+
+def statements(text: str) -> Iterator[tuple[int, str]]:
+    """Yield the statements of a TOML text, each with its first line; they end where a line does, outside brackets."""
+    text += "\n"
+    start, line, depth = 0, 1, 0
+    for match in _TOKEN.finditer(text):
+        token = match[0]
+        if token in ("[", "{"):
+            depth += 1
+        elif token in ("]", "}"):
+            depth -= 1
+        elif token in ('"""', "'''"):
+            return  # a text without an end
+        elif token == "\n" and depth <= 0:
+            statement = text[start : match.end()]
+            yield line, statement
+            start, line, depth = match.end(), line + statement.count("\n"), 0
 
 
 def line_of(key: str, lines: Mapping[str, int]) -> int | None:
     """Return the line of a key or, if the file does not hold it, of the innermost table that would; None if neither."""
-    holding = [name for name in lines if key == name or (key.startswith(name) and key[len(name)] in ".[")]
-    return lines[max(holding, key=len)] if holding else None
+    ends = [len(key), *(match.start() for match in re.finditer(r"[.\[]", key))]
+    return next((lines[key[:end]] for end in sorted(ends, reverse=True) if key[:end] in lines), None)
 
 
 def _header(data: Any, counts: dict[str, int]) -> Parts:

@@ -7,10 +7,11 @@ import numpy as np
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import Result
-from armour.analysis.variants import Floats
+from armour.analysis.variants import Floats, OnProgress, ignore_progress
+from armour.errors import InputError, Problem, choices
 from armour.scenario.loading import Scenario
-from armour.statistics.flow_stress_laws import FLOW_STRESS, Law
-from armour.statistics.least_squares_fit import Coefficient, LeastSquaresFit, fit_inputs, minimised, predicted
+from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law
+from armour.statistics.least_squares_fit import Coefficient, LeastSquaresFit, fit_inputs, predicted, without
 from armour.statistics.test_data import Tests
 
 # Greatest number of folds of the leave-one-out error.
@@ -76,7 +77,12 @@ class CalibrationResult(Result):
 
 
 def calibrate(
-    tests: Tests, scenario: Scenario, fit: Sequence[str] = (FLOW_STRESS,), law: Law = "constant"
+    tests: Tests,
+    scenario: Scenario,
+    fit: Sequence[str] = (FLOW_STRESS,),
+    law: Law = "constant",
+    *,
+    on_progress: OnProgress = ignore_progress,
 ) -> CalibrationResult:
     """Fit inputs of a scenario to tests.
 
@@ -94,6 +100,8 @@ def calibrate(
         Names of the inputs to fit.
     law : {"constant", "linear", "proportional", "thicknesses"}
         Law of the ceramic's flow stress, where it is fitted.
+    on_progress : callable, optional
+        Called with the number of tests computed since the last call, and None, as their total is not known.
 
     Returns
     -------
@@ -105,8 +113,12 @@ def calibrate(
         If a name is not an input, the tests differ in the material that is fitted, there are too few of them, or a run
         does not end.
     """
-    done = fit_inputs(tests, scenario, fit, law)
-    computed, left_out = predicted(tests, done.fitted, done.x), _left_out(tests, done)
+    if law not in LAWS:
+        raise InputError([Problem("calibrate", "law", f'must be a law, found "{law}"{choices(str(law), list(LAWS))}')])
+    if not fit:
+        raise InputError([Problem("calibrate", "fit", "must name at least one input")])
+    done = fit_inputs(tests, scenario, fit, law, on_progress)
+    computed, left_out = predicted(tests, done.fitted, done.x), _left_out(tests, done, on_progress)
     residuals = tuple(
         Residual(
             test=tests.names[m.test],
@@ -135,16 +147,19 @@ def calibrate(
     )
 
 
-def _left_out(tests: Tests, done: LeastSquaresFit) -> Floats:
+def _left_out(tests: Tests, done: LeastSquaresFit, on_progress: OnProgress) -> Floats:
     """Return each measurement's value with coefficients fitted to the other tests; NaN where these are too few."""
-    found = np.full(len(tests.measurements), np.nan)
     exact = np.array([m.side == 0 for m in tests.measurements])
     of_test = np.array([m.test for m in tests.measurements])
     folds = min(len(tests.names), MAX_FOLDS)
+    coefficients = np.full((len(done.x), len(tests.names)), np.nan)
     for fold in range(folds):
-        out = of_test % folds == fold
-        if (exact & ~out).sum() >= len(done.x):
-            found[out] = predicted(tests, done.fitted, minimised(tests, done.fitted, done.x, ~out).x)[out]
+        kept = of_test % folds != fold
+        if (exact & kept).sum() >= len(done.x):
+            coefficients[:, fold::folds] = without(tests, done, kept, on_progress)[:, None]
+    fitted = ~np.isnan(coefficients[0])
+    found = predicted(tests, done.fitted, np.where(fitted, coefficients, done.x[:, None]))
+    found[~fitted[of_test]] = np.nan
     return found
 
 

@@ -4,12 +4,15 @@ import csv
 from collections.abc import Iterator, Sequence
 from io import StringIO
 from math import isfinite
-from pathlib import Path
+from os import PathLike
 from typing import NamedTuple
 
 from armour.errors import InputError, Problem, choices
 from armour.files import read_text
 from armour.units import missing_unit
+
+# More rows than tests or shots that anyone has made; their fits take about a minute.
+MAX_ROWS = 100_000
 
 
 class CsvRow(NamedTuple):
@@ -21,7 +24,7 @@ class CsvRow(NamedTuple):
 
 
 def read_rows(
-    path: Path, *, numbers: Sequence[str], texts: Sequence[str], needed: Sequence[str]
+    path: str | PathLike[str], *, numbers: Sequence[str], texts: Sequence[str], needed: Sequence[str]
 ) -> tuple[list[CsvRow], list[Problem]]:
     """Read a CSV file; return its rows and the mistakes in them, to which the caller adds those that it finds.
 
@@ -32,6 +35,9 @@ def read_rows(
         raise InputError(
             [Problem(str(path), "", f"must have a header with {' and '.join(needed)}, found an empty file")]
         )
+    if len(lines) > MAX_ROWS + 1:
+        message = f"must have at most {MAX_ROWS} rows below its header, found {len(lines) - 1}"
+        raise InputError([Problem(str(path), "", message)])
     header = lines[0][1]
     wrong = [Problem(str(path), *found) for found in _wrong_columns(header, [*numbers, *texts], needed)]
     rows: list[CsvRow] = []
@@ -60,7 +66,7 @@ def read_rows(
     return rows, problems
 
 
-def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:
+def _lines(path: str | PathLike[str]) -> Iterator[tuple[str, list[str]]]:
     reader = csv.reader(StringIO(read_text(path), newline=""))
     try:
         for cells in reader:

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from armour.errors import NoAnswerError
-from armour.scenario.library import library_toml
+from armour.errors import InputError, NoAnswerError
+from armour.scenario.library import LibraryEntry, library_toml, shipped_library
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY, entry_of, name_of
 from armour.statistics.calibration import CalibrationResult
@@ -22,7 +22,8 @@ def value_at(result: CalibrationResult, name: str, ceramic_mm: float, backing_mm
 def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario) -> str:
     """Return a library file with the calibrated entries and the tests that they were calibrated to.
 
-    An input that depends on the thicknesses takes its value at those of the scenario.
+    An input that depends on the thicknesses takes its value at those of the scenario.  The file needs the shipped
+    library alone, and the scenario must allow its entries.
     """
     for coefficient in result.coefficients:
         if coefficient.estimate is None:
@@ -32,6 +33,7 @@ def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario) ->
     ceramic, backing = scenario.armour.ceramic_thickness_mm, scenario.armour.backing_thickness_mm
     of_law = f"{result.law} law" + ("" if result.law == "constant" else f" at {ceramic:g} mm on {backing:g} mm")
     tables: dict[str, Any] = {}
+    used: dict[str, str] = {}
     for name in names:
         role, key = name.split(".")
         entry = entry_of(tests.groups[0].scenario, role)
@@ -49,8 +51,23 @@ def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario) ->
             "tests": [_test_table(tests, i, role) for i in range(len(tests.names))],
         }
         entries = tables.setdefault(entry.kind, {})
-        entries.setdefault(f"{entry.name}, calibrated", {"based_on": entry.name})[key] = value
+        entries.setdefault(f"{entry.name}, calibrated", _base_of(entry))[key] = value
+        used[NAMES[role]] = f"{entry.name}, calibrated"
+    try:
+        scenario.replaced({"library": tables, **used})
+    except InputError as error:
+        reasons = "; ".join(f"{problem.key} {problem.message}" for problem in error.problems)
+        raise NoAnswerError(f"nothing to write: no scenario could use the fit: {reasons}") from None
     return library_toml(tables)
+
+
+def _base_of(entry: LibraryEntry) -> dict[str, Any]:
+    """Return what a calibrated entry inherits: a name of the shipped library, or values where it does not have them."""
+    if shipped_library().entries[entry.kind].get(entry.name) == entry:
+        return {"based_on": entry.name}
+    return {"description": entry.description} | {
+        key: value.model_dump() for key, value in entry.values.items() if key not in entry.derived
+    }
 
 
 def _test_table(tests: Tests, test: int, role: str) -> dict[str, float | str]:

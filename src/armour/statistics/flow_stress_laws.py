@@ -59,10 +59,13 @@ def _mean(tests: Tests, name: str) -> float:
 
 
 def input_values(coefficients: Coefficients, x: Floats, group: MaterialGroup) -> dict[str, Floats]:
-    """Return the fitted inputs of a group's tests, given the coefficients divided by their scales, (k,)."""
+    """Return the fitted inputs of a group's tests, given the coefficients over their scales, (k,) or (k, tests)."""
+    own_x = x[:, group.where] if x.ndim > 1 else x[:, None]
     thicknesses = (np.ones(len(group.where)), group.column(CERAMIC), group.column(BACKING))
     found: dict[str, Floats] = {}
-    for name, term, value in zip(coefficients.inputs, coefficients.terms, x * coefficients.scales, strict=True):
+    for name, term, value in zip(
+        coefficients.inputs, coefficients.terms, own_x * coefficients.scales[:, None], strict=True
+    ):
         found[name] = found.get(name, 0.0) + value * thicknesses[term]
     own = inputs_of(group.scenario)
     return {name: np.maximum(values, MIN_VALUE_RATIO * own[name]) for name, values in found.items()}

@@ -10,8 +10,8 @@ from scipy.stats import norm, t
 
 from armour.analysis.answers import Answers
 from armour.analysis.estimates import CONFIDENCE
-from armour.analysis.searches import smooth_limits
-from armour.analysis.variants import Bools, Floats, Variants, perforated, variants_of
+from armour.analysis.searches import ballistic_limits
+from armour.analysis.variants import Bools, Floats, OnProgress, Variants, ignore_progress, perforated, variants_of
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, NAMES, VELOCITY, check_names, name_of
@@ -29,8 +29,10 @@ from armour.statistics.test_data import LIMIT, MASS, RESIDUAL, Tests
 # Starting points of the fit, in units of the coefficients' scales.
 STARTS = (1.0, 0.5, 2.0)
 # Tolerance of ballistic limits, m/s, and relative change of coefficients for the derivatives.
-LIMIT_TOLERANCE_M_S = 1e-6
+LIMIT_TOLERANCE_M_S = 1e-9
 DIFFERENCE = 1e-4
+# Change of coefficients, divided by their scales, up to which a fit to fewer tests is linearised.
+SMALL_CHANGE = 1e-3
 # Coefficients this close to each other are equal.
 EQUAL = 1e-3
 
@@ -51,6 +53,8 @@ class LeastSquaresFit(NamedTuple):
     fitted: Coefficients
     x: Floats  # values of the coefficients, divided by their scales, (k,)
     coefficients: tuple[Coefficient, ...]
+    deviations: Floats  # of the m measurements, as `minimised` weighs them, (m,)
+    jacobian: Floats  # their derivatives, (m, k)
     correlation: Floats  # (k, k)
     chi_squared: float  # sum of squares
     degrees_of_freedom: int
@@ -58,7 +62,9 @@ class LeastSquaresFit(NamedTuple):
     starts_agreeing: int
 
 
-def fit_inputs(tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law) -> LeastSquaresFit:
+def fit_inputs(
+    tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law, on_progress: OnProgress = ignore_progress
+) -> LeastSquaresFit:
     """Fit inputs of a scenario to tests, from several starting points; see `armour.statistics.calibration.calibrate`.
 
     The confidence intervals are those of the model linearised at the estimate, with the uncertainties given or, without
@@ -67,7 +73,7 @@ def fit_inputs(tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law
     _check(tests, scenario, inputs, law)
     fitted = coefficients_of(tests, inputs, law)
     everything = np.ones(len(tests.measurements), dtype=bool)
-    ends = [minimised(tests, fitted, start, everything) for start in _starts(fitted.lower < 0.0)]
+    ends = [minimised(tests, fitted, start, everything, on_progress) for start in _starts(fitted.lower < 0.0)]
     best = min(ends, key=lambda end: float(end.cost))
     exact = np.array([m.side == 0 for m in tests.measurements])
     freedom = int((exact | (best.fun != 0.0)).sum()) - len(best.x)
@@ -84,6 +90,8 @@ def fit_inputs(tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law
         fitted=fitted,
         x=best.x,
         coefficients=_coefficients(fitted, best.x, factor * deviation, unidentified),
+        deviations=best.fun,
+        jacobian=best.jac,
         correlation=correlation,
         chi_squared=2.0 * float(best.cost),
         degrees_of_freedom=freedom,
@@ -92,7 +100,7 @@ def fit_inputs(tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law
     )
 
 
-def minimised(tests: Tests, fitted: Coefficients, start: Floats, kept: Bools) -> Any:
+def minimised(tests: Tests, fitted: Coefficients, start: Floats, kept: Bools, on_progress: OnProgress) -> Any:
     """Return scipy's result of a least-squares search from a starting point, with some of the measurements.
 
     A deviation is divided by its uncertainty or, without one, by the measured value; that of a censored observation
@@ -103,14 +111,32 @@ def minimised(tests: Tests, fitted: Coefficients, start: Floats, kept: Bools) ->
 
     def deviations(x: Floats) -> Floats:
         found = (predicted(tests, fitted, x) - value) / scale
+        on_progress(len(value), None)
         return np.where((side == 0) | (side * found < 0.0), found, 0.0)[kept]
 
     bounds = (fitted.lower, MAX_RATIO)
     return least_squares(deviations, start, bounds=bounds, diff_step=np.full(len(start), DIFFERENCE), xtol=1e-10)
 
 
+def without(tests: Tests, done: LeastSquaresFit, kept: Bools, on_progress: OnProgress) -> Floats:
+    """Return the coefficients fitted to some of the measurements, (k,), given the fit to all of them.
+
+    A small change is that of the model linearised at the fit to all, whose error is of the second order; else the
+    search is repeated.
+    """
+    change = np.linalg.lstsq(done.jacobian[kept], -done.deviations[kept], rcond=1e-6)[0]
+    x: Floats = done.x + change
+    if (np.abs(change) <= SMALL_CHANGE).all() and ((done.fitted.lower < x) & (x < MAX_RATIO)).all():
+        return x
+    found: Floats = minimised(tests, done.fitted, done.x, kept, on_progress).x
+    return found
+
+
 def predicted(tests: Tests, coefficients: Coefficients, x: Floats) -> Floats:
-    """Return the model's values of the m measurements, (m,)."""
+    """Return the model's values of the m measurements, (m,), given coefficients, (k,), or those of each test, (k, n).
+
+    These are divided by their scales.
+    """
     found = np.empty(len(tests.measurements))
     of_test = np.array([m.test for m in tests.measurements])
     quantities = np.array([m.quantity for m in tests.measurements])
@@ -128,7 +154,7 @@ def predicted(tests: Tests, coefficients: Coefficients, x: Floats) -> Floats:
 def _limits(variants: Variants) -> Floats:
     """Return ballistic limits, m/s; the end of the search's range where the limit lies beyond it."""
     search = variants.settings.ballistic_limit
-    limits = smooth_limits(variants, LIMIT_TOLERANCE_M_S)
+    limits = ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S)
     outside = np.flatnonzero(np.isnan(limits))
     if len(outside):
         slowest = np.full(len(outside), search.velocity_min_m_s)

@@ -8,8 +8,16 @@ import numpy as np
 
 from armour.analysis.answers import Answers
 from armour.analysis.results import Result
-from armour.analysis.searches import ballistic_limits, smooth_limits
-from armour.analysis.variants import Floats, Variants, concatenated, grid_of, variants_of
+from armour.analysis.searches import ballistic_limits
+from armour.analysis.variants import (
+    Floats,
+    OnProgress,
+    Variants,
+    concatenated,
+    grid_of,
+    ignore_progress,
+    variants_of,
+)
 from armour.design.free import least_areal_densities
 from armour.errors import NoAnswerError
 from armour.scenario.loading import Scenario
@@ -51,11 +59,17 @@ class SensitivityResult(Result):
     inputs: tuple[Elasticity, ...]
 
 
-def sensitivity(scenario: Scenario) -> SensitivityResult:
+def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> SensitivityResult:
     """Compute the elasticities of a scenario's answers.
 
     Each is the change of the logarithm of an answer over that of an input, between half a per cent below and above its
     value.  The strengths of a metal that are derived from its yield strength change with it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    on_progress : callable, optional
+        Called with the number of designs searched for since the last call, and None, as their total is not known.
 
     Returns
     -------
@@ -74,7 +88,7 @@ def sensitivity(scenario: Scenario) -> SensitivityResult:
         variants_of(scenario, {name: np.array([value * (1.0 + CHANGE), value * (1.0 - CHANGE)])}, 2)
         for name, value in own.items()
     ]
-    answers = _answers(scenario, concatenated([variants_of(scenario, {}, 1), *changed]))
+    answers = _answers(scenario, concatenated([variants_of(scenario, {}, 1), *changed]), on_progress)
     if all(isnan(values[0]) for values in answers.values()):
         raise NoAnswerError(
             "nothing to compare: no ballistic limit in the range of its search, no residual velocity and no design"
@@ -98,13 +112,13 @@ def sensitivity(scenario: Scenario) -> SensitivityResult:
     )
 
 
-def _answers(scenario: Scenario, variants: Variants) -> dict[str, Floats]:
+def _answers(scenario: Scenario, variants: Variants, on_progress: OnProgress) -> dict[str, Floats]:
     """Return the answers of each variant, (n,); NaN where there is none.
 
     The first variant is the scenario itself; the ballistic limits of the others are accurate to a finer tolerance.
     """
     impacts = Answers(variants)
-    limits = smooth_limits(variants, LIMIT_TOLERANCE_M_S)
+    limits = ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S)
     limits[:1] = ballistic_limits(variants.at(np.arange(1)))
     answers = {
         LIMIT: limits,
@@ -112,7 +126,7 @@ def _answers(scenario: Scenario, variants: Variants) -> dict[str, Floats]:
     }
     if scenario.optimise is not None:
         grid_of(scenario)
-        answers[OPTIMUM] = least_areal_densities(variants)
+        answers[OPTIMUM] = least_areal_densities(variants, on_progress)
     return answers
 
 

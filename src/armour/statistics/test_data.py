@@ -1,6 +1,8 @@
 """Tests for a calibration: a table of inputs and measurements, read from CSV."""
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Container, Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,7 +11,7 @@ import numpy as np
 from armour.analysis.variants import Floats, Ints
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import INPUTS, NAMES, VELOCITY, check_ranges, inputs_of
+from armour.scenario.parameters import INPUTS, NAMES, VELOCITY, check_rows, inputs_of, with_inputs
 from armour.statistics.csv_table import CsvRow, read_rows
 
 LIMIT, RESIDUAL, MASS, OUTCOME = "ballistic_limit_m_s", "residual_velocity_m_s", "residual_mass_g", "outcome"
@@ -59,12 +61,12 @@ class Tests(NamedTuple):
     cells: tuple[Mapping[str, float | str], ...]  # inputs and measurements as they stand in the table
 
 
-def read_tests(path: Path, scenario: Scenario) -> Tests:
+def read_tests(path: str | PathLike[str], scenario: Scenario) -> Tests:
     """Read a table of tests: inputs that differ from test to test, and measurements.
 
     Parameters
     ----------
-    path : Path
+    path : path-like
         CSV file.  Its columns are inputs of the scenario, names of projectiles and materials, measured quantities and
         their uncertainties, ``outcome``, and ``test``, the name of the test.
     scenario : Scenario
@@ -75,13 +77,15 @@ def read_tests(path: Path, scenario: Scenario) -> Tests:
     InputError
         With every mistake in the file.
     """
+    path = Path(path)
     numbers = (*INPUTS, *MEASURED, *MEASURED.values())
     rows, problems = read_rows(path, numbers=numbers, texts=("test", OUTCOME, *NAMES.values()), needed=())
     names = tuple(row.texts.get("test", row.place) for row in rows)
+    repeated = {name for name, count in Counter(names).items() if count > 1}
     problems += [
         Problem(str(path), f"{row.place}: {key}" if key else row.place, message)
         for row in rows
-        for key, message in _mistakes(row, names)
+        for key, message in _mistakes(row, repeated)
     ]
     measurements = [measurement for test, row in enumerate(rows) for measurement in _measurements(test, row)]
     weighted = {MEASURED[m.quantity] in rows[m.test].texts for m in measurements}
@@ -95,11 +99,11 @@ def read_tests(path: Path, scenario: Scenario) -> Tests:
     return Tests(str(path), names, tuple(groups), tuple(measurements), weighted == {True}, tuple(cells))
 
 
-def _mistakes(row: CsvRow, names: Sequence[str]) -> list[tuple[str, str]]:
-    """Return the mistakes in a row, column and message, given the names of all tests."""
+def _mistakes(row: CsvRow, repeated: Container[str]) -> list[tuple[str, str]]:
+    """Return the mistakes in a row, column and message, given the names that several tests have."""
     found = []
     name, outcome = row.texts.get("test"), row.texts.get(OUTCOME)
-    if name is not None and names.count(name) > 1:
+    if name is not None and name in repeated:
         found.append(("test", f'must name one test, found "{name}" on several lines'))
     if outcome is None and not any(column in row.texts for column in MEASURED):
         found.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}"))
@@ -145,7 +149,7 @@ def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[list
             changed = scenario.replaced(dict(names))
             own = inputs_of(changed)
             columns = {name: np.array([rows[i].numbers.get(name, own.get(name, 0.0)) for i in where]) for name in given}
-            check_ranges(changed, columns)
+            check_rows(changed, columns)
             groups.append(MaterialGroup(changed, np.array(where), columns))
         except InputError:
             problems += [problem for i in where for problem in _not_allowed(rows[i], scenario, file)]
@@ -154,9 +158,9 @@ def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[list
 
 def _not_allowed(row: CsvRow, scenario: Scenario, file: str) -> list[Problem]:
     """Return the names and values in a row that the scenario does not allow."""
-    values = {name: np.array(row.numbers[name]) for name in INPUTS if name in row.numbers}
     try:
-        check_ranges(scenario.replaced(_names(row)), values)
+        values = {name: row.numbers[name] for name in INPUTS if name in row.numbers}
+        with_inputs(scenario.replaced(_names(row)), values)
     except InputError as error:
         return [Problem(file, row.place, f"{problem.key}: {problem.message}") for problem in error.problems]
     return []

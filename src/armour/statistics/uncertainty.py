@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from math import log2
 from typing import Any
 
@@ -12,10 +13,19 @@ from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
 from armour.analysis.results import Result
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.uncertain_inputs import sampled, section_of
-from armour.analysis.variants import Floats, Ints, Variants, perforated, variants_of
+from armour.analysis.variants import (
+    Floats,
+    Ints,
+    OnProgress,
+    Variants,
+    ignore_progress,
+    perforated,
+    portions,
+    variants_of,
+)
 from armour.errors import NoLimitError
 from armour.scenario.applicability import warnings_of
-from armour.scenario.distributions import Uncertainty
+from armour.scenario.distributions import Distribution, Uncertainty
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import VELOCITY, inputs_of
 from armour.scenario.sampling import columns_of, points_of, quantiles
@@ -24,8 +34,11 @@ from armour.scenario.sampling import columns_of, points_of, quantiles
 QUANTILES = {"V05": 0.05, "V50": 0.5, "V95": 0.95}
 # Points of the curve of the probability of perforation.
 CURVE_POINTS = 121
-# Samples for one set of Sobol' indices: a fraction of those for the probability, with a minimum.
-INDEX_DIVISOR, MIN_INDEX_SAMPLES = 4, 256
+# Samples for one set of Sobol' indices: a fraction of those for the probability, within bounds.  More than the most
+# would take longer than the probability itself, and give the indices no further digit.
+INDEX_DIVISOR, MIN_INDEX_SAMPLES, MAX_INDEX_SAMPLES = 4, 256, 2**16
+# Samples that are computed at a time, which bounds the memory.
+SAMPLES_AT_A_TIME = 2**12
 BOOTSTRAP_RESAMPLES = 499
 
 
@@ -91,13 +104,15 @@ class UncertaintyResult(Result):
     warnings: tuple[str, ...]
 
 
-def uncertainty(scenario: Scenario) -> UncertaintyResult:
+def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> UncertaintyResult:
     """Propagate input uncertainty to the outcome and the ballistic limit.
 
     Parameters
     ----------
     scenario : Scenario
         Its section ``uncertainty`` gives the distributions of the inputs.
+    on_progress : callable, optional
+        Called with the number of samples computed since the last call, and the number of all.
 
     Returns
     -------
@@ -111,10 +126,16 @@ def uncertainty(scenario: Scenario) -> UncertaintyResult:
         If a sample has no ballistic limit in the range of the search.
     """
     section = section_of(scenario)
-    columns = columns_of(section, inputs_of(scenario), points_of(section))
-    samples = sampled(scenario, columns, section.samples)
-    hits = int(perforated(samples).sum())
-    limits = np.sort(sample_limits(samples))
+    points, own = points_of(section), inputs_of(scenario)
+    total = section.samples + index_samples(section) * (len(_ranked(section)) + 2)
+    hits, limits = 0, np.empty(section.samples)
+    for part in portions(section.samples, SAMPLES_AT_A_TIME):
+        columns = columns_of(section, own, points[part])
+        samples = sampled(scenario, columns, part.stop - part.start)
+        hits += int(perforated(samples).sum())
+        limits[part] = sample_limits(samples)
+        on_progress(part.stop - part.start, total)
+    limits.sort()
     deterministic = float(sample_limits(variants_of(scenario, {}, 1))[0])
     return UncertaintyResult(
         samples=section.samples,
@@ -127,7 +148,7 @@ def uncertainty(scenario: Scenario) -> UncertaintyResult:
         standard_deviation_m_s=float(limits.std(ddof=1)),
         deterministic_m_s=deterministic,
         curve=probability_curve(limits),
-        inputs=influence_indices(scenario, section),
+        inputs=influence_indices(scenario, section, lambda count: on_progress(count, total)),
         warnings=warnings_of(scenario, deterministic),
     )
 
@@ -163,10 +184,22 @@ def probability_curve(ordered: Floats) -> ProbabilityCurve:
     return ProbabilityCurve(*(tuple(values.tolist()) for values in (velocities, hits / count, low, high)))
 
 
-def influence_indices(scenario: Scenario, section: Uncertainty) -> tuple[Index, ...]:
-    """Estimate the influence of each input on the ballistic limit; the impact velocity has none."""
-    own = inputs_of(scenario)
-    distributions = {name: found for name, found in section.inputs().items() if name != VELOCITY}
+def _ranked(section: Uncertainty) -> dict[str, Distribution]:
+    """Return the inputs that have an influence on the ballistic limit; the impact velocity has none."""
+    return {name: found for name, found in section.inputs().items() if name != VELOCITY}
+
+
+def index_samples(section: Uncertainty) -> int:
+    """Return the samples of each set for Sobol' indices; 0 where there is nothing to estimate."""
+    if section.correlation or len(_ranked(section)) < 2:
+        return 0
+    part: int = 2 ** int(log2(section.samples // INDEX_DIVISOR))
+    return min(max(MIN_INDEX_SAMPLES, part), MAX_INDEX_SAMPLES)
+
+
+def influence_indices(scenario: Scenario, section: Uncertainty, on_samples: Callable[[int], None]) -> tuple[Index, ...]:
+    """Estimate the influence of each input on the ballistic limit."""
+    own, distributions = inputs_of(scenario), _ranked(section)
     names = list(distributions)
     if not names:
         return ()
@@ -175,7 +208,14 @@ def influence_indices(scenario: Scenario, section: Uncertainty) -> tuple[Index, 
         return sample_limits(sampled(scenario, columns, len(columns[names[0]])))
 
     def limits_at(points: Floats) -> Floats:
-        return limits({name: quantiles(distributions[name], points[i], own[name]) for i, name in enumerate(names)})
+        found = np.empty(points.shape[1])
+        for part in portions(len(found), SAMPLES_AT_A_TIME):
+            some = points[:, part]
+            found[part] = limits(
+                {name: quantiles(distributions[name], some[i], own[name]) for i, name in enumerate(names)}
+            )
+            on_samples(part.stop - part.start)
+        return found
 
     ends = {name: np.full(2 * len(names), own[name]) for name in names}
     for i, (name, distribution) in enumerate(distributions.items()):
@@ -183,8 +223,7 @@ def influence_indices(scenario: Scenario, section: Uncertainty) -> tuple[Index, 
     limits_at_ends = limits(ends).reshape(-1, 2).tolist()
     pairs: list[tuple[Estimate | None, Estimate | None]] = [(None, None)] * len(names)
     if not section.correlation:
-        count = max(MIN_INDEX_SAMPLES, 2 ** int(log2(section.samples // INDEX_DIVISOR)))
-        pairs = [*sobol(limits_at, len(names), count, section.seed)]
+        pairs = [*sobol(limits_at, len(names), index_samples(section), section.seed)]
     found = [
         Index(name, *pair, (low, high)) for name, pair, (low, high) in zip(names, pairs, limits_at_ends, strict=True)
     ]
@@ -208,8 +247,8 @@ def sobol(function: Callable[[Floats], Floats], inputs: int, count: int, seed: i
     rng = np.random.default_rng(seed)
     both = qmc.Sobol(2 * inputs, rng=rng).random(count).T
     a, b = both[:inputs], both[inputs:]
-    mixed = [np.where(np.arange(inputs)[:, None] == i, b, a) for i in range(inputs)]
-    values = np.array([function(points) for points in (a, b, *mixed)])
+    mixed = (np.where(np.arange(inputs)[:, None] == i, b, a) for i in range(inputs))
+    values = np.array([function(points) for points in chain((a, b), mixed)])
 
     def indices(rows: Ints | slice) -> Floats:
         v = values[:, None, rows]

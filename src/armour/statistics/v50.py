@@ -2,13 +2,18 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import Result
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import Section, validated
 from armour.statistics.csv_table import read_rows
 from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
 
@@ -16,6 +21,14 @@ from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
 SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 1.0, 1e4
+
+
+class _Settings(Section):
+    """Settings of an estimate, with their bounds."""
+
+    pairs: Annotated[int, Field(ge=1)] | None
+    span_m_s: Annotated[float, Field(ge=0.0, le=MAX_VELOCITY_M_S)] | None
+    confidence: Annotated[float, Field(ge=0.5, le=0.9999)]
 
 
 @dataclass(frozen=True)
@@ -82,12 +95,12 @@ class FiringResult(Result):
     model_ballistic_limit_m_s: float | None
 
 
-def read_shots(path: Path) -> Shots:
+def read_shots(path: str | PathLike[str]) -> Shots:
     """Read firing results from a CSV file.
 
     Parameters
     ----------
-    path : Path
+    path : path-like
         File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete") and, optionally, ``shot``.
 
     Raises
@@ -96,6 +109,7 @@ def read_shots(path: Path) -> Shots:
         With every mistake in the file.
     """
     names = ("velocity_m_s", "result")
+    path = Path(path)
     rows, problems = read_rows(path, numbers=names[:1], texts=("shot", "result"), needed=names)
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     results = [row.texts.get("result", "") for row in rows]
@@ -132,11 +146,13 @@ def v50(
     scenario : Scenario, optional
         Scenario with the same armour and projectile, for its ballistic limit.
     pairs : int, optional
-        Number of shots of each kind in the mean; by default the greatest of 5, 3 and 2 whose span is allowed.
+        Number of shots of each kind in the mean, at least 1; by default the greatest of 5, 3 and 2 whose span is
+        allowed.
     span_m_s : float, optional
-        Greatest span of their velocities, m/s; by default that of MIL-STD-662F for this number of shots.
+        Greatest span of their velocities, m/s, at most 10,000; by default that of MIL-STD-662F for this number of
+        shots.
     confidence : float
-        Confidence level of the intervals.
+        Confidence level of the intervals, 0.5 to 0.9999.
 
     Returns
     -------
@@ -144,10 +160,14 @@ def v50(
 
     Raises
     ------
+    InputError
+        If a setting is out of its range, or the shots are not of both kinds.
     NoAnswerError
         If the complete penetrations were no faster on average than the partial ones, or the scenario has no ballistic
         limit.
     """
+    validated(_Settings, {"pairs": pairs, "span_m_s": span_m_s, "confidence": confidence}, "v50")
+    _check(shots)
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     return FiringResult(
         shots=len(shots.complete),
@@ -160,6 +180,20 @@ def v50(
         confidence=confidence,
         model_ballistic_limit_m_s=None if scenario is None else ballistic_limit(scenario).ballistic_limit_m_s,
     )
+
+
+def _check(shots: Shots) -> None:
+    """Check shots that are not read from a file."""
+    velocities, count = shots.velocities_m_s, len(shots.complete)
+    message = ""
+    if len(velocities) != count:
+        message = f"must be as many velocities as results, found {len(velocities)} and {count}"
+    elif wrong := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
+        message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g} m/s, found {wrong[0]:g}"
+    elif len(set(shots.complete)) != 2:
+        message = "must have at least one partial and one complete penetration"
+    if message:
+        raise InputError([Problem(shots.file, "", message)])
 
 
 def mean_v50(

@@ -1,21 +1,34 @@
 """Rows of a sweep: grids of values and tables of cases."""
 
-from collections.abc import Iterator
-from csv import reader
+import csv
+import re
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
+from itertools import islice
 from math import prod
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import pyarrow as pa
-from pyarrow import csv
+from numpy.typing import NDArray
 
 from armour.analysis.variants import Floats
 from armour.errors import InputError, Problem
 from armour.files import reason
+from armour.scenario.assignments import parts_of
+from armour.scenario.messages import key_name
 from armour.scenario.schema import MAX_VALUES, Range
 from armour.statistics.csv_table import finite_number
+
+# More rows than a sweep can compute in years.
+MAX_ROWS = 10**12
+# Longer than any line of numbers.
+MAX_LINE_BYTES = 100_000
+# Lines of a file that are read at a time where nothing else is asked for.
+BLOCK = 10_000
+
+_CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f]")
 
 
 @dataclass(frozen=True)
@@ -32,6 +45,11 @@ class Grid:
 
     axes: tuple[Axis, ...]
 
+    def __post_init__(self) -> None:
+        if self.count > MAX_ROWS:
+            message = f"must span at most {MAX_ROWS:,} rows, found {self.count:.3g}"
+            raise InputError([Problem("sweep", "--over", message)])
+
     @property
     def keys(self) -> tuple[str, ...]:
         """Keys of the axes."""
@@ -42,82 +60,158 @@ class Grid:
         """Number of combinations."""
         return prod(len(axis.values) for axis in self.axes)
 
+    @cached_property
+    def digest(self) -> str:
+        """A hash of keys and values."""
+        return sha256(repr(self.axes).encode()).hexdigest()
+
     def chunks(self, size: int) -> Iterator[dict[str, Floats]]:
         """Yield the combinations as columns by key, ``size`` rows at a time."""
-        shape = [len(axis.values) for axis in self.axes]
-        values = [np.array(axis.values) for axis in self.axes]
         for start in range(0, self.count, size):
-            indices = np.unravel_index(np.arange(start, min(start + size, self.count)), shape)
-            yield {axis.key: v[i] for axis, v, i in zip(self.axes, values, indices, strict=True)}
+            yield self._rows(np.arange(start, min(start + size, self.count)))
+
+    def sample(self, size: int) -> dict[str, Floats]:
+        """Return some rows spread over the grid, as columns by key."""
+        return self._rows(np.linspace(0, self.count - 1, min(size, self.count)).astype(np.int64))
+
+    def _rows(self, places: NDArray[np.int64]) -> dict[str, Floats]:
+        indices = np.unravel_index(places, [len(axis.values) for axis in self.axes])
+        return {axis.key: np.array(axis.values)[i] for axis, i in zip(self.axes, indices, strict=True)}
+
+    def place(self, start: int, row: int, problem: Problem) -> Problem:
+        """Return a problem in a row, counted from a row at which a chunk starts, with the options that make it."""
+        if problem.key in self.keys:
+            return Problem("command line", f"--over {problem.key}", problem.message)
+        indices = np.unravel_index(start + row, [len(axis.values) for axis in self.axes])
+        values = (f"{axis.key}={axis.values[i]:g}" for axis, i in zip(self.axes, indices, strict=True))
+        return Problem("command line", f"--over {', '.join(values)}", f"{problem.key}: {problem.message}")
 
 
 class Cases:
-    """Rows of a CSV file of numbers whose header names keys of the scenario."""
+    """Rows of a CSV file of numbers whose header names keys of the scenario.
+
+    The file is read from its start for each pass; a pass that does not find what the first one found raises an error.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self.keys: tuple[str, ...] = ()
         self.count = 0
-        for batch in self._batches():
-            self.keys = tuple(batch.schema.names)
-            self.count += batch.num_rows
+        self.digest = ""
+        for keys, columns in self._blocks(BLOCK):
+            self.keys = keys
+            self.count += len(columns)
         if not self.count:
-            raise InputError([Problem(str(path), "", "must have a header of keys and at least one row of numbers")])
+            raise self._error("", "must have a header of keys and at least one row of numbers")
 
     def chunks(self, size: int) -> Iterator[dict[str, Floats]]:
         """Yield the rows as columns by key, ``size`` rows at a time."""
-        kept: dict[str, Floats] = {}
-        for batch in self._batches():
-            columns = {name: batch.column(name).to_numpy(zero_copy_only=False) for name in self.keys}
-            kept = {key: np.concatenate([kept[key], column]) if kept else column for key, column in columns.items()}
-            while len(kept[self.keys[0]]) >= size:
-                yield {key: column[:size] for key, column in kept.items()}
-                kept = {key: column[size:] for key, column in kept.items()}
-        if len(kept[self.keys[0]]):
-            yield kept
+        for keys, columns in self._blocks(size):
+            yield dict(zip(keys, columns.T, strict=True))
 
-    def _batches(self) -> Iterator[Any]:
-        """Yield record batches of the file with numeric columns."""
+    def sample(self, size: int) -> dict[str, Floats]:
+        """Return some rows as columns by key."""
+        return next(self.chunks(size))
+
+    def place(self, start: int, row: int, problem: Problem) -> Problem:
+        """Return a problem in a row, counted from a row at which a chunk starts, with its line."""
+        number, _ = next(islice(self._lines(len), start + row + 1, None))
+        return Problem(str(self.path), f"line {number}", f"{problem.key}: {problem.message}")
+
+    def _blocks(self, size: int) -> Iterator[tuple[tuple[str, ...], Floats]]:
+        """Yield keys and rows of the file, (n, keys), and notice at its end if it is another than before."""
+        found = sha256()
+        count = 0
+        lines = self._lines(found.update)
+        header = next(lines, None)
+        if header is not None:
+            keys = self._keys(*header)
+            if self.digest and keys != self.keys:
+                raise self._error("", "must not change during the sweep, found another header")
+            while block := list(islice(lines, size)):
+                count += len(block)
+                yield keys, self._numbers(block, keys)
+        if self.digest and (self.digest, self.count) != (found.hexdigest(), count):
+            raise self._error("", f"must not change during the sweep: it had {self.count:,} rows, and has {count:,}")
+        self.digest = found.hexdigest()
+
+    def _lines(self, update: Callable[[bytes], object]) -> Iterator[tuple[int, str]]:
+        """Yield the lines that are not blank, with their numbers; give all bytes to a hash."""
         try:
-            with csv.open_csv(self.path) as first:
-                types = {name: pa.float64() for name in first.schema.names}
-            options = csv.ConvertOptions(column_types=types, strings_can_be_null=False)
-            with csv.open_csv(self.path, convert_options=options) as batches:
-                for batch in batches:
-                    for name in batch.schema.names:
-                        if batch.column(name).null_count:
-                            raise pa.ArrowInvalid(f"column {name} has empty values")
-                    yield batch
-        except pa.ArrowInvalid as error:
-            message = f"must be a table of numbers below a header of keys: {error}"
-            raise InputError([_wrong_cell(self.path) or Problem(str(self.path), "", message)]) from None
+            if not self.path.is_file() and self.path.exists():
+                raise self._error("", "must be a file, since it is read several times")
+            with self.path.open("rb") as file:
+                for number, line in enumerate(iter(lambda: file.readline(MAX_LINE_BYTES), b""), 1):
+                    update(line)
+                    text = self._decoded(number, line)
+                    if text.strip():
+                        yield number, text
         except OSError as error:
-            raise InputError([Problem(str(self.path), "", f"cannot be read: {reason(error)}")]) from None
+            raise self._error("", f"cannot be read: {reason(error)}") from None
+
+    def _decoded(self, number: int, line: bytes) -> str:
+        line = line.removesuffix(b"\n").removesuffix(b"\r")
+        if len(line) >= MAX_LINE_BYTES:
+            raise self._error(f"line {number}", f"must be shorter than {MAX_LINE_BYTES:,} bytes")
+        try:
+            text = line.decode("utf-8-sig" if number == 1 else "utf-8")
+        except UnicodeDecodeError as error:
+            message = f"must be UTF-8 text, found the byte {line[error.start]:#04x}"
+            raise self._error(f"line {number}", message) from None
+        if not text.isprintable() and (wrong := _CONTROL.search(text)):
+            raise self._error(f"line {number}", f"must be text, found the character {ord(wrong[0]):#04x}")
+        return text
+
+    def _keys(self, number: int, line: str) -> tuple[str, ...]:
+        keys = tuple(cell.strip() for cell in _cells(line))
+        if "" in keys:
+            raise self._error(f"line {number}", f"must name a key in each column, found none in {keys.index('') + 1}")
+        if twice := [key for key in dict.fromkeys(keys) if keys.count(key) > 1]:
+            raise self._error(f"line {number}: {twice[0]}", "must be the name of one column, found several")
+        return keys
+
+    def _numbers(self, block: Sequence[tuple[int, str]], keys: Sequence[str]) -> Floats:
+        """Return the numbers in lines, (n, keys)."""
+        try:
+            numbers = np.loadtxt([line for _, line in block], delimiter=",", quotechar='"', comments=None, ndmin=2)
+            if numbers.shape == (len(block), len(keys)) and np.isfinite(numbers).all():
+                return numbers
+        except ValueError:
+            pass
+        raise self._wrong_line(block, keys)
+
+    def _wrong_line(self, block: Sequence[tuple[int, str]], keys: Sequence[str]) -> InputError:
+        """Return the error of the first line that does not hold a number for each key."""
+        for number, line in block:
+            cells = _cells(line)
+            if len(cells) != len(keys):
+                message = f"must have {len(keys)} cells as the header has, found {len(cells)}"
+                return self._error(f"line {number}", message)
+            for key, cell in zip(keys, cells, strict=True):
+                if finite_number(cell) is None or "_" in cell or not cell.isascii():
+                    return self._error(f"line {number}: {key}", f'must be a number, found "{cell[:40]}"')
+        return self._error(f"line {block[0][0]}", "must be a table of numbers from here")
+
+    def _error(self, key: str, message: str) -> InputError:
+        return InputError([Problem(str(self.path), key, message)])
 
 
-def _wrong_cell(path: Path) -> Problem | None:
-    """Return the first cell of a file that is not a number; pyarrow does not say where it is."""
-    with path.open(newline="", encoding="utf-8-sig", errors="replace") as file:
-        lines = reader(file)
-        header = next(lines, [])
-        for cells in filter(None, lines):
-            for name, cell in zip(header, cells, strict=False):
-                if finite_number(cell) is None:
-                    key = f"line {lines.line_num}: {name}"
-                    return Problem(str(path), key, f'must be a number, found "{cell[:40]}"')
-    return None
+def _cells(line: str) -> list[str]:
+    """Return the cells of a line; a quote that is not closed ends with the line."""
+    return next(csv.reader([line]))
 
 
 def axis_of(text: str) -> Axis:
     """Parse an axis from ``KEY=MIN:MAX:STEP`` or ``KEY=VALUE,VALUE,...``."""
     key, _, values = text.rpartition("=")
-    key = key.strip()
     try:
+        key = key_name(parts_of(key))
         if ":" in values:
             low, high, step = (float(part) for part in values.split(":"))
             found = Range.model_validate({"min": low, "max": high, "step": step}).values()
         else:
             found = tuple(float(part) for part in values.split(","))
-        if key and len(found) <= MAX_VALUES:
+        if len(found) <= MAX_VALUES:
             return Axis(key, found)
     except ValueError:
         pass

@@ -1,29 +1,40 @@
 """Sweeps: quantities of a scenario for many rows of values, computed in chunks."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from hashlib import sha256
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from armour.analysis.evaluate import Group, evaluate_groups, groups_of, scenarios_of
-from armour.analysis.quantities import QUANTITIES
-from armour.analysis.variants import Floats, grid_of
-from armour.engine.cache import digest
-from armour.errors import InputError, Problem, choices
+from armour.analysis.evaluate import Group, check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
+from armour.analysis.variants import Floats
+from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
-from armour.sweeps.cases import Cases, Grid
-from armour.sweeps.checkpoint import Store
+from armour.sweeps.cases import BLOCK, Cases, Grid
+from armour.sweeps.checkpoint import RESUME, DamagedError, Store
+from armour.sweeps.job import job_of
+from armour.sweeps.plan import Plan, plan_of
 
-# Rows that are computed, written and, on a cluster, sent at a time; ballistic limits of a chunk take about a second.
-CHUNK = 10_000
+# Times that the chunks are joined, with those computed anew that prove damaged, before the disk is to blame.
+PASSES = 3
 
 # Chunks by index, as groups of rows, and their quantities.
 Chunks = Iterator[tuple[int, list[Group]]]
 Results = Iterator[tuple[int, dict[str, Any]]]
-# Computes chunks, in any order.
-Compute = Callable[[Chunks, Sequence[str]], Results]
 # Callback after each chunk: its number of rows, and whether it was on disk already.
 OnChunk = Callable[[int, bool], None]
+
+
+class Compute(NamedTuple):
+    """A way to compute chunks."""
+
+    run: Callable[[Chunks, Sequence[str]], Results]  # in any order
+    threads: int | None  # for a chunk; None is one per core
+    workers: int  # that compute chunks at the same time
+
+
+def _uncounted(_rows: int, _stored: bool) -> None:
+    pass
 
 
 def sweep(
@@ -33,70 +44,103 @@ def sweep(
     output: Path,
     *,
     compute: Compute | None = None,
-    size: int = CHUNK,
-    on_chunk: OnChunk | None = None,
+    size: int | None = None,
+    on_chunk: OnChunk = _uncounted,
+    approve: Callable[[Plan], None] = lambda _plan: None,
+    tell: Callable[[str], None] = lambda _line: None,
 ) -> int:
     """Compute quantities of a scenario for every row of a source, write them to a table and return the number of rows.
 
     Each chunk is written when it is computed: the same call resumes an interrupted sweep.  A question without an answer
-    gives an empty field in CSV and NaN in Parquet.
+    gives an empty field in CSV and NaN in Parquet.  Without a size of chunks, some rows are measured; ``approve`` gets
+    what all of them take and raises an error to stop.  ``tell`` gets a line for each chunk that is damaged on disk.
     """
     _check(scenario, source, quantities)
-    for chunk in source.chunks(size):
-        for _ in scenarios_of(scenario, chunk):
-            pass  # a wrong value raises an error before the first chunk is computed
-    store = Store(output, _job(scenario, source, quantities, size))
+    compute = compute or in_process()
+    with Store(output, job_of(scenario, source, quantities)) as store:
+        if store.finished is not None:
+            return store.finished
+        if size is None:
+            try:
+                plan = plan_of(scenario, source, quantities, output, threads=compute.threads, workers=compute.workers)
+            except InputError:
+                _check_rows(scenario, source)  # says which row is wrong
+                raise
+            approve(plan)
+            size = plan.chunk_rows
+        _check_rows(scenario, source)
+        size = store.begin(size)
+        count = -(-source.count // size)
+        try:
+            for _ in range(PASSES):
+                _compute_missing(store, size, scenario, source, quantities, compute, on_chunk, tell)
+                with suppress(DamagedError):
+                    return store.finish(count, source.count)
+                on_chunk = _uncounted  # each was, in the first pass
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(f"{store.chunks():,} of {count:,} chunks are done; {RESUME}") from None
+    message = f"are damaged each time that they are written; check the disk, then {RESUME}"
+    raise InputError([Problem(f"chunks of {output}", "", message)])
+
+
+def _compute_missing(
+    store: Store,
+    size: int,
+    scenario: Scenario,
+    source: Grid | Cases,
+    quantities: Sequence[str],
+    compute: Compute,
+    on_chunk: OnChunk,
+    tell: Callable[[str], None],
+) -> None:
+    """Compute the chunks that are not on disk, or are there but damaged, and write them."""
     pending: dict[int, Mapping[str, Floats]] = {}
-    notify = on_chunk or (lambda _rows, _stored: None)
-    count = 0
 
     def missing_chunks() -> Chunks:
-        nonlocal count
-        for index, columns in enumerate(source.chunks(size)):
-            count = index + 1
-            if store.has(index):
-                notify(len(columns[source.keys[0]]), True)
-            else:
-                pending[index] = columns
-                yield index, groups_of(scenario, columns)
+        for index, values in enumerate(source.chunks(size)):
+            try:
+                if store.has(index, values):
+                    on_chunk(len(values[source.keys[0]]), True)
+                    continue
+            except DamagedError as error:
+                tell(f"{error}: damaged, computed anew")
+            pending[index] = values
+            yield index, groups_of(scenario, values)
 
-    for index, results in (compute or in_process())(missing_chunks(), quantities):
-        columns = pending.pop(index)
-        store.save(index, {**columns, **results})
-        notify(len(columns[source.keys[0]]), False)
-    store.finish(count)
-    return source.count
+    for index, results in compute.run(missing_chunks(), quantities):
+        values = pending.pop(index)
+        store.save(index, values, results)
+        on_chunk(len(values[source.keys[0]]), False)
 
 
 def _check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
-    problems = []
-    for name in quantities:
-        if name not in QUANTITIES:
-            message = f'unknown quantity "{name}"{choices(name, list(QUANTITIES))}'
-            problems.append(Problem("sweep", "--quantities", message))
+    """Check the question, and that every key counts."""
+    problems: list[Problem] = []
+    try:
+        check_quantities(scenario, quantities, "sweep", "--quantities")
+    except InputError as error:
+        problems += error.problems
     if len(set(source.keys)) != len(source.keys):
         problems.append(Problem("sweep", "--over", "must not name a key twice"))
-    if any(QUANTITIES[name].on_grid for name in quantities if name in QUANTITIES):
-        try:
-            grid_of(scenario)
-        except InputError as error:
-            problems += error.problems
     if problems:
         raise InputError(problems)
+    first = next(source.chunks(1))
+    check_keys(scenario, {key: float(values[0]) for key, values in first.items()}, quantities, "sweep")
 
 
-def _job(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str], size: int) -> str:
-    """Return a digest of everything that the table of a sweep depends on."""
-    rows = source.axes if isinstance(source, Grid) else sha256(source.path.read_bytes()).hexdigest()
-    parts = (digest(), repr(scenario), repr(scenario.core_armour()), rows, tuple(quantities), size)
-    return sha256(repr(parts).encode()).hexdigest()
+def _check_rows(scenario: Scenario, source: Grid | Cases) -> None:
+    """Check all rows before the first chunk is computed."""
+    start = 0
+    for chunk in source.chunks(BLOCK):
+        for where, _ in scenarios_of(scenario, chunk, partial(source.place, start)):
+            start += len(where)
 
 
 def in_process(threads: int | None = None) -> Compute:
     """Compute chunks in this process, one after the other, each on all threads."""
 
-    def compute(chunks: Chunks, quantities: Sequence[str]) -> Results:
+    def run(chunks: Chunks, quantities: Sequence[str]) -> Results:
         for index, groups in chunks:
             yield index, evaluate_groups(groups, quantities, threads)
 
-    return compute
+    return Compute(run, threads, workers=1)

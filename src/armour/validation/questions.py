@@ -1,6 +1,6 @@
 """Questions a suite may ask: any quantity, the lightest design, and what replacing one material saves."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import cached_property, partial
 from typing import NamedTuple
 
@@ -46,6 +46,7 @@ class Question(NamedTuple):
     answer: Callable[[Asked], float | str]
     on_grid: bool = True  # needs the scenario's grid of designs
     of_two: bool = False  # compares the scenario with its replacement
+    sections: Collection[str] = ("optimise",)  # that it depends on besides `armour.scenario.reach.READ`
 
 
 def _quantity(name: str, asked: Asked) -> float | str:
@@ -58,11 +59,16 @@ def _saved_percent(amount: Callable[[Variants], Floats], asked: Asked) -> float:
     return 100.0 * (1.0 - after / before)
 
 
+# The lightest design may depend on each.
+SECTIONS = tuple(Scenario.model_fields)
 QUESTIONS: dict[str, Question] = {
-    **{name: Question(partial(_quantity, name), quantity.on_grid) for name, quantity in QUANTITIES.items()},
-    "optimum_ceramic_thickness_mm": Question(lambda asked: asked.lightest.ceramic_thickness_mm),
-    "optimum_backing_thickness_mm": Question(lambda asked: asked.lightest.backing_thickness_mm),
-    "optimum_areal_density_kg_m2": Question(lambda asked: asked.lightest.areal_density_kg_m2),
+    **{
+        name: Question(partial(_quantity, name), quantity.on_grid, sections=quantity.sections)
+        for name, quantity in QUANTITIES.items()
+    },
+    "optimum_ceramic_thickness_mm": Question(lambda asked: asked.lightest.ceramic_thickness_mm, sections=SECTIONS),
+    "optimum_backing_thickness_mm": Question(lambda asked: asked.lightest.backing_thickness_mm, sections=SECTIONS),
+    "optimum_areal_density_kg_m2": Question(lambda asked: asked.lightest.areal_density_kg_m2, sections=SECTIONS),
     "thickness_saved_percent": Question(
         partial(_saved_percent, lambda armours: armours.ceramics_mm + armours.backings_mm), of_two=True
     ),

@@ -1,39 +1,48 @@
 """Suites: cases with expected values and the bands within which the computed values must lie."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import reduce
-from math import isfinite
+from functools import cache, partial, reduce
+from itertools import compress
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, TypeVar
+from typing import Annotated, Any, NamedTuple
 
-from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from armour.errors import InputError, Problem, suggestion
 from armour.files import read_toml
-from armour.scenario.assignments import changed
+from armour.scenario.assignments import canonical, changed, leaves, parts_of
 from armour.scenario.loading import Scenario, parse_scenario
-from armour.scenario.messages import Section, describe, key_name, problems_of
+from armour.scenario.messages import Section, SectionT, describe, key_name, validated
+from armour.scenario.reach import NOT_USED, check_reach, unused_entries
 from armour.units import words_and_unit
 from armour.validation.questions import QUESTIONS, check_answerable
 
 # Column of a table that holds the expected values.
 EXPECTED = "expected"
+# Mistakes after which a suite is not read further: a script may make thousands of rows.
+MAX_PROBLEMS = 20
 # Questions about the replacement of one material by another.
 SAVINGS = tuple(name for name, question in QUESTIONS.items() if question.of_two)
 
 
 def _number_or_text(value: object) -> object:
     """Check an expected value before pydantic does, which would report each type of the union."""
-    if isinstance(value, str) or (isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)):
+    if isinstance(value, str):
         return value
-    raise ValueError(f"must be a finite number, or the outcome in quotes, found {describe(value)}")
+    if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST:
+        return value
+    raise ValueError(f"must be a number up to {LARGEST:g}, or the outcome in quotes, found {describe(value)}")
 
 
+# Largest number; it keeps what is computed from numbers finite.
+LARGEST = 1e12
 Name = Annotated[str, Field(min_length=1)]
-Width = Annotated[float, Field(ge=0.0)]
-SectionT = TypeVar("SectionT", bound=Section)
+Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
+Width = Annotated[float, Field(ge=0.0, le=LARGEST)]
+Read = Callable[[Path], dict[str, Any]]
+Parts = tuple[str | int, ...]
 
 
 class _Expectation(Section):
@@ -97,7 +106,7 @@ class TableSection(_Expectation):
     """A table of cases, one per row, that differ in some values of the scenario."""
 
     columns: list[Name]
-    rows: Annotated[list[list[float]], Field(min_length=1)]
+    rows: Annotated[list[list[Number]], Field(min_length=1)]
     rms_band: Width | None = None
     rms_band_percent: Width | None = None
     rivals: list[Name] = []
@@ -223,32 +232,50 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     suite = read_sections(path, SuiteSection)
     if not suite.case and not suite.table:
         raise InputError([Problem(str(path), "case", "is missing: a suite must have at least one case or table")])
-    cases, problems = [], []
+    changes = changes or {}
+    read = cache(read_toml)
+    cases: list[Case] = []
+    # A mistake of many rows of a table is told of the first of them.
+    wrong: dict[tuple[Parts, Problem], Problem] = {}
     for row in _rows(suite):
         try:
-            cases.append(_case(row, suite, path.parent, changes or {}))
+            cases.append(_case(row, suite, path.parent, changes, read))
         except InputError as error:
-            where = key_name([*row.place[:2], "scenario"])
-            problems += [Problem(str(path), where, f"must be a valid scenario: {found}") for found in error.problems]
+            for problem in error.problems:
+                wrong.setdefault((row.place[:2], problem), _placed(problem, row, path))
+        if len(wrong) > MAX_PROBLEMS:
+            break
+    problems = list(wrong.values())[:MAX_PROBLEMS]
+    if len(wrong) > MAX_PROBLEMS:
+        problems.append(Problem(str(path), "", "must be right up to here; what follows is not checked"))
+    if not problems:
+        scenarios = [found for case in cases for found in (case.scenario, case.replacement) if found is not None]
+        unused = unused_entries(changes, *scenarios)
+        problems = [Problem("command line", f"--set {key}", NOT_USED + hint) for key, hint in unused]
     if problems:
-        raise InputError(list(dict.fromkeys(problems)))
+        raise InputError(problems)
     return Suite(suite.title, path, tuple(cases), tuple(suite.table))
+
+
+def _placed(problem: Problem, row: "_Row", path: Path) -> Problem:
+    """Return a problem in the scenario of a case with its place in the suite."""
+    in_row = isinstance(row.section, TableSection) and problem.key in row.inputs
+    where = key_name([*row.place[:4]] if in_row else [*row.place[:2], "scenario"])
+    return Problem(str(path), where, f"must be a valid scenario: {problem}")
 
 
 def read_sections(path: Path, model: type[SectionT]) -> SectionT:
     """Read a TOML file as the sections of a model."""
-    try:
-        return model.model_validate(read_toml(path))
-    except ValidationError as error:
-        raise InputError(problems_of(error, model, str(path))) from None
+    return validated(model, read_toml(path), str(path))
 
 
 class _Row(NamedTuple):
     """A case as the file gives it: a section of its own, or a row of a table."""
 
     section: CaseSection | TableSection
-    place: tuple[str | int, ...]
+    place: Parts
     expected: float | str
+    first: bool = True  # whether it is the case of its section, or the first of them
     inputs: Mapping[str, float] = {}
     rivals: Mapping[str, float] = {}
 
@@ -260,20 +287,22 @@ def _rows(suite: SuiteSection) -> Iterator[_Row]:
             values = dict(zip(table.columns, numbers, strict=True))
             rivals = {name: values[name] for name in table.rivals}
             inputs = {name: value for name, value in values.items() if name not in (EXPECTED, *rivals)}
-            yield _Row(table, ("table", index, "rows", number, column), values[EXPECTED], inputs, rivals)
+            yield _Row(table, ("table", index, "rows", number, column), values[EXPECTED], not number, inputs, rivals)
     for index, case in enumerate(suite.case):
         yield _Row(case, ("case", index, EXPECTED), case.expected)
 
 
-def _case(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object]) -> Case:
+def _case(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object], read: Read) -> Case:
     section = row.section
     file = folder / section.scenario
-    scenario = _scenario(file, section.set, row.inputs, changes)
+    scenario = _scenario(file, read, section.set, row.inputs, changes)
     replacement = None
     if isinstance(section, CaseSection) and section.replaced_by is not None:
-        replacement = _scenario(file, section.set, section.replaced_by, changes)
+        replacement = _scenario(file, read, section.set, section.replaced_by, changes)
     check_answerable(section.quantity, scenario, replacement)
     in_table = isinstance(section, TableSection)
+    if row.first:
+        _check_changes(row, scenario, replacement)
     return Case(
         group=section.name if in_table else "",
         name=", ".join(map(_in_words, row.inputs, row.inputs.values())) if in_table else section.name,
@@ -290,9 +319,23 @@ def _case(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, ob
     )
 
 
-def _scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:
-    """Read a scenario and apply the changes one after the other."""
-    return parse_scenario(reduce(changed, changes, read_toml(file)), file=str(file), folder=file.parent)
+def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) -> None:
+    """Check that the changes and the columns of a section, of which the first row is given, all count."""
+    quantity, file = QUESTIONS[row.section.quantity], scenario.file
+    for changes in (row.section.set, getattr(row.section, "replaced_by", None) or {}):
+        given = [leaf for key, value in changes.items() for leaf, _ in leaves(value, parts_of(key))]
+        # The title is for people; entries of the library may be based on each other.
+        counting = [leaf[0] not in ("title", "library") for leaf in given] + [True] * len(row.inputs)
+        keys = compress(canonical([*map(key_name, given), *row.inputs], file), counting)
+        check_reach(scenario, list(keys), quantity.sections, file, closed_forms=bool(row.rivals))
+        if unused := unused_entries(changes, scenario, *([replacement] if replacement else [])):
+            raise InputError([Problem(file, key, NOT_USED + hint) for key, hint in unused])
+
+
+def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenario:
+    """Return the scenario of a file with changes, one after the other."""
+    data = reduce(partial(changed, file=str(file)), filter(None, changes), read(file))
+    return parse_scenario(data, file=str(file), folder=file.parent)
 
 
 def _in_words(key: str, value: float) -> str:

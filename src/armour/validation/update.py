@@ -1,5 +1,6 @@
 """Write computed values into a suite file as its expected values."""
 
+import codecs
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -31,13 +32,14 @@ def updates_of(result: SuiteResult) -> list[Update]:
     return updates
 
 
-def updated_text(text: str, updates: Sequence[Update]) -> str:
-    """Return the text of a suite file with other expected values; its comments and layout stay."""
-    document = tomlkit.parse(text)
+def updated_file(content: bytes, updates: Sequence[Update]) -> bytes:
+    """Return a suite file with other expected values; its comments, layout, line ends and byte order mark stay."""
+    mark = codecs.BOM_UTF8 if content.startswith(codecs.BOM_UTF8) else b""
+    document = tomlkit.parse(content.removeprefix(mark).decode())
     for update in updates:
         table: Any = document
         *path, last = update.case.place
         for key in path:
             table = table[key]
         table[last] = update.expected
-    return tomlkit.dumps(document)
+    return mark + tomlkit.dumps(document).encode()

@@ -9,6 +9,7 @@ from typing import Any, Literal
 from armour.analysis.comparison import BODIES, bodies_of, florence_ballistic_limit, missing_for_florence
 from armour.errors import NoAnswerError
 from armour.files import shipped
+from armour.scenario.messages import TINY
 from armour.scenario.parameters import NAMES, entry_of, inputs_of, name_of
 from armour.units import words_and_unit
 from armour.validation.questions import Asked, answer
@@ -47,7 +48,7 @@ class Check:
     @property
     def deviation_percent(self) -> float | None:
         """Deviation relative to the expected value, in per cent."""
-        if self.deviation is None or not self.case.expected:
+        if self.deviation is None or abs(float(self.case.expected)) < TINY:
             return None
         return 100.0 * self.deviation / abs(float(self.case.expected))
 
@@ -256,7 +257,7 @@ def _errors(rows: Sequence[Check]) -> tuple[Error, ...]:
     percents_of: dict[str, list[float]] = {}
     for row in rows:
         expected = row.case.expected
-        if not row.case.rivals or isinstance(expected, str) or not expected:
+        if not row.case.rivals or isinstance(expected, str) or abs(expected) < TINY:
             continue
         own = {"this model": row.computed} if isinstance(row.computed, float) else {}
         for name, predicted in {**row.case.rivals, **own, **_florence(row.case)}.items():

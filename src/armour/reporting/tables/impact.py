@@ -109,5 +109,13 @@ def crossing_table(result: "LimitResult") -> Table:
 
 
 def limit_tables(result: "LimitResult") -> list[Table | str]:
-    """Return all tables of a ballistic limit: the changes of the outcome only where there are several."""
-    return [limit_table(result)] if result.monotonic else [limit_table(result), crossing_table(result)]
+    """Return all tables of a ballistic limit, and what was looked at; the changes of the outcome only where several."""
+    low, high = result.scanned_range_m_s
+    scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
+    if result.monotonic:
+        return [limit_table(result), f"{scanned}; all above the ballistic limit perforate"]
+    return [
+        limit_table(result),
+        f"{scanned}; the outcome changes {len(result.crossings)} times",
+        crossing_table(result),
+    ]

@@ -1,0 +1,108 @@
+"""Reach of the keys that vary from row to row: whether their values can change what is computed.
+
+A key of the impact, the armour, the model or the solver counts for whatever is computed; one of another section counts
+where the computation reads it, and one of the library where the impact or the armour takes its value from it.
+"""
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from armour.errors import InputError, Problem, choices, suggestion
+from armour.scenario.assignments import leaves, parts_of
+from armour.scenario.library import OPTIONAL, Kind
+from armour.scenario.messages import key_name
+from armour.scenario.parameters import CERAMIC, INPUTS, NAMES, ROLES, bases_of, inputs_of, name_of
+
+if TYPE_CHECKING:
+    from armour.scenario.loading import Scenario
+
+# Sections that every computation reads.
+READ = ("impact", "armour", "model", "solver")
+NOT_USED = "must be an entry of the library that the scenario uses"
+
+
+def check_known(scenario: "Scenario", keys: Iterable[str], file: str) -> None:
+    """Check that keys name inputs, or lie in a section of a scenario and not below the name of a material.
+
+    `file` says where the keys come from.
+    """
+    known = list(inputs_of(scenario))
+    problems = []
+    for key in keys:
+        section, *rest = parts_of(key)
+        role = {name: role for role, name in NAMES.items()}.get(key_name([section, *rest[:1]]), "")
+        if key not in known and (key in INPUTS or section not in type(scenario).model_fields):
+            message = f'must name an input or another key of the scenario, found "{key}"{choices(key, known)}'
+            problems.append(Problem(file, key, message))
+        elif role and len(rest) > 1:
+            found = f'which is a name, found "{key}"{suggestion(f"{role}.{rest[1]}", known)}'
+            problems.append(Problem(file, key, f"must not go below {NAMES[role]}, {found}"))
+    if problems:
+        raise InputError(problems)
+
+
+def check_reach(
+    scenario: "Scenario", keys: Sequence[str], sections: Collection[str], file: str, *, closed_forms: bool = False
+) -> None:
+    """Check that each of the keys counts, where a computation reads `sections` besides READ.
+
+    Closed forms also read the optional values of the library.
+    """
+    problems = []
+    given: dict[str, str] = {}
+    for key in keys:
+        section, *rest = parts_of(key)
+        name = key if key in INPUTS else _input_of(scenario, rest) if section == "library" else ""
+        if not name and section not in (*READ, *sections) and not (closed_forms and {*rest} & {*OPTIONAL}):
+            used = ", ".join(f'{role} "{name_of(scenario, role)}"' for role in ROLES if name_of(scenario, role))
+            hint = f"; the scenario has the {used}" if section == "library" else ""
+            problems.append(Problem(file, key, f"must have an effect on what is computed, found none{hint}"))
+        elif name.startswith("ceramic.") and _bare(scenario, keys, sections):
+            problems.append(Problem(file, key, f"must not be given where {CERAMIC} is 0"))
+        elif name and given.setdefault(name, key) != key:
+            problems.append(Problem(file, key, f"must not be given with {given[name]}, which sets the same"))
+    if problems:
+        raise InputError(problems)
+
+
+def _input_of(scenario: "Scenario", parts: Sequence[str]) -> str:
+    """Return the input that takes its value from a key of the section [library]; "" if none."""
+    inputs = inputs_of(scenario)
+    for role, kind in ROLES.items():
+        name = name_of(scenario, role)
+        if name is None or parts[:1] != [kind] or len(parts) < 3 or f"{role}.{parts[2]}" not in inputs:
+            continue
+        chain = bases_of(scenario, kind, name)
+        own = getattr(scenario.library, kind)
+        givers = [base for base in chain if base in own and getattr(own[base], parts[2]) is not None]
+        if givers[:1] == [parts[1]]:
+            return f"{role}.{parts[2]}"
+    return ""
+
+
+def _bare(scenario: "Scenario", keys: Sequence[str], sections: Collection[str]) -> bool:
+    """Return whether no row has a ceramic, and no search varies its thickness."""
+    return scenario.armour.ceramic_thickness_mm == 0.0 and CERAMIC not in keys and "optimise" not in sections
+
+
+def unused_entries(changes: Mapping[str, object], *scenarios: "Scenario") -> list[tuple[str, str]]:
+    """Return the entries of the library that changes set and no scenario uses: their keys, and a hint at those used."""
+    used = {entry for scenario in scenarios for entry in _entries_of(scenario)}
+    found = {}
+    for key, value in changes.items():
+        for leaf, _ in leaves(value, parts_of(key)):
+            if leaf[0] == "library" and len(leaf) > 2 and leaf[1:3] not in used:
+                names = [name for kind, name in used if kind == leaf[1]]
+                found[key_name(leaf[:3])] = choices(leaf[2], sorted(names)) if names else ""
+    return list(found.items())
+
+
+def _entries_of(scenario: "Scenario") -> Iterator[tuple[str, str]]:
+    """Yield kind and name of the entries that a scenario names, and of those that they are based on."""
+    named: list[tuple[Kind, str | None]] = [(kind, name_of(scenario, role)) for role, kind in ROLES.items()]
+    named += [("projectile", threat.projectile) for threat in scenario.threat]
+    if scenario.design is not None:
+        named += [("ceramic", layer.material) for layer in scenario.design.ceramic]
+        named += [("metal", layer.material) for layer in scenario.design.backing]
+    for kind, name in named:
+        yield from ((kind, base) for base in bases_of(scenario, kind, name or ""))

@@ -1,0 +1,143 @@
+"""Outputs: all of a command or none, never over what it reads; streams that are closed or full."""
+
+import json
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from armour.errors import InputError, Problem
+from armour.reporting import plots
+from armour.validation import figures
+from tests.helpers.cases import SCENARIOS
+
+WILKINS, SHOTS = SCENARIOS / "wilkins.toml", SCENARIOS / "tests" / "shots.csv"
+LIBRARY = '[ceramic."AD85, own"]\nbased_on = "AD85"\n'
+OWN = WILKINS.read_text().replace('"AD85"', '"AD85, own"') + '\n[library]\nfiles = ["lib.toml"]\n'
+SUITE = '[[case]]\nname = "a"\nscenario = "own.toml"\nquantity = "outcome"\nexpected = "perforated"\n'
+
+
+@pytest.fixture
+def own(folder: Path) -> Path:
+    """A folder with a scenario that names a library file, and a suite of it."""
+    for name, text in (("lib.toml", LIBRARY), ("own.toml", OWN), ("suite.toml", SUITE)):
+        (folder / name).write_text(text)
+    return folder
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_no_file_is_written_where_one_cannot_be_drawn(cli, own: Path, monkeypatch: pytest.MonkeyPatch):
+    def fails(*_: object) -> bytes:
+        raise InputError([Problem("p.svg", "", "cannot be drawn")])
+
+    monkeypatch.setattr(plots, "rendered", fails)
+    before = contents(own)
+    result = cli("simulate", "own.toml", "--history", "h.csv", "--plot", "p.svg")
+    assert (result.exit_code, result.stderr) == (2, "p.svg: cannot be drawn\n")
+    assert "perforated" in result.stdout
+    assert contents(own) == before
+
+
+def test_no_file_stays_where_one_cannot_be_written(cli, own: Path, monkeypatch: pytest.MonkeyPatch):
+    (own / "h.csv").write_text("old")
+    before, replace = contents(own), os.replace
+
+    def fails_at_the_second(temporary: Path, target: Path) -> None:
+        if target.name == "p.svg":
+            raise OSError(28, "No space left on device")
+        replace(temporary, target)
+
+    monkeypatch.setattr(os, "replace", fails_at_the_second)
+    result = cli("simulate", "own.toml", "--history", "h.csv", "--plot", "p.svg")
+    assert (result.exit_code, result.stderr) == (2, "p.svg: cannot be written: no space left on device\n")
+    assert "perforated" in result.stdout
+    assert contents(own) == before
+
+
+@pytest.mark.parametrize(
+    ("command", "read"),
+    [
+        ("calibrate {tests} own.toml --write lib.toml", "lib.toml"),
+        ("validate suite.toml --markdown own.toml", "own.toml"),
+        ("validate suite.toml --junit lib.toml", "lib.toml"),
+        ("validate suite.toml --update --markdown own.toml", "own.toml"),
+        ("simulate own.toml --history lib.toml", "lib.toml"),
+        ("v50 {shots} own.toml --plot link.svg", "link.svg"),
+    ],
+)
+def test_nothing_that_is_read_is_written_over(cli, own: Path, command: str, read: str):
+    (own / "link.svg").symlink_to("lib.toml")
+    before = contents(own)
+    words = shlex.split(command.format(tests=SCENARIOS / "tests" / "wilkins.csv", shots=SHOTS))
+    assert cli.fails(2, *words) == [f"{read}: must not be the file that is read; choose another name"]
+    assert contents(own) == before
+
+
+def test_an_update_keeps_the_mode_of_the_suite(cli, own: Path):
+    (own / "suite.toml").write_text(SUITE.replace("perforated", "defeated"))
+    (own / "suite.toml").chmod(0o600)
+    assert cli("validate", "suite.toml", "--update").exit_code == 0
+    assert (own / "suite.toml").read_text() == SUITE
+    assert (own / "suite.toml").stat().st_mode & 0o777 == 0o600
+
+
+def test_figures_that_fail_leave_no_folder(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
+    def fails(*_: object) -> None:
+        raise InputError([Problem("fig09", "", "fails")])
+
+    monkeypatch.setattr(figures, "compute_figure", fails)
+    assert cli.fails(2, "figures", "new/figs", "--only", "fig09") == ["fig09: fails"]
+    assert not list(folder.iterdir())
+
+
+def test_a_long_list_of_mistakes_is_cut(cli, folder: Path):
+    (folder / "a.toml").write_text(WILKINS.read_text() + "".join(f"[x{number}]\n" for number in range(332)))
+    lines = cli.fails(2, "simulate", "a.toml")
+    assert (len(lines), lines[-1]) == (21, "and 312 more problems")
+
+
+def shell(command: str, folder: Path) -> tuple[int, str]:
+    """Exit code and messages of a command line after the program's name, with redirections."""
+    line = f"{shlex.quote(sys.executable)} -m armour {command.format(wilkins=WILKINS)}"
+    done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, check=False, cwd=folder)
+    return done.returncode, done.stderr
+
+
+def test_an_answer_that_cannot_be_shown_leaves_no_file(folder: Path):
+    code, messages = shell("simulate {wilkins} --history h.csv > /dev/full", folder)
+    assert (code, messages) == (2, "standard output: cannot be written: no space left on device\n")
+    assert not list(folder.iterdir())
+
+
+@pytest.mark.parametrize("option", ["--help", "--version"])
+def test_help_that_cannot_be_shown(option: str, folder: Path):
+    code, messages = shell(f"{option} > /dev/full", folder)
+    assert (code, messages.count("\n")) == (2, 1)
+    assert "no space left on device" in messages
+
+
+def test_closed_streams(folder: Path):
+    assert shell("simulate {wilkins} --history h.csv >&- 2>&-", folder) == (0, "")
+    assert (folder / "h.csv").read_text().startswith("time_us,")
+    assert shell("simulate nothing.toml 2>&-", folder) == (2, "")
+    code, messages = shell("simulate - <&-", folder)
+    assert (code, messages.splitlines()[0]) == (2, "standard input: impact: is missing and must be given")
+
+
+def test_a_file_name_that_is_no_text(cli, folder: Path):
+    name = os.fsdecode(b"w\xff.toml")
+    (folder / name).write_text("x = 1\n" + WILKINS.read_text())
+    assert cli.fails(2, "simulate", name) == ["w\\udcff.toml: x: unknown key (line 1)"]
+    (folder / name).write_text(WILKINS.read_text())
+    assert cli("report", name, "-o", "r.md").exit_code == 0
+    assert "w\\udcff.toml" in (folder / "r.md").read_text()
+    (folder / "suite.toml").write_text(SUITE.replace("own", "wilkins"))
+    (folder / "suite.toml").rename(folder / name.replace("w", "s"))
+    (folder / "wilkins.toml").write_text(WILKINS.read_text())
+    assert json.loads(cli("validate", name.replace("w", "s"), "--json").stdout)["suite"] == name.replace("w", "s")

@@ -1,0 +1,89 @@
+"""Keys that vary from row to row, and whether they count."""
+
+from typing import Any
+
+import pytest
+
+from armour.errors import InputError
+from armour.scenario.reach import check_known, check_reach, unused_entries
+from tests.helpers.cases import catalogue, scenario
+
+OWN = {
+    "ceramic": {
+        "mine": {"based_on": "base", "flow_stress_GPa": 5.0},
+        "base": {"based_on": "AD85", "density_kg_m3": 1e4},
+    },
+    "metal": {"6061-T6": {"based_on": "6061-T6", "shear_strength_MPa": 240.0}},
+}
+
+
+def refused(keys: list[str], *sections: str, closed_forms: bool = False, **changes: Any) -> list[str]:
+    case = scenario(**{"ceramic": "mine", "library": OWN} | changes)
+    try:
+        check_reach(case, keys, sections, "f", closed_forms=closed_forms)
+    except InputError as error:
+        return [problem.key for problem in error.problems]
+    return []
+
+
+@pytest.mark.parametrize(
+    ("key", "counts"),
+    [
+        ("impact.velocity_m_s", True),
+        ("solver.arrest_velocity_m_s", True),
+        ("optimise.ceramic_thickness_mm.min", False),
+        ("uncertainty.samples", False),
+        ("library.ceramic.mine.flow_stress_GPa", True),
+        ("library.ceramic.mine.flow_stress_GPa.value", True),
+        ("library.ceramic.base.density_kg_m3", True),
+        ("library.ceramic.base.flow_stress_GPa", False),
+        ("library.ceramic.AD99.5.flow_stress_GPa", False),
+        ("library.metal.6061-T6.shear_strength_MPa", True),
+        ("library.metal.6061-T6.strain_to_fracture", False),
+        ("library.projectile.7.density_kg_m3", False),
+        ("ceramic.flow_stress_GPa", True),
+    ],
+)
+def test_a_key_counts_or_is_refused(key: str, counts: bool):
+    assert refused([key]) == ([] if counts else [key])
+
+
+def test_what_the_question_reads():
+    assert refused(["optimise.ceramic_thickness_mm.min"], "optimise") == []
+    strain = "library.metal.6061-T6.strain_to_fracture"
+    assert refused([strain], closed_forms=True) == []
+
+
+def test_a_ceramic_that_is_not_there():
+    key = "ceramic.flow_stress_GPa"
+    assert refused([key], ceramic_mm=0.0) == [key]
+    assert refused([key, "armour.ceramic_thickness_mm"], ceramic_mm=0.0) == []
+    assert refused([key], "optimise", ceramic_mm=0.0) == []
+
+
+def test_an_input_and_the_key_that_sets_it():
+    both = ["ceramic.flow_stress_GPa", "library.ceramic.mine.flow_stress_GPa"]
+    assert refused(both) == both[1:]
+    assert refused(["backing.dynamic_yield_strength_MPa", "backing.flow_stress_GPa"]) == []
+
+
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [
+        ("armour.ceramic.density_kg_m3", 'must not go below armour.ceramic, .*did you mean "ceramic.density_kg_m3"'),
+        ("cermic.density_kg_m3", 'did you mean "ceramic.density_kg_m3"'),
+        ("speed", "choose from impact.velocity_m_s, "),
+    ],
+)
+def test_a_key_that_is_not_known(key: str, message: str):
+    with pytest.raises(InputError, match=message):
+        check_known(scenario(), [key], "f")
+
+
+def test_entries_that_no_scenario_uses():
+    case = catalogue()
+    used = {"library.ceramic": {name: {"based_on": name} for name in ("AD85", "AD99.5")}, "impact.velocity_m_s": 3.0}
+    assert unused_entries(used, case) == []
+    unused = {"library": {"ceramic": {"AD86": {"based_on": "AD85"}}}}
+    assert unused_entries(unused, case) == [("library.ceramic.AD86", '; did you mean "AD85"?')]
+    assert unused_entries(unused, scenario(ceramic="AD86", library=unused["library"])) == []
