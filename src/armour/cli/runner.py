@@ -3,6 +3,7 @@
 Files are written before anything is printed, so that a reader that closes the pipe loses none.
 """
 
+import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
@@ -46,14 +47,14 @@ def check_outputs(
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
     fresh = [path for path in (*writes, plot) if path is not None]
     paths = fresh if updated is None else [*fresh, updated]
-    sources = [path for path in reads if path is not None and path.exists()]
+    sources = [_status(path) for path in reads if path is not None and (str(path) == "-" or path.exists())]
     for path in paths:
         try:
             check_writable(path)
         except InputError as error:
             problems += error.problems
             continue
-        if path is not updated and path.exists() and any(path.samefile(source) for source in sources):
+        if path is not updated and path.exists() and any(os.path.samestat(path.stat(), source) for source in sources):
             problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
     if not problems:
         resolved = [path.resolve() for path in paths]
@@ -64,15 +65,23 @@ def check_outputs(
     reserve(fresh)
 
 
+def _status(path: Path) -> os.stat_result:
+    """Return the status of a file that is read; "-" is standard input, which may be a file too."""
+    return os.fstat(0) if str(path) == "-" else path.stat()
+
+
 def read_scenario(
     path: Path,
     assignments: Sequence[str] | None,
     more: Mapping[str, tuple[str, float | None]] | None = None,
+    *,
+    designs: bool = False,
 ) -> "Scenario":
     """Read the scenario of a file, or of standard input where it is "-".
 
     ``assignments`` are those of ``--set``; ``more`` are the keys and values of other options, None where one is not
-    given.  A wrong value of an option is a problem of the command line, whatever the file holds.
+    given.  A wrong value of an option is a problem of the command line, whatever the file holds.  ``designs`` are searched
+    for against the threats of the scenario, which replace its impact.
     """
     from armour.scenario.assignments import changed, changes_of
     from armour.scenario.loading import parse_scenario
@@ -97,6 +106,9 @@ def read_scenario(
         except InputError as without:
             own = without.problems
         raise InputError([p if p in own else _blamed(p, options, file) for p in error.problems]) from None
+    if designs and loaded.threat and (lost := [key for key in changes if _below(key, "impact")]):
+        message = "must not be changed where the scenario has [[threat]], which designs are searched for against"
+        raise InputError([Problem("command line", f"--set {key}", message) for key in lost])
     if unused := unused_entries(changes, loaded):
         raise InputError([Problem("command line", f"--set {key}", NOT_USED + hint) for key, hint in unused])
     return loaded
