@@ -80,8 +80,8 @@ def read_scenario(
     """Read the scenario of a file, or of standard input where it is "-".
 
     ``assignments`` are those of ``--set``; ``more`` are the keys and values of other options, None where one is not
-    given.  A wrong value of an option is a problem of the command line, whatever the file holds.  ``designs`` are searched
-    for against the threats of the scenario, which replace its impact.
+    given.  A wrong value of an option is a problem of the command line, whatever the file holds.  ``designs`` are
+    searched for against the threats of the scenario, which replace its impact.
     """
     from armour.scenario.assignments import changed, changes_of
     from armour.scenario.loading import parse_scenario
