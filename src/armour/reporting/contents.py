@@ -90,5 +90,6 @@ def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[str, ...]:
         f"uncertainty.{name}: is about a value of its own, not the design's {found[name]:g}; "
         "no probability of perforation is given"
         for name, distribution in scenario.uncertainty.inputs().items()
-        if distribution.placed and name in found and own.get(name) != found[name]
+        if name in found
+        and ((distribution.placed and own.get(name) != found[name]) or not distribution.contains(found[name]))
     )
