@@ -39,7 +39,7 @@ def calibrate(
     from armour.statistics.flow_stress_laws import FLOW_STRESS
     from armour.statistics.test_data import read_tests
 
-    check_outputs(library, plot=plot, reads=[tests, scenario])
+    check_outputs(library, plot=plot)
     loaded = read_scenario(scenario, changes)
     read = read_tests(tests, loaded)
     say_if_compiling()

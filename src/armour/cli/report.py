@@ -29,7 +29,7 @@ def report(
 
     One self-contained file with the answer, its uncertainty, charts (in HTML) and the sources of all values.
     """
-    check_outputs(output, reads=[source])
+    check_outputs(output)
     if problems := wrong_ending(output, (".html", ".md")):
         raise InputError(problems)
     options = [word for change in changes or () for word in ("--set", change)]

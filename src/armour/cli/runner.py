@@ -15,7 +15,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from armour.cli.console import say, show, show_json
 from armour.errors import ArmourError, InputError, NoAnswerError, Problem
-from armour.files import check_writable, decoded, parse_toml, read_text, reserve, written, wrong_ending
+from armour.files import decoded, parse_toml, read_text, reserve, unwritable, written, wrong_ending
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -33,28 +33,15 @@ PLOT_ENDINGS = (".png", ".svg", ".pdf")
 MAX_PROBLEMS = 20
 
 
-def check_outputs(
-    *writes: Path | None,
-    plot: Path | None = None,
-    reads: Sequence[Path | None] = (),
-    updated: Path | None = None,
-) -> None:
-    """Check that all outputs can be written, and that none is another one or a file that is read.
+def check_outputs(*writes: Path | None, plot: Path | None = None, updated: Path | None = None) -> None:
+    """Check that all outputs can be written, and that none is another one.
 
-    ``reads`` are known to be read; an output that is found to be read later is refused then, but for the updated one.
+    An output that is found to be read later is refused then, but for the updated one.
     """
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
     fresh = [path for path in (*writes, plot) if path is not None]
     paths = fresh if updated is None else [*fresh, updated]
-    sources = [path for path in reads if path is not None and path.exists()]
-    for path in paths:
-        try:
-            check_writable(path)
-        except InputError as error:
-            problems += error.problems
-            continue
-        if path is not updated and path.exists() and any(path.samefile(source) for source in sources):
-            problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
+    problems += (problem for path in paths for problem in unwritable(path))
     if not problems:
         resolved = [path.resolve() for path in paths]
         twice = dict.fromkeys(str(path) for path in resolved if resolved.count(path) > 1)
@@ -76,7 +63,7 @@ def read_scenario(
     """
     from armour.scenario.assignments import changed, changes_of
     from armour.scenario.loading import parse_scenario
-    from armour.scenario.reach import NOT_USED, unused_entries
+    from armour.scenario.reach import check_used
 
     changes = changes_of(assignments or ())
     options = {key: f"--set {key}" for key in changes}
@@ -97,8 +84,7 @@ def read_scenario(
         except InputError as without:
             own = without.problems
         raise InputError([p if p in own else _blamed(p, options, file) for p in error.problems]) from None
-    if unused := unused_entries(changes, loaded):
-        raise InputError([Problem("command line", f"--set {key}", NOT_USED + hint) for key, hint in unused])
+    check_used(changes, loaded)
     return loaded
 
 
@@ -139,18 +125,15 @@ def respond(
         return None if plot is None or chart is None else plots.rendered(chart(charts), plot.suffix.lower())
 
     contents: dict[Path, bytes] = {}
-    failed: list[ArmourError] = []
-    for path, content in [*files, (plot, drawn)]:
-        try:
-            if path is not None and (made := content()) is not None:
-                contents[path] = _encoded(made)
-        except ArmourError as error:
-            failed.append(error)
+    failed: ArmourError | None = None
     with ExitStack() as stack:
         try:
-            stack.enter_context(written({} if failed else contents))
-        except InputError as error:
-            failed.append(error)
+            for path, content in [*files, (plot, drawn)]:
+                if path is not None and (made := content()) is not None:
+                    contents[path] = _encoded(made)
+            stack.enter_context(written(contents))
+        except ArmourError as error:
+            failed = error
         # The answer is shown even if a file cannot be made or written; if it cannot be shown, no file stays.
         if as_json:
             show_json(data)
@@ -158,11 +141,7 @@ def respond(
             show(*tables, title=title)
     say(*(f"wrote {path}" for path in contents if not failed), *warnings)
     if failed:
-        raise failed[0] if len(failed) == 1 else InputError([problem for error in failed for problem in _told(error)])
-
-
-def _told(error: ArmourError) -> Sequence[Problem]:
-    return error.problems if isinstance(error, InputError) else [Problem("", "", str(error))]
+        raise failed
 
 
 def write(contents: Mapping[Path, str | bytes]) -> None:

@@ -21,7 +21,7 @@ def simulate(
     from armour.reporting.table import csv_text
     from armour.reporting.tables.impact import history_table, impact_tables
 
-    check_outputs(history, plot=plot, reads=[scenario])
+    check_outputs(history, plot=plot)
     loaded = read_scenario(scenario, changes, {"--velocity": ("impact.velocity_m_s", velocity)})
     result = impact.simulate(loaded, history=history is not None or plot is not None)
     respond(
@@ -43,7 +43,7 @@ def ballistic_limit(
     from armour.analysis import ballistic_limit as analysis
     from armour.reporting.tables.impact import limit_tables
 
-    check_outputs(plot=plot, reads=[scenario])
+    check_outputs(plot=plot)
     loaded = read_scenario(scenario, changes)
     with progress("impacts", first="searching"):
         result = analysis.ballistic_limit(loaded)
@@ -67,7 +67,7 @@ def compare(scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = No
     from armour.analysis import comparison
     from armour.reporting.tables.comparison import comparison_tables
 
-    check_outputs(plot=plot, reads=[scenario])
+    check_outputs(plot=plot)
     loaded = read_scenario(scenario, changes)
     with progress("impacts", first="searching"):
         result = comparison.compare(loaded)
@@ -101,7 +101,7 @@ def optimise(
     from armour.reporting.table import csv_text
     from armour.reporting.tables.design import design_tables, frontier_table, pareto_table, required_margins
 
-    check_outputs(csv, plot=plot, reads=[scenario])
+    check_outputs(csv, plot=plot)
     loaded = read_scenario(scenario, changes)
     say_if_compiling()
     with progress("impacts") as count:
@@ -131,7 +131,7 @@ def sensitivity(
     from armour.reporting.tables.statistics import sensitivity_tables
     from armour.statistics import sensitivity as statistics
 
-    check_outputs(plot=plot, reads=[scenario])
+    check_outputs(plot=plot)
     loaded = read_scenario(scenario, changes)
     say_if_compiling()
     with progress("designs") as count:
@@ -157,7 +157,7 @@ def uncertainty(
     from armour.reporting.tables.statistics import uncertainty_tables
     from armour.statistics import uncertainty as statistics
 
-    check_outputs(plot=plot, reads=[scenario])
+    check_outputs(plot=plot)
     loaded = read_scenario(scenario, changes, {"--samples": ("uncertainty.samples", samples)})
     say_if_compiling()
     with progress("samples") as count:

@@ -49,7 +49,7 @@ def sweep(
     from armour.sweeps.dask import connected, on_cluster
     from armour.sweeps.tables import read_table
 
-    check_outputs(output, plot=plot, reads=[scenario, cases])
+    check_outputs(output, plot=plot)
     loaded = read_scenario(scenario, changes)
     source = _source(over or [], cases)
     names = [name.strip() for name in quantities.split(",")]

@@ -34,7 +34,7 @@ def v50(
 
     if changes and scenario is None:
         raise InputError([Problem("v50", "--set", "changes a scenario, which is not given")])
-    check_outputs(plot=plot, reads=[shots, scenario])
+    check_outputs(plot=plot)
     read = statistics.read_shots(shots)
     loaded = None if scenario is None else read_scenario(scenario, changes)
     with progress("fits", first="fitting"):

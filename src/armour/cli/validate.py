@@ -43,7 +43,7 @@ def validate(
     if update:
         _check_update(suite, changes)
     updated = suite if update else None
-    check_outputs(markdown, junit, reads=[suite], updated=updated)
+    check_outputs(markdown, junit, updated=updated)
     chosen = load_suite(suite or paper_suite(), changes_of(changes or ())).only(only)
     say_if_compiling()
     result = _computed(chosen, quiet=as_json)

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 # Sections that every computation reads.
 READ = ("impact", "armour", "model", "solver")
-NOT_USED = "must be an entry of the library that the scenario uses"
 
 
 def check_known(scenario: "Scenario", keys: Iterable[str], file: str) -> None:
@@ -85,16 +84,21 @@ def _bare(scenario: "Scenario", keys: Sequence[str], sections: Collection[str]) 
     return scenario.armour.ceramic_thickness_mm == 0.0 and CERAMIC not in keys and "optimise" not in sections
 
 
-def unused_entries(changes: Mapping[str, object], *scenarios: "Scenario") -> list[tuple[str, str]]:
-    """Return the entries of the library that changes set and no scenario uses: their keys, and a hint at those used."""
+def check_used(
+    changes: Mapping[str, object], *scenarios: "Scenario", file: str = "command line", option: str = "--set "
+) -> None:
+    """Check that the scenarios use every entry of the library that changes, in a file or by an option, set."""
     used = {entry for scenario in scenarios for entry in _entries_of(scenario)}
-    found = {}
+    problems = {}
     for key, value in changes.items():
         for leaf, _ in leaves(value, parts_of(key)):
             if leaf[0] == "library" and len(leaf) > 2 and leaf[1:3] not in used:
-                names = [name for kind, name in used if kind == leaf[1]]
-                found[key_name(leaf[:3])] = choices(leaf[2], sorted(names)) if names else ""
-    return list(found.items())
+                names = sorted(name for kind, name in used if kind == leaf[1])
+                hint = choices(leaf[2], names) if names else ""
+                message = f"must be an entry of the library that the scenario uses{hint}"
+                problems[leaf[:3]] = Problem(file, option + key_name(leaf[:3]), message)
+    if problems:
+        raise InputError(list(problems.values()))
 
 
 def _entries_of(scenario: "Scenario") -> Iterator[tuple[str, str]]:

@@ -15,7 +15,7 @@ from armour.files import read_toml
 from armour.scenario.assignments import canonical, changed, leaves, parts_of
 from armour.scenario.loading import Scenario, parse_scenario
 from armour.scenario.messages import Section, SectionT, describe, key_name, validated
-from armour.scenario.reach import NOT_USED, check_reach, unused_entries
+from armour.scenario.reach import check_reach, check_used
 from armour.units import words_and_unit
 from armour.validation.questions import QUESTIONS, check_answerable
 
@@ -248,12 +248,9 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     problems = list(wrong.values())[:MAX_PROBLEMS]
     if len(wrong) > MAX_PROBLEMS:
         problems.append(Problem(str(path), "", "must be right up to here; what follows is not checked"))
-    if not problems:
-        scenarios = [found for case in cases for found in (case.scenario, case.replacement) if found is not None]
-        unused = unused_entries(changes, *scenarios)
-        problems = [Problem("command line", f"--set {key}", NOT_USED + hint) for key, hint in unused]
     if problems:
         raise InputError(problems)
+    check_used(changes, *(found for case in cases for found in (case.scenario, case.replacement) if found is not None))
     return Suite(suite.title, path, tuple(cases), tuple(suite.table))
 
 
@@ -328,8 +325,7 @@ def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) 
         counting = [leaf[0] not in ("title", "library") for leaf in given] + [True] * len(row.inputs)
         keys = compress(canonical([*map(key_name, given), *row.inputs], file), counting)
         check_reach(scenario, list(keys), quantity.sections, file, closed_forms=bool(row.rivals))
-        if unused := unused_entries(changes, scenario, *([replacement] if replacement else [])):
-            raise InputError([Problem(file, key, NOT_USED + hint) for key, hint in unused])
+        check_used(changes, scenario, *([replacement] if replacement else []), file=file, option="")
 
 
 def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenario:
