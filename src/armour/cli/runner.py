@@ -90,16 +90,13 @@ def read_scenario(
 
 def _blamed(problem: Problem, options: Mapping[str, str], file: str) -> Problem:
     """Return a problem that the file alone does not have with the option that sets its key, or one below it."""
+    from armour.scenario.toml_lines import upwards
+
     for key, option in sorted(options.items(), reverse=True):
-        if problem.file == file and (_below(problem.key, key) or _below(key, problem.key)):
+        if problem.file == file and (key in upwards(problem.key) or problem.key in upwards(key)):
             where = f"--set {problem.key}" if option.startswith("--set") else option
             return Problem("command line", where, problem.message)
     return problem
-
-
-def _below(key: str, other: str) -> bool:
-    """Return whether a key is another one, or stands below it."""
-    return key == other or (key.startswith(other) and key[len(other)] in ".[")
 
 
 def respond(

@@ -71,9 +71,25 @@ def sweep(
         _check_rows(scenario, source)
         size = store.begin(size)
         count = -(-source.count // size)
+        pending: dict[int, Mapping[str, Floats]] = {}
+
+        def missing_chunks() -> Chunks:
+            for index, values in enumerate(source.chunks(size)):
+                try:
+                    if store.has(index, values):
+                        on_chunk(len(values[source.keys[0]]), True)
+                        continue
+                except DamagedError as error:
+                    tell(f"{error}: damaged, computed anew")
+                pending[index] = values
+                yield index, groups_of(scenario, values)
+
         try:
             for _ in range(PASSES):
-                _compute_missing(store, size, scenario, source, quantities, compute, on_chunk, tell)
+                for index, results in compute.run(missing_chunks(), quantities):
+                    values = pending.pop(index)
+                    store.save(index, values, results)
+                    on_chunk(len(values[source.keys[0]]), False)
                 with suppress(DamagedError):
                     return store.finish(count, source.count)
                 on_chunk = _uncounted  # each was, in the first pass
@@ -81,36 +97,6 @@ def sweep(
             raise KeyboardInterrupt(f"{store.chunks():,} of {count:,} chunks are done; {RESUME}") from None
     message = f"are damaged each time that they are written; check the disk, then {RESUME}"
     raise InputError([Problem(f"chunks of {output}", "", message)])
-
-
-def _compute_missing(
-    store: Store,
-    size: int,
-    scenario: Scenario,
-    source: Grid | Cases,
-    quantities: Sequence[str],
-    compute: Compute,
-    on_chunk: OnChunk,
-    tell: Callable[[str], None],
-) -> None:
-    """Compute the chunks that are not on disk, or are there but damaged, and write them."""
-    pending: dict[int, Mapping[str, Floats]] = {}
-
-    def missing_chunks() -> Chunks:
-        for index, values in enumerate(source.chunks(size)):
-            try:
-                if store.has(index, values):
-                    on_chunk(len(values[source.keys[0]]), True)
-                    continue
-            except DamagedError as error:
-                tell(f"{error}: damaged, computed anew")
-            pending[index] = values
-            yield index, groups_of(scenario, values)
-
-    for index, results in compute.run(missing_chunks(), quantities):
-        values = pending.pop(index)
-        store.save(index, values, results)
-        on_chunk(len(values[source.keys[0]]), False)
 
 
 def _check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
