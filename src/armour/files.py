@@ -13,7 +13,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from armour.errors import ArmourError, InputError, Problem
+from armour.errors import ArmourError, InputError, Problem, refuse
 
 # Longer than any scenario or library; a device such as /dev/zero has no end.
 MAX_BYTES = 10_000_000
@@ -175,8 +175,7 @@ def written(contents: Mapping[Path, bytes]) -> Iterator[None]:
                     # A reader that goes away wants no more.
                     with suppress(BrokenPipeError):
                         path.write_bytes(contents[path])
-        if problems:
-            raise InputError(problems)
+        refuse(problems)
         yield
         undo.pop_all()
 

@@ -13,7 +13,7 @@ import numpy as np
 from armour.analysis.answers import COLUMNS, Answers
 from armour.analysis.quantities import QUANTITIES
 from armour.analysis.variants import Floats, Ints, Variants, grid_of, variants_of
-from armour.errors import InputError, Problem, choices
+from armour.errors import InputError, Problem, choices, refuse
 from armour.scenario.assignments import canonical
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import INPUTS, Place, check_rows, in_row
@@ -50,8 +50,7 @@ def check_quantities(scenario: Scenario, quantities: Sequence[str], file: str, k
             grid_of(scenario)
         except InputError as error:
             problems += error.problems
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
 
 
 def _checked(columns: Mapping[str, Floats]) -> dict[str, Floats]:
@@ -66,8 +65,7 @@ def _checked(columns: Mapping[str, Floats]) -> dict[str, Floats]:
     if len(set(counts.values())) > 1:
         listed = ", ".join(f"{key} {count}" for key, count in counts.items())
         problems.append(Problem("evaluate", "columns", f"must be of equal lengths, found {listed}"))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
     return {key: values.astype(np.float64) for key, values in found.items()}
 
 

@@ -9,7 +9,7 @@ import typer
 from armour.cli.console import progress
 from armour.cli.options import Changes, argument
 from armour.cli.runner import check_outputs, read_scenario, say_if_compiling, write
-from armour.errors import InputError
+from armour.errors import refuse
 from armour.files import read_toml, wrong_ending
 
 if TYPE_CHECKING:
@@ -30,8 +30,7 @@ def report(
     One self-contained file with the answer, its uncertainty, charts (in HTML) and the sources of all values.
     """
     check_outputs(output)
-    if problems := wrong_ending(output, (".html", ".md")):
-        raise InputError(problems)
+    refuse(wrong_ending(output, (".html", ".md")))
     options = [word for change in changes or () for word in ("--set", change)]
     command = shlex.join(["armour", "report", str(source), "--output", str(output), *options])
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()

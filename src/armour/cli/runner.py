@@ -14,7 +14,7 @@ from typer import Exit
 from typer.core import TyperCommand, TyperGroup
 
 from armour.cli.console import say, show, show_json
-from armour.errors import ArmourError, InputError, NoAnswerError, Problem
+from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, refuse
 from armour.files import decoded, parse_toml, read_text, reserve, unwritable, written, wrong_ending
 
 if TYPE_CHECKING:
@@ -29,8 +29,6 @@ INTERRUPTED = 130
 STANDARD_INPUT = "standard input"
 COMPILING = "compiling the numerical code, which takes about ten seconds"
 PLOT_ENDINGS = (".png", ".svg", ".pdf")
-# Mistakes that are shown; a script may make thousands.
-MAX_PROBLEMS = 20
 
 
 def check_outputs(*writes: Path | None, plot: Path | None = None, updated: Path | None = None) -> None:
@@ -46,8 +44,7 @@ def check_outputs(*writes: Path | None, plot: Path | None = None, updated: Path 
         resolved = [path.resolve() for path in paths]
         twice = dict.fromkeys(str(path) for path in resolved if resolved.count(path) > 1)
         problems += (Problem(path, "", "must not be written twice; choose another name") for path in twice)
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
     reserve(fresh)
 
 

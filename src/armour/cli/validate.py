@@ -9,7 +9,7 @@ import typer
 from armour.cli.console import progress, say, show
 from armour.cli.options import AsJson, argument, option
 from armour.cli.runner import CHECK_FAILED, check_outputs, respond, say_if_compiling
-from armour.errors import InputError, Problem
+from armour.errors import Problem, refuse
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -70,8 +70,7 @@ def _check_update(suite: Path | None, changes: Sequence[str] | None) -> None:
     if changes:
         message = "must not be given with --set: the suite would not hold without"
         problems.append(Problem("validate", "--update", message))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
 
 
 def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":

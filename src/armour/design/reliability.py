@@ -6,7 +6,7 @@ from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
 from armour.analysis.uncertain_inputs import sampled, section_of
 from armour.analysis.variants import OnProgress, ignore_progress, perforated
 from armour.design.catalogue import Candidates, Catalogue
-from armour.errors import InputError, Problem
+from armour.errors import Problem, refuse
 from armour.scenario.distributions import MAX_SAMPLES, Uncertainty
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of
@@ -79,5 +79,4 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
         message = f"must be at least {needed} to show a probability of perforation of {bound:g}"
         more = f" (at most {MAX_SAMPLES} are allowed: raise the bound)" if needed > MAX_SAMPLES else ""
         problems.append(Problem(file, "uncertainty.samples", f"{message}{more}, found {section.samples}"))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Generic, Literal, NamedTuple, TypeVar
 import tomli_w
 from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
-from armour.errors import InputError, Problem, suggestion
+from armour.errors import Problem, refuse, suggestion
 from armour.files import read_toml, shipped
 from armour.scenario.messages import NOT_TINY, NUMBER, NumberOrText, Section, key_name, validated
 from armour.units import GPA, MM, MPA, G
@@ -222,8 +222,7 @@ class Library:
                 for key, message in resolved.found:
                     where = key_name([part for part in (prefix, kind, resolved.name, key) if part])
                     problems[where] = Problem(file, where, message)
-        if problems:
-            raise InputError(list(problems.values()))
+        refuse(problems.values())
         return Library(entries)
 
 

@@ -7,7 +7,7 @@ where the computation reads it, and one of the library where the impact or the a
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from armour.errors import InputError, Problem, choices, suggestion
+from armour.errors import Problem, choices, refuse, suggestion
 from armour.scenario.assignments import leaves, parts_of
 from armour.scenario.library import OPTIONAL, Kind
 from armour.scenario.messages import key_name
@@ -36,8 +36,7 @@ def check_known(scenario: "Scenario", keys: Iterable[str], file: str) -> None:
         elif role and len(rest) > 1:
             found = f'which is a name, found "{key}"{suggestion(f"{role}.{rest[1]}", known)}'
             problems.append(Problem(file, key, f"must not go below {NAMES[role]}, {found}"))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
 
 
 def check_reach(
@@ -60,8 +59,7 @@ def check_reach(
             problems.append(Problem(file, key, f"must not be given where {CERAMIC} is 0"))
         elif name and given.setdefault(name, key) != key:
             problems.append(Problem(file, key, f"must not be given with {given[name]}, which sets the same"))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
 
 
 def _input_of(scenario: "Scenario", parts: Sequence[str]) -> str:
@@ -97,8 +95,7 @@ def check_used(
                 hint = choices(leaf[2], names) if names else ""
                 message = f"must be an entry of the library that the scenario uses{hint}"
                 problems[leaf[:3]] = Problem(file, option + key_name(leaf[:3]), message)
-    if problems:
-        raise InputError(list(problems.values()))
+    refuse(problems.values())
 
 
 def _entries_of(scenario: "Scenario") -> Iterator[tuple[str, str]]:

@@ -20,7 +20,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from armour.errors import InputError, Problem
+from armour.errors import InputError, Problem, refuse
 from armour.files import reason, sync_folder, unwritable, wrong_ending
 from armour.sweeps.job import Job, differences
 from armour.sweeps.lock import holds, locked, unlock
@@ -57,8 +57,7 @@ class Store:
         self.finished: int | None = None
 
     def __enter__(self) -> "Store":
-        if problems := wrong_ending(self.output, (".csv", ".parquet")) or unwritable(self.output):
-            raise InputError(problems)
+        refuse(wrong_ending(self.output, (".csv", ".parquet")) or unwritable(self.output))
         with self._disk():
             lock = locked(self.folder)
             if lock is None:

@@ -10,7 +10,7 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
-from armour.errors import InputError, Problem, suggestion
+from armour.errors import MAX_PROBLEMS, InputError, Problem, refuse, suggestion
 from armour.files import read_toml
 from armour.scenario.assignments import canonical, changed, leaves, parts_of
 from armour.scenario.loading import Scenario, parse_scenario
@@ -21,8 +21,6 @@ from armour.validation.questions import QUESTIONS, check_answerable
 
 # Column of a table that holds the expected values.
 EXPECTED = "expected"
-# Mistakes after which a suite is not read further: a script may make thousands of rows.
-MAX_PROBLEMS = 20
 # Questions about the replacement of one material by another.
 SAVINGS = tuple(name for name, question in QUESTIONS.items() if question.of_two)
 
@@ -248,8 +246,7 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     problems = list(wrong.values())[:MAX_PROBLEMS]
     if len(wrong) > MAX_PROBLEMS:
         problems.append(Problem(str(path), "", "must be right up to here; what follows is not checked"))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
     check_used(changes, *(found for case in cases for found in (case.scenario, case.replacement) if found is not None))
     return Suite(suite.title, path, tuple(cases), tuple(suite.table))
 
