@@ -131,7 +131,7 @@ def check_rows(scenario: "Scenario", columns: Mapping[str, "Floats"], place: Pla
 
 
 def wrong_rows(scenario: "Scenario", columns: Mapping[str, "Floats"]) -> Iterator[tuple[str, int, Sequence[Problem]]]:
-    """Yield the first row that breaks each condition on inputs: the name of one of them, and the row's index and problems.
+    """Yield the first row that breaks each condition on inputs: one of their names, and the row with its problems.
 
     The rows that are left are those that `with_inputs` accepts.
     """
