@@ -48,6 +48,8 @@ def check_reach(
     """
     problems = []
     given: dict[str, str] = {}
+    # No row has a ceramic, and no search varies its thickness.
+    bare = scenario.armour.ceramic_thickness_mm == 0.0 and CERAMIC not in keys and "optimise" not in sections
     for key in keys:
         section, *rest = parts_of(key)
         name = key if key in INPUTS else _input_of(scenario, rest) if section == "library" else ""
@@ -55,7 +57,7 @@ def check_reach(
             used = ", ".join(f'{role} "{name_of(scenario, role)}"' for role in ROLES if name_of(scenario, role))
             hint = f"; the scenario has the {used}" if section == "library" else ""
             problems.append(Problem(file, key, f"must have an effect on what is computed, found none{hint}"))
-        elif name.startswith("ceramic.") and _bare(scenario, keys, sections):
+        elif name.startswith("ceramic.") and bare:
             problems.append(Problem(file, key, f"must not be given where {CERAMIC} is 0"))
         elif name and given.setdefault(name, key) != key:
             problems.append(Problem(file, key, f"must not be given with {given[name]}, which sets the same"))
@@ -75,11 +77,6 @@ def _input_of(scenario: "Scenario", parts: Sequence[str]) -> str:
         if givers[:1] == [parts[1]]:
             return f"{role}.{parts[2]}"
     return ""
-
-
-def _bare(scenario: "Scenario", keys: Sequence[str], sections: Collection[str]) -> bool:
-    """Return whether no row has a ceramic, and no search varies its thickness."""
-    return scenario.armour.ceramic_thickness_mm == 0.0 and CERAMIC not in keys and "optimise" not in sections
 
 
 def check_used(

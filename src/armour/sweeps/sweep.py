@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from armour.analysis.evaluate import Group, check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
-from armour.analysis.variants import Floats
-from armour.errors import InputError, Problem, refuse
+from armour.analysis.variants import Floats, ignore_progress
+from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import BLOCK, Cases, Grid
 from armour.sweeps.checkpoint import RESUME, DamagedError, Store
@@ -33,10 +33,6 @@ class Compute(NamedTuple):
     workers: int  # that compute chunks at the same time
 
 
-def _uncounted(_rows: int, _stored: bool) -> None:
-    pass
-
-
 def sweep(
     scenario: Scenario,
     source: Grid | Cases,
@@ -45,7 +41,7 @@ def sweep(
     *,
     compute: Compute | None = None,
     size: int | None = None,
-    on_chunk: OnChunk = _uncounted,
+    on_chunk: OnChunk = ignore_progress,
     approve: Callable[[Plan], None] = lambda _plan: None,
     tell: Callable[[str], None] = lambda _line: None,
 ) -> int:
@@ -92,7 +88,7 @@ def sweep(
                     on_chunk(len(values[source.keys[0]]), False)
                 with suppress(DamagedError):
                     return store.finish(count, source.count)
-                on_chunk = _uncounted  # each was, in the first pass
+                on_chunk = ignore_progress  # each was, in the first pass
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"{store.chunks():,} of {count:,} chunks are done; {RESUME}") from None
     message = f"are damaged each time that they are written; check the disk, then {RESUME}"
@@ -101,14 +97,7 @@ def sweep(
 
 def _check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
     """Check the question, and that every key counts."""
-    problems: list[Problem] = []
-    try:
-        check_quantities(scenario, quantities, "sweep", "--quantities")
-    except InputError as error:
-        problems += error.problems
-    if len(set(source.keys)) != len(source.keys):
-        problems.append(Problem("sweep", "--over", "must not name a key twice"))
-    refuse(problems)
+    check_quantities(scenario, quantities, "sweep", "--quantities")
     first = next(source.chunks(1))
     check_keys(scenario, {key: float(values[0]) for key, values in first.items()}, quantities, "sweep")
 
