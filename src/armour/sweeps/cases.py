@@ -49,8 +49,6 @@ class Grid:
         if self.count > MAX_ROWS:
             message = f"must span at most {MAX_ROWS:,} rows, found {self.count:.3g}"
             raise InputError([Problem("sweep", "--over", message)])
-        if len(set(self.keys)) < len(self.keys):
-            raise InputError([Problem("sweep", "--over", "must not name a key twice")])
 
     @property
     def keys(self) -> tuple[str, ...]:

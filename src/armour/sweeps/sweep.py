@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from armour.analysis.evaluate import Group, check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
 from armour.analysis.variants import Floats, ignore_progress
-from armour.errors import InputError, Problem
+from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import BLOCK, Cases, Grid
 from armour.sweeps.checkpoint import RESUME, DamagedError, Store
@@ -97,7 +97,14 @@ def sweep(
 
 def _check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
     """Check the question, and that every key counts."""
-    check_quantities(scenario, quantities, "sweep", "--quantities")
+    problems: list[Problem] = []
+    try:
+        check_quantities(scenario, quantities, "sweep", "--quantities")
+    except InputError as error:
+        problems += error.problems
+    if len(set(source.keys)) != len(source.keys):
+        problems.append(Problem("sweep", "--over", "must not name a key twice"))
+    refuse(problems)
     first = next(source.chunks(1))
     check_keys(scenario, {key: float(values[0]) for key, values in first.items()}, quantities, "sweep")
 
