@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from armour.analysis.variants import Floats
 from armour.errors import InputError, Problem
-from armour.files import reason
+from armour.files import check_unreserved, reason
 from armour.scenario.assignments import parts_of
 from armour.scenario.messages import key_name
 from armour.scenario.schema import MAX_VALUES, Range
@@ -140,6 +140,7 @@ class Cases:
         try:
             if not self.path.is_file() and self.path.exists():
                 raise self._error("", "must be a file, since it is read several times")
+            check_unreserved(self.path)
             with self.path.open("rb") as file:
                 for number, line in enumerate(iter(lambda: file.readline(MAX_LINE_BYTES), b""), 1):
                     update(line)
