@@ -42,10 +42,10 @@ def reserve(outputs: Sequence[Path]) -> None:
     _outputs.set(tuple(outputs))
 
 
-def check_unreserved(path: str | PathLike[str]) -> None:
-    """Check that a file that is read is not a reserved output."""
+def check_unreserved(path: str | PathLike[str] | int) -> None:
+    """Check that a file that is read, given by its path or as an open one, is not a reserved output."""
     for output in _outputs.get():
-        if output.exists() and output.samefile(path):
+        if output.exists() and os.path.samefile(output, path):
             # No InputError, which a caller may take for a mistake in the file.
             raise ArmourError(f"{output}: must not be the file that is read; choose another name")
 

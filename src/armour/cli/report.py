@@ -49,7 +49,7 @@ def _scenario_report(source: Path, changes: list[str], command: str) -> "Report"
     from armour.reporting.contents import contents_of
     from armour.reporting.scenario_report import scenario_report
 
-    loaded = read_scenario(source, changes)
+    loaded = read_scenario(source, changes, designs=True)
     say_if_compiling()
     with progress("armours") as count:
         contents = contents_of(loaded, count)

@@ -15,7 +15,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from armour.cli.console import say, show, show_json
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, refuse
-from armour.files import decoded, parse_toml, read_text, reserve, unwritable, written, wrong_ending
+from armour.files import check_unreserved, decoded, parse_toml, read_text, reserve, unwritable, written, wrong_ending
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -52,15 +52,19 @@ def read_scenario(
     path: Path,
     assignments: Sequence[str] | None,
     more: Mapping[str, tuple[str, float | None]] | None = None,
+    *,
+    designs: bool = False,
 ) -> "Scenario":
     """Read the scenario of a file, or of standard input where it is "-".
 
     ``assignments`` are those of ``--set``; ``more`` are the keys and values of other options, None where one is not
-    given.  A wrong value of an option is a problem of the command line, whatever the file holds.
+    given.  A wrong value of an option is a problem of the command line, whatever the file holds.  ``designs`` are
+    searched for against the threats of the scenario, which replace its impact.
     """
     from armour.scenario.assignments import changed, changes_of
     from armour.scenario.loading import parse_scenario
     from armour.scenario.reach import check_used
+    from armour.scenario.toml_lines import upwards
 
     changes = changes_of(assignments or ())
     options = {key: f"--set {key}" for key in changes}
@@ -70,6 +74,8 @@ def read_scenario(
                 raise InputError([Problem("command line", option, f"must not be given with {options[key]}")])
             changes[key], options[key] = value, option
     standard = str(path) == "-"
+    if standard:
+        check_unreserved(0)  # which may be a file too
     file, folder = (STANDARD_INPUT, Path()) if standard else (str(path), path.parent)
     data = parse_toml(decoded(sys.stdin.buffer, file) if standard else read_text(path), file)
     try:
@@ -81,6 +87,9 @@ def read_scenario(
         except InputError as without:
             own = without.problems
         raise InputError([p if p in own else _blamed(p, options, file) for p in error.problems]) from None
+    if designs and loaded.threat and (lost := [key for key in changes if "impact" in upwards(key)]):
+        message = "must not be changed where the scenario has [[threat]], which designs are searched for against"
+        raise InputError([Problem("command line", f"--set {key}", message) for key in lost])
     check_used(changes, loaded)
     return loaded
 

@@ -48,7 +48,6 @@ def ballistic_limit(
     with progress("impacts", first="searching"):
         result = analysis.ballistic_limit(loaded)
     velocities = analysis.curve_velocities(result, loaded)
-    several = "the outcome is not monotonic: it changes more than once in the range"
     respond(
         result.to_dict(),
         limit_tables(result),
@@ -58,13 +57,14 @@ def ballistic_limit(
         chart=lambda charts: charts.limit_chart(
             result, analysis.residual_velocity_curve(loaded, velocities), loaded.title
         ),
-        warnings=[*([] if result.monotonic else [several]), *warnings_of(loaded, result.warnings)],
+        warnings=warnings_of(loaded, (*analysis.not_monotonic(result), *result.warnings)),
     )
 
 
 def compare(scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = None, as_json: AsJson = False) -> None:
     """Compare the model with closed-form formulas."""
     from armour.analysis import comparison
+    from armour.analysis.ballistic_limit import not_monotonic
     from armour.reporting.tables.comparison import comparison_tables
 
     check_outputs(plot=plot)
@@ -78,7 +78,7 @@ def compare(scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = No
         title=loaded.title,
         plot=plot,
         chart=lambda charts: charts.comparison_chart(result, loaded.title),
-        warnings=warnings_of(loaded, result.limit.warnings),
+        warnings=warnings_of(loaded, (*not_monotonic(result.limit), *result.limit.warnings)),
     )
 
 
@@ -102,7 +102,7 @@ def optimise(
     from armour.reporting.tables.design import design_tables, frontier_table, pareto_table, required_margins
 
     check_outputs(csv, plot=plot)
-    loaded = read_scenario(scenario, changes)
+    loaded = read_scenario(scenario, changes, designs=True)
     say_if_compiling()
     with progress("impacts") as count:
         result = design.optimise(loaded, refine=refine, on_progress=count)

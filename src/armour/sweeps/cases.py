@@ -207,6 +207,8 @@ def axis_of(text: str) -> Axis:
     key, _, values = text.rpartition("=")
     try:
         key = key_name(parts_of(key))
+        if "_" in values or not values.isascii():
+            raise ValueError
         if ":" in values:
             low, high, step = (float(part) for part in values.split(":"))
             found = Range.model_validate({"min": low, "max": high, "step": step}).values()
