@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.core.state import Outcome
-from armour.design import requirement
+from armour.design import catalogue as module
+from armour.design import free, requirement
 from armour.design import search as searches
 from armour.design.candidates import MARGIN_PARTS
 from armour.design.catalogue import Catalogue
@@ -122,8 +123,10 @@ def test_a_front_with_margins():
     assert margins[0] >= 0.0
 
 
-def test_a_front_with_margins_of_free_thicknesses_is_no_rounding():
+def test_a_front_with_margins_of_free_thicknesses_is_no_rounding(monkeypatch: pytest.MonkeyPatch):
     """Designs differ by more than the tolerance of a limit, and reach from the cheapest to the thickest."""
+    monkeypatch.setattr(module, "FIRST_VALUES", 9)
+    monkeypatch.setattr(free, "BACKING_TOLERANCE_MM", 0.02)
     layers = {
         "ceramic": [{"material": "AD85", "thickness_mm": {"min": 2.0, "max": 12.0}, "cost_per_kg": 12.0}],
         "backing": [{"material": "5083-H3", "thickness_mm": {"min": 4.0, "max": 12.0}, "cost_per_kg": 9.0}],
