@@ -7,7 +7,7 @@ import pytest
 
 from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
-from armour.design.reliability import Reliability, probability_within
+from armour.design.reliability import Reliability
 from armour.errors import InputError, NoDesignError
 from tests.helpers.cases import METALS, catalogue
 from tests.helpers.plain_designs import defeats, designs
@@ -29,7 +29,7 @@ def test_a_bound_on_the_probability_of_perforation():
     assert best.areal_density_kg_m2 > plain.areal_density_kg_m2
     # Every lighter design that defeats the threat as it stands is perforated too often.
     offered = catalogue_of(case)
-    points = Reliability(offered).points
+    reliability = Reliability(offered)
     lighter = 0
     for (ceramic, backing, hc, hb), values in designs(case, defeats):
         if values["areal_density_kg_m2"] < best.areal_density_kg_m2 - 1e-9:
@@ -38,7 +38,7 @@ def test_a_bound_on_the_probability_of_perforation():
                 for pair, offer in enumerate(offered.offers)
                 if (offer.ceramic.material, offer.backing.material) == (ceramic, backing)
             ]
-            found = probability_within(1.0, scenario, hc, hb, points)
+            found = reliability.within(1.0, scenario, hc, hb)
             assert found is not None
             assert found.high > 0.02
             lighter += 1
@@ -68,12 +68,12 @@ def test_the_frontier_keeps_to_the_bound():
     assert min(design.areal_density_kg_m2 for design in result.frontier) == result.best.areal_density_kg_m2
     plain = optimise(catalogue([threat], **layers)).frontier
     offered = catalogue_of(case)
-    points = Reliability(offered).points
+    reliability = Reliability(offered)
     for design, least in zip(result.frontier, plain, strict=True):
         thickness = design.ceramic_thickness_mm
         for ceramic in np.arange(least.ceramic_thickness_mm, thickness + 0.5, 0.5):
             place = ceramic, design.backing_thickness_mm
-            found = probability_within(0.02, offered.against(0, 0), *place, points)
+            found = reliability.within(0.02, offered.against(0, 0), *place)
             assert (found is not None) == (ceramic == thickness)
     assert min(d.areal_density_kg_m2 for d in plain) < result.best.areal_density_kg_m2
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from armour.analysis.impact import perforates
 from armour.scenario.library import KINDS, OPTIONAL, Kind, shipped_library
 from armour.validation.suite import Case, load_suite
 from armour.validation.validate import validate
+from tests.helpers.cases import perforates
 
 SUITE = Path(__file__).parent / "regression.toml"
 VALUES = [
