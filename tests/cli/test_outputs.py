@@ -17,7 +17,9 @@ from tests.helpers.cases import SCENARIOS
 WILKINS, SHOTS = SCENARIOS / "wilkins.toml", SCENARIOS / "tests" / "shots.csv"
 LIBRARY = '[ceramic."AD85, own"]\nbased_on = "AD85"\n'
 OWN = WILKINS.read_text().replace('"AD85"', '"AD85, own"') + '\n[library]\nfiles = ["lib.toml"]\n'
-SUITE = '[[case]]\nname = "a"\nscenario = "own.toml"\nquantity = "outcome"\nexpected = "perforated"\n'
+SUITE = (
+    'regression = true\n[[case]]\nname = "a"\nscenario = "own.toml"\nquantity = "outcome"\nexpected = "perforated"\n'
+)
 
 
 @pytest.fixture

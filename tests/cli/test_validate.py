@@ -104,16 +104,33 @@ def test_a_change_that_no_scenario_knows(cli, suite: Path):
 
 
 def test_update_shows_and_writes(cli, suite: Path):
-    suite.write_text(SUITE.replace("723.77", "800.0"))
+    own = SUITE.replace('"My suite"', '"My suite"\nregression = true')
+    suite.write_text(own.replace("723.77", "800.0"))
     result = cli("validate", suite, "--update")
     assert result.exit_code == 0
     shown = [line.split() for line in result.stderr.splitlines()]
     assert ["limit", "800", "723.77159"] in shown
     assert result.stdout.startswith("values before the update\n")
     assert ["wrote", str(suite)] in shown
-    assert suite.read_text() == SUITE.replace("723.77", "723.77159").replace("277.4", "277.37752")
+    assert suite.read_text() == own.replace("723.77", "723.77159").replace("277.4", "277.37752")
     again = cli("validate", suite, "--update")
-    assert again.stderr == "every expected value is the computed one\n"
+    assert again.stderr == "every regression value is the computed one\n"
+
+
+def test_an_update_keeps_measurements(cli, suite: Path):
+    """They stay within their band or outside, which then fails as without an update."""
+    suite.write_text(SUITE + "regression = true\n")
+    result = cli("validate", suite, "--update")
+    assert result.exit_code == 0
+    assert result.stderr.startswith("kept, as no regression values: 1 of 2 expected values\n")
+    assert suite.read_text() == SUITE.replace("277.4", "277.37752") + "regression = true\n"
+    suite.write_text(SUITE.replace("723.77", "800.0") + "regression = true\n")
+    assert cli("validate", suite, "--update").exit_code == 3
+    assert "expected = 800.0" in suite.read_text()
+    suite.write_text(SUITE)
+    [line] = cli.fails(2, "validate", suite, "--update")
+    assert line.startswith(f"{suite}: regression: must be true for the suite")
+    assert suite.read_text() == SUITE
 
 
 def test_what_is_published_is_not_updated(cli):

@@ -171,6 +171,12 @@ def test_designs_of_several_pairs_against_several_threats():
     assert_matched(chart)
 
 
+def test_the_least_ceramic_of_a_range_is_noted():
+    words = "Where the ceramic is 7 mm, the least of its range, less may be required."
+    assert charts.frontier_chart(replace(design_result(), ceramic_min_mm=7.0), "T").note == words
+    assert charts.frontier_chart(replace(design_result(), ceramic_min_mm=6.0), "T").note == ""
+
+
 def test_a_pareto_front_of_its_own_names_its_pairs():
     [panel] = charts.pareto_chart(design_result(pareto=True), "Pareto front").panels
     assert labels(panel) == ["AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"]

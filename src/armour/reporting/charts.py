@@ -192,8 +192,14 @@ def frontier_chart(result: "DesignResult", title: str) -> Chart:
         Panel(x, quantity_axis("required_ceramic_thickness_mm"), required, shares_x=True),
     )
     pairs = sum(pair.best is not None for pair in result.pairs)
-    left_out = f"The best {MAX_PAIRS + 1} of {pairs} pairs of materials are shown." if pairs > MAX_PAIRS + 1 else ""
-    return Chart(title, panels, left_out)
+    notes = []
+    if pairs > MAX_PAIRS + 1:
+        notes.append(f"The best {MAX_PAIRS + 1} of {pairs} pairs of materials are shown.")
+    if any(design.ceramic_thickness_mm == result.ceramic_min_mm for design in result.frontier):
+        notes.append(
+            f"Where the ceramic is {result.ceramic_min_mm:g} mm, the least of its range, less may be required."
+        )
+    return Chart(title, panels, " ".join(notes))
 
 
 def _frontier(result: "DesignResult", key: str) -> tuple[Series, ...]:

@@ -56,7 +56,11 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress) -
         sensitivity=sensitivity(answer, on_progress=on_part),
         uncertainty=uncertainty(answer, on_progress=on_part) if sampled and not misplaced else None,
         entries=tuple(entry for role in ROLES if (entry := entry_of(answer, role)) is not None),
-        warnings=(*impact.warnings, *(() if limit is None else not_monotonic(limit)), *misplaced),
+        warnings=(
+            *(impact.warnings if design is None else design.warnings),
+            *(() if limit is None else not_monotonic(limit)),
+            *misplaced,
+        ),
     )
 
 

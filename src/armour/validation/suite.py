@@ -54,6 +54,7 @@ class _Expectation(Section):
     band_percent: Width | None = None
     reason: str = ""
     source: str = ""
+    regression: bool = False
     not_scored: str = ""
 
     @field_validator("quantity")
@@ -132,6 +133,7 @@ class SuiteSection(Section):
 
     title: str = ""
     source: str = ""
+    regression: bool = False
     case: list[CaseSection] = []
     table: list[TableSection] = []
 
@@ -163,6 +165,8 @@ class Case:
         Keys and indices of the expected value in the file.
     rivals : mapping of str to float
         Predictions of other methods, by name.
+    regression : bool
+        Whether the expected value is a result of this program, which an update replaces.
     """
 
     group: str
@@ -177,6 +181,7 @@ class Case:
     not_scored: str
     place: tuple[str | int, ...]
     rivals: Mapping[str, float] = field(default_factory=dict)
+    regression: bool = False
 
     @property
     def full_name(self) -> str:
@@ -298,6 +303,7 @@ def _case(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, ob
         replacement = _scenario(file, read, section.set, section.replaced_by, changes)
     check_answerable(section.quantity, scenario, replacement)
     in_table = isinstance(section, TableSection)
+    source = section.source or suite.source
     if row.first:
         _check_changes(row, scenario, replacement)
     return Case(
@@ -309,10 +315,11 @@ def _case(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, ob
         expected=row.expected,
         band=section.width(row.expected),
         reason=section.reason,
-        source=section.source or suite.source,
+        source=source,
         not_scored=section.not_scored,
         place=row.place,
         rivals=row.rivals,
+        regression=(section.regression or suite.regression) and not source,
     )
 
 
