@@ -21,10 +21,10 @@ class Update(NamedTuple):
 
 
 def updates_of(result: SuiteResult) -> list[Update]:
-    """Return the expected values that differ from the computed ones to the digits that are written."""
+    """Return the expected values of the suite's file that differ from the computed ones to the digits written."""
     updates = []
     for case, computed in ((check.case, check.computed) for check in result.checks):
-        if computed is None or case.not_scored:
+        if computed is None or case.not_scored or case.cells:
             continue
         new = float(f"{computed:.{DIGITS}g}") if isinstance(computed, float) else computed
         if new != case.expected:
