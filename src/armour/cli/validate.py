@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 
 
 def validate(
-    suite: Annotated[Path | None, argument("SUITE", "Suite file (TOML), or a shipped suite: paper, the default, or plates.")] = None,
+    suite: Annotated[
+        Path | None, argument("SUITE", "Suite file (TOML), or a shipped suite: paper, the default, or plates.")
+    ] = None,
     only: Annotated[str, option("Check only cases whose name contains the text.", metavar="TEXT")] = "",
     changes: Annotated[
         list[str] | None,

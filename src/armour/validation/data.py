@@ -34,9 +34,14 @@ class Condition:
 
 
 def _condition(value: object) -> Condition:
-    if isinstance(value, dict) and value and not value.keys() - {"min", "below"} and all(map(_is_number, value.values())):
+    if (
+        isinstance(value, dict)
+        and value
+        and not value.keys() - {"min", "below"}
+        and all(map(_is_number, value.values()))
+    ):
         return Condition((), value.get("min", -inf), value.get("below", inf))
-    values = value if isinstance(value, list) else [value]
+    values: list[Any] = value if isinstance(value, list) else [value]
     if values and all(isinstance(one, str) or _is_number(one) for one in values):
         return Condition(tuple(values))
     must = "must be a text, a number, a list of them, or a range such as { min = 3, below = 7 }"

@@ -108,7 +108,7 @@ class TableSection(_Expectation):
     """A table of cases that differ in some values of the scenario: rows of the suite, or of a CSV file of tests."""
 
     columns: list[Name] = []
-    rows: list[list[Number]] = []
+    rows: Annotated[list[list[Number]], Field(min_length=1)] = []
     file: str = ""
     where: Where = {}
     group: list[GroupSection] = []
@@ -146,7 +146,6 @@ class TableSection(_Expectation):
                 must = f"every row must have the {len(self.columns)} numbers of the columns"
                 raise ValueError(f"{must}, found {len(row)} in rows[{index}]")
         return self
-
 
     def without_groups(self) -> "TableSection":
         """Return the table of some rows of a file, which its bands are not made for."""
@@ -192,7 +191,7 @@ class Case:
     rivals : mapping of str to float
         Predictions of other methods, by name.
     cells : mapping of str to float or str
-        Row of the CSV file from which the case was read: inputs that differ from the scenario's, measurements and notes.
+        Row of the CSV file from which the case is read: inputs of its own, measurements and notes.
     """
 
     group: str
