@@ -88,6 +88,14 @@ def test_a_catalogue_and_threats(cli, folder: Path):
     assert "Pareto front" in (folder / "study.svg").read_text()
 
 
+@pytest.mark.parametrize("command", ["optimise", "report"])
+def test_an_impact_that_threats_replace_is_not_changed(cli, command: str):
+    [line] = cli.fails(2, command, CATALOGUE, "--set", "impact.velocity_m_s=2000")
+    assert line.startswith(
+        "command line: --set impact.velocity_m_s: must not be changed where the scenario has [[threat]]"
+    )
+
+
 def test_a_catalogue_as_json(cli):
     data = json.loads(cli("optimise", CATALOGUE, "--json").stdout)
     for design in (data["best"], *data["frontier"]):

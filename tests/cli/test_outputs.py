@@ -79,6 +79,13 @@ def test_nothing_that_is_read_is_written_over(cli, own: Path, command: str, read
     assert contents(own) == before
 
 
+def test_a_file_on_standard_input_is_not_written_over(own: Path):
+    before = contents(own)
+    code, messages = shell("simulate - --history own.toml < own.toml", own)
+    assert (code, messages) == (2, "own.toml: must not be the file that is read; choose another name\n")
+    assert contents(own) == before
+
+
 def test_an_update_keeps_the_mode_of_the_suite(cli, own: Path):
     (own / "suite.toml").write_text(SUITE.replace("perforated", "defeated"))
     (own / "suite.toml").chmod(0o600)

@@ -6,7 +6,7 @@ import pytest
 
 from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
-from armour.design.reliability import Reliability, probability_within
+from armour.design.reliability import Reliability
 from armour.errors import InputError, NoDesignError
 from tests.helpers.cases import catalogue
 from tests.helpers.plain_designs import defeats, designs
@@ -28,7 +28,7 @@ def test_a_bound_on_the_probability_of_perforation():
     assert best.areal_density_kg_m2 > plain.areal_density_kg_m2
     # Every lighter design that defeats the threat as it stands is perforated too often.
     offered = catalogue_of(case)
-    points = Reliability(offered).points
+    reliability = Reliability(offered)
     lighter = 0
     for (ceramic, backing, hc, hb), values in designs(case, defeats):
         if values["areal_density_kg_m2"] < best.areal_density_kg_m2 - 1e-9:
@@ -37,7 +37,7 @@ def test_a_bound_on_the_probability_of_perforation():
                 for pair, offer in enumerate(offered.offers)
                 if (offer.ceramic.material, offer.backing.material) == (ceramic, backing)
             ]
-            found = probability_within(1.0, scenario, hc, hb, points)
+            found = reliability.within(1.0, scenario, hc, hb)
             assert found is not None
             assert found.high > 0.02
             lighter += 1

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from armour.errors import InputError
-from armour.scenario.reach import check_known, check_reach, unused_entries
+from armour.scenario.reach import check_known, check_reach, check_used
 from tests.helpers.cases import catalogue, scenario
 
 OWN = {
@@ -83,7 +83,9 @@ def test_a_key_that_is_not_known(key: str, message: str):
 def test_entries_that_no_scenario_uses():
     case = catalogue()
     used = {"library.ceramic": {name: {"based_on": name} for name in ("AD85", "AD99.5")}, "impact.velocity_m_s": 3.0}
-    assert unused_entries(used, case) == []
+    check_used(used, case)
     unused = {"library": {"ceramic": {"AD86": {"based_on": "AD85"}}}}
-    assert unused_entries(unused, case) == [("library.ceramic.AD86", '; did you mean "AD85"?')]
-    assert unused_entries(unused, scenario(ceramic="AD86", library=unused["library"])) == []
+    words = 'command line: --set library.ceramic.AD86: must be an entry .* uses; did you mean "AD85"?'
+    with pytest.raises(InputError, match=words):
+        check_used(unused, case)
+    check_used(unused, scenario(ceramic="AD86", library=unused["library"]))

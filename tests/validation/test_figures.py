@@ -43,8 +43,8 @@ def test_curves_are_the_quantity_over_the_keys(folder: Path):
 
 def test_marks_and_levels_are_kept(folder: Path):
     found = computed(folder, FIGURES)
-    assert [(mark.label, mark.points) for mark in found.marks] == [("printed", [[5.0, 100.0], [6.0, 50.0]])]
-    assert [(level.label, level.value) for level in found.levels] == [("here", 10.0)]
+    assert [(mark.label, mark.points) for mark in found.section.mark] == [("printed", [[5.0, 100.0], [6.0, 50.0]])]
+    assert [(level.label, level.value) for level in found.section.level] == [("here", 10.0)]
 
 
 def test_several_quantities_go_by_their_names(folder: Path):

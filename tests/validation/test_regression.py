@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from armour.analysis.impact import perforates
 from armour.files import read_toml, shipped
 from armour.scenario.library import KINDS, OPTIONAL, Kind, shipped_library
 from armour.validation.suite import Case, load_suite
 from armour.validation.validate import validate
+from tests.helpers.cases import perforates
 
 SUITE = Path(__file__).parent / "regression.toml"
 # Entries whose numbers test_plates.py compares with the data that they are taken from.

@@ -153,11 +153,6 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
     )
 
 
-def perforates(scenario: Scenario, armour: Parameters, velocity: float) -> bool:
-    """Return whether the projectile perforates the armour at an impact velocity, m/s."""
-    return run_impact(scenario, armour, velocity).outcome == Outcome.PERFORATED
-
-
 def run_impact(scenario: Scenario, armour: Parameters, velocity: float, trace: list[Instant] | None = None) -> Run:
     """Run the core with the settings of a scenario; the instants of the run are appended to the trace."""
     dt = time_step(scenario, armour, velocity)

@@ -9,7 +9,7 @@ import typer
 from armour.cli.console import progress, say, show
 from armour.cli.options import AsJson, argument, option
 from armour.cli.runner import CHECK_FAILED, check_outputs, respond, say_if_compiling
-from armour.errors import InputError, Problem
+from armour.errors import Problem, refuse
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -46,7 +46,7 @@ def validate(
     if update:
         _check_update(suite if path == suite else None, changes)
     updated = suite if update else None
-    check_outputs(markdown, junit, reads=[suite], updated=updated)
+    check_outputs(markdown, junit, updated=updated)
     chosen = load_suite(path, changes_of(changes or ())).only(only)
     say_if_compiling()
     result = _computed(chosen, quiet=as_json)
@@ -73,8 +73,7 @@ def _check_update(suite: Path | None, changes: Sequence[str] | None) -> None:
     if changes:
         message = "must not be given with --set: the suite would not hold without"
         problems.append(Problem("validate", "--update", message))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
 
 
 def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":

@@ -10,7 +10,7 @@ import numpy as np
 from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, settings_of, with_thicknesses
 from armour.core.state import Parameters
 from armour.engine import batch
-from armour.errors import InputError, Problem
+from armour.errors import Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import FIELDS, VELOCITY, inputs_of, with_inputs
 from armour.scenario.schema import MAX_DESIGNS, BackingLayer, CeramicLayer, DesignSection, Threat
@@ -136,8 +136,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
                 if layer.material and not layer.model_fields_set & {"cost_per_kg", COST}:
                     message = f'must have a cost where [design] asks for costs, found none for "{layer.material}"'
                     problems.append(Problem(scenario.file, f"design.{key}[{i}]", message))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
 
     alone = _without_catalogue(scenario)
     first = section.ceramic[0], section.backing[0], threats[0]

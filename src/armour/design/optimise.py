@@ -12,7 +12,7 @@ from armour.design.candidates import candidates_of
 from armour.design.catalogue import catalogue_of
 from armour.design.requirement import Requirement
 from armour.design.search import MARGIN, Search
-from armour.errors import InputError, NoDesignError, Problem
+from armour.errors import NoDesignError, Problem, refuse
 from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC
@@ -187,8 +187,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         problems.append(Problem(scenario.file, "threat.probability_of_perforation", message))
     if refine and not any(layer.free_range(refine=True) for offer in catalogue.offers for layer in offer[:2]):
         problems.append(Problem(scenario.file, "--refine", "needs a thickness given as a range"))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
     reliability = None
     if catalogue.bounded:
         from armour.design.reliability import Reliability  # takes half a second to import scipy.stats

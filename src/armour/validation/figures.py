@@ -82,16 +82,11 @@ class FigureCurve:
 
 @dataclass(frozen=True)
 class Figure:
-    """Curves of a figure over the abscissa ``x``, with the marks and levels of the paper's text."""
+    """Curves of a figure over the abscissa ``x``."""
 
-    name: str
-    title: str
-    x_label: str
-    y_label: str
+    section: FigureSection
     x: tuple[float, ...]
     curves: tuple[FigureCurve, ...]
-    marks: tuple[FigureMark, ...]
-    levels: tuple[FigureLevel, ...]
 
 
 def paper_figures() -> Path:
@@ -118,16 +113,7 @@ def compute_figure(section: FigureSection, folder: Path) -> Figure:
                 parts.append(QUANTITIES[name].label)
             values = tuple(float(value) if np.isfinite(value) else None for value in found[name])
             curves.append(FigureCurve(", ".join(parts), values))
-    return Figure(
-        section.name,
-        section.title,
-        section.x_label,
-        section.y_label,
-        x,
-        tuple(curves),
-        tuple(section.mark),
-        tuple(section.level),
-    )
+    return Figure(section, x, tuple(curves))
 
 
 def parity(name: str) -> SuiteResult:

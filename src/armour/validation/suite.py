@@ -10,12 +10,12 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
-from armour.errors import InputError, Problem, suggestion
+from armour.errors import MAX_PROBLEMS, InputError, Problem, refuse, suggestion
 from armour.files import read_toml
 from armour.scenario.assignments import canonical, changed, leaves, parts_of
 from armour.scenario.loading import Scenario, parse_scenario
 from armour.scenario.messages import Section, SectionT, describe, key_name, validated
-from armour.scenario.reach import NOT_USED, check_reach, unused_entries
+from armour.scenario.reach import check_reach, check_read, check_used
 from armour.statistics.test_data import MEASURED
 from armour.units import words_and_unit
 from armour.validation.data import Cells, GroupSection, Percent, Where, selected
@@ -23,8 +23,6 @@ from armour.validation.questions import QUESTIONS, check_answerable
 
 # Column of a table that holds the expected values.
 EXPECTED = "expected"
-# Mistakes after which a suite is not read further: a script may make thousands of rows.
-MAX_PROBLEMS = 20
 # Questions about the replacement of one material by another.
 SAVINGS = tuple(name for name, question in QUESTIONS.items() if question.of_two)
 
@@ -293,12 +291,11 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     problems = list(wrong.values())[:MAX_PROBLEMS]
     if len(wrong) > MAX_PROBLEMS:
         problems.append(Problem(str(path), "", "must be right up to here; what follows is not checked"))
-    if not problems:
-        scenarios = [found for case in cases for found in (case.scenario, case.replacement) if found is not None]
-        unused = unused_entries(changes, *scenarios)
-        problems = [Problem("command line", f"--set {key}", NOT_USED + hint) for key, hint in unused]
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
+    check_read(
+        changes, {"impact.projectile", "armour", *(name for case in cases for name in QUESTIONS[case.quantity].reads)}
+    )
+    check_used(changes, *(found for case in cases for found in (case.scenario, case.replacement) if found is not None))
     return Suite(suite.title, path, tuple(cases), tuple(suite.table), suite.description)
 
 
@@ -405,9 +402,8 @@ def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) 
         # The title is for people; entries of the library may be based on each other.
         counting = [leaf[0] not in ("title", "library") for leaf in given] + [True] * len(row.inputs)
         keys = compress(canonical([*map(key_name, given), *row.inputs], file), counting)
-        check_reach(scenario, list(keys), quantity.sections, file, closed_forms=bool(row.rivals))
-        if unused := unused_entries(changes, scenario, *([replacement] if replacement else [])):
-            raise InputError([Problem(file, key, NOT_USED + hint) for key, hint in unused])
+        check_reach(scenario, list(keys), quantity.reads, file, closed_forms=bool(row.rivals))
+        check_used(changes, scenario, *([replacement] if replacement else []), file=file, option="")
 
 
 def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenario:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from armour.analysis.comparison import BODIES, bodies_of, florence_ballistic_limit, missing_for_florence
-from armour.analysis.evaluate import evaluate
+from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.errors import NoAnswerError
 from armour.files import shipped
 from armour.scenario.messages import TINY
@@ -239,7 +239,7 @@ def _of_files(cases: Sequence[Case]) -> dict[int, float]:
     found: dict[int, float] = {}
     for (_, quantity, given), places in together.items():
         columns = {name: np.array([float(cases[place].cells[name]) for place in places]) for name in given}
-        values = evaluate(cases[places[0]].scenario, columns, [quantity])[quantity]
+        values = evaluate_groups(groups_of(cases[places[0]].scenario, columns), [quantity])[quantity]
         found.update(zip(places, np.broadcast_to(values, len(places)).tolist(), strict=True))
     return found
 

@@ -178,12 +178,12 @@ def update_table(updates: Sequence["Update"]) -> Table:
 
 def figure_table(figure: "Figure") -> Table:
     """Return the curves of a figure, a column each."""
-    unit, quantities = figure.y_label.rpartition(", ")[2], {quantity.label for quantity in QUANTITIES.values()}
-    labels = [figure.x_label]
+    unit, quantities = figure.section.y_label.rpartition(", ")[2], {quantity.label for quantity in QUANTITIES.values()}
+    labels = [figure.section.x_label]
     for curve in figure.curves:
         # The label of a curve may name its quantity, or what the curve differs in.
         named = curve.label.rpartition(", ")[2] in quantities
-        labels.append(f"{curve.label}, {unit}" if named else f"{curve.label}: {figure.y_label}")
+        labels.append(f"{curve.label}, {unit}" if named else f"{curve.label}: {figure.section.y_label}")
     values = [figure.x, *(curve.values for curve in figure.curves)]
     return Table(tuple(Column(label, spec="g", key=label) for label in labels), tuple(zip(*values, strict=True)))
 
