@@ -12,7 +12,7 @@ from armour.reporting.markdown import markdown_report
 from armour.reporting.suite_report import suite_report
 from armour.scenario.library import shipped_library
 from armour.scenario.parameters import INPUTS, with_inputs
-from armour.validation.suite import load_suite
+from armour.validation.suite import Suite, load_suite
 from armour.validation.validate import Check, SuiteResult, result_of, suite_file, validate
 from tests.helpers.cases import SCENARIOS
 from tests.numerics.reference import Reference
@@ -37,9 +37,14 @@ def rows() -> tuple[dict[str, str], ...]:
         return tuple(csv.DictReader(file))
 
 
+@cache
+def suite() -> Suite:
+    return load_suite(suite_file("plates"))
+
+
 @pytest.fixture(scope="module")
 def result() -> SuiteResult:
-    return validate(load_suite(suite_file("plates")))
+    return validate(suite())
 
 
 def errors(
@@ -116,7 +121,7 @@ def test_a_change_of_the_limits_leaves_a_band(result: SuiteResult, factor: float
     def changed(check: Check) -> Check:
         return replace(check, computed=factor * float(check.computed or 0.0))
 
-    other = result_of(load_suite(suite_file("plates")), [changed(check) for check in result.checks])
+    other = result_of(suite(), [changed(check) for check in result.checks])
     assert [s.full_name for s in other.summaries if s.status == "outside"][:1] == ["armour-piercing cores on aluminium"]
 
 
