@@ -178,3 +178,23 @@ def test_interrupted_it_shows_what_it_has(cli, suite: Path, monkeypatch: pytest.
     assert "1 of 1 within their bands" in result.stdout
     assert result.stderr == "interrupted\n"
     assert not issubclass(KeyboardInterrupt, ArmourError)
+
+
+def test_a_shipped_suite_goes_by_its_name(cli, folder: Path):
+    result = cli("validate", "plates", "--only", "on 10 mm AA6082-T6", "--json")
+    data = json.loads(result.stdout)
+    assert result.exit_code == 0
+    assert {case["name"].partition(": ")[2] for case in data["cases"]} == {".30 APM2 on 10 mm AA6082-T6"}
+    assert [table["status"] for table in data["tables"]] == ["not scored"]
+    [line] = cli.fails(2, "validate", "plates", "--update")
+    assert line.endswith("what is published stays")
+    assert list(folder.iterdir()) == []
+
+
+def test_a_group_that_leaves_its_bands_is_named(cli, folder: Path):
+    (folder / "t.csv").write_text("armour.backing_thickness_mm,ballistic_limit_m_s\n6.35,800\n")
+    table = f'[[table]]\nname = "t"\nscenario = "{SCENARIOS}/wilkins.toml"\nquantity = "ballistic_limit_m_s"\n'
+    (folder / "s.toml").write_text(f'{table}file = "t.csv"\nrms_band_percent = 5.0\n')
+    result = cli("validate", "s.toml")
+    assert result.exit_code == 3
+    assert result.stdout.endswith("t: RMS 9.53 %, RMS band 5 %\n0 of 1 within their bands, 1 outside\n")

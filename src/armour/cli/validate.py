@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 
 
 def validate(
-    suite: Annotated[Path | None, argument("SUITE", "Suite file (TOML); by default what the paper publishes.")] = None,
+    suite: Annotated[
+        Path | None, argument("SUITE", "Suite file (TOML), or a shipped suite: paper, the default, or plates.")
+    ] = None,
     only: Annotated[str, option("Check only cases whose name contains the text.", metavar="TEXT")] = "",
     changes: Annotated[
         list[str] | None,
@@ -42,13 +44,14 @@ def validate(
     from armour.scenario.assignments import changes_of
     from armour.validation.suite import load_suite
     from armour.validation.update import kept_by_update
-    from armour.validation.validate import paper_suite
+    from armour.validation.validate import suite_file
 
+    path = suite_file(str(suite or "paper"))
     if update:
-        _check_update(suite, changes)
+        _check_update(suite if path == suite else None, changes)
     updated = suite if update else None
     check_outputs(markdown, junit, updated=updated)
-    chosen = load_suite(suite or paper_suite(), changes_of(changes or ())).only(only)
+    chosen = load_suite(path, changes_of(changes or ())).only(only)
     if update and not any(case.regression for case in chosen.cases):
         message = "must be true for the suite, or a case or table without source, to be updated; other values stay"
         refuse([Problem(str(chosen.file), "regression", message)])
@@ -101,9 +104,10 @@ def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":
 
 
 def _tables(result: "SuiteResult") -> "list[Table | str]":
-    from armour.reporting.tables.validation import note_rows, suite_tables, verdict
+    from armour.reporting.tables.validation import group_notes, note_rows, suite_tables, verdict
 
-    notes = note_rows([check for check in result.checks if check.status != "within"])
+    notes = note_rows([check for check in result.checks if check.status != "within" and not check.in_group])
+    notes += group_notes(result)
     return [*suite_tables(result), "", *(f"{name}: {note}" for name, note in notes), verdict(result)]
 
 

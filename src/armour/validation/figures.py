@@ -14,9 +14,10 @@ from armour.scenario.loading import load_scenario
 from armour.scenario.messages import Section
 from armour.scenario.schema import Range
 from armour.validation.suite import load_suite, read_sections
-from armour.validation.validate import SuiteResult, paper_suite, validate
+from armour.validation.validate import SuiteResult, suite_file, validate
 
-PARITY = "parity_table3"
+# Suites whose expected values a parity figure shows, with the text that names of its cases contain.
+PARITIES = {"parity_table3": ("paper", "table 3"), "parity_plates": ("plates", "")}
 
 
 class CurveSection(Section):
@@ -115,6 +116,7 @@ def compute_figure(section: FigureSection, folder: Path) -> Figure:
     return Figure(section, x, tuple(curves))
 
 
-def parity_of_table_3() -> SuiteResult:
-    """Compute table 3 of the paper."""
-    return validate(load_suite(paper_suite()).only("table 3"))
+def parity(name: str) -> SuiteResult:
+    """Compute the cases of a parity figure."""
+    suite, text = PARITIES[name]
+    return validate(load_suite(suite_file(suite)).only(text))

@@ -25,7 +25,7 @@ def updates_of(result: SuiteResult) -> list[Update]:
     """Return the regression values that differ from the computed ones to the digits that are written."""
     updates = []
     for case, computed in ((check.case, check.computed) for check in result.checks):
-        if computed is None or case.not_scored or not case.regression:
+        if computed is None or case.not_scored or case.cells or not case.regression:
             continue
         new = float(f"{computed:.{DIGITS}g}") if isinstance(computed, float) else computed
         if new != case.expected:
