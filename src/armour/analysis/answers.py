@@ -36,6 +36,11 @@ class Answers:
         return found
 
     @cached_property
+    def ballistic_limits(self) -> Floats:
+        """Ballistic limits, m/s."""
+        return searches.ballistic_limits(self.variants, self.threads)
+
+    @cached_property
     def with_least_ceramic(self) -> Variants:
         """The variants with the least ceramic thickness that defeats the impact."""
         return rows.with_thicknesses(self.variants, ceramic_mm=searches.least_ceramics_mm(self.variants, self.threads))
@@ -70,7 +75,10 @@ COLUMNS: dict[str, Callable[[Answers], Any]] = {
     "plug_velocity_m_s": lambda a: np.where(a.perforated, a.impacts.W, 0.0),
     "duration_us": lambda a: a.impacts.t / US,
     "areal_density_kg_m2": lambda a: a.variants.areal_densities_kg_m2,
-    "ballistic_limit_m_s": lambda a: searches.ballistic_limits(a.variants, a.threads),
+    "ballistic_limit_m_s": lambda a: a.ballistic_limits,
+    "probability_of_defeat": lambda a: a.variants.errors.probability_of_defeat(
+        a.ballistic_limits, a.variants.velocities
+    ),
     "required_ceramic_thickness_mm": lambda a: a.with_least_ceramic.ceramics_mm,
     "required_backing_thickness_mm": lambda a: a.with_least_backing.backings_mm,
     "required_total_thickness_mm": lambda a: searches.least_totals_mm(a.variants, a.threads),

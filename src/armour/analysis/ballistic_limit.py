@@ -8,7 +8,8 @@ from armour.analysis.impact import MAX_STEPS, ImpactResult, impact_at, unresolve
 from armour.analysis.results import Result
 from armour.core import search
 from armour.errors import NoLimitError
-from armour.scenario.applicability import warnings_of
+from armour.scenario.applicability import model_error, warnings_of
+from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
 
 # Number of intervals above the limit in a plotted curve.
@@ -54,7 +55,11 @@ class LimitResult(Result):
     scanned_range_m_s : tuple of float
         Lowest and highest scanned velocity, m/s.
     warnings : tuple of str
-        Ways in which the armour, or its ballistic limit, lies outside the validated range.
+        Ways in which the armour, or its ballistic limit, is unlike what the model was compared with.
+    model_error : ModelError or None
+        Relative error of the ballistic limit by the model; None where it is not known.
+    interval_m_s : tuple of float or None
+        Interval in which the ballistic limit of the armour lies with a probability of 95 %, given this error, m/s.
     """
 
     ballistic_limit_m_s: float
@@ -66,6 +71,8 @@ class LimitResult(Result):
     scanned_velocities: int
     scanned_range_m_s: tuple[float, float]
     warnings: tuple[str, ...]
+    model_error: ModelError | None = None
+    interval_m_s: tuple[float, float] | None = None
 
 
 def ballistic_limit(scenario: Scenario) -> LimitResult:
@@ -97,8 +104,9 @@ def ballistic_limit(scenario: Scenario) -> LimitResult:
     crossings, runs, lowest_perforates = find_crossings(scenario)
     if lowest_perforates or not crossings:
         raise NoLimitError(_no_limit(crossings, lowest_perforates, low, high))
+    limit, error = crossings[0].bracket_m_s[1], model_error(scenario)
     return LimitResult(
-        ballistic_limit_m_s=crossings[0].bracket_m_s[1],
+        ballistic_limit_m_s=limit,
         bracket_m_s=crossings[0].bracket_m_s,
         runs=runs,
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
@@ -106,7 +114,9 @@ def ballistic_limit(scenario: Scenario) -> LimitResult:
         crossings=crossings,
         scanned_velocities=search.SCAN_POINTS,
         scanned_range_m_s=(low, high),
-        warnings=warnings_of(scenario, crossings[0].bracket_m_s[1]),
+        warnings=warnings_of(scenario, limit),
+        model_error=error,
+        interval_m_s=None if error is None else error.interval(limit),
     )
 
 

@@ -6,6 +6,9 @@ from typing import NamedTuple
 from armour.units import words_and_unit
 
 
+DEFEAT = "probability of defeating the threat"
+
+
 class Quantity(NamedTuple):
     """A number, or the outcome, that can be computed for a scenario."""
 
@@ -20,6 +23,8 @@ class Quantity(NamedTuple):
             return ()
         if self.label == "ballistic limit":
             return ("ballistic_limit",)
+        if self.label == DEFEAT:
+            return ("impact", "ballistic_limit", "uncertainty.model")
         return ("impact", "optimise") if self.on_grid else ("impact",)
 
 
@@ -36,6 +41,7 @@ QUANTITIES: dict[str, Quantity] = {
     "duration_us": Quantity("duration", "µs"),
     "areal_density_kg_m2": Quantity("areal density", "kg/m²"),
     "ballistic_limit_m_s": Quantity("ballistic limit", "m/s"),
+    "probability_of_defeat": Quantity(DEFEAT, ""),
     "required_ceramic_thickness_mm": Quantity("required ceramic thickness", "mm", on_grid=True),
     "required_backing_thickness_mm": Quantity("required back plate thickness", "mm", on_grid=True),
     "required_total_thickness_mm": Quantity("required thickness of both layers in proportion", "mm", on_grid=True),

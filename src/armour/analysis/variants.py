@@ -10,6 +10,8 @@ from armour.analysis.impact import MAX_STEPS, unresolved_error
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem
+from armour.scenario.applicability import given_error, is_excluded, row_errors, row_limits
+from armour.scenario.evidence import UNKNOWN, ModelError
 from armour.scenario.library import DEFAULTS, ROD, length_mm
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import FIELDS, VELOCITY, YIELD, entry_of, inputs_of
@@ -35,6 +37,7 @@ class Settings(NamedTuple):
     solver: Solver
     ballistic_limit: BallisticLimitSection
     grid: Optimise | None
+    error: ModelError | None  # of the section ``uncertainty.model``; None for that of tests
 
     def options(self, threads: int | None = None) -> batch.SolverOptions:
         """Return the options of the engine."""
@@ -51,6 +54,12 @@ class Variants(NamedTuple):
     def at(self, where: Ints | Bools | slice) -> "Variants":
         """Return some of the rows."""
         return Variants(self.parameters[where], self.velocities[where], self.settings)
+
+    @property
+    def errors(self) -> ModelError:
+        """Errors of the model, as numbers or arrays, (n,); NaN where unknown."""
+        given = self.settings.error
+        return row_errors(batch.fields(self.parameters)) if given is None else given
 
     @property
     def ceramics_mm(self) -> Floats:
@@ -110,6 +119,11 @@ def concatenated(parts: Sequence[Variants]) -> Variants:
     return Variants(parameters, np.concatenate([part.velocities for part in parts]), parts[0].settings)
 
 
+def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
+    """Yield the limits of what the model was compared with that some rows lie outside of, and how many do."""
+    return row_limits(batch.fields(variants.parameters), variants.velocities if velocities else None)
+
+
 def grid_of(scenario: Scenario) -> Optimise:
     """Return the grid of designs of a scenario; it must have one, and a ceramic if the grid has."""
     section = scenario.optimise
@@ -124,7 +138,8 @@ def grid_of(scenario: Scenario) -> Optimise:
 
 def settings_of(scenario: Scenario) -> Settings:
     """Return the settings of a scenario."""
-    return Settings(scenario.file, scenario.solver, scenario.ballistic_limit, scenario.optimise)
+    error = UNKNOWN if is_excluded(scenario) else given_error(scenario)
+    return Settings(scenario.file, scenario.solver, scenario.ballistic_limit, scenario.optimise, error)
 
 
 def impacts(variants: Variants, threads: int | None = None) -> batch.Impacts:

@@ -8,7 +8,7 @@ from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, option
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling, warnings_of
 
 # What commands read, see `armour.scenario.reach`.
-LIMIT = ("impact.projectile", "armour", "ballistic_limit")
+LIMIT = ("impact.projectile", "armour", "ballistic_limit", "uncertainty.model")
 DESIGNS = (
     "impact",
     "threat",
@@ -30,16 +30,18 @@ def simulate(
     as_json: AsJson = False,
 ) -> None:
     """Simulate one impact."""
-    from armour.analysis import impact
+    from armour.analysis import confidence, impact
     from armour.reporting.table import csv_text
     from armour.reporting.tables.impact import history_table, impact_tables
 
     check_outputs(history, plot=plot)
-    loaded = read_scenario(scenario, changes, ("impact", "armour"), {"--velocity": ("impact.velocity_m_s", velocity)})
+    reads = ("impact", "armour", "ballistic_limit", "uncertainty.model")
+    loaded = read_scenario(scenario, changes, reads, {"--velocity": ("impact.velocity_m_s", velocity)})
     result = impact.simulate(loaded, history=history is not None or plot is not None)
+    sure = confidence.confidence(loaded)
     respond(
-        result.to_dict(),
-        impact_tables(result),
+        {**result.to_dict(), "confidence": sure.to_dict()},
+        impact_tables(result, sure),
         as_json=as_json,
         title=loaded.title,
         files=[(history, lambda: None if result.history is None else csv_text(history_table(result.history)))],
@@ -98,6 +100,9 @@ def compare(scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = No
 def optimise(
     scenario: ScenarioFile,
     refine: Annotated[bool, option("Also find the best design between the values of the grid.", "--refine")] = False,
+    confidence: Annotated[
+        float | None, option("Probability of defeating each threat to design for, such as 0.95.", metavar="PROBABILITY")
+    ] = None,
     csv: Annotated[
         Path | None,
         option("Write the Pareto front or, where none is asked for, the frontier as CSV.", "--csv", metavar="FILE"),
@@ -115,7 +120,7 @@ def optimise(
     from armour.reporting.tables.design import design_tables, frontier_table, pareto_table, required_margins
 
     check_outputs(csv, plot=plot)
-    loaded = read_scenario(scenario, changes, DESIGNS)
+    loaded = read_scenario(scenario, changes, DESIGNS, {"--confidence": ("design.confidence", confidence)})
     say_if_compiling()
     with progress("impacts") as count:
         result = design.optimise(loaded, refine=refine, on_progress=count)
@@ -156,6 +161,7 @@ def sensitivity(
         title=loaded.title,
         plot=plot,
         chart=lambda charts: charts.sensitivity_chart(result, loaded.title),
+        warnings=warnings_of(loaded, result.warnings),
     )
 
 

@@ -49,7 +49,7 @@ def _with_more_margin(requirement: Requirement, pair: int, columns: Sequence[str
     ends = (layer.thicknesses() if free is None else (free.max,) for layer, free in zip(layers, ranges, strict=True))
     ceramics, backings = (values.ravel() for values in np.meshgrid(*ends))
     thickest = catalogue.candidates(pair, ceramics, backings)
-    spare = float((requirement.lowest_limits(thickest) - catalogue.required_m_s).min(axis=1).max())
+    spare = float((requirement.lowest_limits(thickest) - catalogue.required_m_s(thickest)).min(axis=1).max())
     parts = [thickest]
     for margin in np.linspace(0.0, max(spare, 0.0), MARGIN_PARTS + 1)[1:-1].tolist():
         raised = replace(requirement, catalogue=catalogue.with_more_margin(margin), runs=0)

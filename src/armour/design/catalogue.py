@@ -11,6 +11,7 @@ from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, set
 from armour.core.state import Parameters
 from armour.engine import batch
 from armour.errors import Problem, refuse
+from armour.scenario.applicability import is_excluded
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import FIELDS, VELOCITY, inputs_of, with_inputs
 from armour.scenario.schema import MAX_DESIGNS, BackingLayer, CeramicLayer, DesignSection, FreeRange, Range, Threat
@@ -19,6 +20,8 @@ from armour.units import MM
 # Largest relative constraint violation that counts as rounding.
 ROUNDING = 1e-12
 COST = "cost_per_m2"
+# A probability of perforation that bounds nothing.
+NO_BOUND = 0.5
 # Criterion that is not a column of the candidates.
 MARGIN = "margin_m_s"
 # Back plate thicknesses of the first round of a search in which both layers are free.
@@ -71,12 +74,13 @@ class Catalogue:
     section: DesignSection
     threats: tuple[Threat, ...]
     titles: tuple[str, ...]  # of the threats
-    required_m_s: Floats  # velocities that the ballistic limits must reach, (threats,)
-    bounded: bool  # whether a threat bounds the probability of perforation
+    bounds: Floats  # of the probabilities of perforation, 0.5 where none is given, (threats,)
+    sampled: bool  # whether the bounds hold for uncertain inputs too, which are sampled
     offers: tuple[Offer, ...]
     layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, 13)
     projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, 13)
     inputs: tuple[Mapping[str, float], ...]  # inputs that each material and projectile has at least once
+    more_margin_m_s: float = 0.0  # required of every threat
 
     def against(self, pair: int, threat: int) -> Scenario:
         """Return the scenario of a pair against a threat."""
@@ -85,10 +89,39 @@ class Catalogue:
 
     def variants(self, candidates: Candidates, threat: int) -> Variants:
         """Return designs against a threat, a row each, at the velocity that it requires."""
+        rows = self._at_threat(candidates, threat)
+        return rows._replace(velocities=self._required_m_s(rows, threat))
+
+    def required_m_s(self, candidates: Candidates) -> Floats:
+        """Return the velocities that the ballistic limits of designs must reach, (designs, threats).
+
+        These are infinite where a probability is bounded, and the error of the model is not known.
+        """
+        threats = range(len(self.threats))
+        return np.column_stack([self._required_m_s(self._at_threat(candidates, i), i) for i in threats])
+
+    def _at_threat(self, candidates: Candidates, threat: int) -> Variants:
+        """Return designs against a threat at its velocity, a row each."""
         parameters = self.layers[candidates.pair] + self.projectiles[threat]
-        velocities = np.full(len(parameters), self.threats[threat].required_m_s)
+        velocities = np.full(len(parameters), self.threats[threat].velocity_m_s)
         rows = Variants(parameters, velocities, settings_of(self.scenario))
         return with_thicknesses(rows, ceramic_mm=candidates.ceramic_mm, backing_mm=candidates.backing_mm)
+
+    def _required_m_s(self, rows: Variants, threat: int) -> Floats:
+        required = np.full(len(rows.velocities), self.threats[threat].required_m_s)
+        if not self.sampled and self.bounds[threat] < NO_BOUND:
+            relative = np.nan_to_num(rows.errors.quantile(self.bounds[threat]), nan=-1.0)
+            with np.errstate(divide="ignore"):
+                required = np.maximum(required, rows.velocities / (1.0 + relative))
+        return required + self.more_margin_m_s
+
+    def probabilities_of_defeat(self, candidates: Candidates, limits: Floats) -> Floats:
+        """Return the probabilities that limits, (designs, threats), exceed the threats' velocities; NaN if unknown."""
+        found = np.empty_like(limits)
+        for i in range(len(self.threats)):
+            rows = self._at_threat(candidates, i)
+            found[:, i] = rows.errors.probability_of_defeat(limits[:, i], rows.velocities)
+        return found
 
     def candidates(self, pair: int, ceramic_mm: Floats, backing_mm: Floats) -> Candidates:
         """Return designs of a pair with their areal density, thickness and cost."""
@@ -140,8 +173,7 @@ class Catalogue:
 
     def with_more_margin(self, margin_m_s: float) -> "Catalogue":
         """Return the catalogue with greater margins required, m/s."""
-        threats = (threat.model_copy(update={"margin_m_s": threat.margin_m_s + margin_m_s}) for threat in self.threats)
-        return replace(self, threats=tuple(threats), required_m_s=self.required_m_s + margin_m_s)
+        return replace(self, more_margin_m_s=self.more_margin_m_s + margin_m_s)
 
 
 def catalogue_of(scenario: Scenario) -> Catalogue:
@@ -150,7 +182,9 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     own = Threat(projectile=scenario.impact.projectile, velocity_m_s=scenario.impact.velocity_m_s)
     threats = tuple(scenario.threat) or (own,)
     titles = tuple(threat.title for threat in threats)
-    bounded = any(threat.probability_of_perforation is not None for threat in threats)
+    bounds = [_bound_of(threat, section) for threat in threats]
+    bounded = min(bounds) < NO_BOUND
+    uncertain = scenario.uncertainty is not None and scenario.uncertainty.inputs()
     problems = _too_much(scenario.file, section, len(threats))
     seen: set[str] = set()
     for i, title in enumerate(titles):
@@ -158,9 +192,12 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
             message = f'must be different for each threat, found "{title}" twice'
             problems.append(Problem(scenario.file, f"threat[{i}].name", message))
         seen.add(title)
-    if bounded and any(layer.free_range() for layer in [*section.ceramic, *section.backing]):
-        message = "must have a step for each thickness_mm where a threat has probability_of_perforation"
+    if bounded and uncertain and any(layer.free_range() for layer in [*section.ceramic, *section.backing]):
+        message = "must have a step for each thickness_mm where probabilities of perforation are bounded by sampling"
         problems.append(Problem(scenario.file, "design", message))
+    if bounded and not uncertain and is_excluded(scenario):
+        message = "must be true where a probability is bounded and no input has a distribution, found false"
+        problems.append(Problem(scenario.file, "uncertainty.model.included", message))
     if COST in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None:
         for key, layers in (("ceramic", section.ceramic), ("backing", section.backing)):
             for i, layer in enumerate(layers):
@@ -189,13 +226,20 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         section,
         threats,
         titles,
-        np.array([threat.required_m_s for threat in threats]),
-        bounded,
+        np.array(bounds),
+        bool(bounded and uncertain),
         tuple(offers),
         rows,
         np.array([projectiles[threat.projectile] for threat in threats]),
         tuple(map(inputs_of, (*of_ceramics, *of_backings, *of_projectiles.values()))),
     )
+
+
+def _bound_of(threat: Threat, section: DesignSection) -> float:
+    """Return the bound on the probability that a threat perforates; `NO_BOUND` if there is none."""
+    if threat.probability_of_perforation is not None:
+        return threat.probability_of_perforation
+    return NO_BOUND if section.confidence is None else 1.0 - section.confidence
 
 
 def _too_much(file: str, section: DesignSection, threats: int) -> list[Problem]:

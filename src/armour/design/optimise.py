@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
-from math import inf
+from itertools import chain
+from math import inf, isnan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,13 +15,15 @@ from armour.design.catalogue import MARGIN, Catalogue, catalogue_of
 from armour.design.requirement import Requirement
 from armour.design.search import Search
 from armour.errors import NoDesignError, Problem, refuse
-from armour.scenario.applicability import warnings_of
+from armour.scenario.applicability import model_error, warnings_of
+from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC
 
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
 
+NO_ERROR = "the error of the model is not known"
 SMALLER = {"areal_density_kg_m2": "lighter", "thickness_mm": "thinner", "cost_per_m2": "cheaper"}
 COMPARATIVES = {"areal_density_kg_m2": "heavier", "thickness_mm": "thicker", "cost_per_m2": "dearer"}
 
@@ -64,7 +67,11 @@ class BestDesign(Design):
     governing : str
         Threat whose required velocity the ballistic limit exceeds by the least.
     probabilities : dict of str to Estimate
-        Probabilities of perforation, by threat that bounds it.
+        Probabilities of perforation, by threat that bounds it, where uncertain inputs are sampled.
+    probabilities_of_defeat : dict of str to float or None
+        By threat; None where the error of the model is not known.
+    model_error : ModelError or None
+        Relative error of the ballistic limit against the governing threat.
     """
 
     ballistic_limit_m_s: float | None
@@ -73,6 +80,8 @@ class BestDesign(Design):
     margins_m_s: dict[str, float]
     governing: str
     probabilities: "dict[str, Estimate]"
+    probabilities_of_defeat: dict[str, float | None]
+    model_error: ModelError | None
 
 
 @dataclass(frozen=True)
@@ -186,7 +195,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     """
     catalogue = catalogue_of(scenario)
     problems = []
-    if refine and catalogue.bounded:
+    if refine and catalogue.sampled:
         message = (
             "must be left out where the design is refined, as designs between the given thicknesses are not sampled"
         )
@@ -195,7 +204,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         problems.append(Problem(scenario.file, "--refine", "needs a thickness given as a range"))
     refuse(problems)
     reliability = None
-    if catalogue.bounded:
+    if catalogue.sampled:
         from armour.design.reliability import Reliability  # takes half a second to import scipy.stats
 
         reliability = Reliability(catalogue, on_progress)
@@ -209,8 +218,6 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     pair = int(search.candidates.pair[first])
     frontier = search.frontier(first)
     best = _best(search, first)
-    thicknesses = {CERAMIC: best.ceramic_thickness_mm, BACKING: best.backing_thickness_mm}
-    governing = catalogue.against(pair, catalogue.titles.index(best.governing)).replaced(thicknesses)
     found = _designs(search, frontier, with_margins=True)
     ceramic_min = min((low for _, name, low, _ in catalogue.ranges(pair) if name == "ceramic"), default=0.0) or None
     return DesignResult(
@@ -228,12 +235,19 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         runs=requirement.runs,
         not_monotonic_mm=search.not_monotonic_mm(frontier),
         warnings=(
-            *warnings_of(governing, governing.impact.velocity_m_s),
+            *_outside(search, first),
             *_at_the_ends(catalogue, pair, best),
             *_least_of_the_range(catalogue, pair, found, ceramic_min),
         ),
         ceramic_min_mm=ceramic_min,
     )
+
+
+def _outside(search: Search, place: int) -> list[str]:
+    """Return the ways in which a design and its threats are unlike what the model was compared with."""
+    threats = search.catalogue.threats
+    found = (warnings_of(_against(search, place, i), threat.velocity_m_s) for i, threat in enumerate(threats))
+    return list(dict.fromkeys(chain.from_iterable(found)))
 
 
 def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[str]:
@@ -279,7 +293,7 @@ def _refined(search: Search, first: int) -> BestDesign:
 
 def _governing(search: Search, where: Ints) -> list[int]:
     """Return for each design the threat whose required velocity the ballistic limit exceeds by the least."""
-    threats: list[int] = (search.limits(where) - search.catalogue.required_m_s).argmin(axis=1).tolist()
+    threats: list[int] = search.excess_m_s(where).argmin(axis=1).tolist()
     return threats
 
 
@@ -301,6 +315,7 @@ def _best(search: Search, place: int) -> BestDesign:
     offer = catalogue.offers[search.candidates.pair[place]]
     section = catalogue.scenario.ballistic_limit
     limit = float(limits[governing])
+    sampled = search.probabilities(place) or {}
     return BestDesign(
         **asdict(design),
         ballistic_limit_m_s=limit if section.velocity_min_m_s < limit <= section.velocity_max_m_s else None,
@@ -308,8 +323,25 @@ def _best(search: Search, place: int) -> BestDesign:
         backing_density_kg_m3=offer.backing_density_kg_m3,
         margins_m_s=dict(zip(catalogue.titles, search.margins(limits).tolist(), strict=True)),
         governing=catalogue.titles[governing],
-        probabilities=search.probabilities(place) or {},
+        probabilities=sampled,
+        probabilities_of_defeat=_of_defeat(search, place, sampled),
+        model_error=model_error(_against(search, place, governing)),
     )
+
+
+def _of_defeat(search: Search, place: int, sampled: "dict[str, Estimate]") -> dict[str, float | None]:
+    """Return the probabilities that a design defeats each threat: of the samples, else by the error of the model."""
+    where, catalogue = np.array([place]), search.catalogue
+    [found] = catalogue.probabilities_of_defeat(search.candidates.at(where), search.limits(where)).tolist()
+    own = {title: None if isnan(p) else p for title, p in zip(catalogue.titles, found, strict=True)}
+    return own | {title: 1.0 - estimate.value for title, estimate in sampled.items()}
+
+
+def _against(search: Search, place: int, threat: int) -> Scenario:
+    """Return the scenario of a design against a threat."""
+    candidates = search.candidates
+    thicknesses = {CERAMIC: float(candidates.ceramic_mm[place]), BACKING: float(candidates.backing_mm[place])}
+    return search.catalogue.against(int(candidates.pair[place]), threat).replaced(thicknesses)
 
 
 def _pairs(search: Search, best: int) -> tuple[Pair, ...]:
@@ -320,7 +352,7 @@ def _pairs(search: Search, best: int) -> tuple[Pair, ...]:
     for index, offer in enumerate(search.catalogue.offers):
         own = search.of_pair(index)
         # Only possible runners-up are sampled, as each design takes thousands of impacts.
-        place = search.first(own[search.values[own] <= most] if search.catalogue.bounded else own)
+        place = search.first(own[search.values[own] <= most] if search.catalogue.sampled else own)
         found = None if place is None else _best(search, place)
         excess, reason = (None, _why_none_of(search, index)) if place is None else _excess(search, place, least)
         pairs.append(Pair(offer.ceramic.material, offer.backing.material, found, excess, reason))
@@ -353,10 +385,11 @@ def _why_none(search: Search) -> str:
             f"{grid.backing_thickness_mm.max:g} mm back plate, is perforated at {scenario.impact.velocity_m_s:g} m/s; "
             "raise the max of optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"
         )
-    if catalogue.bounded and defeating:
+    if catalogue.sampled and defeating:
         return "no design keeps the probability of perforation within the bound of every threat"
-    reasons = [_why_none_of(search, pair) for pair in range(len(catalogue.offers))]
-    return f"{'; '.join(dict.fromkeys(reasons))}; offer thicker layers in [design] or [optimise]"
+    reasons = dict.fromkeys(_why_none_of(search, pair) for pair in range(len(catalogue.offers)))
+    advice = "" if all(reason.startswith(NO_ERROR) for reason in reasons) else "; offer thicker layers in [design] or [optimise]"
+    return f"{'; '.join(reasons)}{advice}"
 
 
 def _why_none_of(search: Search, pair: int) -> str:
@@ -364,11 +397,15 @@ def _why_none_of(search: Search, pair: int) -> str:
     catalogue, own = search.catalogue, search.of_pair(pair)
     if not len(own):
         return "no design meets the constraints"
+    if np.isinf(catalogue.required_m_s(search.candidates.at(own))).any(axis=1).all():
+        offer = catalogue.offers[pair]
+        armour = f"{offer.ceramic.material} on {offer.backing.material}" if offer.ceramic.material else "bare plates"
+        return f"{NO_ERROR} for {armour}; [uncertainty.model] can give it"
     good = own[search.defeating[own]]
-    if len(good) and catalogue.bounded:
+    if len(good) and catalogue.sampled:
         return f"no design within {catalogue.section.runners_up_percent:g} % of the best"
     if len(good):
-        lost = (search.limits(good) < catalogue.required_m_s).all(axis=0)
+        lost = (search.excess_m_s(good) < 0.0).all(axis=0)
     else:
         candidates = search.candidates.at(own)
         lost = np.array([not search.requirement.defeats(candidates, i).any() for i in range(len(catalogue.threats))])

@@ -1,11 +1,11 @@
 """Bounds on the probability that a design is perforated, by sampling the uncertain inputs."""
 
-from math import ceil, inf, log, log1p
+from math import ceil, log, log1p
 
 from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
 from armour.analysis.uncertain_inputs import sampled, section_of
 from armour.analysis.variants import OnProgress, ignore_progress, perforated
-from armour.design.catalogue import Candidates, Catalogue
+from armour.design.catalogue import NO_BOUND, Candidates, Catalogue
 from armour.errors import Problem, refuse
 from armour.scenario.distributions import MAX_SAMPLES, Uncertainty
 from armour.scenario.loading import Scenario
@@ -32,8 +32,8 @@ class Reliability:
         thicknesses = float(candidates.ceramic_mm[place]), float(candidates.backing_mm[place])
         found = {}
         for i, threat in enumerate(self.catalogue.threats):
-            bound = threat.probability_of_perforation
-            if bound is not None:
+            bound = float(self.catalogue.bounds[i])
+            if bound < NO_BOUND:
                 scenario = self.catalogue.against(int(candidates.pair[place]), i)
                 estimate = self.within(bound, scenario, *thicknesses)
                 if estimate is None:
@@ -72,7 +72,7 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
                 "must be centred on the value of each design or threat: normal or lognormal, without mean, min and max"
             )
             problems.append(Problem(file, f"uncertainty.{name}", message))
-    bound = min(threat.probability_of_perforation or inf for threat in catalogue.threats)
+    bound = float(catalogue.bounds.min())
     if proportion(0, section.samples).high > bound:
         # Without a perforation, the upper end of the Clopper-Pearson interval is 1 - (tail)^(1/n).
         needed = ceil(log(0.5 * (1.0 - CONFIDENCE)) / log1p(-bound))

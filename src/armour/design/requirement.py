@@ -30,7 +30,11 @@ class Requirement:
         for part in portions(len(defeated), IMPACTS_AT_A_TIME):
             left = np.arange(part.start, part.stop)
             for each in range(len(self.catalogue.threats)) if threat is None else [threat]:
-                defeated[left] = ~perforated(self.catalogue.variants(candidates.at(left), each))
+                variants = self.catalogue.variants(candidates.at(left), each)
+                possible = variants.velocities <= FASTEST_M_S
+                defeated[left] = possible
+                left = left[possible]
+                defeated[left] = ~perforated(variants.at(possible))
                 self._count(len(left))
                 left = left[defeated[left]]
         return defeated

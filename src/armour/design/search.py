@@ -50,8 +50,13 @@ class Search:
     def passes(self, where: Ints) -> Bools:
         """Return whether designs defeat every threat at the velocity required and have no ballistic limit below it."""
         passed = self.defeating[where]
-        passed[passed] = (self.limits(where[passed]) >= self.catalogue.required_m_s).all(axis=1)
+        passed[passed] = (self.excess_m_s(where[passed]) >= 0.0).all(axis=1)
         return passed
+
+    def excess_m_s(self, where: Ints) -> Floats:
+        """Return by how much lowest ballistic limits exceed the velocities required, m/s, (designs, threats)."""
+        excess: Floats = self.limits(where) - self.catalogue.required_m_s(self.candidates.at(where))
+        return excess
 
     def probabilities(self, place: int) -> "dict[str, Estimate] | None":
         """Return the probabilities of perforation of a design, by threat that bounds it; None where one is too high."""
@@ -113,7 +118,8 @@ class Search:
         """Return the back plate thicknesses of a frontier at which a thicker ceramic is known not to pass, mm."""
         ceramics, backings = self.candidates.ceramic_mm, self.candidates.backing_mm
         own = self.of_pair(int(self.candidates.pair[frontier[0]]))
-        failing = own[~self.defeating[own] | (self._limits[own] < self.catalogue.required_m_s).any(axis=1)]
+        required = self.catalogue.required_m_s(self.candidates.at(own))
+        failing = own[~self.defeating[own] | (self._limits[own] < required).any(axis=1)]
         failing = failing[np.isin(backings[failing], backings[frontier])]
         # The frontier is in the order of its back plates.
         thickest = np.zeros(len(frontier))

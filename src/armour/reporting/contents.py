@@ -4,11 +4,13 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, not_monotonic
+from armour.analysis.confidence import ConfidenceResult, of_limit
 from armour.analysis.energy import EnergyBalance, energy_balance
 from armour.analysis.impact import ImpactResult, simulate
 from armour.analysis.variants import OnProgress, ignore_progress
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import NoLimitError
+from armour.scenario.applicability import model_error
 from armour.scenario.library import LibraryEntry
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, ROLES, VELOCITY, entry_of, inputs_of, with_inputs
@@ -25,6 +27,7 @@ class Contents:
     design: DesignResult | None  # None where the scenario asks for no design
     impact: ImpactResult  # with its history
     limit: LimitResult | None  # None where it is outside the range searched
+    confidence: ConfidenceResult
     energy: EnergyBalance
     sensitivity: SensitivityResult
     uncertainty: UncertaintyResult | None  # None without distributions that apply to the answer
@@ -42,8 +45,10 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress) -
     design = optimise(scenario, on_progress=on_part) if asked else None
     answer = scenario if design is None else _with_best(scenario, design)
     impact, limit = simulate(answer, history=True), None
+    sure = ConfidenceResult(None, None, model_error(answer), "there is no ballistic limit in the range searched")
     with suppress(NoLimitError):
         limit = ballistic_limit(answer)
+        sure = of_limit(answer, limit.ballistic_limit_m_s, answer.impact.velocity_m_s)
     sampled = scenario.uncertainty is not None and scenario.uncertainty.inputs()
     misplaced = _misplaced(scenario, answer)
     return Contents(
@@ -52,6 +57,7 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress) -
         design=design,
         impact=impact,
         limit=limit,
+        confidence=sure,
         energy=energy_balance(answer, impact),
         sensitivity=sensitivity(answer, on_progress=on_part),
         uncertainty=uncertainty(answer, on_progress=on_part) if sampled and not misplaced else None,

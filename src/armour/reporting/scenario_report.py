@@ -8,6 +8,7 @@ from armour.reporting.chart import Chart
 from armour.reporting.contents import Contents
 from armour.reporting.report import Card, CrossSection, Report, Section, origin_section
 from armour.reporting.table import Table
+from armour.reporting.tables.confidence import DEFEAT, chance, confidence_note, error_note
 from armour.reporting.tables.design import (
     COST,
     MARGIN,
@@ -22,7 +23,6 @@ from armour.reporting.tables.design import (
 from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT, energy_table, stage_table
 from armour.reporting.tables.library import entry_table
 from armour.reporting.tables.statistics import elasticity_table, estimate_table
-from armour.scenario.applicability import MODEL_ERROR_PERCENT
 from armour.units import MM
 
 
@@ -91,22 +91,16 @@ def _outcome(contents: Contents) -> Card:
 
 
 def _reliability(contents: Contents) -> Card:
-    """Return how reliable the answer is, by the given distributions and by the model's error on tests."""
-    mean, largest = MODEL_ERROR_PERCENT
-    error = f"error of the model on Wilkins' 13 tests: {mean:g} % on average, {largest:g} % at most"
-    if contents.uncertainty is not None:
-        p = contents.uncertainty.probability_of_perforation
-        detail = f"95 % interval {100.0 * p.low:.1f} to {100.0 * p.high:.1f} %, from the given distributions; {error}"
-        return Card("Probability of perforation", f"{100.0 * p.value:.1f} %", detail)
-    subject = "Mean error of the ballistic limit"
-    if contents.limit is None:
-        return Card(subject, f"{mean:g} %", error)
-    limit = contents.limit.ballistic_limit_m_s
-    usual = mean / 100.0 * limit
-    within = "the margin is within the mean error: test before use"
-    if abs(limit - contents.answer.impact.velocity_m_s) >= usual:
-        within = "the margin is beyond the mean error"
-    return Card(subject, f"± {usual:.0f} m/s", f"{error}; {within}")
+    """Return the probability of defeating the threat, and what it rests on."""
+    sure, note = contents.confidence, confidence_note(contents.confidence)
+    if contents.uncertainty is None:
+        return Card(DEFEAT.label.capitalize(), chance(sure.probability_of_defeat), note)
+    p = contents.uncertainty.probability_of_perforation
+    given = "the given distributions"
+    if contents.uncertainty.model_error is not None:
+        given, note = f"{given} and the error of the model", error_note(contents.uncertainty.model_error)
+    interval = f"95 % interval {100.0 * (1.0 - p.high):.1f} to {100.0 * (1.0 - p.low):.1f} %, from {given}"
+    return Card(DEFEAT.label.capitalize(), chance(1.0 - p.value), f"{interval}; {note}")
 
 
 def _energy(contents: Contents) -> Section:

@@ -1,47 +1,145 @@
-"""Validated range of the model: the data that it was tested on."""
+"""Applicability of the model: where an armour lies outside what was tested, and the error of its ballistic limit."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
-from armour.scenario.library import penetrator_length_mm
+from armour.core.state import Parameters
+from armour.scenario.evidence import CERAMICS, EVIDENCE, Evidence, ModelError
 
 if TYPE_CHECKING:
     from armour.scenario.loading import Scenario
 
-
-class DataRange(NamedTuple):
-    """Range of a quantity within which the model was tested."""
-
-    key: str  # key of the scenario that the quantity depends on
-    words: str  # what was tested, in the plural
-    low: float
-    high: float
-    unit: str  # unit of the ends, or what they are relative to
+VELOCITY = "impact.velocity_m_s"
+# Degrees of freedom from which Student's t distribution is as good as normal.
+NORMAL = 1e6
 
 
-# Ranges of the paper's cases and of Wilkins' tests in suites/paper.toml, rounded outwards to two digits.
-VELOCITY = DataRange("impact.velocity_m_s", "velocities", 620.0, 1300.0, "m/s")
-CERAMIC = DataRange("armour.ceramic_thickness_mm", "ceramics", 0.61, 4.1, "penetrator diameters thick")
-BACKING = DataRange("armour.backing_thickness_mm", "back plates", 0.66, 3.0, "penetrator diameters thick")
-# Mean and greatest error of the ballistic limit on Wilkins' 13 tests, per cent; a test compares it with the suite.
-MODEL_ERROR_PERCENT = 5.1, 11.3
-SLENDERNESS = DataRange("impact.projectile", "penetrators", 3.2, 5.4, "diameters long")
+class Limit(NamedTuple):
+    """A respect in which an armour, or each of n, may lie outside what the model was compared with."""
+
+    key: str
+    words: str  # what the model was compared with
+    outside: Any  # bool or array of bool, (n,)
+    value: Any = None  # number or array, (n,); None where the name of the ceramic tells it
+
+
+def model_error(scenario: "Scenario") -> ModelError | None:
+    """Return the error of the ballistic limit: that of [uncertainty.model], or of the tests of such armours.
+
+    None if it is not included there, or if no such armour was tested.
+    """
+    if is_excluded(scenario):
+        return None
+    given = given_error(scenario)
+    if given is not None:
+        return given
+    armour = scenario.core_armour()
+    evidence = closest(armour)
+    if any(limits.fails(armour) for limits in evidence.kind):
+        return None
+    extrapolated = tuple(str(limits) for limits in evidence.measured if limits.fails(armour))
+    return ModelError(*evidence.error, evidence.title, extrapolated)
+
+
+def given_error(scenario: "Scenario") -> ModelError | None:
+    """Return the error that [uncertainty.model] gives; None if it gives none."""
+    section = None if scenario.uncertainty is None else scenario.uncertainty.model
+    if section is None or section.scale_percent is None:
+        return None
+    source = section.source or f"uncertainty.model of {scenario.file}"
+    return ModelError(section.mean_percent, section.scale_percent, section.degrees_of_freedom or NORMAL, source)
+
+
+def is_excluded(scenario: "Scenario") -> bool:
+    """Return whether a scenario says not to include the error of the model."""
+    section = None if scenario.uncertainty is None else scenario.uncertainty.model
+    return section is not None and not section.included
+
+
+def closest(armour: Parameters) -> Evidence:
+    """Return the evidence whose kind of armour and penetrator an armour differs from in the fewest respects."""
+    known = [evidence for evidence in EVIDENCE if evidence.bare == (armour.Hc0 == 0.0)]
+    return min(known, key=lambda evidence: sum(bool(limits.fails(armour)) for limits in evidence.kind))
 
 
 def warnings_of(scenario: "Scenario", velocity: float) -> tuple[str, ...]:
-    """Return the ways in which a scenario lies outside the validated range, as "key: range of the tests, value found".
+    """Return the ways in which a scenario is unlike what the model was compared with, as "key: what, value found".
 
     `velocity` is the impact velocity or the ballistic limit, m/s.
     """
-    projectile = scenario.entry("projectile", scenario.impact.projectile)
-    diameter = projectile["penetrator_diameter_mm"]
-    found = (
-        (VELOCITY, velocity),
-        (CERAMIC, scenario.armour.ceramic_thickness_mm / diameter),
-        (BACKING, scenario.armour.backing_thickness_mm / diameter),
-        (SLENDERNESS, penetrator_length_mm(projectile) / diameter),
-    )
-    return tuple(
-        f"{r.key}: the model was tested on {r.words} from {r.low:g} to {r.high:g} {r.unit}, found {value:.3g}"
-        for r, value in found
-        if not r.low <= value <= r.high
-    )
+    armour = scenario.core_armour()
+    limits = limits_of(closest(armour), armour, velocity)
+    return tuple(f"{limit.key}: {limit.words}, found {_found(scenario, limit)}" for limit in limits if limit.outside)
+
+
+def _found(scenario: "Scenario", limit: Limit) -> str:
+    if limit.value is None:
+        return f'"{scenario.armour.ceramic}"'
+    return f"{limit.value:.0f}" if limit.value >= 100.0 else f"{limit.value:.3g}"
+
+
+def limits_of(evidence: Evidence, armour: Parameters, velocity: Any) -> Iterator[Limit]:
+    """Give the limits of some evidence, and whether an armour and a velocity, or each of many, lie outside them.
+
+    The velocity is None where none is to be compared.
+    """
+    if velocity is not None:
+        low, high = evidence.velocities_m_s
+        words = f"the model was compared with results at {low:g} to {high:g} m/s"
+        yield Limit(VELOCITY, words, (velocity < low) | (velocity > high), velocity)
+    if not evidence.bare:
+        yield from _of_ceramic(armour)
+    for limits in evidence.ranges():
+        words = f"the model was compared with results for {limits}"
+        yield Limit(limits.measure.key, words, limits.fails(armour), limits.measure.of(armour))
+
+
+def _of_ceramic(armour: Parameters) -> Iterator[Limit]:
+    """Give the limits of the ceramics that were tested, or that the paper's program computed."""
+    untested = unknown = True
+    for ceramic in CERAMICS:
+        density, modulus = ceramic.ranges()
+        different = density.fails(armour) | modulus.fails(armour)
+        unknown = unknown & different
+        if ceramic.measured:
+            untested = untested & different
+        words = f"the model was compared with results of {ceramic.name} with {ceramic.strength}"
+        measure = ceramic.strength.measure
+        yield Limit(measure.key, words, ceramic.strength.fails(armour) & (different ^ True), measure.of(armour))
+    names = ", ".join(ceramic.name for ceramic in CERAMICS)
+    yield Limit("armour.ceramic", f"the model was compared with results of {names} only", unknown)
+    words = "the model was compared with results of the paper's program for such a ceramic, with no test"
+    yield Limit("armour.ceramic", words, untested ^ unknown)
+
+
+def row_errors(armour: Parameters) -> ModelError:
+    """Return the errors of n armours, given as arrays, (n,), from tests of such armours: arrays, NaN where unknown."""
+    # Imported here because a scenario without rows does not need numpy.
+    import numpy as np
+
+    found = np.full((3, len(armour.Hc0)), np.nan)
+    for evidence in EVIDENCE:
+        of_kind = evidence.bare == (armour.Hc0 == 0.0)
+        for limits in evidence.kind:
+            of_kind &= ~limits.fails(armour)
+        found[:, of_kind] = np.array(evidence.error)[:, None]
+    return ModelError(*(cast(Any, column) for column in found))
+
+
+def row_limits(armour: Parameters, velocities: Any) -> Iterator[tuple[str, int]]:
+    """Yield the limits, as "key: words", that some of n armours lie outside of, and how many do.
+
+    Parameters and velocities are arrays, (n,); the velocities are None where none are to be compared.
+    """
+    import numpy as np
+
+    fails = [sum(limits.fails(armour).astype(int) for limits in evidence.kind) for evidence in EVIDENCE]
+    other = [1000 * (evidence.bare != (armour.Hc0 == 0.0)) for evidence in EVIDENCE]
+    nearest = (np.array(fails) + np.array(other)).argmin(axis=0)
+    for index in np.unique(nearest):
+        where = nearest == index
+        some = Parameters(*(values[where] for values in armour))
+        for limit in limits_of(EVIDENCE[index], some, None if velocities is None else velocities[where]):
+            count = int(np.count_nonzero(limit.outside))
+            if count:
+                yield f"{limit.key}: {limit.words}", count

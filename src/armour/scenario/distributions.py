@@ -113,8 +113,27 @@ class Correlation(Section):
     coefficient: Annotated[float, Field(gt=-1.0, lt=1.0)]
 
 
+class ModelSection(Section):
+    """Relative error of the ballistic limit: that of the armour over that of the model, less 1; Student's t."""
+
+    included: bool = True
+    mean_percent: Annotated[float, Field(ge=-90.0, le=1000.0)] = 0.0
+    scale_percent: Annotated[float, Field(ge=1e-3, le=100.0)] | None = None
+    degrees_of_freedom: Annotated[float, Field(ge=1.0, le=1e6)] | None = None
+    source: str = ""
+
+    @model_validator(mode="after")
+    def _complete(self) -> "ModelSection":
+        given = self.model_fields_set - {"included"}
+        if not self.included and given:
+            raise ValueError(f"must have nothing else where included is false, found {', '.join(sorted(given))}")
+        if self.included and self.scale_percent is None:
+            raise ValueError("must have scale_percent, or included = false")
+        return self
+
+
 class Uncertainty(Section):
-    """Distributions of the uncertain inputs, their correlations and the sampling."""
+    """Distributions of the uncertain inputs, their correlations, the error of the model and the sampling."""
 
     method: Literal["sobol", "latin hypercube"] = "sobol"
     samples: Annotated[int, Field(ge=MIN_SAMPLES, le=MAX_SAMPLES)] = 4096
@@ -125,6 +144,7 @@ class Uncertainty(Section):
     ceramic: CeramicUncertainty = CeramicUncertainty()
     backing: BackingUncertainty = BackingUncertainty()
     correlation: Annotated[list[Correlation], Field(max_length=MAX_CORRELATIONS)] = []
+    model: ModelSection | None = None
 
     def inputs(self) -> dict[str, Distribution]:
         """Return the distributions by name of input, such as "ceramic.flow_stress_GPa"."""

@@ -249,6 +249,7 @@ class DesignSection(Section):
     """Catalogue of materials, constraints on a design and the objective."""
 
     minimise: Objective = "areal_density_kg_m2"
+    confidence: Annotated[float, Field(gt=0.5, lt=1.0)] | None = None
     pareto: Annotated[list[Criterion], Field(min_length=2, max_length=3), AfterValidator(_different)] | None = None
     runners_up_percent: Annotated[float, Field(ge=0.0, le=100.0)] = 5.0
     thickness_max_mm: Thickness | None = None

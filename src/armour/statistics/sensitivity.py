@@ -20,6 +20,7 @@ from armour.analysis.variants import (
 )
 from armour.design.free import least_areal_densities
 from armour.errors import NoAnswerError
+from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of
 
@@ -53,10 +54,13 @@ class SensitivityResult(Result):
         with continuous thicknesses, kg/m²; None where there is none.
     inputs : tuple of Elasticity
         In descending order of the elasticity of the ballistic limit.
+    warnings : tuple of str
+        Ways in which the scenario is unlike what the model was compared with.
     """
 
     answers: Mapping[str, float | None]
     inputs: tuple[Elasticity, ...]
+    warnings: tuple[str, ...] = ()
 
 
 def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> SensitivityResult:
@@ -109,6 +113,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     return SensitivityResult(
         answers={answer: _number(values[0]) for answer, values in answers.items()},
         inputs=tuple(sorted(inputs, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
+        warnings=warnings_of(scenario, scenario.impact.velocity_m_s),
     )
 
 

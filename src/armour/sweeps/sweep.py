@@ -1,5 +1,6 @@
 """Sweeps: quantities of a scenario for many rows of values, computed in chunks."""
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
@@ -7,7 +8,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from armour.analysis.evaluate import Group, check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
-from armour.analysis.variants import Floats, ignore_progress
+from armour.analysis.quantities import reads_of
+from armour.analysis.variants import Floats, ignore_progress, outside_limits
 from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import BLOCK, Cases, Grid
@@ -49,7 +51,8 @@ def sweep(
 
     Each chunk is written when it is computed: the same call resumes an interrupted sweep.  A question without an answer
     gives an empty field in CSV and NaN in Parquet.  Without a size of chunks, some rows are measured; ``approve`` gets
-    what all of them take and raises an error to stop.  ``tell`` gets a line for each chunk that is damaged on disk.
+    what all of them take and raises an error to stop.  ``tell`` gets a line for each chunk that is damaged on disk, and
+    at the end one for each limit of what the model was compared with that rows lie outside of.
     """
     _check(scenario, source, quantities)
     compute = compute or in_process()
@@ -68,8 +71,12 @@ def sweep(
         size = store.begin(size)
         count = -(-source.count // size)
         pending: dict[int, Mapping[str, Floats]] = {}
+        outside: Counter[str] = Counter()
+        computed = 0
+        flying = "impact" in reads_of(quantities)
 
         def missing_chunks() -> Chunks:
+            nonlocal computed
             for index, values in enumerate(source.chunks(size)):
                 try:
                     if store.has(index, values):
@@ -78,7 +85,11 @@ def sweep(
                 except DamagedError as error:
                     tell(f"{error}: damaged, computed anew")
                 pending[index] = values
-                yield index, groups_of(scenario, values)
+                groups = groups_of(scenario, values)
+                computed += len(values[source.keys[0]])
+                for group in groups:
+                    outside.update(dict(outside_limits(group.variants, velocities=flying)))
+                yield index, groups
 
         try:
             for _ in range(PASSES):
@@ -87,7 +98,10 @@ def sweep(
                     store.save(index, values, results)
                     on_chunk(len(values[source.keys[0]]), False)
                 with suppress(DamagedError):
-                    return store.finish(count, source.count)
+                    rows = store.finish(count, source.count)
+                    for limit, number in outside.items():
+                        tell(f"warning: {limit}; {number:,} of {computed:,} rows lie outside")
+                    return rows
                 on_chunk = ignore_progress  # each was, in the first pass
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"{store.chunks():,} of {count:,} chunks are done; {RESUME}") from None

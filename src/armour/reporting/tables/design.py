@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from armour.reporting.table import Column, Source, Table, column_of, listing, record
+from armour.reporting.tables.confidence import DEFEAT, NO_ERROR, chance, error_note
 from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT
 from armour.reporting.text import interval, number
 
@@ -12,6 +13,9 @@ if TYPE_CHECKING:
     from armour.design.optimise import BestDesign, DesignResult
     from armour.scenario.loading import Scenario
 
+# Probability of defeat below which the notes say how to ask for more.
+LOW = 0.75
+ASK = "--confidence 0.95 designs for a probability of 95 %"
 SUPERLATIVES = {"areal_density_kg_m2": "lightest", "thickness_mm": "thinnest", "cost_per_m2": "cheapest"}
 CERAMIC, BACKING = column_of("ceramic"), column_of("backing")
 # Thicknesses are shown with at most 3 decimals, and with no more than those of a table need.
@@ -47,6 +51,7 @@ def _design_record(design: "BestDesign", title: str, required: Mapping[str, floa
         limit,
         MARGIN,
         (REQUIRED, required.get(design.governing)),
+        (DEFEAT, chance(design.probabilities_of_defeat[design.governing])),
         title=title,
     )
     return _aligned(table)
@@ -106,8 +111,9 @@ def _governed(result: "DesignResult", threat: Any) -> tuple[Source, ...]:
 
 
 def margin_table(result: "DesignResult", required: Mapping[str, float]) -> Table:
-    """Return the best design's margin against each threat, and the probability of perforation where it is bounded."""
+    """Return the best design's margin against each threat, and the probabilities of defeat and of perforation."""
     best = result.best
+    defeat = best.probabilities_of_defeat
     sampled: list[Source] = [(REQUIRED, required.get)] if required else []
     if best.probabilities:
         values = {threat: estimate.value for threat, estimate in best.probabilities.items()}
@@ -118,6 +124,7 @@ def margin_table(result: "DesignResult", required: Mapping[str, float]) -> Table
         best.margins_m_s,
         (Column("threat", prose=True), str),
         (MARGIN, best.margins_m_s.__getitem__),
+        (DEFEAT, lambda threat: chance(defeat[threat])),
         *sampled,
         (Column("note"), lambda threat: "governs" if threat == best.governing else ""),
     )
@@ -156,4 +163,15 @@ def design_tables(result: "DesignResult", required: Mapping[str, float]) -> list
     tables.append(frontier_table(result) if len(result.pairs) == 1 else pair_table(result))
     if result.pareto:
         tables.append(pareto_table(result))
-    return [*tables, f"{number(result.examined, 'd')} designs computed"]
+    return [*tables, f"{number(result.examined, 'd')} designs computed", *confidence_notes(result.best)]
+
+
+def confidence_notes(best: "BestDesign") -> list[str]:
+    """Return what the probability of defeating the threat rests on, and how to ask for more."""
+    if best.model_error is None:
+        return [NO_ERROR]
+    notes = [error_note(best.model_error)]
+    least = min((p for p in best.probabilities_of_defeat.values() if p is not None), default=1.0)
+    if least < LOW:
+        notes.append(f"a design without a margin is as likely perforated as not; {ASK}")
+    return notes

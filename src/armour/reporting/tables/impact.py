@@ -4,9 +4,12 @@ from dataclasses import fields
 from typing import TYPE_CHECKING
 
 from armour.reporting.table import Column, Table, column_of, listing, record
+from armour.reporting.tables.confidence import DEFEAT, chance, confidence_note, error_note
+from armour.reporting.text import interval
 
 if TYPE_CHECKING:
     from armour.analysis.ballistic_limit import LimitResult
+    from armour.analysis.confidence import ConfidenceResult
     from armour.analysis.energy import EnergyBalance
     from armour.analysis.history import History
     from armour.analysis.impact import ImpactResult
@@ -58,9 +61,9 @@ def stage_table(result: "ImpactResult") -> Table:
     )
 
 
-def impact_tables(result: "ImpactResult") -> list[Table | str]:
-    """Return all tables of an impact."""
-    return [impact_table(result), stage_table(result)]
+def impact_tables(result: "ImpactResult", confidence: "ConfidenceResult") -> list[Table | str]:
+    """Return all tables of an impact, and the confidence that the armour defeats the projectile."""
+    return [impact_table(result), stage_table(result), confidence_table(confidence), confidence_note(confidence)]
 
 
 def history_table(history: "History") -> Table:
@@ -86,6 +89,11 @@ def energy_table(energy: "EnergyBalance") -> Table:
     return Table(columns, tuple(rows))
 
 
+def confidence_table(result: "ConfidenceResult") -> Table:
+    """Return the ballistic limit and the probability that it exceeds the impact velocity."""
+    return record(result, BALLISTIC_LIMIT, (DEFEAT, chance(result.probability_of_defeat)))
+
+
 def limit_table(result: "LimitResult") -> Table:
     """Return a ballistic limit, quantity by quantity."""
     return record(
@@ -93,9 +101,14 @@ def limit_table(result: "LimitResult") -> Table:
         BALLISTIC_LIMIT,
         (Column("defeated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[0]),
         (Column("perforated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[1]),
+        (Column("95 % interval, with the error of the model", "m/s"), _interval(result)),
         column_of("runs", "d"),
         AREAL_DENSITY,
     )
+
+
+def _interval(result: "LimitResult") -> str | None:
+    return None if result.interval_m_s is None else interval(result.interval_m_s, ".0f")
 
 
 def crossing_table(result: "LimitResult") -> Table:
@@ -112,10 +125,12 @@ def limit_tables(result: "LimitResult") -> list[Table | str]:
     """Return all tables of a ballistic limit, and what was looked at; the changes of the outcome only where several."""
     low, high = result.scanned_range_m_s
     scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
+    error = [] if result.model_error is None else [error_note(result.model_error)]
     if result.monotonic:
-        return [limit_table(result), f"{scanned}; all above the ballistic limit perforate"]
+        return [limit_table(result), f"{scanned}; all above the ballistic limit perforate", *error]
     return [
         limit_table(result),
         f"{scanned}; the outcome changes {len(result.crossings)} times",
         crossing_table(result),
+        *error,
     ]

@@ -1,0 +1,70 @@
+"""Confidence in an answer: the probability that an armour defeats its threat, given the error of the model."""
+
+from dataclasses import dataclass
+
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.results import Result
+from armour.errors import NoLimitError
+from armour.scenario.applicability import is_excluded, model_error
+from armour.scenario.evidence import ModelError
+from armour.scenario.loading import Scenario
+
+NO_TEST = "the model was compared with no test of such an armour"
+EXCLUDED = "uncertainty.model says not to include the error of the model"
+
+
+@dataclass(frozen=True)
+class ConfidenceResult(Result):
+    """Probability that an armour defeats its threat.
+
+    Attributes
+    ----------
+    probability_of_defeat : float or None
+        Probability that the ballistic limit of the armour exceeds the impact velocity; None where it is not known.
+    ballistic_limit_m_s : float or None
+        By the model, m/s; None where there is none in the range of the search.
+    model_error : ModelError or None
+        Relative error of the ballistic limit by the model.
+    reason : str
+        Why the probability is not known.
+    """
+
+    probability_of_defeat: float | None
+    ballistic_limit_m_s: float | None
+    model_error: ModelError | None
+    reason: str = ""
+
+
+def confidence(scenario: Scenario) -> ConfidenceResult:
+    """Compute the probability that the armour of a scenario defeats its threat, the projectile at its impact velocity.
+
+    The inputs are taken as exact; `armour.uncertainty` includes their distributions too.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its section ``uncertainty.model`` gives the error of the model; by default it is that of tests of such armours.
+
+    Returns
+    -------
+    ConfidenceResult
+
+    Raises
+    ------
+    InputError
+        If a run does not end within the maximum number of steps.
+    """
+    try:
+        limit = ballistic_limit(scenario).ballistic_limit_m_s
+    except NoLimitError as error:
+        return ConfidenceResult(None, None, model_error(scenario), str(error))
+    return of_limit(scenario, limit, scenario.impact.velocity_m_s)
+
+
+def of_limit(scenario: Scenario, limit_m_s: float, velocity_m_s: float) -> ConfidenceResult:
+    """Return the confidence that a scenario's armour defeats a velocity, given its ballistic limit by the model."""
+    error = model_error(scenario)
+    if error is None:
+        return ConfidenceResult(None, limit_m_s, None, EXCLUDED if is_excluded(scenario) else NO_TEST)
+    probability = float(error.probability_of_defeat(limit_m_s, velocity_m_s))
+    return ConfidenceResult(probability, limit_m_s, error)

@@ -1,0 +1,38 @@
+"""Column and notes of the probability that an armour defeats its threat."""
+
+from typing import TYPE_CHECKING
+
+from armour.reporting.table import Column
+
+if TYPE_CHECKING:
+    from armour.analysis.confidence import ConfidenceResult
+    from armour.scenario.evidence import ModelError
+
+DEFEAT = Column("probability of defeating the threat", prose=True)
+
+NO_ERROR = "the error of the model, and with it the probability of defeating the threat, is not known for such an armour"
+
+
+def chance(probability: float | None) -> str:
+    """Format a probability, such as "73 %"; one that is near 0 or 1 is not shown as that."""
+    if probability is None:
+        return "unknown"
+    if probability < 0.005:
+        return "below 0.5 %"
+    return "above 99.5 %" if probability > 0.995 else f"{100.0 * probability:.0f} %"
+
+
+def error_note(error: "ModelError") -> str:
+    """Return what the error of the model is and rests on, in a sentence."""
+    mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
+    text = f"error of the model: {mean}± {error.scale_percent:.1f} %, from {error.source}"
+    if error.extrapolated:
+        text += f"; extrapolated from {', '.join(error.extrapolated)}"
+    return text
+
+
+def confidence_note(result: "ConfidenceResult") -> str:
+    """Return what the probability rests on, or why it is not known."""
+    if result.model_error is None or result.probability_of_defeat is None:
+        return f"the probability of defeating the threat is not known: {result.reason}"
+    return error_note(result.model_error)

@@ -1,0 +1,228 @@
+"""Evidence: the tests that the model was compared with, their ranges, and the error of the ballistic limit on them.
+
+The errors follow from the shipped suites and tests; `tests/validation/test_evidence.py` derives them again.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import nan
+from typing import Any, NamedTuple
+
+from armour.core.state import Parameters
+from armour.units import GPA
+
+
+@dataclass(frozen=True)
+class ModelError:
+    """Relative error of the ballistic limit: that of the armour over that of the model, less 1, per cent.
+
+    Attributes
+    ----------
+    mean_percent, scale_percent : float
+        Location and scale of Student's t distribution, %.
+    degrees_of_freedom : float
+        Of this distribution.
+    source : str
+        What the error is estimated from.
+    extrapolated : tuple of str
+        Quantities in which the armour lies outside the tests that the error is estimated from.
+    """
+
+    mean_percent: float
+    scale_percent: float
+    degrees_of_freedom: float
+    source: str = ""
+    extrapolated: tuple[str, ...] = ()
+
+    def quantile(self, probability: Any) -> Any:
+        """Return a quantile, as a fraction, at least -0.99; float or array."""
+        # Imported here because most commands that name the error need no quantile.
+        from scipy.special import stdtrit
+
+        error = (self.mean_percent + self.scale_percent * stdtrit(self.degrees_of_freedom, probability)) / 100.0
+        return error.clip(min=-0.99)
+
+    def interval(self, limit_m_s: float) -> tuple[float, float]:
+        """Return the interval of the armour's ballistic limit with a probability of 95 %, given that of the model."""
+        low, high = (float(limit_m_s * (1.0 + self.quantile(end))) for end in (0.025, 0.975))
+        return low, high
+
+    def probability_of_defeat(self, limit_m_s: Any, velocity_m_s: Any) -> Any:
+        """Return the probability that the ballistic limit of the armour exceeds a velocity, given that of the model."""
+        from scipy.special import stdtr
+
+        error = 100.0 * (velocity_m_s / limit_m_s - 1.0)
+        return stdtr(self.degrees_of_freedom, (self.mean_percent - error) / self.scale_percent)
+
+
+# An error that is not known.
+UNKNOWN = ModelError(nan, nan, nan)
+
+
+class Measure(NamedTuple):
+    """A quantity of projectile and armour that was varied in tests."""
+
+    key: str  # key of the scenario that it depends on
+    words: str  # what was tested, in the plural
+    unit: str
+    of: Callable[[Parameters], Any]  # value of one armour, or array of many
+
+
+CERAMIC_RATIO = Measure(
+    "armour.ceramic_thickness_mm", "ceramics", "penetrator diameters thick", lambda p: p.Hc0 / p.D0
+)
+CERAMIC_DENSITY = Measure("ceramic.density_kg_m3", "ceramics of", "kg/m³", lambda p: p.rho_c)
+CERAMIC_MODULUS = Measure("ceramic.youngs_modulus_GPa", "ceramics with a modulus of", "GPa", lambda p: p.Ec / GPA)
+CERAMIC_STRENGTH = Measure("ceramic.flow_stress_GPa", "a flow stress of", "GPa", lambda p: p.Yc0 / GPA)
+BACKING_RATIO = Measure(
+    "armour.backing_thickness_mm", "back plates", "penetrator diameters thick", lambda p: p.Hb / p.D0
+)
+BACKING_DENSITY = Measure("backing.density_kg_m3", "back plates of", "kg/m³", lambda p: p.rho_B)
+BACKING_STRENGTH = Measure("backing.flow_stress_GPa", "back plates with a flow stress of", "GPa", lambda p: p.YB / GPA)
+SLENDERNESS = Measure("impact.projectile", "penetrators", "diameters long", lambda p: p.L0 / p.D0)
+ROD_DENSITY = Measure("projectile.density_kg_m3", "penetrators of", "kg/m³", lambda p: p.rho_p)
+ROD_STRENGTH = Measure("projectile.flow_stress_GPa", "penetrators with a flow stress of", "GPa", lambda p: p.Yp / GPA)
+CERAMIC_MEASURES = CERAMIC_DENSITY, CERAMIC_MODULUS, CERAMIC_STRENGTH
+
+# Relative differences of density and Young's modulus up to which a ceramic is the same.
+SAME_DENSITY, SAME_MODULUS = 0.02, 0.05
+
+
+class DataRange(NamedTuple):
+    """Range of a quantity within which the model was tested."""
+
+    measure: Measure
+    low: float
+    high: float
+
+    def fails(self, armour: Parameters) -> Any:
+        """Return whether an armour, or each of many, lies outside the range."""
+        value = self.measure.of(armour)
+        return (value < self.low) | (value > self.high)
+
+    def __str__(self) -> str:
+        return f"{self.measure.words} {self.low:g} to {self.high:g} {self.measure.unit}"
+
+
+class TestedCeramic(NamedTuple):
+    """A ceramic that the model was compared with results of."""
+
+    name: str
+    density_kg_m3: float
+    youngs_modulus_GPa: float
+    strength: DataRange  # flow stresses that were compared
+    measured: bool  # else results of the paper's program only
+
+    def ranges(self) -> tuple[DataRange, DataRange]:
+        """Return the ranges of density and Young's modulus of such a ceramic."""
+        density, modulus = self.density_kg_m3, self.youngs_modulus_GPa
+        return (
+            DataRange(CERAMIC_DENSITY, density * (1.0 - SAME_DENSITY), density * (1.0 + SAME_DENSITY)),
+            DataRange(CERAMIC_MODULUS, modulus * (1.0 - SAME_MODULUS), modulus * (1.0 + SAME_MODULUS)),
+        )
+
+
+class Evidence(NamedTuple):
+    """Tests of a kind of armour against a kind of penetrator, and the error of the ballistic limit on them.
+
+    The error applies to armours of the kind, and is extrapolated outside the ranges of the tests.
+    """
+
+    title: str
+    bare: bool  # whether the armours are plates without a ceramic
+    kind: tuple[DataRange, ...]
+    measured: tuple[DataRange, ...]  # ranges of the tests
+    velocities_m_s: tuple[float, float]
+    error: tuple[float, float, float]  # mean and scale, per cent, and degrees of freedom
+    computed: tuple[DataRange, ...] = ()  # ranges of tests and results of the paper's program, where wider
+
+    def ranges(self) -> tuple[DataRange, ...]:
+        """Return the ranges outside which the armour is like none that the model was compared with, each measure once.
+
+        The ranges of the ceramic are not among them: see CERAMICS.
+        """
+        within = self.computed or self.measured
+        given = {limits.measure for limits in within}
+        kind = (limits for limits in self.kind if limits.measure not in (*given, *CERAMIC_MEASURES))
+        return (*kind, *within)
+
+
+CERAMICS = (
+    TestedCeramic("AD85", 3430.0, 267.0, DataRange(CERAMIC_STRENGTH, 4.8, 5.6), measured=True),
+    TestedCeramic("AD99.5", 3840.0, 350.0, DataRange(CERAMIC_STRENGTH, 5.7, 6.2), measured=False),
+    TestedCeramic("Al-N", 3420.0, 300.0, DataRange(CERAMIC_STRENGTH, 6.7, 8.0), measured=False),
+)
+
+_STEEL_ROD = DataRange(ROD_DENSITY, 7700.0, 8000.0)
+_ROD = DataRange(ROD_DENSITY, 7700.0, 15000.0)
+_CORE, _FRAGMENT = DataRange(SLENDERNESS, 2.0, 10.0), DataRange(SLENDERNESS, 0.9, 1.3)
+_ALUMINIUM = DataRange(BACKING_DENSITY, 2600.0, 2900.0)
+_STEEL = DataRange(BACKING_DENSITY, 7700.0, 8000.0)
+_FLOW_STRESS = DataRange(ROD_STRENGTH, 2.3, 2.4)
+AD85 = CERAMICS[0]
+
+EVIDENCE = (
+    Evidence(
+        "13 tests of AD85 on 6061-T6 against the 7.62 mm AP (Wilkins)",
+        False,
+        (*AD85.ranges(), AD85.strength, _ALUMINIUM, _STEEL_ROD, _CORE),
+        (
+            DataRange(CERAMIC_RATIO, 0.89, 1.3),
+            DataRange(BACKING_RATIO, 0.66, 1.5),
+            DataRange(BACKING_STRENGTH, 1.0, 1.1),
+            DataRange(SLENDERNESS, 3.2, 3.3),
+            _FLOW_STRESS,
+        ),
+        (620.0, 1300.0),
+        (0.0, 7.0, 12.0),
+        (
+            DataRange(CERAMIC_RATIO, 0.61, 4.1),
+            DataRange(BACKING_RATIO, 0.66, 3.0),
+            DataRange(BACKING_STRENGTH, 0.9, 1.6),
+            DataRange(SLENDERNESS, 3.2, 5.4),
+            _FLOW_STRESS,
+        ),
+    ),
+    Evidence(
+        "528 tests of armour-piercing cores on 24 aluminium alloys",
+        True,
+        (_ALUMINIUM, _ROD, _CORE),
+        (
+            DataRange(BACKING_RATIO, 1.6, 9.7),
+            DataRange(BACKING_STRENGTH, 0.18, 1.5),
+            DataRange(SLENDERNESS, 2.4, 3.6),
+            _FLOW_STRESS,
+        ),
+        (340.0, 1200.0),
+        (-3.1, 7.6, 23.0),
+    ),
+    Evidence(
+        "39 tests of armour-piercing steel cores on 12 steels",
+        True,
+        (_STEEL, _STEEL_ROD, _CORE),
+        (
+            DataRange(BACKING_RATIO, 0.93, 2.4),
+            DataRange(BACKING_STRENGTH, 2.2, 5.1),
+            DataRange(SLENDERNESS, 3.2, 3.6),
+            _FLOW_STRESS,
+        ),
+        (460.0, 930.0),
+        (-10.3, 11.6, 11.0),
+    ),
+    Evidence(
+        "147 tests of fragment simulators on 14 aluminium alloys",
+        True,
+        (_ALUMINIUM, _STEEL_ROD, _FRAGMENT),
+        (DataRange(BACKING_RATIO, 0.32, 2.8), DataRange(BACKING_STRENGTH, 0.68, 1.5), _FLOW_STRESS),
+        (160.0, 1500.0),
+        (-1.1, 17.0, 13.0),
+    ),
+    Evidence(
+        "12 tests of fragment simulators on 7 steels",
+        True,
+        (_STEEL, _STEEL_ROD, _FRAGMENT),
+        (DataRange(BACKING_RATIO, 0.8, 0.99), DataRange(BACKING_STRENGTH, 2.4, 4.1), _FLOW_STRESS),
+        (700.0, 950.0),
+        (-8.2, 17.5, 6.0),
+    ),
+)
