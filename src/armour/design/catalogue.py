@@ -77,8 +77,8 @@ class Catalogue:
     bounds: Floats  # of the probabilities of perforation, 0.5 where none is given, (threats,)
     sampled: bool  # whether the bounds hold for uncertain inputs too, which are sampled
     offers: tuple[Offer, ...]
-    layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, 13)
-    projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, 13)
+    layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, fields)
+    projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, fields)
     inputs: tuple[Mapping[str, float], ...]  # inputs that each material and projectile has at least once
     more_margin_m_s: float = 0.0  # required of every threat
 
