@@ -5,6 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
+from armour.analysis.confidence import confidence
 from armour.analysis.impact import simulate
 from armour.cli.layout import rendered
 from armour.reporting.table import Column, Table, record
@@ -27,7 +28,7 @@ def words(lines: list[str]) -> list[str]:
 
 @pytest.fixture(scope="module")
 def tables() -> list[Table]:
-    items = [*impact_tables(simulate(scenario())), *library_tables(shipped_library())]
+    items = [*impact_tables(simulate(scenario()), confidence(scenario())), *library_tables(shipped_library())]
     return [item for item in items if isinstance(item, Table)]
 
 

@@ -7,6 +7,7 @@ from armour.analysis.estimates import Estimate
 from armour.analysis.impact import ImpactResult, simulate
 from armour.design.optimise import BestDesign, Design, DesignResult, Pair
 from armour.reporting.table import Table
+from armour.scenario.evidence import ModelError
 from armour.statistics.uncertainty import Index, ProbabilityCurve, UncertaintyResult
 from tests.helpers.cases import scenario
 
@@ -35,6 +36,8 @@ def best_design(*args: Any, **changes: Any) -> BestDesign:
         "margins_m_s": {THREAT: 20.0},
         "governing": THREAT,
         "probabilities": {},
+        "probabilities_of_defeat": {THREAT: 0.64, OTHER: None},
+        "model_error": ModelError(0.0, 7.0, 12.0, "13 tests"),
     }
     return BestDesign(**{**values, **changes})
 

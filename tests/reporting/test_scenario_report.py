@@ -51,15 +51,17 @@ def test_the_answer_without_a_design():
     outcome = {"defeated": "projectile defeated", "perforated": "armour perforated"}[wilkins().impact.outcome]
     assert found["Outcome"][0] == outcome
     assert "ballistic limit 723.77 m/s, margin " in found["Outcome"][1]
-    statement, detail = found["Mean error of the ballistic limit"]
-    assert statement == "± 37 m/s"
-    assert "5.1 % on average, 11.3 % at most" in detail
+    statement, detail = found["Probability of defeating the threat"]
+    assert statement == "8 %"
+    assert "± 7.0 %, from 13 tests of AD85 on 6061-T6" in detail
 
 
-@pytest.mark.parametrize(("velocity", "words"), [(720.0, "within the mean error: test before use"), (600.0, "beyond")])
-def test_a_margin_is_compared_with_the_models_error(velocity: float, words: str):
-    found = replace(wilkins(), answer=wilkins().answer.replaced({"impact.velocity_m_s": velocity}))
-    assert words in statements(found)["Mean error of the ballistic limit"][1]
+def test_no_figure_where_nothing_was_tested():
+    found = statements(contents_of(scenario(ceramic="SiC", backing="Ti-6Al-4V")))
+    statement, detail = found["Probability of defeating the threat"]
+    assert statement == "unknown"
+    assert "no test of such an armour" in detail
+    assert not any("±" in text for card in found.values() for text in card)
 
 
 def test_the_answer_with_a_design():
@@ -76,14 +78,15 @@ def test_the_answer_with_a_design():
 
 def test_the_answer_with_distributions():
     found = statements(replace(wilkins(), uncertainty=uncertainty_result()))
-    assert found["Probability of perforation"][0] == "21.0 %"
-    assert found["Probability of perforation"][1].startswith("95 % interval 20.0 to 22.0 %")
+    statement, detail = found["Probability of defeating the threat"]
+    assert statement == "79 %"
+    assert detail.startswith("95 % interval 78.0 to 80.0 %, from the given distributions")
 
 
 def test_the_answer_without_a_limit():
-    found = statements(replace(wilkins(), limit=None))
+    found = statements(contents_of(scenario(ballistic_limit={"velocity_max_m_s": 600.0})))
     assert "ballistic limit outside the range searched" in found["Outcome"][1]
-    assert found["Mean error of the ballistic limit"][0] == "5.1 %"
+    assert found["Probability of defeating the threat"][0] == "unknown"
 
 
 def test_the_energy_section():

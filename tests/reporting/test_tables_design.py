@@ -33,6 +33,7 @@ def test_the_best_design_is_a_record():
         "cost per m²": "100.00",
         "ballistic limit, m/s": "820.00",
         "margin, m/s": "+20.0",
+        "probability of defeating the threat": "64 %",
     }
     outside = quantities(best_table(replace(design_result(), best=best_design(ballistic_limit_m_s=None)), {}))
     assert outside["ballistic limit"] == "outside the range"
@@ -81,8 +82,8 @@ def test_threats_and_probabilities_have_margins():
     result = replace(design_result(threats=(THREAT, OTHER)), best=best)
     assert kinds(result)[1] == "threat"
     assert margin_table(result, {OTHER: 50.0}).texts() == [
-        [THREAT, "+3.1", "", "0.0312", "0.0200 to 0.0500", "governs"],
-        [OTHER, "+80.0", "+50.0", "", "", ""],
+        [THREAT, "+3.1", "64 %", "", "0.0312", "0.0200 to 0.0500", "governs"],
+        [OTHER, "+80.0", "unknown", "+50.0", "", "", ""],
     ]
     assert frontier_table(result).headings()[-2] == "governed by"
     assert margin_table(design_result(), {}).headings() == ["threat", "margin, m/s", "note"]

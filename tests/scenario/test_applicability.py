@@ -1,58 +1,205 @@
-from functools import cache
+"""Where an armour is unlike what the model was compared with, and the error of its ballistic limit."""
 
+from functools import cache
+from typing import Any
+
+import numpy as np
 import pytest
 
-from armour.scenario.applicability import BACKING, CERAMIC, SLENDERNESS, VELOCITY, DataRange, warnings_of
-from armour.scenario.library import penetrator_length_mm
+from armour.engine import batch
+from armour.errors import InputError
+from armour.scenario.applicability import model_error, row_errors, row_limits, warnings_of
+from armour.scenario.evidence import BACKING_RATIO, CERAMIC_RATIO, EVIDENCE, SLENDERNESS, Measure
+from armour.scenario.loading import Scenario
 from armour.validation.suite import load_suite
 from armour.validation.validate import paper_suite
 from tests.helpers.cases import scenario
 
+TILES = EVIDENCE[0]
+
 
 @cache
-def covered() -> dict[DataRange, list[float]]:
+def covered() -> dict[str, list[float]]:
     """Values of the paper's cases, without those with an initial flow stress."""
-    found: dict[DataRange, list[float]] = {VELOCITY: [], CERAMIC: [], BACKING: [], SLENDERNESS: []}
+    found: dict[str, list[float]] = {
+        "velocities": [],
+        CERAMIC_RATIO.key: [],
+        BACKING_RATIO.key: [],
+        SLENDERNESS.key: [],
+    }
     for case in load_suite(paper_suite()).cases:
-        armour = case.scenario.armour
-        if case.not_scored or (armour.ceramic or "").endswith("initial"):
+        if case.not_scored or (case.scenario.armour.ceramic or "").endswith("initial"):
             continue
-        projectile = case.scenario.entry("projectile", case.scenario.impact.projectile)
-        diameter = projectile["penetrator_diameter_mm"]
+        armour = case.scenario.core_armour()
         is_limit = case.quantity == "ballistic_limit_m_s"
-        found[VELOCITY].append(float(case.expected) if is_limit else case.scenario.impact.velocity_m_s)
-        found[CERAMIC].append(armour.ceramic_thickness_mm / diameter)
-        found[BACKING].append(armour.backing_thickness_mm / diameter)
-        found[SLENDERNESS].append(penetrator_length_mm(projectile) / diameter)
+        found["velocities"].append(float(case.expected) if is_limit else case.scenario.impact.velocity_m_s)
+        for measure in (CERAMIC_RATIO, BACKING_RATIO, SLENDERNESS):
+            found[measure.key].append(measure.of(armour))
     return found
 
 
-@pytest.mark.parametrize("data", [VELOCITY, CERAMIC, BACKING, SLENDERNESS], ids=lambda data: data.words)
-def test_the_ranges_are_those_of_the_published_cases(data: DataRange):
-    values = covered()[data]
+@pytest.mark.parametrize("measure", [CERAMIC_RATIO, BACKING_RATIO, SLENDERNESS], ids=lambda measure: measure.words)
+def test_the_ranges_are_those_of_the_published_cases(measure: Measure):
+    [data] = [limits for limits in TILES.computed if limits.measure == measure]
+    values = covered()[measure.key]
     assert data.low <= min(values) <= 1.04 * data.low
     assert 0.96 * data.high <= max(values) <= data.high
 
 
+def test_the_velocities_are_those_of_the_published_cases():
+    low, high = TILES.velocities_m_s
+    values = covered()["velocities"]
+    assert low <= min(values) <= 1.04 * low
+    assert 0.96 * high <= max(values) <= high
+
+
 def test_no_warning_within_the_validated_range():
     assert warnings_of(scenario(), 723.8) == ()
+    assert warnings_of(scenario(ceramic=None, ceramic_mm=0.0, backing_mm=20.0, projectile="7.62 mm APM2"), 600.0) == ()
+
+
+STUB = {"projectile": {"stub": {"based_on": "7.62 mm AP", "penetrator_diameter_mm": 9.0}}}
+SOFT = {"projectile": {"soft": {"based_on": "7.62 mm AP", "flow_stress_GPa": 1.0}}}
+HEAVY = {"projectile": {"heavy": {"based_on": "7.62 mm AP", "density_kg_m3": 10000.0, "penetrator_mass_g": 8.0}}}
+LAW = {"ceramic": {"law": {"based_on": "AD85", "flow_stress_backing_exponent": 0.3}}}
 
 
 @pytest.mark.parametrize(
-    ("changes", "velocity", "start"),
+    ("changes", "velocity", "starts"),
     [
-        ({}, 2000.0, "impact.velocity_m_s: the model was tested on velocities from 620 to 1300 m/s, found 2e+03"),
-        ({"ceramic_mm": 60.0}, 800.0, "armour.ceramic_thickness_mm: the model was tested on ceramics"),
-        ({"backing_mm": 1.0}, 800.0, "armour.backing_thickness_mm: the model was tested on back plates"),
+        ({}, 2000.0, ["impact.velocity_m_s: the model was compared with results at 620 to 1300 m/s, found 2000"]),
+        (
+            {"ceramic_mm": 60.0},
+            800.0,
+            ["armour.ceramic_thickness_mm: the model was compared with results for ceramics"],
+        ),
+        ({"backing_mm": 1.0}, 800.0, ["armour.backing_thickness_mm: the model was compared with results for back"]),
+        ({"projectile": "stub", "ceramic_mm": 9.0, "backing_mm": 9.0, "library": STUB}, 800.0, ["impact.projectile"]),
+        ({"projectile": "soft", "library": SOFT}, 800.0, ["projectile.flow_stress_GPa"]),
+        (
+            {"projectile": "heavy", "library": HEAVY},
+            800.0,
+            ["projectile.density_kg_m3: the model was compared with results for penetrators of 7700 to 8000 kg/m³"],
+        ),
+        ({"ceramic": "AD99.5"}, 800.0, ["armour.ceramic: the model was compared with results of the paper's program"]),
+        ({"ceramic": "AD85 initial"}, 800.0, ["ceramic.flow_stress_GPa: the model was compared with results of AD85"]),
+        ({"ceramic": "law", "library": LAW}, 800.0, ["armour.ceramic: the model was compared with results for a flow"]),
+        (
+            {"ceramic": "SiC", "backing": "Ti-6Al-4V"},
+            800.0,
+            [
+                "armour.ceramic: the model was compared with results of AD85, AD99.5, Al-N only",
+                "backing.density_kg_m3: ",
+                "backing.flow_stress_GPa: ",
+            ],
+        ),
+        (
+            {"ceramic": None, "ceramic_mm": 0.0, "backing": "Ti-6Al-4V", "backing_mm": 20.0},
+            800.0,
+            ["backing.density_kg_m3: ", "backing.flow_stress_GPa: "],
+        ),
     ],
 )
-def test_a_quantity_outside_the_validated_range_is_named(changes: dict[str, float], velocity: float, start: str):
-    [warning] = warnings_of(scenario(**changes), velocity)
-    assert warning.startswith(start)
+def test_what_is_unlike_the_tests_is_named(changes: dict[str, Any], velocity: float, starts: list[str]):
+    found = warnings_of(scenario(**changes), velocity)
+    assert len(found) == len(starts), found
+    assert all(warning.startswith(start) for warning, start in zip(found, starts, strict=True)), found
 
 
-def test_a_stubby_penetrator():
-    stub = {"projectile": {"stub": {"based_on": "7.62 mm AP", "penetrator_diameter_mm": 9.0}}}
-    case = scenario(projectile="stub", ceramic_mm=9.0, backing_mm=9.0, library=stub)
-    [warning] = warnings_of(case, 800.0)
-    assert warning.startswith("impact.projectile: the model was tested on penetrators from 3.2 to 5.4 diameters long")
+def test_the_error_is_that_of_tests_of_such_armours():
+    error = model_error(scenario())
+    assert error is not None
+    assert (error.source, error.extrapolated) == (TILES.title, ())
+    thick = model_error(scenario(ceramic_mm=12.0, backing="5083-H3"))
+    assert thick is not None
+    assert thick.extrapolated == (
+        "ceramics 0.89 to 1.3 penetrator diameters thick",
+        "back plates with a flow stress of 1 to 1.1 GPa",
+    )
+    bare = model_error(scenario(ceramic=None, ceramic_mm=0.0, backing_mm=20.0, projectile="7.62 mm APM2"))
+    assert bare is not None
+    assert bare.source.startswith("528 tests")
+    fragment = model_error(scenario(ceramic=None, ceramic_mm=0.0, backing_mm=20.0, projectile="20 mm FSP"))
+    assert fragment is not None
+    assert fragment.source.startswith("147 tests")
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"ceramic": "SiC"},
+        {"ceramic": "AD99.5"},
+        {"ceramic": "AD85 initial"},
+        {"ceramic": "law", "library": LAW},
+        {"backing": "Ti-6Al-4V"},
+        {"projectile": "20 mm FSP"},
+        {"projectile": "heavy", "library": HEAVY},
+    ],
+)
+def test_no_error_where_nothing_was_tested(changes: dict[str, Any]):
+    assert model_error(scenario(**changes)) is None
+
+
+def test_the_scenario_gives_the_error_or_excludes_it():
+    given = scenario(ceramic="SiC", uncertainty={"model": {"scale_percent": 9.0, "source": "our tests"}})
+    error = model_error(given)
+    assert error is not None
+    assert (error.mean_percent, error.scale_percent, error.source) == (0.0, 9.0, "our tests")
+    assert error.quantile(0.975) == pytest.approx(0.09 * 1.959964, rel=1e-4)
+    assert model_error(scenario(uncertainty={"model": {"included": False}})) is None
+
+
+@pytest.mark.parametrize(
+    ("model", "message"),
+    [
+        ({}, "must have scale_percent, or included = false"),
+        ({"included": False, "scale_percent": 3.0}, "must have nothing else where included is false"),
+        ({"scale_percent": 0.0}, "must be at least 0.001"),
+        ({"scale_percent": 5.0, "degrees_of_freedom": 0.5}, "must be at least 1"),
+    ],
+)
+def test_wrong_errors(model: dict[str, Any], message: str):
+    with pytest.raises(InputError, match=message):
+        scenario(uncertainty={"model": model})
+
+
+def test_the_probability_is_that_of_samples():
+    error = model_error(scenario())
+    assert error is not None
+    samples = np.random.default_rng(1).standard_t(error.degrees_of_freedom, 400_000) * error.scale_percent / 100.0
+    simulated = float(np.mean(889.0 * (1.0 + samples) > 850.0))
+    assert error.probability_of_defeat(889.0, 850.0) == pytest.approx(simulated, abs=0.002)
+    low, high = error.interval(889.0)
+    assert np.mean((889.0 * (1.0 + samples) > low) & (889.0 * (1.0 + samples) < high)) == pytest.approx(0.95, abs=0.002)
+
+
+CASES = (
+    scenario(),
+    scenario(ceramic_mm=60.0, velocity=100.0),
+    scenario(ceramic="SiC", backing="Ti-6Al-4V"),
+    scenario(ceramic="AD85 initial"),
+    scenario(ceramic=None, ceramic_mm=0.0, backing_mm=20.0, projectile="7.62 mm APM2"),
+    scenario(ceramic=None, ceramic_mm=0.0, backing="Ti-6Al-4V"),
+    scenario(projectile="20 mm FSP"),
+)
+
+
+@pytest.mark.parametrize("case", CASES, ids=str)
+def test_rows_are_judged_like_scenarios(case: Scenario):
+    rows = batch.fields(batch.packed([case.core_armour()] * 2))
+    velocities = np.full(2, case.impact.velocity_m_s)
+    words = [warning.rpartition(", found ")[0] for warning in warnings_of(case, case.impact.velocity_m_s)]
+    assert sorted(row_limits(rows, velocities)) == sorted((warning, 2) for warning in words)
+    error, found = model_error(case), row_errors(rows)
+    expected = [np.nan] * 3 if error is None else [error.mean_percent, error.scale_percent, error.degrees_of_freedom]
+    assert np.array_equal(
+        [found.mean_percent[0], found.scale_percent[1], found.degrees_of_freedom[0]], expected, equal_nan=True
+    )
+
+
+def test_rows_of_several_kinds_are_counted_apart():
+    rows = batch.fields(batch.packed([case.core_armour() for case in CASES]))
+    counts = dict(row_limits(rows, None))
+    [silicon] = [count for limit, count in counts.items() if "AD85, AD99.5, Al-N only" in limit]
+    assert silicon == 1
+    assert not any(limit.startswith("impact.velocity") for limit in counts)

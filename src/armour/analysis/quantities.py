@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 from armour.units import words_and_unit
 
-
 DEFEAT = "probability of defeating the threat"
 
 

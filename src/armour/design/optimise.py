@@ -388,8 +388,8 @@ def _why_none(search: Search) -> str:
     if catalogue.sampled and defeating:
         return "no design keeps the probability of perforation within the bound of every threat"
     reasons = dict.fromkeys(_why_none_of(search, pair) for pair in range(len(catalogue.offers)))
-    advice = "" if all(reason.startswith(NO_ERROR) for reason in reasons) else "; offer thicker layers in [design] or [optimise]"
-    return f"{'; '.join(reasons)}{advice}"
+    known = not all(reason.startswith(NO_ERROR) for reason in reasons)
+    return "; ".join(reasons) + ("; offer thicker layers in [design] or [optimise]" if known else "")
 
 
 def _why_none_of(search: Search, pair: int) -> str:

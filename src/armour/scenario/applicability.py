@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from armour.core.state import Parameters
-from armour.scenario.evidence import CERAMICS, EVIDENCE, Evidence, ModelError
+from armour.scenario.evidence import CERAMICS, CONSTANT, EVIDENCE, Evidence, ModelError
 
 if TYPE_CHECKING:
     from armour.scenario.loading import Scenario
@@ -106,14 +106,16 @@ def _of_ceramic(armour: Parameters) -> Iterator[Limit]:
         words = f"the model was compared with results of {ceramic.name} with {ceramic.strength}"
         measure = ceramic.strength.measure
         yield Limit(measure.key, words, ceramic.strength.fails(armour) & (different ^ True), measure.of(armour))
+    words = "the model was compared with results for a flow stress that is the same at all thicknesses"
+    yield Limit("armour.ceramic", words, CONSTANT.fails(armour))
     names = ", ".join(ceramic.name for ceramic in CERAMICS)
     yield Limit("armour.ceramic", f"the model was compared with results of {names} only", unknown)
     words = "the model was compared with results of the paper's program for such a ceramic, with no test"
     yield Limit("armour.ceramic", words, untested ^ unknown)
 
 
-def row_errors(armour: Parameters) -> ModelError:
-    """Return the errors of n armours, given as arrays, (n,), from tests of such armours: arrays, NaN where unknown."""
+def row_errors(armour: Any) -> ModelError:
+    """Return the errors of n armours from tests of such armours, (n,) each; NaN where unknown."""
     # Imported here because a scenario without rows does not need numpy.
     import numpy as np
 
@@ -126,10 +128,10 @@ def row_errors(armour: Parameters) -> ModelError:
     return ModelError(*(cast(Any, column) for column in found))
 
 
-def row_limits(armour: Parameters, velocities: Any) -> Iterator[tuple[str, int]]:
+def row_limits(armour: Any, velocities: Any) -> Iterator[tuple[str, int]]:
     """Yield the limits, as "key: words", that some of n armours lie outside of, and how many do.
 
-    Parameters and velocities are arrays, (n,); the velocities are None where none are to be compared.
+    The parameters of the armours are arrays, (n,), as are velocities, which are None where none are to be compared.
     """
     import numpy as np
 

@@ -68,9 +68,7 @@ class Measure(NamedTuple):
     of: Callable[[Parameters], Any]  # value of one armour, or array of many
 
 
-CERAMIC_RATIO = Measure(
-    "armour.ceramic_thickness_mm", "ceramics", "penetrator diameters thick", lambda p: p.Hc0 / p.D0
-)
+CERAMIC_RATIO = Measure("armour.ceramic_thickness_mm", "ceramics", "penetrator diameters thick", lambda p: p.Hc0 / p.D0)
 CERAMIC_DENSITY = Measure("ceramic.density_kg_m3", "ceramics of", "kg/m³", lambda p: p.rho_c)
 CERAMIC_MODULUS = Measure("ceramic.youngs_modulus_GPa", "ceramics with a modulus of", "GPa", lambda p: p.Ec / GPA)
 CERAMIC_STRENGTH = Measure("ceramic.flow_stress_GPa", "a flow stress of", "GPa", lambda p: p.Yc0 / GPA)
@@ -82,7 +80,8 @@ BACKING_STRENGTH = Measure("backing.flow_stress_GPa", "back plates with a flow s
 SLENDERNESS = Measure("impact.projectile", "penetrators", "diameters long", lambda p: p.L0 / p.D0)
 ROD_DENSITY = Measure("projectile.density_kg_m3", "penetrators of", "kg/m³", lambda p: p.rho_p)
 ROD_STRENGTH = Measure("projectile.flow_stress_GPa", "penetrators with a flow stress of", "GPa", lambda p: p.Yp / GPA)
-CERAMIC_MEASURES = CERAMIC_DENSITY, CERAMIC_MODULUS, CERAMIC_STRENGTH
+CERAMIC_LAW = Measure("armour.ceramic", "ceramics", "", lambda p: abs(p.n_B) + abs(p.n_cB) + abs(p.a_c) + abs(p.a_B))
+CERAMIC_MEASURES = CERAMIC_DENSITY, CERAMIC_MODULUS, CERAMIC_STRENGTH, CERAMIC_LAW
 
 # Relative differences of density and Young's modulus up to which a ceramic is the same.
 SAME_DENSITY, SAME_MODULUS = 0.02, 0.05
@@ -160,12 +159,14 @@ _ALUMINIUM = DataRange(BACKING_DENSITY, 2600.0, 2900.0)
 _STEEL = DataRange(BACKING_DENSITY, 7700.0, 8000.0)
 _FLOW_STRESS = DataRange(ROD_STRENGTH, 2.3, 2.4)
 AD85 = CERAMICS[0]
+# A flow stress of the ceramic that does not depend on the thicknesses.
+CONSTANT = DataRange(CERAMIC_LAW, 0.0, 0.0)
 
 EVIDENCE = (
     Evidence(
         "13 tests of AD85 on 6061-T6 against the 7.62 mm AP (Wilkins)",
         False,
-        (*AD85.ranges(), AD85.strength, _ALUMINIUM, _STEEL_ROD, _CORE),
+        (*AD85.ranges(), AD85.strength, CONSTANT, _ALUMINIUM, _STEEL_ROD, _CORE),
         (
             DataRange(CERAMIC_RATIO, 0.89, 1.3),
             DataRange(BACKING_RATIO, 0.66, 1.5),

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 DEFEAT = Column("probability of defeating the threat", prose=True)
 
-NO_ERROR = "the error of the model, and with it the probability of defeating the threat, is not known for such an armour"
+NO_ERROR = "the error of the model is not known for such an armour, nor is the probability of defeating the threat"
 
 
 def chance(probability: float | None) -> str:
