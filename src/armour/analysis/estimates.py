@@ -1,9 +1,14 @@
 """Numbers estimated from samples, with confidence intervals."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, log, sqrt
 
-from scipy.stats import binomtest
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import binomtest, t
+
+Floats = NDArray[np.float64]
 
 CONFIDENCE = 0.95
 
@@ -26,3 +31,36 @@ def proportion(hits: int, samples: int) -> Estimate:
     """Estimate a proportion, with the Clopper-Pearson confidence interval."""
     interval = binomtest(hits, samples).proportion_ci(CONFIDENCE, method="exact")
     return Estimate(hits / samples, float(interval.low), float(interval.high))
+
+
+def mean_of_replicates(values: Floats) -> Estimate:
+    """Estimate the mean of values of independent replicates, (replicates,), with the t interval."""
+    mean, count = float(values.mean()), len(values)
+    half = float(t.ppf(0.5 * (1.0 + CONFIDENCE), count - 1) * values.std(ddof=1)) / sqrt(count)
+    return Estimate(mean, mean - half, mean + half)
+
+
+def proportion_of_replicates(hits: Sequence[int], sizes: Sequence[int]) -> Estimate:
+    """Estimate a proportion from the hits in independent replicates, given their sizes, with the t interval.
+
+    Where there are fewer hits, or misses, than replicates, the interval is that of Clopper and Pearson.
+    """
+    samples = sum(sizes)
+    plain = proportion(sum(hits), samples)
+    if min(sum(hits), samples - sum(hits)) < len(sizes):
+        return plain
+    found = mean_of_replicates(np.divide(hits, sizes))
+    # Replicates may agree to the last hit; one hit in all of them is then still beyond what they tell.
+    half = max(found.high - found.value, -log(0.5 * (1.0 - CONFIDENCE)) / samples)
+    return Estimate(plain.value, max(0.0, plain.value - half), min(1.0, plain.value + half))
+
+
+def jackknife(statistic: Callable[[Floats], Floats], sums: Floats) -> Estimate:
+    """Estimate a statistic of sums over independent replicates, (replicates, ...), with the t interval.
+
+    The statistic maps stacked sums, (n, ...), to values, (n,).  Leaving out one replicate at a time also removes its
+    bias, which is inversely proportional to the number of samples.
+    """
+    whole = sums.sum(axis=0)
+    values = statistic(np.concatenate([whole[None], whole - sums]))
+    return mean_of_replicates(len(sums) * values[0] - (len(sums) - 1) * values[1:])

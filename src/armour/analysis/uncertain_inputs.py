@@ -7,6 +7,7 @@ from armour.errors import InputError, Problem, refuse
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import check_names, inputs_of, wrong_rows
+from armour.scenario.sampling import truncation_problem
 
 
 def section_of(scenario: Scenario) -> Uncertainty:
@@ -21,7 +22,7 @@ def section_of(scenario: Scenario) -> Uncertainty:
     problems = [
         Problem(scenario.file, f"uncertainty.{name}", lacking)
         for name, distribution in section.inputs().items()
-        if (lacking := distribution.mean_problem(own[name]))
+        if (lacking := distribution.mean_problem(own[name]) or truncation_problem(distribution, own[name]))
     ]
     refuse(problems)
     return section

@@ -25,7 +25,10 @@ NEAR = 3.0
 
 
 class Distribution(Section):
-    """Distribution of an input, in the input's unit; by default the mean is the scenario's own value."""
+    """Distribution of an input, in the input's unit; by default `mean` is the scenario's own value.
+
+    `mean` and the standard deviation are those before `min` and `max` truncate the distribution, which moves both.
+    """
 
     distribution: Literal["normal", "lognormal", "uniform"]
     mean: Number | None = None

@@ -14,47 +14,94 @@ from armour.scenario.distributions import Distribution, Uncertainty, correlation
 
 Floats = NDArray[np.float64]
 
+# Independent replicates into which samples are divided; their differences give the intervals.  `np.array_split` into as
+# many parts finds them again.  More of them would be smaller, and converge slower as a whole.
+REPLICATES = 16
+# Probability that truncation must leave: less has lost its digits.
+LEAST_PROBABILITY = 1e-300
+# Part of the standard deviation by which truncation may move the mean unsaid, and probabilities that give the mean.
+MOVED = 0.1
+MIDDLES = (np.arange(1000) + 0.5) / 1000
+
 
 def points_of(uncertainty: Uncertainty) -> Floats:
-    """Return points within the unit cube, shape (samples, inputs): a scrambled Sobol' sequence or a Latin hypercube."""
-    width = len(uncertainty.inputs())
-    rng = np.random.default_rng(uncertainty.seed)
-    if uncertainty.method == "sobol":
-        points = qmc.Sobol(width, rng=rng).random_base2((uncertainty.samples - 1).bit_length())
-    else:
-        points = qmc.LatinHypercube(width, rng=rng).random(uncertainty.samples)
+    """Return points within the unit cube, shape (samples, inputs)."""
+    return replicated_points(uncertainty.method, len(uncertainty.inputs()), uncertainty.samples, uncertainty.seed)
+
+
+def replicated_points(method: str, width: int, samples: int, seed: int) -> Floats:
+    """Return points within the unit cube, shape (samples, width): scrambled Sobol' sequences or Latin hypercubes."""
+    rng = np.random.default_rng(seed)
+    sampler = qmc.Sobol if method == "sobol" else qmc.LatinHypercube
+    sizes = (len(part) for part in np.array_split(np.empty(samples), REPLICATES))
+    points = np.concatenate([sampler(width, rng=rng).random(size) for size in sizes])
     # The quantile at 0 of an unbounded distribution is infinite.
     return np.clip(points, 2.0**-53, 1.0 - 2.0**-53, out=points)
+
+
+def correlated(uncertainty: Uncertainty, points: Floats) -> Floats:
+    """Return points of the unit cube, shape (n, inputs), with the correlations of a Gaussian copula."""
+    if not uncertainty.correlation:
+        return points
+    factor = np.linalg.cholesky(correlation_matrix(list(uncertainty.inputs()), uncertainty.correlation))
+    found: Floats = ndtr(ndtri(points) @ factor.T)
+    return found
 
 
 def columns_of(uncertainty: Uncertainty, own: Mapping[str, float], points: Floats) -> dict[str, Floats]:
     """Return values of the uncertain inputs, shape (n,), at points of the unit cube, shape (n, inputs).
 
-    A Gaussian copula correlates them.  `own` are the scenario's own values by name of input.
+    They are correlated.  `own` are the scenario's own values by name of input.
     """
-    inputs = uncertainty.inputs()
-    if uncertainty.correlation:
-        factor = np.linalg.cholesky(correlation_matrix(list(inputs), uncertainty.correlation))
-        points = ndtr(ndtri(points) @ factor.T)
+    chances = correlated(uncertainty, points).T
     return {
-        name: quantiles(distribution, points[:, i], own[name]) for i, (name, distribution) in enumerate(inputs.items())
+        name: quantiles(distribution, chances[i], own[name])
+        for i, (name, distribution) in enumerate(uncertainty.inputs().items())
     }
 
 
 def quantiles(distribution: Distribution, probabilities: ArrayLike, own: float) -> Floats:
     """Return quantiles of a truncated distribution, in the shape of `probabilities`.
 
-    `own` is the scenario's own value of the input, which is the mean if none is given.  If it cannot be a mean, such as
-    the thickness 0 of an absent layer, all quantiles are equal to it.
+    `own` is the scenario's own value of the input, which is the mean before truncation if none is given.  If it cannot
+    be a mean, such as the thickness 0 of an absent layer, all quantiles are equal to it.
     """
     if distribution.mean_problem(own):
         return np.full(np.shape(probabilities), own)
     whole = _untruncated(distribution, own)
-    low = -np.inf if distribution.min is None else distribution.min
-    high = np.inf if distribution.max is None else distribution.max
-    below, above = float(whole.cdf(low)), float(whole.cdf(high))
-    found: Floats = np.clip(whole.ppf(below + np.asarray(probabilities) * (above - below)), low, high)
+    low, high = _ends(distribution)
+    # A distribution function that is near 1 has no digits left for the upper tail.
+    upper = whole.cdf(low) > 0.5
+    chance, value = (whole.sf, whole.isf) if upper else (whole.cdf, whole.ppf)
+    parts = np.asarray(probabilities)
+    found: Floats = np.clip(value((1.0 - parts) * chance(low) + parts * chance(high)), low, high)
     return found
+
+
+def truncation_problem(distribution: Distribution, own: float) -> str:
+    """Return why a distribution has no values between its min and max; "" if it has."""
+    whole = _untruncated(distribution, own)
+    low, high = _ends(distribution)
+    if max(whole.cdf(high) - whole.cdf(low), whole.sf(low) - whole.sf(high)) > LEAST_PROBABILITY:
+        return ""
+    ends = " and ".join(f"{key} {end:g}" for key, end in (("min", low), ("max", high)) if np.isfinite(end))
+    return (
+        f"must have its min and max where the distribution has values: nearer to its mean, {whole.mean():g} with a "
+        f"standard deviation of {whole.std():g}, found {ends}"
+    )
+
+
+def moved_mean(distribution: Distribution, own: float) -> tuple[float, float] | None:
+    """Return the mean before and after truncation; None where they differ by less than a tenth of the deviation."""
+    whole = _untruncated(distribution, own)
+    before, after = float(whole.mean()), float(quantiles(distribution, MIDDLES, own).mean())
+    return (before, after) if abs(after - before) > MOVED * whole.std() else None
+
+
+def _ends(distribution: Distribution) -> tuple[float, float]:
+    """Return the least and the greatest value of a distribution, infinite where there is none."""
+    low = -np.inf if distribution.min is None else distribution.min
+    return low, np.inf if distribution.max is None else distribution.max
 
 
 def _untruncated(distribution: Distribution, own: float) -> Any:

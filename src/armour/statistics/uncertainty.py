@@ -1,21 +1,18 @@
 """Propagation of input uncertainty to the outcome and the ballistic limit."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from itertools import chain
 from math import log2
-from typing import Any
 
 import numpy as np
-from scipy.stats import beta, qmc, quantile_test, sobol_indices
 
-from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
+from armour.analysis.estimates import CONFIDENCE, Estimate, mean_of_replicates, proportion_of_replicates
 from armour.analysis.results import Result
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.uncertain_inputs import sampled, section_of
 from armour.analysis.variants import (
+    Bools,
     Floats,
-    Ints,
     OnProgress,
     Variants,
     ignore_progress,
@@ -25,21 +22,21 @@ from armour.analysis.variants import (
 )
 from armour.errors import NoLimitError
 from armour.scenario.applicability import warnings_of
-from armour.scenario.distributions import Distribution, Uncertainty
+from armour.scenario.distributions import Uncertainty
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import VELOCITY, inputs_of
-from armour.scenario.sampling import columns_of, points_of, quantiles
+from armour.scenario.sampling import REPLICATES, columns_of, moved_mean, points_of, quantiles
+from armour.statistics.sobol_indices import first_order_indices, total_indices
 
 # Quantiles of the ballistic limit.
 QUANTILES = {"V05": 0.05, "V50": 0.5, "V95": 0.95}
 # Points of the curve of the probability of perforation.
 CURVE_POINTS = 121
-# Samples for one set of Sobol' indices: a fraction of those for the probability, within bounds.  More than the most
+# Samples of each set for total indices: a fraction of those for the probability, within bounds.  More than the most
 # would take longer than the probability itself, and give the indices no further digit.
 INDEX_DIVISOR, MIN_INDEX_SAMPLES, MAX_INDEX_SAMPLES = 4, 256, 2**16
 # Samples that are computed at a time, which bounds the memory.
 SAMPLES_AT_A_TIME = 2**12
-BOOTSTRAP_RESAMPLES = 499
 
 
 @dataclass(frozen=True)
@@ -47,7 +44,8 @@ class Index:
     """Influence of an input on the ballistic limit."""
 
     input: str
-    # First-order and total Sobol' indices; None where inputs are correlated.
+    # First-order and total Sobol' index, the latter None where inputs are correlated; both None where the ballistic
+    # limit does not vary.
     first: Estimate | None
     total: Estimate | None
     # With the input at the 5 % and the 95 % quantile of its distribution, the others at the scenario's values.
@@ -81,13 +79,16 @@ class UncertaintyResult(Result):
         Quantiles of the ballistic limit, m/s: "V05", "V50" and "V95" are the 5 %, 50 % and 95 % quantiles.
     mean_m_s, standard_deviation_m_s : float
         Mean and standard deviation of the ballistic limit, m/s.
+    mean_interval_m_s : tuple of float
+        Confidence interval of the mean, m/s.
     deterministic_m_s : float
         Ballistic limit with the scenario's own values, m/s.
     curve : ProbabilityCurve
     inputs : tuple of Index
         In descending order of influence.
     warnings : tuple of str
-        Ways in which the scenario lies outside the validated range.
+        Distributions that are not about the scenario's values, and ways in which the scenario lies outside the
+        validated range.
     """
 
     samples: int
@@ -97,6 +98,7 @@ class UncertaintyResult(Result):
     probability_of_perforation: Estimate
     ballistic_limit_m_s: Mapping[str, Estimate]
     mean_m_s: float
+    mean_interval_m_s: tuple[float, float]
     standard_deviation_m_s: float
     deterministic_m_s: float
     curve: ProbabilityCurve
@@ -127,39 +129,47 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     """
     section = section_of(scenario)
     points, own = points_of(section), inputs_of(scenario)
-    total = section.samples + index_samples(section) * (len(_ranked(section)) + 2)
-    hits, limits = 0, np.empty(section.samples)
-    for part in portions(section.samples, SAMPLES_AT_A_TIME):
-        columns = columns_of(section, own, points[part])
-        samples = sampled(scenario, columns, part.stop - part.start)
-        hits += int(perforated(samples).sum())
+    total = section.samples + index_samples(section) * (len(_ranked(section)) + 1)
+    hits, limits = np.empty(section.samples, dtype=bool), np.empty(section.samples)
+    for part, samples in _in_portions(scenario, section, points):
+        hits[part] = perforated(samples)
         limits[part] = sample_limits(samples)
         on_progress(part.stop - part.start, total)
-    limits.sort()
     deterministic = float(sample_limits(variants_of(scenario, {}, 1))[0])
+    mean = mean_of_replicates(np.array([part.mean() for part in np.array_split(limits, REPLICATES)]))
     return UncertaintyResult(
         samples=section.samples,
         seed=section.seed,
         method=section.method,
         confidence=CONFIDENCE,
-        probability_of_perforation=proportion(hits, section.samples),
+        probability_of_perforation=_share(hits),
         ballistic_limit_m_s={name: quantile(limits, probability) for name, probability in QUANTILES.items()},
-        mean_m_s=float(limits.mean()),
+        mean_m_s=mean.value,
+        mean_interval_m_s=(mean.low, mean.high),
         standard_deviation_m_s=float(limits.std(ddof=1)),
         deterministic_m_s=deterministic,
         curve=probability_curve(limits),
-        inputs=influence_indices(scenario, section, lambda count: on_progress(count, total)),
-        warnings=(*_elsewhere(section, own), *warnings_of(scenario, deterministic)),
+        inputs=influences(scenario, points, limits, lambda count: on_progress(count, total)),
+        warnings=(*_misplaced(section, own), *warnings_of(scenario, deterministic)),
     )
 
 
-def _elsewhere(section: Uncertainty, own: Mapping[str, float]) -> tuple[str, ...]:
-    """Return a warning for each distribution that does not contain the scenario's own value, which is not used."""
-    return tuple(
-        f"uncertainty.{name}: is about a value of its own, not the scenario's {own[name]:g}"
-        for name, distribution in section.inputs().items()
-        if name in own and not distribution.contains(own[name])
-    )
+def _misplaced(section: Uncertainty, own: Mapping[str, float]) -> Iterator[str]:
+    """Yield a warning for each distribution that is not about the scenario's own value or the mean given."""
+    for name, distribution in section.inputs().items():
+        if name in own:
+            if not distribution.contains(own[name]):
+                yield f"uncertainty.{name}: is about a value of its own, not the scenario's {own[name]:g}"
+            moved = moved_mean(distribution, own[name])
+            if moved:
+                yield f"uncertainty.{name}: truncation moves its mean from {moved[0]:g} to {moved[1]:.4g}"
+
+
+def _in_portions(scenario: Scenario, section: Uncertainty, points: Floats) -> Iterator[tuple[slice, Variants]]:
+    """Yield the parts of points of the unit cube, (n, inputs), and their samples."""
+    own = inputs_of(scenario)
+    for part in portions(len(points), SAMPLES_AT_A_TIME):
+        yield part, sampled(scenario, columns_of(section, own, points[part]), part.stop - part.start)
 
 
 def sample_limits(samples: Variants) -> Floats:
@@ -176,96 +186,87 @@ def sample_limits(samples: Variants) -> Floats:
     return limits
 
 
-def quantile(ordered: Floats, probability: float) -> Estimate:
-    """Estimate a quantile from ordered samples, with a distribution-free confidence interval."""
-    interval: Any = quantile_test(ordered, p=probability).confidence_interval(CONFIDENCE)
-    return Estimate(float(np.quantile(ordered, probability)), float(interval.low), float(interval.high))
+def _share(hits: Bools) -> Estimate:
+    """Estimate the probability of hits, (samples,), from replicates."""
+    parts = np.array_split(hits, REPLICATES)
+    return proportion_of_replicates([int(part.sum()) for part in parts], [len(part) for part in parts])
 
 
-def probability_curve(ordered: Floats) -> ProbabilityCurve:
-    """Estimate the probability of perforation over velocity, with Clopper-Pearson intervals, from ordered limits."""
-    margin = 0.05 * (ordered[-1] - ordered[0]) + 1.0
-    velocities = np.linspace(ordered[0] - margin, ordered[-1] + margin, CURVE_POINTS)
-    hits, count = np.searchsorted(ordered, velocities, side="right"), len(ordered)
-    tail = 0.5 * (1.0 - CONFIDENCE)
-    low = np.where(hits > 0, beta.ppf(tail, np.maximum(hits, 1), count - hits + 1), 0.0)
-    high = np.where(hits < count, beta.ppf(1.0 - tail, hits + 1, np.maximum(count - hits, 1)), 1.0)
-    return ProbabilityCurve(*(tuple(values.tolist()) for values in (velocities, hits / count, low, high)))
+def quantile(limits: Floats, probability: float) -> Estimate:
+    """Estimate a quantile of samples, with the interval of Woodruff.
+
+    It goes between the quantiles at the ends of the interval of the probability below, which has no bias in small
+    replicates, as their quantiles have.
+    """
+    value = float(np.quantile(limits, probability))
+    below = _share(limits <= value)
+    ends = np.array([below.low, below.high]) - below.value + probability
+    low, high = np.quantile(limits, np.clip(ends, 0.0, 1.0)).tolist()
+    return Estimate(value, low, high)
 
 
-def _ranked(section: Uncertainty) -> dict[str, Distribution]:
+def probability_curve(limits: Floats) -> ProbabilityCurve:
+    """Estimate the probability of perforation over velocity, with pointwise intervals."""
+    lowest, highest = limits.min(), limits.max()
+    margin = 0.05 * (highest - lowest) + 1.0
+    velocities = np.linspace(lowest - margin, highest + margin, CURVE_POINTS)
+    estimates = [_share(limits <= velocity) for velocity in velocities]
+    rows = ([getattr(estimate, key) for estimate in estimates] for key in ("value", "low", "high"))
+    return ProbabilityCurve(tuple(velocities.tolist()), *map(tuple, rows))
+
+
+def _ranked(section: Uncertainty) -> list[str]:
     """Return the inputs that have an influence on the ballistic limit; the impact velocity has none."""
-    return {name: found for name, found in section.inputs().items() if name != VELOCITY}
+    return [name for name in section.inputs() if name != VELOCITY]
 
 
 def index_samples(section: Uncertainty) -> int:
-    """Return the samples of each set for Sobol' indices; 0 where there is nothing to estimate."""
+    """Return the samples of each set for total indices; 0 where there is nothing to estimate."""
     if section.correlation or len(_ranked(section)) < 2:
         return 0
     part: int = 2 ** int(log2(section.samples // INDEX_DIVISOR))
     return min(max(MIN_INDEX_SAMPLES, part), MAX_INDEX_SAMPLES)
 
 
-def influence_indices(scenario: Scenario, section: Uncertainty, on_samples: Callable[[int], None]) -> tuple[Index, ...]:
-    """Estimate the influence of each input on the ballistic limit."""
-    own, distributions = inputs_of(scenario), _ranked(section)
-    names = list(distributions)
+def influences(
+    scenario: Scenario, points: Floats, limits: Floats, on_samples: Callable[[int], None]
+) -> tuple[Index, ...]:
+    """Estimate the influence of each input on the ballistic limit, from its samples and samples of its own."""
+    section, own = section_of(scenario), inputs_of(scenario)
+    names, inputs = _ranked(section), list(section.inputs())
     if not names:
         return ()
 
-    def limits(columns: Mapping[str, Floats]) -> Floats:
-        return sample_limits(sampled(scenario, columns, len(columns[names[0]])))
-
     def limits_at(points: Floats) -> Floats:
-        found = np.empty(points.shape[1])
-        for part in portions(len(found), SAMPLES_AT_A_TIME):
-            some = points[:, part]
-            found[part] = limits(
-                {name: quantiles(distributions[name], some[i], own[name]) for i, name in enumerate(names)}
-            )
+        found = np.empty(len(points))
+        for part, samples in _in_portions(scenario, section, points):
+            found[part] = sample_limits(samples)
             on_samples(part.stop - part.start)
         return found
 
     ends = {name: np.full(2 * len(names), own[name]) for name in names}
-    for i, (name, distribution) in enumerate(distributions.items()):
-        ends[name][2 * i : 2 * i + 2] = quantiles(distribution, np.array([0.05, 0.95]), own[name])
-    limits_at_ends = limits(ends).reshape(-1, 2).tolist()
-    pairs: list[tuple[Estimate | None, Estimate | None]] = [(None, None)] * len(names)
-    if not section.correlation:
-        pairs = [*sobol(limits_at, len(names), index_samples(section), section.seed)]
-    found = [
-        Index(name, *pair, (low, high)) for name, pair, (low, high) in zip(names, pairs, limits_at_ends, strict=True)
+    for i, name in enumerate(names):
+        ends[name][2 * i : 2 * i + 2] = quantiles(section.inputs()[name], [0.05, 0.95], own[name])
+    limits_at_ends = sample_limits(sampled(scenario, ends, 2 * len(names))).reshape(-1, 2).tolist()
+    first: dict[str, Estimate] = {}
+    total: dict[str, Estimate] = {}
+    if len(names) == 1:
+        # The one input has all of the variance.
+        first = total = {names[0]: Estimate(1.0, 1.0, 1.0)}
+    elif np.ptp(limits) > 0.0:
+        first = dict(zip(inputs, first_order_indices(section, points, limits), strict=True))
+        if not section.correlation:
+            places = [inputs.index(name) for name in names]
+            found = total_indices(limits_at, places, len(inputs), index_samples(section), section.seed)
+            total = dict(zip(names, found, strict=True))
+    result = [
+        Index(name, first.get(name), total.get(name), (low, high))
+        for name, (low, high) in zip(names, limits_at_ends, strict=True)
     ]
-    return tuple(sorted(found, key=_influence, reverse=True))
+    return tuple(sorted(result, key=_influence, reverse=True))
 
 
 def _influence(index: Index) -> float:
-    """Return the total index or, without one, the difference of the ballistic limits, m/s."""
-    low, high = index.limits_m_s
-    return abs(high - low) if index.total is None else index.total.value
-
-
-def sobol(function: Callable[[Floats], Floats], inputs: int, count: int, seed: int) -> list[tuple[Estimate, Estimate]]:
-    """Estimate the first-order and total Sobol' index of each input, with bootstrap intervals.
-
-    The function maps points of the unit cube, (inputs, n), to values, (n,); the number of samples is a power of 2.
-    """
-    if inputs == 1:
-        # The one input has all of the variance.
-        return [(Estimate(1.0, 1.0, 1.0), Estimate(1.0, 1.0, 1.0))]
-    rng = np.random.default_rng(seed)
-    both = qmc.Sobol(2 * inputs, rng=rng).random(count).T
-    a, b = both[:inputs], both[inputs:]
-    mixed = (np.where(np.arange(inputs)[:, None] == i, b, a) for i in range(inputs))
-    values = np.array([function(points) for points in chain((a, b), mixed)])
-
-    def indices(rows: Ints | slice) -> Floats:
-        v = values[:, None, rows]
-        found = sobol_indices(func={"f_A": v[0], "f_B": v[1], "f_AB": v[2:]}, n=count)
-        return np.array([np.ravel(found.first_order), np.ravel(found.total_order)])
-
-    best = indices(slice(None))
-    resampled = np.array([indices(rng.integers(count, size=count)) for _ in range(BOOTSTRAP_RESAMPLES)])
-    low, high = np.quantile(resampled, [0.5 * (1.0 - CONFIDENCE), 0.5 * (1.0 + CONFIDENCE)], axis=0)
-    first, total = np.stack([best, low, high], axis=-1).tolist()
-    return [(Estimate(*one), Estimate(*other)) for one, other in zip(first, total, strict=True)]
+    """Return the total index or, without one, the first-order index."""
+    found = index.total or index.first
+    return found.value if found else 0.0
