@@ -1,19 +1,31 @@
 """The uncertain inputs of a scenario, checked before they are sampled."""
 
 from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 from armour.analysis.variants import Floats, Variants, variants_of
 from armour.errors import InputError, Problem, refuse
-from armour.scenario.distributions import Uncertainty
+from armour.scenario.applicability import model_error
+from armour.scenario.distributions import ERROR, ErrorDistribution, Uncertainty
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import check_names, inputs_of, wrong_rows
 from armour.scenario.sampling import truncation_problem
 
+# Error at which the distribution of the model's error ends, %: a ballistic limit is above 0.
+LEAST_ERROR_PERCENT = -99.0
+
+
+class Samples(NamedTuple):
+    """n samples of the uncertain inputs."""
+
+    variants: Variants  # at the velocities at which the model perforates where the armour is perforated
+    factor: Any  # ballistic limit of the armour over that of the model, (n,) or a number
+
 
 def section_of(scenario: Scenario) -> Uncertainty:
-    """Return the distributions of a scenario."""
-    section = scenario.uncertainty
-    if section is None or not section.inputs():
+    """Return the distributions of a scenario, with that of the error of the model where it is known."""
+    section, error = scenario.uncertainty, model_error(scenario)
+    if section is None or not (section.inputs() or error):
         example = '{ distribution = "normal", standard_deviation_percent = 5 }'
         message = f"is missing and must be given: distributions of inputs, such as ceramic.flow_stress_GPa = {example}"
         raise InputError([Problem(scenario.file, "uncertainty", message)])
@@ -25,14 +37,34 @@ def section_of(scenario: Scenario) -> Uncertainty:
         if (lacking := distribution.mean_problem(own[name]) or truncation_problem(distribution, own[name]))
     ]
     refuse(problems)
-    return section
+    if error is None:
+        return section
+    distribution = ErrorDistribution(
+        mean=error.mean_percent,
+        standard_deviation=error.scale_percent,
+        degrees_of_freedom=error.degrees_of_freedom,
+        min=LEAST_ERROR_PERCENT,
+    )
+    return section.with_error(distribution)
 
 
-def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:
-    """Return n samples as variants of the scenario, which must allow every sampled value."""
+def own_values(scenario: Scenario) -> dict[str, float]:
+    """Return the scenario's own values of the inputs; the model's own error is 0."""
+    return {**inputs_of(scenario), ERROR: 0.0}
+
+
+def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Samples:
+    """Return n samples of values, which the scenario must allow.
+
+    An armour whose ballistic limit is that of the model times a factor is perforated where the model perforates at the
+    impact velocity divided by the factor.
+    """
     problems = []
-    for name, _, found in wrong_rows(scenario, columns):
+    inputs = {name: values for name, values in columns.items() if name != ERROR}
+    for name, _, found in wrong_rows(scenario, inputs):
         message = f"must not reach values that are not allowed: {found[0].message}; give it a min or max"
         problems.append(Problem(scenario.file, f"uncertainty.{name}", message))
     refuse(problems)
-    return variants_of(scenario, columns, count)
+    variants = variants_of(scenario, inputs, count)
+    factor = 1.0 + columns.get(ERROR, 0.0) / 100.0
+    return Samples(variants._replace(velocities=variants.velocities / factor), factor)

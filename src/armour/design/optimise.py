@@ -386,7 +386,12 @@ def _why_none(search: Search) -> str:
             "raise the max of optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"
         )
     if catalogue.sampled and defeating:
-        return "no design keeps the probability of perforation within the bound of every threat"
+        unknown = (
+            ""
+            if scenario.uncertainty is not None and scenario.uncertainty.model is not None
+            else ("; where the error of the model is not known, [uncertainty.model] can give it")
+        )
+        return f"no design keeps the probability of perforation within the bound of every threat{unknown}"
     reasons = dict.fromkeys(_why_none_of(search, pair) for pair in range(len(catalogue.offers)))
     known = not all(reason.startswith(NO_ERROR) for reason in reasons)
     return "; ".join(reasons) + ("; offer thicker layers in [design] or [optimise]" if known else "")

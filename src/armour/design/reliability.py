@@ -2,20 +2,27 @@
 
 from math import ceil, log, log1p
 
+from scipy.special import bdtrc
+
 from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
-from armour.analysis.uncertain_inputs import sampled, section_of
+from armour.analysis.uncertain_inputs import own_values, sampled, section_of
 from armour.analysis.variants import OnProgress, ignore_progress, perforated
 from armour.design.catalogue import NO_BOUND, Candidates, Catalogue
 from armour.errors import Problem, refuse
-from armour.scenario.distributions import MAX_SAMPLES, Uncertainty
+from armour.scenario.applicability import is_excluded, model_error
+from armour.scenario.distributions import MAX_SAMPLES, ErrorDistribution, Uncertainty
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of
+from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY
 from armour.scenario.sampling import columns_of, points_of
 
 # Samples of a design after which it is first checked whether it can still pass.
-FIRST_SAMPLES = 256
+FIRST_SAMPLES = 64
+# Probability of as many perforations as are seen, if the bound held, below which the other samples are not needed.
+SURE = 1e-9
 # Samples that are computed at a time at most, which bounds the memory.
 MOST_SAMPLES = 2**15
+# Holds the place of the error of the model, which is different for each design.
+NO_ERROR = ErrorDistribution(mean=0.0, standard_deviation=1.0, degrees_of_freedom=1.0)
 
 
 class Reliability:
@@ -25,7 +32,8 @@ class Reliability:
         self.catalogue, self.on_progress = catalogue, on_progress
         section = section_of(catalogue.against(0, 0))
         _check(catalogue, section)
-        self.points = points_of(section)  # of the unit cube, (samples, inputs)
+        # Points of the unit cube, (samples, inputs), the error of the model included.
+        self.points = points_of(section.with_error(NO_ERROR))
 
     def probabilities(self, candidates: Candidates, place: int) -> dict[str, Estimate] | None:
         """Estimate the probabilities of perforation of a design, see `Search.probabilities`."""
@@ -44,18 +52,21 @@ class Reliability:
     def within(self, bound: float, scenario: Scenario, ceramic_mm: float, backing_mm: float) -> Estimate | None:
         """Estimate the probability of perforation of a design; None where its interval reaches beyond a bound.
 
-        Samples are taken in growing parts, only as many as it takes to see that the bound is exceeded.
+        Also None where the error of the model is not known.  Samples are taken in growing parts, only as many as it
+        takes to see that the bound is exceeded.
         """
-        section = section_of(scenario)
         design = scenario.replaced({CERAMIC: ceramic_mm, BACKING: backing_mm})
-        own = inputs_of(design)
+        if model_error(design) is None and not is_excluded(design):
+            return None
+        section, own = section_of(design), own_values(design)
+        points = self.points[:, : len(section.inputs())]
         hits, start, end = 0, 0, FIRST_SAMPLES
-        while start < len(self.points):
-            part = self.points[start:end]
-            hits += int(perforated(sampled(design, columns_of(section, own, part), len(part))).sum())
-            estimate = proportion(hits, len(self.points))
+        while start < len(points):
+            part = points[start:end]
+            hits += int(perforated(sampled(design, columns_of(section, own, part), len(part)).variants).sum())
+            estimate = proportion(hits, len(points))
             self.on_progress(len(part), None)
-            if estimate.high > bound:
+            if estimate.high > bound or bdtrc(hits - 1, end, bound) < SURE:
                 return None
             start, end = end, end + min(end, MOST_SAMPLES)
         return estimate
@@ -65,7 +76,8 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
     """Check that the distributions follow designs, materials and threats, and that the samples suffice."""
     file = catalogue.scenario.file
     problems = []
-    for name, distribution in section.inputs().items():
+    assert catalogue.scenario.uncertainty is not None
+    for name, distribution in catalogue.scenario.uncertainty.inputs().items():
         values = {own.get(name) for own in catalogue.inputs}
         if distribution.placed and (len(values) > 1 or name in (VELOCITY, CERAMIC, BACKING)):
             message = (

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import inf
 from typing import Annotated, Literal
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from armour.scenario.messages import Section, above
 
@@ -20,6 +20,8 @@ MAX_CORRELATIONS = 91
 # Fewer samples give no confidence interval for the 5 % quantile.
 MIN_SAMPLES = 128
 
+# The error of the ballistic limit by the model, as an input.
+ERROR = "model.limit_error_percent"
 # Standard deviations within which the scenario's own value is near a given mean.
 NEAR = 3.0
 
@@ -68,6 +70,13 @@ class Distribution(Section):
             must = "must have a standard_deviation in place of one in per cent where the mean is 0"
             return f"{must}, found standard_deviation_percent"
         return ""
+
+
+class ErrorDistribution(Distribution):
+    """Student's t distribution of the error of the model, %; `standard_deviation` is its scale."""
+
+    distribution: Literal["student t"] = "student t"  # type: ignore[assignment]
+    degrees_of_freedom: float
 
 
 class ImpactUncertainty(Section):
@@ -153,6 +162,14 @@ class Uncertainty(Section):
     correlation: Annotated[list[Correlation], Field(max_length=MAX_CORRELATIONS)] = []
     model: ModelSection | None = None
 
+    _error: ErrorDistribution | None = PrivateAttr(default=None)
+
+    def with_error(self, error: ErrorDistribution) -> "Uncertainty":
+        """Return the section with the error of the model as an input of its own."""
+        found = self.model_copy()
+        found._error = error
+        return found
+
     def inputs(self) -> dict[str, Distribution]:
         """Return the distributions by name of input, such as "ceramic.flow_stress_GPa"."""
         found = {}
@@ -162,7 +179,7 @@ class Uncertainty(Section):
                 distribution = getattr(section, key)
                 if distribution is not None:
                     found[f"{role}.{key}"] = distribution
-        return found
+        return found if self._error is None else {**found, ERROR: self._error}
 
     @field_validator("samples")
     @classmethod

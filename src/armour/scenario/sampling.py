@@ -10,7 +10,7 @@ from scipy import stats
 from scipy.special import ndtr, ndtri
 from scipy.stats import qmc
 
-from armour.scenario.distributions import Distribution, Uncertainty, correlation_matrix
+from armour.scenario.distributions import Distribution, ErrorDistribution, Uncertainty, correlation_matrix
 
 Floats = NDArray[np.float64]
 
@@ -114,6 +114,8 @@ def _untruncated(distribution: Distribution, own: float) -> Any:
     percent = distribution.standard_deviation_percent
     deviation = abs(mean) * percent / 100.0 if percent is not None else distribution.standard_deviation
     assert deviation is not None
+    if isinstance(distribution, ErrorDistribution):
+        return stats.t(distribution.degrees_of_freedom, mean, deviation)
     if distribution.distribution == "normal":
         return stats.norm(mean, deviation)
     shape = sqrt(log1p((deviation / mean) ** 2))

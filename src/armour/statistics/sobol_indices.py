@@ -30,10 +30,7 @@ def first_order_indices(section: Uncertainty, points: Floats, values: Floats) ->
     ]
     replicates = zip(np.array_split(points, REPLICATES), np.array_split(_scaled(values), REPLICATES), strict=True)
     moments = [
-        [
-            _moments(basis(chances), scaled)
-            for basis, chances in zip(bases, correlated(section, part).T, strict=True)
-        ]
+        [_moments(basis(chances), scaled) for basis, chances in zip(bases, correlated(section, part).T, strict=True)]
         for part, scaled in replicates
     ]
     return [jackknife(_explained, of_input) for of_input in np.array(moments).swapaxes(0, 1)]

@@ -9,20 +9,19 @@ import numpy as np
 from armour.analysis.estimates import CONFIDENCE, Estimate, mean_of_replicates, proportion_of_replicates
 from armour.analysis.results import Result
 from armour.analysis.searches import ballistic_limits
-from armour.analysis.uncertain_inputs import sampled, section_of
+from armour.analysis.uncertain_inputs import Samples, own_values, sampled, section_of
 from armour.analysis.variants import (
     Bools,
     Floats,
     OnProgress,
-    Variants,
     ignore_progress,
     perforated,
     portions,
-    variants_of,
 )
 from armour.errors import NoLimitError
-from armour.scenario.applicability import warnings_of
+from armour.scenario.applicability import is_excluded, model_error, warnings_of
 from armour.scenario.distributions import Uncertainty
+from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import VELOCITY, inputs_of
 from armour.scenario.sampling import REPLICATES, columns_of, moved_mean, points_of, quantiles
@@ -86,6 +85,8 @@ class UncertaintyResult(Result):
     curve : ProbabilityCurve
     inputs : tuple of Index
         In descending order of influence.
+    model_error : ModelError or None
+        Error of the model, which is one of the inputs; None where it is not known or not included.
     warnings : tuple of str
         Distributions that are not about the scenario's values, and ways in which the scenario lies outside the
         validated range.
@@ -104,6 +105,7 @@ class UncertaintyResult(Result):
     curve: ProbabilityCurve
     inputs: tuple[Index, ...]
     warnings: tuple[str, ...]
+    model_error: ModelError | None = None
 
 
 def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> UncertaintyResult:
@@ -128,14 +130,14 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         If a sample has no ballistic limit in the range of the search.
     """
     section = section_of(scenario)
-    points, own = points_of(section), inputs_of(scenario)
+    points = points_of(section)
     total = section.samples + index_samples(section) * (len(_ranked(section)) + 1)
     hits, limits = np.empty(section.samples, dtype=bool), np.empty(section.samples)
     for part, samples in _in_portions(scenario, section, points):
-        hits[part] = perforated(samples)
+        hits[part] = perforated(samples.variants)
         limits[part] = sample_limits(samples)
         on_progress(part.stop - part.start, total)
-    deterministic = float(sample_limits(variants_of(scenario, {}, 1))[0])
+    deterministic = float(sample_limits(sampled(scenario, {}, 1))[0])
     mean = mean_of_replicates(np.array([part.mean() for part in np.array_split(limits, REPLICATES)]))
     return UncertaintyResult(
         samples=section.samples,
@@ -150,7 +152,12 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         deterministic_m_s=deterministic,
         curve=probability_curve(limits),
         inputs=influences(scenario, points, limits, lambda count: on_progress(count, total)),
-        warnings=(*_misplaced(section, own), *warnings_of(scenario, deterministic)),
+        warnings=(
+            *_misplaced(section, inputs_of(scenario)),
+            *_unknown(scenario),
+            *warnings_of(scenario, deterministic),
+        ),
+        model_error=model_error(scenario),
     )
 
 
@@ -165,25 +172,33 @@ def _misplaced(section: Uncertainty, own: Mapping[str, float]) -> Iterator[str]:
                 yield f"uncertainty.{name}: truncation moves its mean from {moved[0]:g} to {moved[1]:.4g}"
 
 
-def _in_portions(scenario: Scenario, section: Uncertainty, points: Floats) -> Iterator[tuple[slice, Variants]]:
+def _unknown(scenario: Scenario) -> tuple[str, ...]:
+    """Return a warning where the error of the model is not known."""
+    if model_error(scenario) is not None or is_excluded(scenario):
+        return ()
+    return ("uncertainty.model: the error of the model is not known for such an armour, and not included",)
+
+
+def _in_portions(scenario: Scenario, section: Uncertainty, points: Floats) -> Iterator[tuple[slice, Samples]]:
     """Yield the parts of points of the unit cube, (n, inputs), and their samples."""
-    own = inputs_of(scenario)
+    own = own_values(scenario)
     for part in portions(len(points), SAMPLES_AT_A_TIME):
         yield part, sampled(scenario, columns_of(section, own, points[part]), part.stop - part.start)
 
 
-def sample_limits(samples: Variants) -> Floats:
+def sample_limits(samples: Samples) -> Floats:
     """Return the ballistic limit of each sample, m/s; every sample must have one in the range of the search."""
-    limits = ballistic_limits(samples)
+    limits = ballistic_limits(samples.variants)
     missing = int(np.isnan(limits).sum())
     if missing:
-        search = samples.settings.ballistic_limit
+        search = samples.variants.settings.ballistic_limit
         raise NoLimitError(
             f"no ballistic limit of {missing} of {len(limits)} samples from {search.velocity_min_m_s:g} to "
             f"{search.velocity_max_m_s:g} m/s; widen the range of the section ballistic_limit, or truncate the "
             "distributions"
         )
-    return limits
+    factored: Floats = limits * samples.factor
+    return factored
 
 
 def _share(hits: Bools) -> Estimate:
@@ -232,7 +247,7 @@ def influences(
     scenario: Scenario, points: Floats, limits: Floats, on_samples: Callable[[int], None]
 ) -> tuple[Index, ...]:
     """Estimate the influence of each input on the ballistic limit, from its samples and samples of its own."""
-    section, own = section_of(scenario), inputs_of(scenario)
+    section, own = section_of(scenario), own_values(scenario)
     names, inputs = _ranked(section), list(section.inputs())
     if not names:
         return ()
