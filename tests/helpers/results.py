@@ -84,6 +84,7 @@ def uncertainty_result() -> UncertaintyResult:
             "V95": Estimate(770.0, 768.0, 772.0),
         },
         mean_m_s=721.0,
+        mean_interval_m_s=(720.8, 721.2),
         standard_deviation_m_s=27.0,
         deterministic_m_s=723.8,
         curve=ProbabilityCurve(

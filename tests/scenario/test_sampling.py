@@ -6,7 +6,14 @@ import pytest
 from scipy import stats
 
 from armour.scenario.distributions import Distribution, Uncertainty
-from armour.scenario.sampling import columns_of, points_of, quantiles
+from armour.scenario.sampling import (
+    REPLICATES,
+    columns_of,
+    moved_mean,
+    points_of,
+    quantiles,
+    truncation_problem,
+)
 
 PARTS = np.linspace(0.001, 0.999, 999)
 NORMAL = {"distribution": "normal", "standard_deviation_percent": 10.0}
@@ -74,3 +81,39 @@ def test_the_seed_determines_the_samples():
 
     np.testing.assert_array_equal(points(1), points(1))
     assert (points(1) != points(2)).any()
+
+
+@pytest.mark.parametrize("method", ["sobol", "latin hypercube"])
+def test_each_replicate_covers_the_whole_range(method: str):
+    """Each has a point of its own in each of as many equal parts as it has points."""
+    points = points_of(Uncertainty.model_validate({**SECTION, "samples": 512, "method": method}))
+    replicates = np.array(np.array_split(points, REPLICATES))
+    assert (np.sort((replicates * 32).astype(int), axis=1) == np.arange(32)[:, None]).all()
+    assert len(np.unique(points[:, 0])) == 512
+
+
+@pytest.mark.parametrize("end", ["min", "max"])
+def test_a_truncation_far_out_in_a_tail(end: str):
+    """Quantiles of the exponential distribution to which the tail tends, beyond the digits of the other tail's."""
+    at = 10.0 + 2.0 * (9.0 if end == "min" else -9.0)
+    far = made(distribution="normal", standard_deviation=2.0, **{end: at})
+    assert not truncation_problem(far, 10.0)
+    found = quantiles(far, PARTS, 10.0)
+    parts = PARTS if end == "min" else 1.0 - PARTS
+    assert np.abs(found - at) == pytest.approx(-np.log1p(-parts) * 2.0 / 9.0, rel=0.1)
+
+
+@pytest.mark.parametrize("ends", [{"min": 100.0}, {"max": -100.0}, {"min": 100.0, "max": 101.0}])
+def test_a_truncation_that_leaves_nothing(ends: dict[str, float]):
+    problem = truncation_problem(made(distribution="normal", standard_deviation=2.0, **ends), 10.0)
+    found = " and ".join(f"{end} {value:g}" for end, value in ends.items())
+    assert problem.endswith(f"nearer to its mean, 10 with a standard deviation of 2, found {found}")
+
+
+def test_a_mean_that_truncation_moves():
+    half = made(distribution="normal", standard_deviation=2.0, min=10.0)
+    assert moved_mean(half, 10.0) == pytest.approx((10.0, 10.0 + 2.0 * sqrt(2.0 / np.pi)), rel=1e-3)
+    assert moved_mean(made(distribution="normal", standard_deviation=2.0, min=5.0), 10.0) is None
+    assert moved_mean(made(distribution="normal", standard_deviation=2.0, min=9.0, max=11.0), 10.0) is None
+    assert moved_mean(made(distribution="uniform", min=11.0, max=12.0), 10.0) is None
+    assert moved_mean(made(distribution="lognormal", standard_deviation_percent=300.0), 10.0) is None

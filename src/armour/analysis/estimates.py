@@ -6,11 +6,13 @@ from math import ceil, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binomtest, t
+from scipy.special import betaincinv, stdtrit
 
 Floats = NDArray[np.float64]
 
 CONFIDENCE = 0.95
+# Probability beyond each end of an interval.
+TAIL = 0.5 * (1.0 - CONFIDENCE)
 
 
 @dataclass(frozen=True)
@@ -29,14 +31,16 @@ class Estimate:
 
 def proportion(hits: int, samples: int) -> Estimate:
     """Estimate a proportion, with the Clopper-Pearson confidence interval."""
-    interval = binomtest(hits, samples).proportion_ci(CONFIDENCE, method="exact")
-    return Estimate(hits / samples, float(interval.low), float(interval.high))
+    misses = samples - hits
+    low = float(betaincinv(hits, misses + 1, TAIL)) if hits else 0.0
+    high = float(betaincinv(hits + 1, misses, 1.0 - TAIL)) if misses else 1.0
+    return Estimate(hits / samples, low, high)
 
 
 def mean_of_replicates(values: Floats) -> Estimate:
     """Estimate the mean of values of independent replicates, (replicates,), with the t interval."""
     mean, count = float(values.mean()), len(values)
-    half = float(t.ppf(0.5 * (1.0 + CONFIDENCE), count - 1) * values.std(ddof=1)) / sqrt(count)
+    half = float(stdtrit(count - 1, 1.0 - TAIL) * values.std(ddof=1)) / sqrt(count)
     return Estimate(mean, mean - half, mean + half)
 
 
@@ -51,7 +55,7 @@ def proportion_of_replicates(hits: Sequence[int], sizes: Sequence[int]) -> Estim
         return plain
     found = mean_of_replicates(np.divide(hits, sizes))
     # Replicates may agree to the last hit; one hit in all of them is then still beyond what they tell.
-    half = max(found.high - found.value, -log(0.5 * (1.0 - CONFIDENCE)) / samples)
+    half = max(found.high - found.value, -log(TAIL) / samples)
     return Estimate(plain.value, max(0.0, plain.value - half), min(1.0, plain.value + half))
 
 

@@ -93,6 +93,8 @@ def truncation_problem(distribution: Distribution, own: float) -> str:
 
 def moved_mean(distribution: Distribution, own: float) -> tuple[float, float] | None:
     """Return the mean before and after truncation; None where they differ by less than a tenth of the deviation."""
+    if distribution.min is None and distribution.max is None:
+        return None
     whole = _untruncated(distribution, own)
     before, after = float(whole.mean()), float(quantiles(distribution, MIDDLES, own).mean())
     return (before, after) if abs(after - before) > MOVED * whole.std() else None

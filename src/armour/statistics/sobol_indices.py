@@ -22,18 +22,19 @@ def first_order_indices(section: Uncertainty, points: Floats, values: Floats) ->
     It is the share of the variance that a polynomial of the input explains: of the uniform or normal score, in which a
     value as a function of the input is about a straight line.
     """
-    bases = [
-        (lambda u: legvander(2.0 * u - 1.0, DEGREE))
-        if distribution.distribution == "uniform"
-        else (lambda u: hermevander(ndtri(u), DEGREE))
-        for distribution in section.inputs().values()
-    ]
+    uniform = [distribution.distribution == "uniform" for distribution in section.inputs().values()]
     replicates = zip(np.array_split(points, REPLICATES), np.array_split(_scaled(values), REPLICATES), strict=True)
     moments = [
-        [_moments(basis(chances), scaled) for basis, chances in zip(bases, correlated(section, part).T, strict=True)]
+        [_moments(_basis(*of_input), scaled) for of_input in zip(correlated(section, part).T, uniform, strict=True)]
         for part, scaled in replicates
     ]
     return [jackknife(_explained, of_input) for of_input in np.array(moments).swapaxes(0, 1)]
+
+
+def _basis(chances: Floats, uniform: bool) -> Floats:
+    """Return polynomials, (n, terms), of the uniform or normal score of an input."""
+    found = legvander(2.0 * chances - 1.0, DEGREE) if uniform else hermevander(ndtri(chances), DEGREE)
+    return np.asarray(found, dtype=np.float64)
 
 
 def _moments(basis: Floats, values: Floats) -> Floats:

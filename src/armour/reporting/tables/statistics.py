@@ -174,13 +174,15 @@ def uncertainty_table(result: "UncertaintyResult") -> Table:
         column_of("samples", "d"),
         (Column("method"), f"{result.method}, seed {result.seed}"),
         column_of("deterministic_m_s", ".1f", "ballistic limit of the scenario"),
-        column_of("mean_m_s", ".1f", "mean ballistic limit"),
         column_of("standard_deviation_m_s", ".1f"),
     )
 
 
 def estimate_table(result: "UncertaintyResult") -> Table:
-    """Return the estimated probability and quantiles, and whether the samples settle their last digits."""
+    """Return the estimated probability, quantiles and mean, and whether the samples settle their last digits."""
+    # Imported here because commands without tables do not need scipy.
+    from armour.analysis.estimates import Estimate
+
     columns = (
         Column("quantity"),
         Column("unit"),
@@ -189,7 +191,11 @@ def estimate_table(result: "UncertaintyResult") -> Table:
         Column("samples to settle the last digit", spec="d"),
     )
     found = [("probability of perforation", "", result.probability_of_perforation, 3)]
-    found += [(name, "m/s", estimate, 1) for name, estimate in result.ballistic_limit_m_s.items()]
+    limits = {
+        **result.ballistic_limit_m_s,
+        "mean ballistic limit": Estimate(result.mean_m_s, *result.mean_interval_m_s),
+    }
+    found += [(name, "m/s", estimate, 1) for name, estimate in limits.items()]
     rows = []
     for name, unit, estimate, decimals in found:
         spec = f".{decimals}f"
@@ -223,6 +229,9 @@ def index_table(result: "UncertaintyResult") -> Table:
 def uncertainty_tables(result: "UncertaintyResult") -> list[Table | str]:
     """Return all tables of a propagated uncertainty."""
     found: list[Table | str] = [uncertainty_table(result), estimate_table(result), index_table(result)]
-    if any(index.first is None for index in result.inputs):
-        found.append("Sobol' indices are not defined for correlated inputs")
+    if any(index.first and not index.total for index in result.inputs):
+        found.append(
+            "inputs are correlated: a first-order index includes what an input shares with those that it is correlated "
+            "with, so that their sum may exceed 1; total indices are not given"
+        )
     return found

@@ -1,0 +1,89 @@
+"""How often the 95 % intervals of `uncertainty` hold the truth: ``python -m campaigns.coverage_uncertainty [SEEDS]``.
+
+The truth is that of 2^20 samples, with first-order indices by a linear spline in place of the polynomials.  With 60
+seeds it takes some 10 minutes of one core.
+"""
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import make_lsq_spline
+
+from armour.analysis.estimates import Estimate
+from armour.analysis.uncertain_inputs import sampled, section_of
+from armour.analysis.variants import Floats, perforated, portions
+from armour.scenario.loading import Scenario, load_scenario
+from armour.scenario.parameters import VELOCITY, inputs_of
+from armour.scenario.sampling import columns_of, points_of
+from armour.statistics.uncertainty import QUANTILES, SAMPLES_AT_A_TIME, sample_limits, uncertainty
+
+SHIPPED = Path(__file__).resolve().parent.parent / "scenarios" / "uncertain.toml"
+SEEDS = 60
+REFERENCE = {"uncertainty.samples": 2**20, "uncertainty.seed": 1_000_000}
+# Parts of the splines of the reference, with equal numbers of samples.
+PIECES = 32
+CORRELATED = {
+    "uncertainty.armour.ceramic_thickness_mm": {"distribution": "uniform", "min": 5.75, "max": 6.95},
+    "uncertainty.backing.dynamic_yield_strength_MPa": {"distribution": "normal", "standard_deviation_percent": 10.0},
+    "uncertainty.correlation": [
+        {"between": ["ceramic.flow_stress_GPa", "backing.dynamic_yield_strength_MPa"], "coefficient": 0.6},
+        {"between": ["armour.ceramic_thickness_mm", "projectile.penetrator_mass_g"], "coefficient": -0.4},
+    ],
+}
+
+
+def truths(scenario: Scenario) -> dict[str, float]:
+    """Return the quantities of a scenario from many samples."""
+    scenario = scenario.replaced(REFERENCE)
+    section, own = section_of(scenario), inputs_of(scenario)
+    points = points_of(section)
+    hits, limits = np.empty(len(points), dtype=bool), np.empty(len(points))
+    for part in portions(len(points), SAMPLES_AT_A_TIME):
+        samples = sampled(scenario, columns_of(section, own, points[part]), part.stop - part.start)
+        hits[part], limits[part] = perforated(samples), sample_limits(samples)
+    found = {"probability": float(hits.mean()), "mean": float(limits.mean())}
+    found |= {name: float(np.quantile(limits, chance)) for name, chance in QUANTILES.items()}
+    columns = columns_of(section, own, points)
+    return found | {name: explained(values, limits) for name, values in columns.items() if name != VELOCITY}
+
+
+def explained(values: Floats, limits: Floats) -> float:
+    """Return the share of the variance of limits that a linear spline of the values of an input explains."""
+    order = np.argsort(values)
+    x, y = values[order], limits[order]
+    knots = np.quantile(x, np.linspace(0.0, 1.0, PIECES + 1))
+    spline = make_lsq_spline(x, y, np.r_[knots[0], knots, knots[-1]], k=1)
+    return float(1.0 - np.var(y - spline(x)) / np.var(y))
+
+
+def estimates(scenario: Scenario) -> Iterator[tuple[str, Estimate]]:
+    """Yield the same quantities by `uncertainty`."""
+    result = uncertainty(scenario)
+    yield "probability", result.probability_of_perforation
+    yield "mean", Estimate(result.mean_m_s, *result.mean_interval_m_s)
+    yield from result.ballistic_limit_m_s.items()
+    for index in result.inputs:
+        assert index.first is not None
+        yield index.input, index.first
+
+
+def main() -> None:
+    """Print, for each scenario and method, how many intervals of each quantity hold the truth."""
+    seeds = int(sys.argv[1]) if len(sys.argv) > 1 else SEEDS
+    scenario = load_scenario(SHIPPED)
+    for name, case in (("independent", scenario), ("correlated", scenario.replaced(CORRELATED))):
+        true = truths(case)
+        for method in ("sobol", "latin hypercube"):
+            held = dict.fromkeys(true, 0)
+            for seed in range(seeds):
+                for key, estimate in estimates(case.replaced({"uncertainty.method": method, "uncertainty.seed": seed})):
+                    held[key] += estimate.low <= true[key] <= estimate.high
+            print(f"{name} inputs, {method}: {sum(held.values())} of {seeds * len(held)}", flush=True)
+            for key, count in held.items():
+                print(f"  {key:40} {true[key]:10.5f} {count} of {seeds}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
