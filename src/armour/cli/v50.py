@@ -24,8 +24,8 @@ def v50(
     span_m_s: Annotated[
         float | None,
         option(
-            "Largest span of these shots, m/s, at most 10,000, as specified for the test; by default 38.1, 27.4 or 18.3 "
-            "(125, 90, 60 ft/s) for 5, 3 or 2 pairs.  Also in use: 30.5 (100 ft/s)."
+            "Largest span of these shots, m/s, at most 10,000, as specified for the test; by default 38.1, 27.4 or "
+            "18.3 (125, 90 or 60 ft/s) for 5, 3 or 2 of each kind. 30.5 (100 ft/s) is usual, too."
         ),
     ] = None,
     confidence: Annotated[float, typer.Option(help="Confidence of the intervals, 0.5 to 0.9999.")] = 0.95,

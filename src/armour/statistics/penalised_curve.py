@@ -10,14 +10,14 @@ from math import copysign, exp, inf, log, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq, minimize
-from scipy.stats import chi2
+from scipy.special import erfcx, log_expit, ndtri
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.variants import Floats
 from armour.statistics.response_curve import (
     CDFS,
-    LINKS,
     MAX_DISTANCE,
     Z95,
     FittedCurve,
@@ -27,15 +27,17 @@ from armour.statistics.response_curve import (
 )
 
 # Slopes at which the search for the maximum starts, per standard deviation of the velocities.
-STARTS = (0.5, 2.0, 8.0)
+STARTS = (0.5, 2.0, 8.0, 32.0, 128.0)
 # The penalised likelihood of few shots can have several maxima along a line: a climb starts from the best of some
 # points, for lines of all slopes from one of these slopes.
 FEW = 100
 SLOPES = np.geomspace(0.05, 5e3, 40)
 # Greatest change of the argument of F in a step of a climb, the gain at which a climb ends, and its most steps.
 MAX_CHANGE, MIN_GAIN, MAX_STEPS = 5.0, 1e-8, 200
-# Determinant of the relative information below which a curve is too steep for its logarithm.
-MIN_DETERMINANT = 1e-200
+# Velocities at which a band is computed; between them it is interpolated.
+BAND_NODES = 13
+# Argument of F above which, and determinant of the relative information below which, a curve is too steep.
+MAX_ARGUMENT, MIN_DETERMINANT = 1e8, 1e-200
 # Shots evaluated at once, so that the arrays stay in the processor's cache.
 BLOCK = 8192
 
@@ -56,7 +58,7 @@ class _Likelihood:
     def __init__(self, link: Link, x: Floats, signs: Floats, confidence: float) -> None:
         """Take the standardised velocities of shots, and +1 for complete, -1 for partial penetrations."""
         self.link, self.x, self.signs = link, x, signs
-        self.root = sqrt(float(chi2.ppf(confidence, 1)))
+        self.root = float(ndtri(0.5 + 0.5 * confidence))
         # Where the slope is given, V50 is near a shot or between two neighbours.
         self.few, ordered = len(x) <= FEW, np.unique(x)
         self.places = np.append(ordered, 0.5 * (ordered[1:] + ordered[:-1]))
@@ -71,6 +73,8 @@ class _Likelihood:
         one, and velocities relative to its velocity, keep the determinant exact for curves however steep.
         """
         z = point[0] + point[1] * self.x
+        if not np.abs(z).max() < MAX_ARGUMENT:
+            return _Point(point, -inf, -inf, np.zeros(2), np.zeros((2, 2)))
         nearest = int(np.argmin(np.abs(z)))
         centre, greatest = self.x[nearest], _terms(self.link, z[nearest : nearest + 1], np.ones(1))[1][0]
         moments, log_likelihood = np.zeros((5, 5)), 0.0
@@ -98,13 +102,17 @@ class _Likelihood:
         return _Point(point, value, log_likelihood, shift @ gradient, shift @ hessian @ shift.T)
 
     def _climbed(self, slope: float) -> _Point:
-        """Return the maximum found from a slope, with the mean velocity of the shots as V50."""
+        """Return the maximum found from a slope, with V50 between the highest partial and the lowest complete."""
+        middle = 0.5 * float(self.x[self.signs < 0.0].max() + self.x[self.signs > 0.0].min())
 
         def lost(at: Floats) -> tuple[float, Floats]:
             point = self.at(at)
             return -point.value, -point.gradient
 
-        return self.at(minimize(lost, [0.0, slope], jac=True, method="BFGS", options={"gtol": 1e-7}).x)
+        tolerance = 1e-9 * len(self.x)
+        return self.at(
+            minimize(lost, np.array([-slope * middle, slope]), jac=True, method="BFGS", options={"gtol": tolerance}).x
+        )
 
     def _values(self, points: Floats) -> Floats:
         """Return the logarithm of the penalised likelihood of few shots at points, (m, 2) -> (m,)."""
@@ -140,9 +148,11 @@ class _Likelihood:
             step = min(max(first / -second if second < 0.0 else copysign(inf, first), -reach), reach)
             if direction[1]:
                 step = max(step, -float(point.at[1]))
-            while abs(first * step) > MIN_GAIN and (beyond := self.at(point.at + step * along)).value <= point.value:
+            beyond = point
+            while abs(first * step) > MIN_GAIN and beyond.value <= point.value:
+                beyond = self.at(point.at + step * along)
                 step *= 0.5
-            if abs(first * step) <= MIN_GAIN:
+            if beyond.value <= point.value:
                 break
             point = beyond
         return point
@@ -226,21 +236,25 @@ def _terms(link: Link, z: Floats, signs: Floats) -> tuple[Floats, ...]:
     These are the log-likelihood, the logarithm of the Fisher information, and the first and the second derivative by
     the argument, of the former and of the latter.
     """
-    log_f, log_s = LINKS[link](z), LINKS[link](-z)
-    # Logarithms of the density over F and over 1 - F; derivatives of the logarithm of the density.
+    # Density over F and over 1 - F, and the derivatives of the logarithm of the density.
     if link == "probit":
-        log_density = -0.5 * z * z - 0.5 * log(2.0 * pi)
-        log_up, log_down, slope, bend = log_density - log_f, log_density - log_s, -z, -np.ones_like(z)
-        up, down = np.exp(log_up), np.exp(log_down)
+        # The hazard of the tail beyond |z| has no cancellation.
+        hazard, log_density = sqrt(2.0 / pi) / erfcx(np.abs(z) * sqrt(0.5)), -0.5 * z * z - 0.5 * log(2.0 * pi)
+        log_tail = log_density - np.log(hazard)
+        log_rest = np.log1p(-np.exp(log_tail))
+        rest, left = np.exp(log_density - log_rest), z < 0.0
+        log_f, log_s = np.where(left, log_tail, log_rest), np.where(left, log_rest, log_tail)
+        up, down = np.where(left, hazard, rest), np.where(left, rest, hazard)
+        log_weights, slope, bend = log_density + np.log(hazard) - log_rest, -z, -np.ones_like(z)
     else:
-        log_up, log_down = log_s, log_f
-        up, down = np.exp(log_up), np.exp(log_down)
+        log_f, log_s = log_expit(z), log_expit(-z)
+        up, down, log_weights = np.exp(log_s), np.exp(log_f), log_f + log_s
         slope, bend = up - down, -2.0 * up * down
     up_slope, down_slope = up * (slope - up), down * (slope + down)
     complete = signs > 0.0
     return (
         np.where(complete, log_f, log_s),
-        log_up + log_down,
+        log_weights,
         np.where(complete, up, -down),
         np.where(complete, up_slope, -down_slope),
         2.0 * slope - up + down,
@@ -290,9 +304,11 @@ def penalised_band(
     velocities_m_s: Sequence[float],
     confidence: float = CONFIDENCE,
 ) -> tuple[Floats, Floats]:
-    """Return the pointwise confidence interval of the probability at velocities, m/s, from low to high."""
+    """Return the pointwise confidence interval of the probability at ascending velocities, m/s, from low to high."""
     mean, deviation, x, signs = standardised(partial, complete)
     shots = _Likelihood(link, x, signs, confidence)
-    ends = np.array([shots.argument_interval((velocity - mean) / deviation) for velocity in velocities_m_s])
-    low, high = CDFS[link](ends).T
+    wanted = (np.array(velocities_m_s) - mean) / deviation
+    nodes = np.linspace(wanted[0], wanted[-1], BAND_NODES)
+    ends = np.array([shots.argument_interval(float(node)) for node in nodes])
+    low, high = CDFS[link](PchipInterpolator(nodes, ends)(wanted)).T
     return low, high

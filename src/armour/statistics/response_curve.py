@@ -8,7 +8,6 @@ from typing import Any, Literal
 import numpy as np
 from scipy.optimize import brentq, minimize, minimize_scalar
 from scipy.special import expit, log_expit, log_ndtr, logit, ndtr, ndtri
-from scipy.stats import chi2
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.variants import Floats
@@ -107,7 +106,7 @@ def fit_curve(
     else:
         location, scale, maximum = _maximum_likelihood(link, signs, x)
         lowest = highest = location
-    root = sqrt(float(chi2.ppf(confidence, 1)))
+    root = float(ndtri(0.5 + 0.5 * confidence))
 
     def excess(profile: float) -> float:
         """Return the root of the deviance, which is nearly linear in the quantity, less that at the ends."""
