@@ -30,12 +30,12 @@ from armour.statistics.response_curve import (
 STARTS = (0.5, 2.0, 8.0, 32.0, 128.0)
 # The penalised likelihood of few shots can have several maxima along a line: a climb starts from the best of some
 # points, for lines of all slopes from one of these slopes.
-FEW = 100
+FEW = 60
 SLOPES = np.geomspace(0.05, 5e3, 40)
 # Greatest change of the argument of F in a step of a climb, the gain at which a climb ends, and its most steps.
 MAX_CHANGE, MIN_GAIN, MAX_STEPS = 5.0, 1e-8, 200
-# Velocities at which a band is computed; between them it is interpolated.
-BAND_NODES = 13
+# Velocities at which a band is computed, between which it is interpolated, and the greatest argument of F at its ends.
+BAND_NODES, FARTHEST = 13, 40.0
 # Argument of F above which, and determinant of the relative information below which, a curve is too steep.
 MAX_ARGUMENT, MIN_DETERMINANT = 1e8, 1e-200
 # Shots evaluated at once, so that the arrays stay in the processor's cache.
@@ -61,7 +61,8 @@ class _Likelihood:
         self.root = float(ndtri(0.5 + 0.5 * confidence))
         # Where the slope is given, V50 is near a shot or between two neighbours.
         self.few, ordered = len(x) <= FEW, np.unique(x)
-        self.places = np.append(ordered, 0.5 * (ordered[1:] + ordered[:-1]))
+        parts = np.array([[0.25], [0.5], [0.75]])
+        self.places = np.append(ordered, ordered[:-1] + parts * np.diff(ordered))
         self.mode = max((self._climbed(slope) for slope in STARTS), key=lambda found: found.value)
         self.flat = self.climb(np.zeros(2), (1.0, 0.0))  # the maximum at a constant probability
         self.variance = np.linalg.inv(-self.mode.hessian)
@@ -168,21 +169,22 @@ class _Likelihood:
         intercept and slope gives the first step.
         """
         step = direction * 1.1 * self.root * sqrt(float(np.array(gradient) @ self.variance @ np.array(gradient)))
-        near = self.mode.at
+        near, known = self.mode.at, {start: -self.root}
 
         def excess(value: float) -> float:
             """Return the root of the deviance, which is nearly linear in the quantity, less that at the end."""
             nonlocal near
-            found = profile(value, near)
-            if found.value == -inf:
-                return MAX_DISTANCE
-            near = found.at
-            return sqrt(2.0 * max(self.mode.value - found.value, 0.0)) - self.root
+            if value not in known:
+                found = profile(value, near)
+                near = near if found.value == -inf else found.at
+                deviance = 2.0 * max(self.mode.value - found.value, 0.0)
+                known[value] = min(sqrt(deviance), MAX_DISTANCE) - self.root
+            return known[value]
 
         inner, end = start, start + step
         while abs(end - start) < MAX_DISTANCE:
             if excess(end) > 0.0:
-                return float(brentq(excess, inner, end, xtol=1e-7 * abs(step)))
+                return float(brentq(excess, inner, end, xtol=1e-6 * abs(step)))
             step *= 2.0
             inner, end = end, end + step
         return direction * inf
@@ -310,5 +312,5 @@ def penalised_band(
     wanted = (np.array(velocities_m_s) - mean) / deviation
     nodes = np.linspace(wanted[0], wanted[-1], BAND_NODES)
     ends = np.array([shots.argument_interval(float(node)) for node in nodes])
-    low, high = CDFS[link](PchipInterpolator(nodes, ends)(wanted)).T
+    low, high = CDFS[link](PchipInterpolator(nodes, ends.clip(-FARTHEST, FARTHEST))(wanted)).T
     return low, high

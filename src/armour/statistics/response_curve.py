@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import brentq, minimize, minimize_scalar
-from scipy.special import expit, log_expit, log_ndtr, logit, ndtr, ndtri
+from scipy.special import erfcx, expit, log_expit, log_ndtr, logit, ndtr, ndtri
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.variants import Floats
@@ -150,7 +150,7 @@ def _maximum_likelihood(link: Link, signs: Floats, x: Floats) -> tuple[float, fl
 
     def lost(p: Floats) -> tuple[float, Floats]:
         z = signs * (p[0] * x - p[1])
-        slopes = signs * (expit(-z) if link == "logit" else np.exp(-0.5 * z * z - log_cdf(z)) / sqrt(2.0 * pi))
+        slopes = signs * (expit(-z) if link == "logit" else sqrt(2.0 / pi) / erfcx(-z * sqrt(0.5)))
         return -float(log_cdf(z).sum()), np.array([-(slopes * x).sum(), slopes.sum()])
 
     found = minimize(lost, np.array([1.0, 0.0]), jac=True, method="BFGS", options={"gtol": 1e-9})
