@@ -208,16 +208,11 @@ def settings_beside(place: Place) -> Any:
 
 def read_only_package(place: Place) -> Any:
     """Import the package from a directory that cannot be written."""
-    shutil.copytree(ROOT / "src", place.directory / "src", ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("src", "configs"):
+        shutil.copytree(ROOT / name, place.directory / name, ignore=shutil.ignore_patterns("__pycache__"))
     for path in [place.directory / "src", *(place.directory / "src").rglob("*")]:
         path.chmod(0o555)
     return start(place, {"PYTHONPATH": f"{{}}/src{os.pathsep}{ROOT}"})
-
-
-def zipped_package(place: Place) -> Any:
-    """Import the package from a zip file."""
-    shutil.make_archive(str(place.directory / "package"), "zip", ROOT / "src")
-    return start(place, {"PYTHONPATH": f"{{}}/package.zip{os.pathsep}{ROOT}"})
 
 
 def attacks() -> Iterator[tuple[str, Attack]]:
@@ -275,7 +270,6 @@ def attacks() -> Iterator[tuple[str, Attack]]:
         yield "options of Python", partial(start, options=tuple(option.split()))
     yield "settings of numba in the working directory", settings_beside
     yield "a read-only package", read_only_package
-    yield "a package in a zip file", zipped_package
     if os.geteuid() == 0 and can_start(NOBODY):
         nothing = {"HOME": None, "XDG_CACHE_HOME": None}
         yield "no HOME and no such user", partial(start, variables=nothing, user=UNLISTED)
@@ -298,13 +292,13 @@ def can_start(user: int) -> bool:
 
 def judged(attack: Attack, kept: bytes, right: Any) -> tuple[str, str]:
     """Return how a trial ended, and details."""
-    with tempfile.TemporaryDirectory(prefix="campaign-", ignore_cleanup_errors=True) as name:
+    with tempfile.TemporaryDirectory(prefix="campaign-", ignore_cleanup_errors=True) as home:
         place = Place(
-            Path(name),
+            Path(home),
             {
-                "PATH": os.environ["PATH"],
-                "HOME": name,
-                "XDG_CACHE_HOME": f"{name}/cache",
+                **{name: os.environ[name] for name in ("PATH", "LD_LIBRARY_PATH") if name in os.environ},
+                "HOME": home,
+                "XDG_CACHE_HOME": f"{home}/cache",
                 "PYTHONPATH": os.pathsep.join([str(ROOT / "src"), str(ROOT)]),
             },
         )

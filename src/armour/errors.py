@@ -9,12 +9,14 @@
         └── NoDesignError     no design of the grid defeats the threat
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from typing import NamedTuple
 
 # Known words beyond which none is suggested, as each wrong word is compared with all of them.
 MAX_WORDS = 1000
+# Mistakes of a kind that are shown; a script may make thousands.
+MAX_PROBLEMS = 20
 
 
 class Problem(NamedTuple):
@@ -69,6 +71,12 @@ class NoLimitError(NoAnswerError):
 
 class NoDesignError(NoAnswerError):
     """No design of the grid defeats the threat."""
+
+
+def refuse(problems: Iterable[Problem]) -> None:
+    """Raise an InputError if there are problems."""
+    if found := tuple(problems):
+        raise InputError(found)
 
 
 def suggestion(word: str, known: Sequence[str]) -> str:

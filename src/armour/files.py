@@ -3,15 +3,17 @@
 import os
 import secrets
 import stat
+import sys
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from contextvars import ContextVar
+from errno import EINVAL
 from os import PathLike
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from armour.errors import ArmourError, InputError, Problem
+from armour.errors import ArmourError, InputError, Problem, refuse
 
 # Longer than any scenario or library; a device such as /dev/zero has no end.
 MAX_BYTES = 10_000_000
@@ -40,14 +42,19 @@ def reserve(outputs: Sequence[Path]) -> None:
     _outputs.set(tuple(outputs))
 
 
+def check_unreserved(file: str | PathLike[str] | int) -> None:
+    """Check that a file that is read, given by its path or descriptor, is not a reserved output."""
+    for output in _outputs.get():
+        if output.exists() and os.path.samestat(output.stat(), os.stat(file)):
+            # No InputError, which a caller may take for a mistake in the file.
+            raise ArmourError(f"{output}: must not be the file that is read; choose another name")
+
+
 def read_text(path: str | PathLike[str]) -> str:
     """Read a text file; raise an InputError if it is missing, unreadable, too long or not UTF-8 text."""
     try:
         with open(path, "rb") as file:
-            for output in _outputs.get():
-                if output.exists() and output.samefile(path):
-                    # No InputError, which a caller may take for a mistake in the file.
-                    raise ArmourError(f"{output}: must not be the file that is read; choose another name")
+            check_unreserved(path)
             return decoded(file, str(path))
     except (OSError, ValueError) as error:
         raise InputError([Problem(str(path), "", f"cannot be read: {reason(error)}")]) from None
@@ -103,26 +110,23 @@ def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:
     return [Problem(str(path), "", f"must end in {listed}, found {path.suffix or 'no ending'}")]
 
 
-def check_writable(path: Path) -> None:
-    """Check before a long computation that a file can be written; raise an InputError if it cannot."""
+def unwritable(path: Path) -> list[Problem]:
+    """Return, before a long computation, the problem of a file that cannot be written; [] if it can."""
     try:
-        problem = _unwritable(path)
+        obstacle = _obstacle(path)
     except (OSError, ValueError) as error:
-        problem = reason(error)
-    if problem:
-        raise InputError([Problem(str(path), "", f"cannot be written: {problem}")])
+        obstacle = reason(error)
+    return [Problem(str(path), "", f"cannot be written: {obstacle}")] if obstacle else []
 
 
-def _unwritable(path: Path) -> str:
+def _obstacle(path: Path) -> str:
     """Return why a file cannot be written; "" if it can."""
     there, folder = _status(path), _target(path).parent
     if there is not None and stat.S_ISDIR(there.st_mode):
         return "is a folder"
     if not folder.is_dir():
         return f"there is no folder {path.parent}"
-    needed = [path] if there is not None else []
-    if _is_replaced(there):
-        needed.append(folder)
+    needed = [*([path] if there is not None else []), *([folder] if _is_replaced(there) else [])]
     return "" if all(os.access(name, os.W_OK) for name in needed) else "permission denied"
 
 
@@ -171,8 +175,7 @@ def written(contents: Mapping[Path, bytes]) -> Iterator[None]:
                     # A reader that goes away wants no more.
                     with suppress(BrokenPipeError):
                         path.write_bytes(contents[path])
-        if problems:
-            raise InputError(problems)
+        refuse(problems)
         yield
         undo.pop_all()
 
@@ -210,31 +213,34 @@ def _rename(temporary: Path, target: Path, cleanup: ExitStack, undo: ExitStack) 
         old = _hidden(target, cleanup)
         with suppress(OSError):
             os.link(target, old)
-            undo.callback(_restore, old, target)
+            undo.callback(_tried, os.replace, old, target)
         os.replace(temporary, target)
     else:
         os.replace(temporary, target)
-        undo.callback(_remove, target)
-    with suppress(OSError):  # on Windows, a folder cannot be opened
-        folder = os.open(target.parent, os.O_RDONLY)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
+        undo.callback(_tried, os.unlink, target)
+    _tried(sync_folder, target.parent)
 
 
 def _hidden(target: Path, cleanup: ExitStack) -> Path:
     """Return an unused name beside the target, no longer than any name may be; it is removed at the end."""
     name = target.with_name(f".armour-{secrets.token_hex(8)}")
-    cleanup.callback(_remove, name)
+    cleanup.callback(_tried, os.unlink, name)
     return name
 
 
-def _restore(old: Path, target: Path) -> None:
+def _tried(function: Callable[..., None], *paths: Path) -> None:
     with suppress(OSError):
-        os.replace(old, target)
+        function(*paths)
 
 
-def _remove(path: Path) -> None:
-    with suppress(OSError):
-        path.unlink()
+def sync_folder(path: Path) -> None:
+    """See the names of the files in a folder on disk; Windows does so itself."""
+    if sys.platform != "win32":
+        handle = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        except OSError as error:
+            if error.errno != EINVAL:  # a file system without this
+                raise
+        finally:
+            os.close(handle)

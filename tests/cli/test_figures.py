@@ -24,7 +24,7 @@ def test_a_figure_and_its_curve(cli, folder: Path, image: str, start: bytes):
 def test_a_figure_that_is_not_there(cli, folder: Path):
     [line] = cli.fails(2, "figures", "figs", "--only", "fig15")
     assert line.endswith(
-        'found "fig15"; there are ' + ", ".join(f"fig{i:02d}" for i in range(3, 15)) + ", parity_table3"
+        'found "fig15"; there are ' + ", ".join(f"fig{i:02d}" for i in range(3, 15)) + ", parity_table3, parity_plates"
     )
     assert list(folder.iterdir()) == []
 

@@ -76,6 +76,11 @@ def test_a_design_outside_the_data_is_warned_of(cli, folder: Path):
     assert [f"warning: {path}: {w}" for w in json.loads(result.stdout)["warnings"]] == result.stderr.splitlines()
 
 
+def test_a_design_at_the_end_of_its_range_is_warned_of(cli, small: Path):
+    small.write_text(small.read_text().replace("min = 5.0", "min = 7.0"))
+    assert "the best design lies at the least back plate thickness of the range, 7 mm" in cli("optimise", small).stderr
+
+
 def test_a_catalogue_and_threats(cli, folder: Path):
     result = cli("optimise", CATALOGUE, "--csv", "front.csv", "--plot", "study.svg")
     assert result.exit_code == 0
@@ -86,6 +91,12 @@ def test_a_catalogue_and_threats(cli, folder: Path):
     assert any(line[-2:] == ["%", "heavier"] for line in words)
     assert (folder / "front.csv").read_text().startswith("ceramic,backing,ceramic_thickness_mm")
     assert "Pareto front" in (folder / "study.svg").read_text()
+
+
+@pytest.mark.parametrize("command", ["optimise", "report"])
+def test_an_impact_that_threats_replace_is_not_changed(cli, command: str):
+    [line] = cli.fails(2, command, CATALOGUE, "--set", "impact.velocity_m_s=2000")
+    assert line == "command line: --set impact.velocity_m_s: must have an effect on what is computed, found none"
 
 
 def test_a_catalogue_as_json(cli):

@@ -17,7 +17,9 @@ from tests.helpers.cases import SCENARIOS
 WILKINS, SHOTS = SCENARIOS / "wilkins.toml", SCENARIOS / "tests" / "shots.csv"
 LIBRARY = '[ceramic."AD85, own"]\nbased_on = "AD85"\n'
 OWN = WILKINS.read_text().replace('"AD85"', '"AD85, own"') + '\n[library]\nfiles = ["lib.toml"]\n'
-SUITE = '[[case]]\nname = "a"\nscenario = "own.toml"\nquantity = "outcome"\nexpected = "perforated"\n'
+SUITE = (
+    'regression = true\n[[case]]\nname = "a"\nscenario = "own.toml"\nquantity = "outcome"\nexpected = "perforated"\n'
+)
 
 
 @pytest.fixture
@@ -76,6 +78,13 @@ def test_nothing_that_is_read_is_written_over(cli, own: Path, command: str, read
     before = contents(own)
     words = shlex.split(command.format(tests=SCENARIOS / "tests" / "wilkins.csv", shots=SHOTS))
     assert cli.fails(2, *words) == [f"{read}: must not be the file that is read; choose another name"]
+    assert contents(own) == before
+
+
+def test_a_file_on_standard_input_is_not_written_over(own: Path):
+    before = contents(own)
+    code, messages = shell("simulate - --history own.toml < own.toml", own)
+    assert (code, messages) == (2, "own.toml: must not be the file that is read; choose another name\n")
     assert contents(own) == before
 
 

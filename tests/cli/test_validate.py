@@ -104,16 +104,33 @@ def test_a_change_that_no_scenario_knows(cli, suite: Path):
 
 
 def test_update_shows_and_writes(cli, suite: Path):
-    suite.write_text(SUITE.replace("723.77", "800.0"))
+    own = SUITE.replace('"My suite"', '"My suite"\nregression = true')
+    suite.write_text(own.replace("723.77", "800.0"))
     result = cli("validate", suite, "--update")
     assert result.exit_code == 0
     shown = [line.split() for line in result.stderr.splitlines()]
     assert ["limit", "800", "723.77159"] in shown
     assert result.stdout.startswith("values before the update\n")
     assert ["wrote", str(suite)] in shown
-    assert suite.read_text() == SUITE.replace("723.77", "723.77159").replace("277.4", "277.37752")
+    assert suite.read_text() == own.replace("723.77", "723.77159").replace("277.4", "277.37752")
     again = cli("validate", suite, "--update")
-    assert again.stderr == "every expected value is the computed one\n"
+    assert again.stderr == "every regression value is the computed one\n"
+
+
+def test_an_update_keeps_measurements(cli, suite: Path):
+    """They stay within their band or outside, which then fails as without an update."""
+    suite.write_text(SUITE + "regression = true\n")
+    result = cli("validate", suite, "--update")
+    assert result.exit_code == 0
+    assert result.stderr.startswith("kept, as no regression values: 1 of 2 expected values\n")
+    assert suite.read_text() == SUITE.replace("277.4", "277.37752") + "regression = true\n"
+    suite.write_text(SUITE.replace("723.77", "800.0") + "regression = true\n")
+    assert cli("validate", suite, "--update").exit_code == 3
+    assert "expected = 800.0" in suite.read_text()
+    suite.write_text(SUITE)
+    [line] = cli.fails(2, "validate", suite, "--update")
+    assert line.startswith(f"{suite}: regression: must be true for the suite")
+    assert suite.read_text() == SUITE
 
 
 def test_what_is_published_is_not_updated(cli):
@@ -129,9 +146,10 @@ def test_outputs_that_cannot_be_written_are_told_before_the_work(cli, suite: Pat
 
 
 def test_a_suite_is_not_written_over(cli, suite: Path):
-    lines = cli.fails(2, "validate", suite, "--markdown", suite, "--junit", suite.resolve())
-    assert len(lines) == 2
-    assert lines[0] == f"{suite}: must not be the file that is read; choose another name"
+    for option, path in (("--markdown", suite), ("--junit", suite.resolve())):
+        lines = cli.fails(2, "validate", suite, option, path)
+        assert lines == [f"{path}: must not be the file that is read; choose another name"]
+    assert len(cli.fails(2, "validate", suite, "--markdown", suite, "--junit", suite.resolve())) == 1
     assert suite.read_text() == SUITE
 
 
@@ -160,3 +178,23 @@ def test_interrupted_it_shows_what_it_has(cli, suite: Path, monkeypatch: pytest.
     assert "1 of 1 within their bands" in result.stdout
     assert result.stderr == "interrupted\n"
     assert not issubclass(KeyboardInterrupt, ArmourError)
+
+
+def test_a_shipped_suite_goes_by_its_name(cli, folder: Path):
+    result = cli("validate", "plates", "--only", "on 10 mm AA6082-T6", "--json")
+    data = json.loads(result.stdout)
+    assert result.exit_code == 0
+    assert {case["name"].partition(": ")[2] for case in data["cases"]} == {".30 APM2 on 10 mm AA6082-T6"}
+    assert [table["status"] for table in data["tables"]] == ["not scored"]
+    [line] = cli.fails(2, "validate", "plates", "--update")
+    assert line.endswith("what is published stays")
+    assert list(folder.iterdir()) == []
+
+
+def test_a_group_that_leaves_its_bands_is_named(cli, folder: Path):
+    (folder / "t.csv").write_text("armour.backing_thickness_mm,ballistic_limit_m_s\n6.35,800\n")
+    table = f'[[table]]\nname = "t"\nscenario = "{SCENARIOS}/wilkins.toml"\nquantity = "ballistic_limit_m_s"\n'
+    (folder / "s.toml").write_text(f'{table}file = "t.csv"\nrms_band_percent = 5.0\n')
+    result = cli("validate", "s.toml")
+    assert result.exit_code == 3
+    assert result.stdout.endswith("t: RMS 9.53 %, RMS band 5 %\n0 of 1 within their bands, 1 outside\n")

@@ -17,6 +17,7 @@ GRID = {
     "ceramic_thickness_mm": {"min": 8.0, "max": 14.0, "step": 0.5},
     "backing_thickness_mm": {"min": 4.0, "max": 9.0, "step": 1.0},
 }
+ONE = {"min": 6.0, "max": 6.0, "step": 1.0}
 # Up to 5.7 mm of ceramic on 2.3 mm defeats the projectile at 532.67 m/s, though lower velocities perforate.
 LOWER_LIMIT = library(
     (6.5, 18.23505911750531, 11000.0, 1.3743377021448488),
@@ -80,6 +81,69 @@ def test_a_limit_outside_its_range_is_none_and_the_margin_is_told(search: dict[s
 def test_a_back_plate_for_which_no_ceramic_is_enough_is_left_out():
     result = optimise(case(ceramic_thickness_mm={"min": 8.0, "max": 11.0, "step": 0.5}))
     assert [d.backing_thickness_mm for d in result.frontier] == [6.0, 7.0, 8.0, 9.0]
+
+
+@pytest.mark.parametrize(
+    ("grid", "warning"),
+    [
+        (
+            {"backing_thickness_mm": {"min": 7.0, "max": 9.0, "step": 1.0}},
+            "optimise.backing_thickness_mm: the best design lies at the least back plate thickness of the range, 7 mm; "
+            "a thinner back plate may make the armour lighter",
+        ),
+        (
+            {"backing_thickness_mm": {"min": 4.0, "max": 5.2, "step": 0.5}},
+            "optimise.backing_thickness_mm: the best design lies at the greatest back plate thickness of the range, "
+            "5 mm; a thicker back plate may make the armour lighter",
+        ),
+        (
+            {"ceramic_thickness_mm": {"min": 12.0, "max": 14.0, "step": 0.5}},
+            "optimise.ceramic_thickness_mm: the best design lies at the least ceramic thickness of the range, 12 mm; "
+            "a thinner ceramic may make the armour lighter",
+        ),
+        (
+            {"ceramic_thickness_mm": {"min": 12.0, "max": 14.0, "step": 0.5}},
+            "optimise.ceramic_thickness_mm: the least ceramic thickness of the range, 12 mm, passes on back plates of "
+            "5 to 9 mm; less may be required there",
+        ),
+        (
+            {"ceramic_thickness_mm": {"min": 11.0, "max": 14.0, "step": 0.5}, "backing_thickness_mm": ONE},
+            "optimise.ceramic_thickness_mm: the least ceramic thickness of the range, 11 mm, passes on a back plate of "
+            "6 mm; less may be required there",
+        ),
+    ],
+)
+def test_a_best_design_at_an_end_of_a_range_is_told(grid: dict[str, Any], warning: str):
+    assert warning in optimise(case(**grid)).warnings
+
+
+def test_an_end_that_is_none_is_not_told():
+    """Neither inside a range nor of a list or a single value."""
+    assert optimise(case()).warnings == ()
+    assert optimise(case()).ceramic_min_mm == 8.0
+    layers = {
+        "ceramic": [{"material": "AD85", "thickness_mm": [11.0, 13.0]}],
+        "backing": [{"material": "5083-H3", "thickness_mm": ONE}],
+    }
+    listed = optimise(case().replaced({"design": layers}))
+    assert listed.best.ceramic_thickness_mm == 11.0
+    assert (listed.warnings, listed.ceramic_min_mm) == ((), None)
+
+
+def test_the_key_of_a_range_at_whose_end_the_best_design_lies():
+    layers = {
+        "minimise": "cost_per_m2",
+        "ceramic": [
+            {"material": "AD99.5", "thickness_mm": [30.0], "cost_per_kg": 99.0},
+            {"material": "AD85", "thickness_mm": {"min": 12.0, "max": 14.0}, "cost_per_kg": 9.0},
+        ],
+        "backing": [{"material": "5083-H3", "thickness_mm": [6.0], "cost_per_kg": 9.0}],
+    }
+    first, _ = optimise(case().replaced({"design": layers})).warnings
+    assert first == (
+        "design.ceramic[1].thickness_mm: the best design lies at the least ceramic thickness of the range, 12 mm; "
+        "a thinner ceramic may make the armour cheaper"
+    )
 
 
 def test_no_design_is_no_answer():

@@ -2,13 +2,14 @@
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
-from armour.design.reliability import Reliability, probability_within
+from armour.design.reliability import Reliability
 from armour.errors import InputError, NoDesignError
-from tests.helpers.cases import catalogue
+from tests.helpers.cases import METALS, catalogue
 from tests.helpers.plain_designs import defeats, designs
 
 UNCERTAIN = {
@@ -28,7 +29,7 @@ def test_a_bound_on_the_probability_of_perforation():
     assert best.areal_density_kg_m2 > plain.areal_density_kg_m2
     # Every lighter design that defeats the threat as it stands is perforated too often.
     offered = catalogue_of(case)
-    points = Reliability(offered).points
+    reliability = Reliability(offered)
     lighter = 0
     for (ceramic, backing, hc, hb), values in designs(case, defeats):
         if values["areal_density_kg_m2"] < best.areal_density_kg_m2 - 1e-9:
@@ -37,7 +38,7 @@ def test_a_bound_on_the_probability_of_perforation():
                 for pair, offer in enumerate(offered.offers)
                 if (offer.ceramic.material, offer.backing.material) == (ceramic, backing)
             ]
-            found = probability_within(1.0, scenario, hc, hb, points)
+            found = reliability.within(1.0, scenario, hc, hb)
             assert found is not None
             assert found.high > 0.02
             lighter += 1
@@ -52,6 +53,39 @@ def test_the_pareto_front_keeps_to_the_bound():
     assert min(design.areal_density_kg_m2 for design in bounded.pareto) == bounded.best.areal_density_kg_m2
     assert bounded.best.areal_density_kg_m2 > plain.best.areal_density_kg_m2
     assert set(bounded.pareto) != set(plain.pareto)
+
+
+def test_the_frontier_keeps_to_the_bound():
+    """Each of its designs, and none thinner on the same back plate does; none is lighter than the best."""
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0}
+    layers = {
+        "ceramic": [{"material": "AD85", "thickness_mm": {"min": 5.0, "max": 14.0, "step": 0.5}}],
+        "backing": [{"material": "6061-T6", "thickness_mm": [5.0, 6.0, 7.0]}],
+    }
+    bounded = {**threat, "probability_of_perforation": 0.02}
+    case = catalogue([bounded], UNCERTAIN, **layers)
+    result = optimise(case)
+    assert min(design.areal_density_kg_m2 for design in result.frontier) == result.best.areal_density_kg_m2
+    plain = optimise(catalogue([threat], **layers)).frontier
+    offered = catalogue_of(case)
+    reliability = Reliability(offered)
+    for design, least in zip(result.frontier, plain, strict=True):
+        thickness = design.ceramic_thickness_mm
+        for ceramic in np.arange(least.ceramic_thickness_mm, thickness + 0.5, 0.5):
+            place = ceramic, design.backing_thickness_mm
+            found = reliability.within(0.02, offered.against(0, 0), *place)
+            assert (found is not None) == (ceramic == thickness)
+    assert min(d.areal_density_kg_m2 for d in plain) < result.best.areal_density_kg_m2
+
+
+def test_a_back_plate_on_which_no_ceramic_keeps_to_the_bound_is_left_out():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "probability_of_perforation": 0.02}
+    ceramic = [{"material": "AD85", "thickness_mm": {"min": 5.0, "max": 8.5, "step": 0.5}}]
+    of = catalogue([threat], UNCERTAIN, ceramic=ceramic, backing=METALS[:1])
+    plain = catalogue([{**threat, "probability_of_perforation": None}], ceramic=ceramic, backing=METALS[:1])
+    few, many = ([design.backing_thickness_mm for design in optimise(case).frontier] for case in (of, plain))
+    assert 0 < len(few) < len(many)
+    assert few == many[-len(few) :]
 
 
 def test_the_probability_is_at_the_threats_own_velocity():

@@ -10,11 +10,13 @@ from hypothesis import strategies as st
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.core.state import Outcome
-from armour.design import requirement
+from armour.design import catalogue as module
+from armour.design import free, requirement
 from armour.design import search as searches
+from armour.design.candidates import MARGIN_PARTS
 from armour.design.catalogue import Catalogue
-from armour.design.optimise import optimise
-from armour.design.search import undominated
+from armour.design.optimise import Design, optimise
+from armour.design.search import distinct, undominated
 from armour.engine import batch
 from armour.scenario.loading import load_scenario
 from tests.helpers.cases import SCENARIOS, THREATS, catalogue, scenario
@@ -119,6 +121,58 @@ def test_a_front_with_margins():
     assert masses == sorted(masses)
     assert margins == sorted(margins)
     assert margins[0] >= 0.0
+
+
+def test_a_front_with_margins_of_free_thicknesses_is_no_rounding(monkeypatch: pytest.MonkeyPatch):
+    """Designs differ by more than the tolerance of a limit, and reach from the cheapest to the thickest."""
+    monkeypatch.setattr(module, "FIRST_VALUES", 9)
+    monkeypatch.setattr(free, "BACKING_TOLERANCE_MM", 0.02)
+    layers = {
+        "ceramic": [{"material": "AD85", "thickness_mm": {"min": 2.0, "max": 12.0}, "cost_per_kg": 12.0}],
+        "backing": [{"material": "5083-H3", "thickness_mm": {"min": 4.0, "max": 12.0}, "cost_per_kg": 9.0}],
+    }
+    criteria = ["areal_density_kg_m2", "cost_per_m2", "margin_m_s"]
+    result = optimise(catalogue(THREATS[:1], **layers, pareto=criteria))
+    margins = [round(design.margin_m_s or 0.0, 1) for design in result.pareto]
+    assert len(set(margins)) == MARGIN_PARTS + 1
+    assert margins[0] == 0.0
+    last = max(result.pareto, key=lambda design: design.margin_m_s or 0.0)
+    assert (last.ceramic_thickness_mm, last.backing_thickness_mm) == (12.0, 12.0)
+    values = np.array([[getattr(d, name) for name in criteria] for d in result.pareto]) * [1.0, 1.0, -1.0]
+    resolution = np.array([0.01, 0.001 * values[:, 1].min(), 0.01])
+    same = (np.abs(values[:, None] - values) <= resolution).all(axis=2)
+    # Only the best by a criterion stays beside a design that is the same to the resolution.
+    assert same.sum() <= len(values) + 2 * len(criteria)
+    assert names(result.pareto[0]) == names(result.best)
+    cheapest = optimise(catalogue(THREATS[:1], **layers, minimise="cost_per_m2")).best
+    assert min(design.cost_per_m2 for design in result.pareto) == pytest.approx(cheapest.cost_per_m2, rel=1e-6)
+
+
+def test_a_front_with_margins_of_one_free_thickness():
+    """The other is one of a list; a margin between two designs of the front takes a design between them."""
+    free = {"material": "AD85", "thickness_mm": {"min": 4.0, "max": 14.0}}
+    metal = {"material": "5083-H3", "thickness_mm": [6.0]}
+    result = optimise(
+        catalogue(THREATS[:1], ceramic=[free], backing=[metal], pareto=["areal_density_kg_m2", "margin_m_s"])
+    )
+    assert len(result.pareto) == MARGIN_PARTS + 1
+    margins = np.array([design.margin_m_s for design in result.pareto])
+    assert np.diff(margins) == pytest.approx(margins[-1] / MARGIN_PARTS, abs=0.05)
+    assert result.pareto[-1].ceramic_thickness_mm == 14.0
+    # They are no requirement: the frontier has the least ceramic alone.
+    assert [names(design) for design in result.frontier] == [names(result.best)]
+
+
+def names(design: Design) -> tuple[str, str, float, float]:
+    return design.ceramic, design.backing, design.ceramic_thickness_mm, design.backing_thickness_mm
+
+
+def test_designs_that_differ_by_less_than_the_resolution_are_one():
+    costs = np.array([[1.0, 5.0], [1.001, 4.995], [1.002, 4.9], [3.0, 2.0], [3.005, 1.995]])
+    rows = distinct(costs, np.arange(5), np.array([0.01, 0.01]))
+    assert rows.tolist() == [0, 2, 4]
+    assert distinct(costs, np.arange(5), np.zeros(2)).tolist() == [0, 1, 2, 3, 4]
+    assert distinct(costs[:0], np.arange(0), np.zeros(2)).tolist() == []
 
 
 def test_equal_sums_are_equal_on_the_front():

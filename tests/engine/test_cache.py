@@ -218,6 +218,7 @@ def test_a_relative_cache_directory_is_ignored(monkeypatch: pytest.MonkeyPatch, 
 def test_a_home_that_cannot_be_written(home: Path, compiler: FakeCompiler):
     """A file where the directory should be, which holds for root too."""
     home.parent.write_text("a file")
+    home.parent.chmod(0o666)  # such as /dev/null
     assert cache.load_kernels() == RESULT
     assert compiler.compiled == 1
     assert not cache.is_compiled()

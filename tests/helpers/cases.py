@@ -4,7 +4,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from armour.core.state import Parameters
+from armour.analysis.impact import run_impact
+from armour.core.state import Outcome, Parameters
 from armour.scenario.loading import Scenario, load_scenario, parse_scenario
 from armour.sweeps.cases import Grid, axis_of
 
@@ -121,3 +122,8 @@ def csv_file(path: Path, *lines: str) -> Path:
     """A file of lines."""
     path.write_text("\n".join(lines) + "\n")
     return path
+
+
+def perforates(scenario: Scenario, armour: Parameters, velocity: float) -> bool:
+    """Whether the projectile of a scenario perforates an armour at an impact velocity, m/s."""
+    return run_impact(scenario, armour, velocity).outcome == Outcome.PERFORATED

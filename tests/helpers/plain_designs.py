@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 
 from armour.analysis.ballistic_limit import bisect
-from armour.analysis.impact import perforates
 from armour.core.search import scan
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import with_inputs
+from tests.helpers.cases import perforates
 
 CRITERIA = ["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
 

@@ -7,13 +7,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.impact import perforates, simulate
+from armour.analysis.impact import simulate
 from armour.core.equations import CONOID, PROJECTILE
 from armour.core.run import run
 from armour.core.state import Outcome, Parameters
 from armour.core.stepping import default_time_step
 from armour.errors import NoLimitError
 from armour.scenario.loading import parse_scenario
+from tests.helpers.cases import perforates
 
 PROJECTILES = {"7.62 mm AP": 6.5, "25 mm APDS": 14.25, "7.62 mm APM2": 6.25}
 

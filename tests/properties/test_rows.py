@@ -65,7 +65,7 @@ def test_rows_are_accepted_as_scenarios_are(table: tuple[Scenario, dict[str, Any
     count = len(next(iter(columns.values())))
     each = [accepted(case, columns, row) for row in range(count)]
     for row in range(count):
-        assert each[row] == (not wrong_rows(case, {name: values[row : row + 1] for name, values in columns.items()}))
+        assert each[row] == (not [*wrong_rows(case, {name: values[row : row + 1] for name, values in columns.items()})])
     if all(each):
         check_rows(case, columns)
     else:

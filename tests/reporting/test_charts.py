@@ -16,7 +16,7 @@ from armour.scenario.parameters import BACKING, CERAMIC
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import Shots, v50
-from armour.validation.figures import Figure, FigureCurve, FigureLevel, FigureMark
+from armour.validation.figures import Figure, FigureCurve, FigureLevel, FigureMark, FigureSection
 from tests.helpers.cases import scenario
 from tests.helpers.results import OTHER, THREAT, best_design, design_result, impact, uncertainty_result
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
@@ -171,6 +171,12 @@ def test_designs_of_several_pairs_against_several_threats():
     assert_matched(chart)
 
 
+def test_the_least_ceramic_of_a_range_is_noted():
+    words = "Where the ceramic is 7 mm, the least of its range, less may be required."
+    assert charts.frontier_chart(replace(design_result(), ceramic_min_mm=7.0), "T").note == words
+    assert charts.frontier_chart(replace(design_result(), ceramic_min_mm=6.0), "T").note == ""
+
+
 def test_a_pareto_front_of_its_own_names_its_pairs():
     [panel] = charts.pareto_chart(design_result(pareto=True), "Pareto front").panels
     assert labels(panel) == ["AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"]
@@ -178,9 +184,11 @@ def test_a_pareto_front_of_its_own_names_its_pairs():
 
 def figure() -> Figure:
     curves = (FigureCurve("A", (1.0, None, 9.0)), FigureCurve("B", (2.0, 3.0, 4.0)))
-    marks = (FigureMark(label="printed", of="B", points=[[5.0, 3.0]]), FigureMark(label="another", points=[[6.0, 2.0]]))
-    levels = (FigureLevel(label="L", value=5.0),)
-    return Figure("f", "T", "each, mm", "residual velocity, m/s", (4.0, 6.0, 8.0), curves, marks, levels)
+    marks = [FigureMark(label="printed", of="B", points=[[5.0, 3.0]]), FigureMark(label="another", points=[[6.0, 2.0]])]
+    levels = [FigureLevel(label="L", value=5.0)]
+    words: dict[str, Any] = {"title": "T", "x_label": "each, mm", "y_label": "residual velocity, m/s"}
+    section = FigureSection.model_construct(mark=marks, level=levels, **words)
+    return Figure(section, (4.0, 6.0, 8.0), curves)
 
 
 def test_a_figure_of_the_paper():

@@ -12,6 +12,7 @@ from armour.scenario.loading import load_scenario
 from armour.validation.suite import load_suite
 from armour.validation.validate import paper_suite, validate
 from tests.helpers.cases import SCENARIOS, scenario
+from tests.helpers.exotic import changing_designs
 
 
 @cache
@@ -40,7 +41,7 @@ def test_a_scenario_without_a_design_is_its_own_answer():
     assert found.design is None
     assert found.answer == found.scenario
     assert [entry.name for entry in found.entries] == ["7.62 mm AP", "AD85", "6061-T6"]
-    assert found.energy.difference == pytest.approx(0.0, abs=1e-9)
+    assert abs(found.energy.difference) < 1e-6 * found.energy.before
 
 
 def test_a_density_on_offer_is_the_answers():
@@ -57,6 +58,11 @@ def test_a_density_on_offer_is_the_answers():
 def test_a_limit_outside_the_range_is_none():
     search = {"velocity_min_m_s": 20.0, "velocity_max_m_s": 100.0}
     assert contents_of(scenario(ballistic_limit=search)).limit is None
+
+
+def test_changes_of_the_outcome_above_the_limit_are_told():
+    found = contents_of(changing_designs()["defeated in between"])
+    assert [warning.count("above") for warning in found.warnings if "not monotonic" in warning] == [3]
 
 
 def test_a_distribution_about_another_value_than_the_designs_is_left_out():

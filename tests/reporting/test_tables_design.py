@@ -61,6 +61,13 @@ def test_a_single_pair_has_its_frontier_and_the_lightest_marked():
     assert csv_text(frontier_table(result)).splitlines()[:2] == [header, "10.0,4.0,45.0"]
 
 
+def test_the_least_ceramic_of_a_range_is_no_requirement():
+    result = replace(design_result(), ceramic_min_mm=7.0)
+    assert [row[-1] for row in frontier_table(result).rows] == ["", "lightest", "least of the range"]
+    both = replace(design_result(), ceramic_min_mm=8.0)
+    assert frontier_table(both).rows[1][-1] == "lightest, least of the range"
+
+
 def test_refined_thicknesses_follow_the_best():
     assert kinds(design_result(refined=True))[:2] == [
         "lightest design",

@@ -1,4 +1,5 @@
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,7 +13,7 @@ from armour.reporting.tables.validation import (
     suite_tables,
     verdict,
 )
-from armour.validation.figures import Figure, FigureCurve
+from armour.validation.figures import Figure, FigureCurve, FigureSection
 from armour.validation.validate import SuiteResult
 from tests.helpers.suites import TABLE, case, result
 
@@ -48,7 +49,9 @@ def test_a_suite_has_its_tables_as_a_whole(outcome: SuiteResult):
 
 
 def test_curves_as_a_file():
-    figure = Figure("f", "F", "x, mm", "V, m/s", (1.0, 2.0), (FigureCurve("a", (0.1, None)),), (), ())
+    axes: dict[str, Any] = {"x_label": "x, mm", "y_label": "V, m/s"}
+    section = FigureSection.model_construct(**axes)
+    figure = Figure(section, (1.0, 2.0), (FigureCurve("a", (0.1, None)),))
     assert csv_text(figure_table(figure)) == '"x, mm","a: V, m/s"\n1.0,0.1\n2.0,\n'
 
 

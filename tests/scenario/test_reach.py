@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 
 from armour.errors import InputError
-from armour.scenario.reach import check_known, check_reach, unused_entries
-from tests.helpers.cases import catalogue, scenario
+from armour.scenario.reach import check_known, check_reach, check_read, check_used, read_of
+from tests.helpers.cases import catalogue, scenario, shipped_scenario
 
 OWN = {
     "ceramic": {
@@ -29,7 +29,9 @@ def refused(keys: list[str], *sections: str, closed_forms: bool = False, **chang
 @pytest.mark.parametrize(
     ("key", "counts"),
     [
-        ("impact.velocity_m_s", True),
+        ("impact.velocity_m_s", False),
+        ("impact.projectile", True),
+        ("armour.ceramic_thickness_mm", True),
         ("solver.arrest_velocity_m_s", True),
         ("optimise.ceramic_thickness_mm.min", False),
         ("uncertainty.samples", False),
@@ -50,6 +52,7 @@ def test_a_key_counts_or_is_refused(key: str, counts: bool):
 
 def test_what_the_question_reads():
     assert refused(["optimise.ceramic_thickness_mm.min"], "optimise") == []
+    assert refused(["impact.velocity_m_s"], "impact") == []
     strain = "library.metal.6061-T6.strain_to_fracture"
     assert refused([strain], closed_forms=True) == []
 
@@ -83,7 +86,33 @@ def test_a_key_that_is_not_known(key: str, message: str):
 def test_entries_that_no_scenario_uses():
     case = catalogue()
     used = {"library.ceramic": {name: {"based_on": name} for name in ("AD85", "AD99.5")}, "impact.velocity_m_s": 3.0}
-    assert unused_entries(used, case) == []
+    check_used(used, case)
     unused = {"library": {"ceramic": {"AD86": {"based_on": "AD85"}}}}
-    assert unused_entries(unused, case) == [("library.ceramic.AD86", '; did you mean "AD85"?')]
-    assert unused_entries(unused, scenario(ceramic="AD86", library=unused["library"])) == []
+    words = 'command line: --set library.ceramic.AD86: must be an entry .* uses; did you mean "AD85"?'
+    with pytest.raises(InputError, match=words):
+        check_used(unused, case)
+    check_used(unused, scenario(ceramic="AD86", library=unused["library"]))
+
+
+@pytest.mark.parametrize(
+    ("file", "reads", "key", "counts"),
+    [
+        ("wilkins", ("impact", "armour"), "impact.velocity_m_s", True),
+        ("wilkins", ("impact.projectile", "armour"), "impact.velocity_m_s", False),
+        ("wilkins", ("impact.projectile", "armour"), "impact.projectile", True),
+        ("wilkins", ("armour",), "title", True),
+        ("wilkins", ("armour",), "solver.time_step_us", True),
+        ("wilkins", ("armour",), "uncertainty.samples", False),
+        ("wilkins", ("threat", "impact", "armour.ceramic"), "impact.velocity_m_s", True),
+        ("wilkins", ("threat", "impact", "armour.ceramic"), "armour.ceramic_thickness_mm", False),
+        ("catalogue", ("threat", "impact"), "impact.projectile", False),
+        ("catalogue", ("design", "armour.ceramic"), "armour.ceramic", False),
+    ],
+)
+def test_a_change_is_read_or_refused(file: str, reads: tuple[str, ...], key: str, counts: bool):
+    found = shipped_scenario(file)
+    if counts:
+        check_read({key: 1}, read_of(found, reads))
+    else:
+        with pytest.raises(InputError, match=f"--set {key}: must have an effect on what is computed"):
+            check_read({key: 1}, read_of(found, reads))

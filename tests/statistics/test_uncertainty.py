@@ -87,6 +87,22 @@ def test_only_the_velocity():
     assert result.standard_deviation_m_s == 0.0
 
 
+@pytest.mark.parametrize(
+    ("distribution", "told"),
+    [
+        ({"distribution": "uniform", "min": 6.0, "max": 6.5}, False),
+        ({"distribution": "uniform", "min": 7.0, "max": 8.0}, True),
+        ({"distribution": "normal", "mean": 6.3, "standard_deviation": 0.1}, False),
+        ({"distribution": "normal", "mean": 7.0, "standard_deviation_percent": 1.0}, True),
+        ({"distribution": "normal", "standard_deviation": 0.1, "min": 6.4}, True),
+    ],
+)
+def test_a_distribution_away_from_the_scenarios_value_is_told(distribution: dict[str, Any], told: bool):
+    found = uncertainty(with_section(samples=128, armour={"ceramic_thickness_mm": distribution}))
+    message = "uncertainty.armour.ceramic_thickness_mm: is about a value of its own, not the scenario's 6.35"
+    assert (message in found.warnings) == told
+
+
 def test_correlated_inputs_have_no_indices_but_swings():
     normal = {"distribution": "normal", "standard_deviation_percent": 3.0}
     names = ["ceramic.density_kg_m3", "ceramic.flow_stress_GPa"]

@@ -14,7 +14,9 @@ def test_axes():
     assert axis_of('library.metal."a=b".x = 1, 2.5') == Axis('library.metal."a=b".x', (1.0, 2.5))
 
 
-@pytest.mark.parametrize("text", ["a", "=1", "a=", "a=1:2", "a=2:1:1", "a=1:2:0", "a=x", "a=0:1:1e-9", "a=1:nan:1"])
+@pytest.mark.parametrize(
+    "text", ["a", "=1", "a=", "a=1:2", "a=2:1:1", "a=1:2:0", "a=x", "a=0:1:1e-9", "a=1:nan:1", "a=1_0", "a=\u0661"]
+)
 def test_texts_that_are_not_axes(text: str):
     with pytest.raises(InputError, match="--over"):
         axis_of(text)

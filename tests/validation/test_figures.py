@@ -7,7 +7,7 @@ from armour.analysis.impact import simulate
 from armour.errors import InputError
 from armour.scenario.loading import load_scenario
 from armour.validation import figures
-from armour.validation.figures import Figure, compute_figure, paper_figures, parity_of_table_3, read_figures
+from armour.validation.figures import Figure, compute_figure, paper_figures, parity, read_figures
 from tests.helpers.cases import scenario
 
 FIGURES = """
@@ -43,8 +43,8 @@ def test_curves_are_the_quantity_over_the_keys(folder: Path):
 
 def test_marks_and_levels_are_kept(folder: Path):
     found = computed(folder, FIGURES)
-    assert [(mark.label, mark.points) for mark in found.marks] == [("printed", [[5.0, 100.0], [6.0, 50.0]])]
-    assert [(level.label, level.value) for level in found.levels] == [("here", 10.0)]
+    assert [(mark.label, mark.points) for mark in found.section.mark] == [("printed", [[5.0, 100.0], [6.0, 50.0]])]
+    assert [(level.label, level.value) for level in found.section.level] == [("here", 10.0)]
 
 
 def test_several_quantities_go_by_their_names(folder: Path):
@@ -112,7 +112,8 @@ def test_a_required_thickness_gives_the_areal_density():
         assert areal == pytest.approx(3.43 * ceramic + 2.75 * backing)
 
 
-def test_parity_is_of_the_three_columns_of_table_3(monkeypatch: pytest.MonkeyPatch):
+@pytest.mark.parametrize(("name", "count"), [("parity_table3", 39), ("parity_plates", 760)])
+def test_parity_is_of_the_columns_of_table_3_and_of_all_plates(monkeypatch: pytest.MonkeyPatch, name: str, count: int):
     monkeypatch.setattr(figures, "validate", lambda suite: suite)
-    suite = parity_of_table_3()
-    assert len(suite.cases) == 39  # type: ignore[attr-defined]
+    suite = parity(name)
+    assert len(suite.cases) == count  # type: ignore[attr-defined]

@@ -106,7 +106,8 @@ def test_errors_of_every_prediction(folder: Path, limit: float):
 
 def test_a_table_without_rivals_compares_nothing(folder: Path):
     assert (
-        result(folder, TABLE.replace('rivals = ["they"]', "").replace('"they"', '"impact.velocity_m_s"')).errors == ()
+        result(folder, TABLE.replace('rivals = ["they"]', "").replace('"they"', '"solver.arrest_velocity_m_s"')).errors
+        == ()
     )
 
 

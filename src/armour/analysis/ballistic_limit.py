@@ -110,6 +110,11 @@ def ballistic_limit(scenario: Scenario) -> LimitResult:
     )
 
 
+def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
+    """Return a warning where the outcome changes above the limit."""
+    return () if limit.monotonic else (f"the outcome is not monotonic: {_listed(limit.crossings)}",)
+
+
 def find_crossings(scenario: Scenario) -> tuple[tuple[Crossing, ...], int, bool]:
     """Return the changes of the outcome that the scan sees, the impacts computed, and whether the lowest perforates."""
     section, armour = scenario.ballistic_limit, scenario.core_armour()
@@ -184,8 +189,11 @@ def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, low: flo
         return f"no ballistic limit: none of {scanned} perforates; raise ballistic_limit.velocity_max_m_s"
     if not crossings:
         return f"no ballistic limit: all of {scanned} perforate; lower ballistic_limit.velocity_min_m_s"
-    changes = ", ".join(f"{c.above} above {c.bracket_m_s[1]:.2f} m/s" for c in crossings)
     return (
         f"no ballistic limit: the lowest velocity, {low:g} m/s, perforates, but some higher velocities do not "
-        f"({changes}); lower ballistic_limit.velocity_min_m_s"
+        f"({_listed(crossings)}); lower ballistic_limit.velocity_min_m_s"
     )
+
+
+def _listed(crossings: tuple[Crossing, ...]) -> str:
+    return ", ".join(f"{crossing.above} above {crossing.bracket_m_s[1]:.2f} m/s" for crossing in crossings)

@@ -13,7 +13,7 @@ from armour.analysis.closed_forms import (
     florence_split,
 )
 from armour.analysis.impact import ImpactResult
-from armour.errors import InputError, NoAnswerError, NoLimitError, Problem
+from armour.errors import NoAnswerError, NoLimitError, Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import key_name
 from armour.units import MM, MPA, G
@@ -105,8 +105,7 @@ def compare(scenario: Scenario) -> Comparison:
         If the range contains no velocities above the limit.
     """
     problems = missing_for_florence(scenario)
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
     limit = ballistic_limit(scenario)
     highest = scenario.ballistic_limit.velocity_max_m_s
     if highest <= limit.ballistic_limit_m_s * (1.0 + 1e-9):

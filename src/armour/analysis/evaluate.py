@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armour.analysis.answers import COLUMNS, Answers
-from armour.analysis.quantities import QUANTITIES
+from armour.analysis.quantities import QUANTITIES, reads_of
 from armour.analysis.variants import Floats, Ints, Variants, grid_of, variants_of
-from armour.errors import InputError, Problem, choices
+from armour.errors import InputError, Problem, choices, refuse
 from armour.scenario.assignments import canonical
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import INPUTS, Place, check_rows, in_row
@@ -50,8 +50,7 @@ def check_quantities(scenario: Scenario, quantities: Sequence[str], file: str, k
             grid_of(scenario)
         except InputError as error:
             problems += error.problems
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
 
 
 def _checked(columns: Mapping[str, Floats]) -> dict[str, Floats]:
@@ -66,8 +65,7 @@ def _checked(columns: Mapping[str, Floats]) -> dict[str, Floats]:
     if len(set(counts.values())) > 1:
         listed = ", ".join(f"{key} {count}" for key, count in counts.items())
         problems.append(Problem("evaluate", "columns", f"must be of equal lengths, found {listed}"))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
     return {key: values.astype(np.float64) for key, values in found.items()}
 
 
@@ -79,7 +77,7 @@ def check_keys(scenario: Scenario, row: Mapping[str, float], quantities: Sequenc
         made = scenario.replaced({key: value for key, value in row.items() if key not in INPUTS})
     except InputError:
         made = scenario  # the check of the rows reports it
-    check_reach(made, list(row), {section for name in quantities for section in QUANTITIES[name].sections}, file)
+    check_reach(made, list(row), reads_of(quantities), file)
 
 
 def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:

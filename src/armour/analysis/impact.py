@@ -153,11 +153,6 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
     )
 
 
-def perforates(scenario: Scenario, armour: Parameters, velocity: float) -> bool:
-    """Return whether the projectile perforates the armour at an impact velocity, m/s."""
-    return run_impact(scenario, armour, velocity).outcome == Outcome.PERFORATED
-
-
 def run_impact(scenario: Scenario, armour: Parameters, velocity: float, trace: list[Instant] | None = None) -> Run:
     """Run the core with the settings of a scenario; the instants of the run are appended to the trace."""
     dt = time_step(scenario, armour, velocity)
@@ -197,14 +192,14 @@ def stage_records(trace: Sequence[Instant], armour: Parameters) -> tuple[StageRe
             end_us=end.t / US,
             velocity_lost_m_s=start.y.V - end.y.V,
             length_lost_mm=(start.y.L - end.y.L) / MM,
-            energy_lost_J=_energy(start, armour) - _energy(end, armour),
+            energy_lost_J=kinetic_energy(start, armour) - kinetic_energy(end, armour),
         )
         for start, end in pairwise([*starts, trace[-1]])
         if end.t > start.t
     )
 
 
-def _energy(instant: Instant, armour: Parameters) -> float:
+def kinetic_energy(instant: Instant, armour: Parameters) -> float:
     """Return the kinetic energy of the projectile's rigid part, J."""
     mass = armour.rho_p * cross_section(armour.D0) * instant.y.L
     return mass * instant.y.V**2 / 2.0

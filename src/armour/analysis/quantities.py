@@ -1,5 +1,6 @@
 """Quantities that can be computed for a scenario, by name; `armour.analysis.answers` computes them."""
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from armour.units import words_and_unit
@@ -13,9 +14,13 @@ class Quantity(NamedTuple):
     on_grid: bool = False  # needs the range of thicknesses of the section ``optimise``
 
     @property
-    def sections(self) -> tuple[str, ...]:
-        """Sections of the scenario that it depends on besides `armour.scenario.reach.READ`."""
-        return ("optimise",) if self.on_grid else ("ballistic_limit",) if self.label == "ballistic limit" else ()
+    def reads(self) -> tuple[str, ...]:
+        """What it depends on besides projectile, armour, model and solver, see `armour.scenario.reach`."""
+        if self.label == "areal density":
+            return ()
+        if self.label == "ballistic limit":
+            return ("ballistic_limit",)
+        return ("impact", "optimise") if self.on_grid else ("impact",)
 
 
 QUANTITIES: dict[str, Quantity] = {
@@ -36,6 +41,11 @@ QUANTITIES: dict[str, Quantity] = {
     "required_total_thickness_mm": Quantity("required thickness of both layers in proportion", "mm", on_grid=True),
     "required_areal_density_kg_m2": Quantity("areal density with the required ceramic", "kg/m²", on_grid=True),
 }
+
+
+def reads_of(names: Iterable[str]) -> set[str]:
+    """Return what any of some quantities depends on, see `Quantity.reads`."""
+    return {read for name in names for read in QUANTITIES[name].reads}
 
 
 def label_and_unit(name: str) -> tuple[str, str]:

@@ -4,7 +4,16 @@ from collections.abc import Callable
 
 import numpy as np
 
-from armour.analysis.variants import Bools, Floats, Ints, Variants, check_resolved, perforated, with_thicknesses
+from armour.analysis.variants import (
+    Bools,
+    Floats,
+    Ints,
+    Variants,
+    check_resolved,
+    perforated,
+    portions,
+    with_thicknesses,
+)
 from armour.engine import batch
 from armour.units import MM
 
@@ -50,8 +59,8 @@ def lowest_perforated(variants: Variants, low: float) -> Floats:
     velocities = low * (variants.velocities[:, None] / low) ** parts
     outcomes = np.empty(velocities.shape, dtype=bool)
     size = SCANNED_AT_A_TIME // velocities.shape[1]
-    for start in range(0, len(velocities), size):
-        some = np.arange(start, min(start + size, len(velocities)))
+    for part in portions(len(velocities), size):
+        some = np.arange(part.start, part.stop)
         rows = variants.at(np.repeat(some, velocities.shape[1]))
         outcomes[some] = perforated(rows._replace(velocities=velocities[some].ravel())).reshape(len(some), -1)
     first = outcomes.argmax(axis=1)

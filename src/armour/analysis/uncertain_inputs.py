@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 
 from armour.analysis.variants import Floats, Variants, variants_of
-from armour.errors import InputError, Problem
+from armour.errors import InputError, Problem, refuse
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import check_names, inputs_of, with_inputs, wrong_rows
+from armour.scenario.parameters import check_names, inputs_of, wrong_rows
 
 
 def section_of(scenario: Scenario) -> Uncertainty:
@@ -23,20 +23,15 @@ def section_of(scenario: Scenario) -> Uncertainty:
         for name, distribution in section.inputs().items()
         if (lacking := distribution.mean_problem(own[name]))
     ]
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
     return section
 
 
 def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:
     """Return n samples as variants of the scenario, which must allow every sampled value."""
     problems = []
-    for name, row in wrong_rows(scenario, columns):
-        try:
-            with_inputs(scenario, {key: float(values[row]) for key, values in columns.items()})
-        except InputError as error:
-            message = f"must not reach values that are not allowed: {error.problems[0].message}; give it a min or max"
-            problems.append(Problem(scenario.file, f"uncertainty.{name}", message))
-    if problems:
-        raise InputError(problems)
+    for name, _, found in wrong_rows(scenario, columns):
+        message = f"must not reach values that are not allowed: {found[0].message}; give it a min or max"
+        problems.append(Problem(scenario.file, f"uncertainty.{name}", message))
+    refuse(problems)
     return variants_of(scenario, columns, count)

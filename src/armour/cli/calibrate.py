@@ -39,8 +39,8 @@ def calibrate(
     from armour.statistics.flow_stress_laws import FLOW_STRESS
     from armour.statistics.test_data import read_tests
 
-    check_outputs(library, plot=plot, reads=[tests, scenario])
-    loaded = read_scenario(scenario, changes)
+    check_outputs(library, plot=plot)
+    loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
     read = read_tests(tests, loaded)
     say_if_compiling()
     with progress("tests") as count:

@@ -21,16 +21,16 @@ def figures(
 ) -> None:
     """Draw the paper's figures.
 
-    These are figs. 3 to 14 and the parity of table 3; the curves of each are written as CSV beside it.
+    These are figs. 3 to 14 and the parity of table 3 and of bare plates; the values are written as CSV beside each.
     """
     from armour.reporting import charts, plots
     from armour.reporting.table import csv_text
     from armour.reporting.tables.validation import figure_table, parity_table
-    from armour.validation.figures import PARITY, compute_figure, paper_figures, parity_of_table_3, read_figures
+    from armour.validation.figures import PARITIES, compute_figure, paper_figures, parity, read_figures
 
     path = paper_figures()
     sections = {section.name: section for section in read_figures(path)}
-    names = [*sections, PARITY]
+    names = [*sections, *PARITIES]
     chosen = [name for name in names if only in name]
     if not chosen:
         message = f'must be part of a name, found "{only}"; there are {", ".join(names)}'
@@ -41,8 +41,8 @@ def figures(
         # Each figure is written as soon as it is computed: all of them take a while.
         with progress("figures", len(chosen)) as count:
             for name in chosen:
-                if name == PARITY:
-                    result = parity_of_table_3()
+                if name in PARITIES:
+                    result = parity(name)
                     table, chart = parity_table(result), charts.parity_chart(result)
                 else:
                     figure = compute_figure(sections[name], path.parent)

@@ -9,7 +9,8 @@ import typer
 from armour.cli.console import progress
 from armour.cli.options import Changes, argument
 from armour.cli.runner import check_outputs, read_scenario, say_if_compiling, write
-from armour.errors import InputError
+from armour.cli.scenario_commands import DESIGNS
+from armour.errors import refuse
 from armour.files import read_toml, wrong_ending
 
 if TYPE_CHECKING:
@@ -29,9 +30,8 @@ def report(
 
     One self-contained file with the answer, its uncertainty, charts (in HTML) and the sources of all values.
     """
-    check_outputs(output, reads=[source])
-    if problems := wrong_ending(output, (".html", ".md")):
-        raise InputError(problems)
+    check_outputs(output)
+    refuse(wrong_ending(output, (".html", ".md")))
     options = [word for change in changes or () for word in ("--set", change)]
     command = shlex.join(["armour", "report", str(source), "--output", str(output), *options])
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
@@ -50,7 +50,7 @@ def _scenario_report(source: Path, changes: list[str], command: str) -> "Report"
     from armour.reporting.contents import contents_of
     from armour.reporting.scenario_report import scenario_report
 
-    loaded = read_scenario(source, changes)
+    loaded = read_scenario(source, changes, ("armour", *DESIGNS))
     say_if_compiling()
     with progress("armours") as count:
         contents = contents_of(loaded, count)

@@ -4,7 +4,7 @@ Files are written before anything is printed, so that a reader that closes the p
 """
 
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from contextvars import copy_context
 from pathlib import Path
@@ -14,8 +14,8 @@ from typer import Exit
 from typer.core import TyperCommand, TyperGroup
 
 from armour.cli.console import say, show, show_json
-from armour.errors import ArmourError, InputError, NoAnswerError, Problem
-from armour.files import check_writable, decoded, parse_toml, read_text, reserve, written, wrong_ending
+from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, refuse
+from armour.files import check_unreserved, decoded, parse_toml, read_text, reserve, unwritable, written, wrong_ending
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -29,54 +29,40 @@ INTERRUPTED = 130
 STANDARD_INPUT = "standard input"
 COMPILING = "compiling the numerical code, which takes about ten seconds"
 PLOT_ENDINGS = (".png", ".svg", ".pdf")
-# Mistakes that are shown; a script may make thousands.
-MAX_PROBLEMS = 20
 
 
-def check_outputs(
-    *writes: Path | None,
-    plot: Path | None = None,
-    reads: Sequence[Path | None] = (),
-    updated: Path | None = None,
-) -> None:
-    """Check that all outputs can be written, and that none is another one or a file that is read.
+def check_outputs(*writes: Path | None, plot: Path | None = None, updated: Path | None = None) -> None:
+    """Check that all outputs can be written, and that none is another one.
 
-    ``reads`` are known to be read; an output that is found to be read later is refused then, but for the updated one.
+    An output that is found to be read later is refused then, but for the updated one.
     """
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
     fresh = [path for path in (*writes, plot) if path is not None]
     paths = fresh if updated is None else [*fresh, updated]
-    sources = [path for path in reads if path is not None and path.exists()]
-    for path in paths:
-        try:
-            check_writable(path)
-        except InputError as error:
-            problems += error.problems
-            continue
-        if path is not updated and path.exists() and any(path.samefile(source) for source in sources):
-            problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
+    problems += (problem for path in paths for problem in unwritable(path))
     if not problems:
         resolved = [path.resolve() for path in paths]
         twice = dict.fromkeys(str(path) for path in resolved if resolved.count(path) > 1)
         problems += (Problem(path, "", "must not be written twice; choose another name") for path in twice)
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
     reserve(fresh)
 
 
 def read_scenario(
     path: Path,
     assignments: Sequence[str] | None,
+    reads: Collection[str],
     more: Mapping[str, tuple[str, float | None]] | None = None,
 ) -> "Scenario":
     """Read the scenario of a file, or of standard input where it is "-".
 
-    ``assignments`` are those of ``--set``; ``more`` are the keys and values of other options, None where one is not
-    given.  A wrong value of an option is a problem of the command line, whatever the file holds.
+    ``assignments`` are those of ``--set``, which must set keys below those that the command ``reads``; ``more`` are the
+    keys and values of other options, None where one is not given.  A wrong value of an option is a problem of the
+    command line, whatever the file holds.
     """
     from armour.scenario.assignments import changed, changes_of
     from armour.scenario.loading import parse_scenario
-    from armour.scenario.reach import NOT_USED, unused_entries
+    from armour.scenario.reach import check_read, check_used, read_of
 
     changes = changes_of(assignments or ())
     options = {key: f"--set {key}" for key in changes}
@@ -87,6 +73,9 @@ def read_scenario(
             changes[key], options[key] = value, option
     standard = str(path) == "-"
     file, folder = (STANDARD_INPUT, Path()) if standard else (str(path), path.parent)
+    if standard:
+        with suppress(OSError):  # a stream that is no file
+            check_unreserved(sys.stdin.fileno())
     data = parse_toml(decoded(sys.stdin.buffer, file) if standard else read_text(path), file)
     try:
         loaded = parse_scenario(changed(data, changes, file), file=file, folder=folder)
@@ -97,23 +86,20 @@ def read_scenario(
         except InputError as without:
             own = without.problems
         raise InputError([p if p in own else _blamed(p, options, file) for p in error.problems]) from None
-    if unused := unused_entries(changes, loaded):
-        raise InputError([Problem("command line", f"--set {key}", NOT_USED + hint) for key, hint in unused])
+    check_read(changes, read_of(loaded, reads))
+    check_used(changes, loaded)
     return loaded
 
 
 def _blamed(problem: Problem, options: Mapping[str, str], file: str) -> Problem:
     """Return a problem that the file alone does not have with the option that sets its key, or one below it."""
+    from armour.scenario.toml_lines import upwards
+
     for key, option in sorted(options.items(), reverse=True):
-        if problem.file == file and (_below(problem.key, key) or _below(key, problem.key)):
+        if problem.file == file and (key in upwards(problem.key) or problem.key in upwards(key)):
             where = f"--set {problem.key}" if option.startswith("--set") else option
             return Problem("command line", where, problem.message)
     return problem
-
-
-def _below(key: str, other: str) -> bool:
-    """Return whether a key is another one, or stands below it."""
-    return key == other or (key.startswith(other) and key[len(other)] in ".[")
 
 
 def respond(
@@ -139,18 +125,15 @@ def respond(
         return None if plot is None or chart is None else plots.rendered(chart(charts), plot.suffix.lower())
 
     contents: dict[Path, bytes] = {}
-    failed: list[ArmourError] = []
-    for path, content in [*files, (plot, drawn)]:
-        try:
-            if path is not None and (made := content()) is not None:
-                contents[path] = _encoded(made)
-        except ArmourError as error:
-            failed.append(error)
+    failed: ArmourError | None = None
     with ExitStack() as stack:
         try:
-            stack.enter_context(written({} if failed else contents))
-        except InputError as error:
-            failed.append(error)
+            for path, content in [*files, (plot, drawn)]:
+                if path is not None and (made := content()) is not None:
+                    contents[path] = _encoded(made)
+            stack.enter_context(written(contents))
+        except ArmourError as error:
+            failed = error
         # The answer is shown even if a file cannot be made or written; if it cannot be shown, no file stays.
         if as_json:
             show_json(data)
@@ -158,11 +141,7 @@ def respond(
             show(*tables, title=title)
     say(*(f"wrote {path}" for path in contents if not failed), *warnings)
     if failed:
-        raise failed[0] if len(failed) == 1 else InputError([problem for error in failed for problem in _told(error)])
-
-
-def _told(error: ArmourError) -> Sequence[Problem]:
-    return error.problems if isinstance(error, InputError) else [Problem("", "", str(error))]
+        raise failed
 
 
 def write(contents: Mapping[Path, str | bytes]) -> None:

@@ -7,6 +7,19 @@ from armour.cli.console import progress
 from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, option
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling, warnings_of
 
+# What commands read, see `armour.scenario.reach`.
+LIMIT = ("impact.projectile", "armour", "ballistic_limit")
+DESIGNS = (
+    "impact",
+    "threat",
+    "armour.ceramic",
+    "armour.backing",
+    "design",
+    "optimise",
+    "ballistic_limit",
+    "uncertainty",
+)
+
 
 def simulate(
     scenario: ScenarioFile,
@@ -21,8 +34,8 @@ def simulate(
     from armour.reporting.table import csv_text
     from armour.reporting.tables.impact import history_table, impact_tables
 
-    check_outputs(history, plot=plot, reads=[scenario])
-    loaded = read_scenario(scenario, changes, {"--velocity": ("impact.velocity_m_s", velocity)})
+    check_outputs(history, plot=plot)
+    loaded = read_scenario(scenario, changes, ("impact", "armour"), {"--velocity": ("impact.velocity_m_s", velocity)})
     result = impact.simulate(loaded, history=history is not None or plot is not None)
     respond(
         result.to_dict(),
@@ -43,12 +56,11 @@ def ballistic_limit(
     from armour.analysis import ballistic_limit as analysis
     from armour.reporting.tables.impact import limit_tables
 
-    check_outputs(plot=plot, reads=[scenario])
-    loaded = read_scenario(scenario, changes)
+    check_outputs(plot=plot)
+    loaded = read_scenario(scenario, changes, LIMIT)
     with progress("impacts", first="searching"):
         result = analysis.ballistic_limit(loaded)
     velocities = analysis.curve_velocities(result, loaded)
-    several = "the outcome is not monotonic: it changes more than once in the range"
     respond(
         result.to_dict(),
         limit_tables(result),
@@ -58,17 +70,18 @@ def ballistic_limit(
         chart=lambda charts: charts.limit_chart(
             result, analysis.residual_velocity_curve(loaded, velocities), loaded.title
         ),
-        warnings=[*([] if result.monotonic else [several]), *warnings_of(loaded, result.warnings)],
+        warnings=warnings_of(loaded, (*analysis.not_monotonic(result), *result.warnings)),
     )
 
 
 def compare(scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = None, as_json: AsJson = False) -> None:
     """Compare the model with closed-form formulas."""
     from armour.analysis import comparison
+    from armour.analysis.ballistic_limit import not_monotonic
     from armour.reporting.tables.comparison import comparison_tables
 
-    check_outputs(plot=plot, reads=[scenario])
-    loaded = read_scenario(scenario, changes)
+    check_outputs(plot=plot)
+    loaded = read_scenario(scenario, changes, LIMIT)
     with progress("impacts", first="searching"):
         result = comparison.compare(loaded)
     respond(
@@ -78,7 +91,7 @@ def compare(scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = No
         title=loaded.title,
         plot=plot,
         chart=lambda charts: charts.comparison_chart(result, loaded.title),
-        warnings=warnings_of(loaded, result.limit.warnings),
+        warnings=warnings_of(loaded, (*not_monotonic(result.limit), *result.limit.warnings)),
     )
 
 
@@ -101,8 +114,8 @@ def optimise(
     from armour.reporting.table import csv_text
     from armour.reporting.tables.design import design_tables, frontier_table, pareto_table, required_margins
 
-    check_outputs(csv, plot=plot, reads=[scenario])
-    loaded = read_scenario(scenario, changes)
+    check_outputs(csv, plot=plot)
+    loaded = read_scenario(scenario, changes, DESIGNS)
     say_if_compiling()
     with progress("impacts") as count:
         result = design.optimise(loaded, refine=refine, on_progress=count)
@@ -131,8 +144,8 @@ def sensitivity(
     from armour.reporting.tables.statistics import sensitivity_tables
     from armour.statistics import sensitivity as statistics
 
-    check_outputs(plot=plot, reads=[scenario])
-    loaded = read_scenario(scenario, changes)
+    check_outputs(plot=plot)
+    loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit", "optimise"))
     say_if_compiling()
     with progress("designs") as count:
         result = statistics.sensitivity(loaded, on_progress=count)
@@ -157,8 +170,13 @@ def uncertainty(
     from armour.reporting.tables.statistics import uncertainty_tables
     from armour.statistics import uncertainty as statistics
 
-    check_outputs(plot=plot, reads=[scenario])
-    loaded = read_scenario(scenario, changes, {"--samples": ("uncertainty.samples", samples)})
+    check_outputs(plot=plot)
+    loaded = read_scenario(
+        scenario,
+        changes,
+        ("impact", "armour", "ballistic_limit", "uncertainty"),
+        {"--samples": ("uncertainty.samples", samples)},
+    )
     say_if_compiling()
     with progress("samples") as count:
         result = statistics.uncertainty(loaded, on_progress=count)

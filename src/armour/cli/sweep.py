@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from armour.analysis.quantities import QUANTITIES, reads_of
 from armour.cli.console import progress, say
 from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, option
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
@@ -49,10 +50,11 @@ def sweep(
     from armour.sweeps.dask import connected, on_cluster
     from armour.sweeps.tables import read_table
 
-    check_outputs(output, plot=plot, reads=[scenario, cases])
-    loaded = read_scenario(scenario, changes)
-    source = _source(over or [], cases)
+    check_outputs(output, plot=plot)
     names = [name.strip() for name in quantities.split(",")]
+    reads = reads_of(name for name in names if name in QUANTITIES)
+    loaded = read_scenario(scenario, changes, ("impact.projectile", "armour", *reads))
+    source = _source(over or [], cases)
     if plot is not None:
         _check_plot(source, names)
     say_if_compiling()

@@ -8,6 +8,7 @@ import typer
 from armour.cli.console import progress
 from armour.cli.options import AsJson, Changes, PlotFile, argument, option
 from armour.cli.runner import check_outputs, read_scenario, respond
+from armour.cli.scenario_commands import LIMIT
 from armour.errors import InputError, Problem
 
 
@@ -39,9 +40,9 @@ def v50(
 
     if changes and scenario is None:
         raise InputError([Problem("v50", "--set", "changes a scenario, which is not given")])
-    check_outputs(plot=plot, reads=[shots, scenario])
+    check_outputs(plot=plot)
     read = statistics.read_shots(shots)
-    loaded = None if scenario is None else read_scenario(scenario, changes)
+    loaded = None if scenario is None else read_scenario(scenario, changes, LIMIT)
     with progress("fits", first="fitting"):
         result = statistics.v50(read, loaded, pairs=pairs, span_m_s=span_m_s, confidence=confidence)
     respond(

@@ -9,7 +9,7 @@ import typer
 from armour.cli.console import progress, say, show
 from armour.cli.options import AsJson, argument, option
 from armour.cli.runner import CHECK_FAILED, check_outputs, respond, say_if_compiling
-from armour.errors import InputError, Problem
+from armour.errors import Problem, refuse
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -18,33 +18,43 @@ if TYPE_CHECKING:
 
 
 def validate(
-    suite: Annotated[Path | None, argument("SUITE", "Suite file (TOML); by default what the paper publishes.")] = None,
+    suite: Annotated[
+        Path | None, argument("SUITE", "Suite file (TOML), or a shipped suite: paper, the default, or plates.")
+    ] = None,
     only: Annotated[str, option("Check only cases whose name contains the text.", metavar="TEXT")] = "",
     changes: Annotated[
         list[str] | None,
         option("Change a value of every scenario; may be given several times.", "--set", metavar="KEY=VALUE"),
     ] = None,
-    update: Annotated[bool, option("Write the computed values into the suite, and exit with 0.", "--update")] = False,
+    update: Annotated[
+        bool, option("Write the computed values in place of the suite's regression values.", "--update")
+    ] = False,
     markdown: Annotated[Path | None, option("Write the result as Markdown.", "--markdown", metavar="FILE")] = None,
     junit: Annotated[Path | None, option("Write the result as JUnit XML.", "--junit", metavar="FILE")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Check the model against a suite of cases.
 
-    Exits with 3 where a value lies outside its band. With --update, the tables have the values before the update.
+    Exits with 3 where a value lies outside its band. With --update, the tables have the values before the update, and
+    only values that it keeps count.
     """
     from armour.reporting.junit import suite_junit
     from armour.reporting.markdown import markdown_report
     from armour.reporting.suite_report import suite_report
     from armour.scenario.assignments import changes_of
     from armour.validation.suite import load_suite
-    from armour.validation.validate import paper_suite
+    from armour.validation.update import kept_by_update
+    from armour.validation.validate import suite_file
 
+    path = suite_file(str(suite or "paper"))
     if update:
-        _check_update(suite, changes)
+        _check_update(suite if path == suite else None, changes)
     updated = suite if update else None
-    check_outputs(markdown, junit, reads=[suite], updated=updated)
-    chosen = load_suite(suite or paper_suite(), changes_of(changes or ())).only(only)
+    check_outputs(markdown, junit, updated=updated)
+    chosen = load_suite(path, changes_of(changes or ())).only(only)
+    if update and not any(case.regression for case in chosen.cases):
+        message = "must be true for the suite, or a case or table without source, to be updated; other values stay"
+        refuse([Problem(str(chosen.file), "regression", message)])
     say_if_compiling()
     result = _computed(chosen, quiet=as_json)
     respond(
@@ -58,7 +68,7 @@ def validate(
             (updated, lambda: _updated(chosen.file, result)),
         ],
     )
-    if not (result.passed or update):
+    if not (kept_by_update(result) if update else result).passed:
         raise typer.Exit(CHECK_FAILED)
 
 
@@ -70,8 +80,7 @@ def _check_update(suite: Path | None, changes: Sequence[str] | None) -> None:
     if changes:
         message = "must not be given with --set: the suite would not hold without"
         problems.append(Problem("validate", "--update", message))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
 
 
 def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":
@@ -95,20 +104,23 @@ def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":
 
 
 def _tables(result: "SuiteResult") -> "list[Table | str]":
-    from armour.reporting.tables.validation import note_rows, suite_tables, verdict
+    from armour.reporting.tables.validation import group_notes, note_rows, suite_tables, verdict
 
-    notes = note_rows([check for check in result.checks if check.status != "within"])
+    notes = note_rows([check for check in result.checks if check.status != "within" and not check.in_group])
+    notes += group_notes(result)
     return [*suite_tables(result), "", *(f"{name}: {note}" for name, note in notes), verdict(result)]
 
 
 def _updated(suite: Path, result: "SuiteResult") -> bytes | None:
     """Return the suite with computed values, which are listed on standard error; None where nothing changes."""
     from armour.reporting.tables.validation import update_table
-    from armour.validation.update import updated_file, updates_of
+    from armour.validation.update import kept_by_update, updated_file, updates_of
 
+    if kept := kept_by_update(result).checks:
+        say(f"kept, as no regression values: {len(kept)} of {len(result.checks)} expected values")
     updates = updates_of(result)
     if not updates:
-        say("every expected value is the computed one")
+        say("every regression value is the computed one")
         return None
     show(update_table(updates), stderr=True)
     return updated_file(suite.read_bytes(), updates)

@@ -1,40 +1,75 @@
 """Candidate designs: all combinations of the given thicknesses; of a free thickness, the least value that passes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from armour.analysis.searches import least_values_mm
 from armour.analysis.variants import Bools, Floats, Ints
-from armour.design.catalogue import Candidates
+from armour.design.catalogue import MARGIN, Candidates, first_backings
 from armour.design.free import minimise_over_backings
 from armour.design.requirement import Requirement
 from armour.design.search import Search
 from armour.scenario.schema import FreeRange, Range
 
-# Back plate thicknesses of the first round of a search in which both layers are free.
-FIRST_VALUES = 41
+# Parts into which the margin that the thickest design has beyond the required one is divided for a Pareto front.
+MARGIN_PARTS = 10
 
 
-def candidates_of(requirement: Requirement, *, refine: bool = False) -> Candidates:
+def candidates_of(requirement: Requirement, criteria: Sequence[str] = (), *, refine: bool = False) -> Candidates:
     """Return the candidate designs that meet the constraints, in the order of the objective.
 
-    With ``refine`` all ranges are free between their values.
+    With ``refine`` all ranges are free between their values.  For the criteria of a Pareto front, free thicknesses are
+    refined by each of them; if one is the margin, there are also designs with more margin, up to the thickest.
     """
     catalogue = requirement.catalogue
-    parts = [_of_pair(requirement, pair, refine=refine) for pair in range(len(catalogue.offers))]
-    found = Candidates(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    columns = [name for name in dict.fromkeys((catalogue.section.minimise, *criteria)) if name != MARGIN]
+    pairs = range(len(catalogue.offers))
+    parts = [_of_pair(requirement, pair, columns, refine=refine) for pair in pairs]
+    if MARGIN in criteria:
+        parts += [part for pair in pairs for part in _with_more_margin(requirement, pair, columns)]
+    found = _joined(parts)
     found = found.at(catalogue.violations(found) <= 0.0)
     return found.at(catalogue.objective(found).argsort(kind="stable"))
 
 
-def _of_pair(requirement: Requirement, pair: int, *, refine: bool) -> Candidates:
-    """Return the candidate designs of a pair; a free thickness is NaN where no value of it passes."""
+def _joined(parts: Sequence[Candidates]) -> Candidates:
+    return Candidates(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+def _with_more_margin(requirement: Requirement, pair: int, columns: Sequence[str]) -> list[Candidates]:
+    """Return designs of a pair with free thicknesses: the thickest, and the least for margins up to those of it."""
+    catalogue, offer = requirement.catalogue, requirement.catalogue.offers[pair]
+    layers = offer.ceramic, offer.backing
+    ranges = [layer.free_range() for layer in layers]
+    if ranges == [None, None]:
+        return []
+    ends = (layer.thicknesses() if free is None else (free.max,) for layer, free in zip(layers, ranges, strict=True))
+    ceramics, backings = (values.ravel() for values in np.meshgrid(*ends))
+    thickest = catalogue.candidates(pair, ceramics, backings)
+    spare = float((requirement.lowest_limits(thickest) - catalogue.required_m_s).min(axis=1).max())
+    parts = [thickest]
+    for margin in np.linspace(0.0, max(spare, 0.0), MARGIN_PARTS + 1)[1:-1].tolist():
+        raised = replace(requirement, catalogue=catalogue.with_more_margin(margin), runs=0)
+        parts.append(_of_pair(raised, pair, columns, refine=False, verify=False))
+        requirement.runs += raised.runs
+    return parts
+
+
+def _of_pair(
+    requirement: Requirement, pair: int, columns: Sequence[str], *, refine: bool, verify: bool = True
+) -> Candidates:
+    """Return the candidate designs of a pair; a free thickness is NaN where no value of it passes.
+
+    Where both thicknesses are free, they are refined around the best by each of some columns.
+    """
     catalogue, offer = requirement.catalogue, requirement.catalogue.offers[pair]
     ceramic, backing = (layer.free_range(refine=refine) for layer in (offer.ceramic, offer.backing))
     ceramics, backings = (np.array(layer.thicknesses()) for layer in (offer.ceramic, offer.backing))
     of_ceramics = partial(catalogue.candidates, pair)
+    least = partial(_least, requirement, verify=verify)
 
     def of_backings(backings: Floats, ceramics: Floats) -> Candidates:
         return of_ceramics(ceramics, backings)
@@ -43,36 +78,42 @@ def _of_pair(requirement: Requirement, pair: int, *, refine: bool) -> Candidates
         return of_ceramics(np.repeat(ceramics, len(backings)), np.tile(backings, len(ceramics)))
     if ceramic is None:
         assert backing is not None
-        return of_backings(_least(requirement, backing, of_backings, ceramics), ceramics)
+        return of_backings(least(backing, of_backings, ceramics), ceramics)
     if backing is None:
-        return of_ceramics(_least(requirement, ceramic, of_ceramics, backings), backings)
+        return of_ceramics(least(ceramic, of_ceramics, backings), backings)
 
-    # Both are free: each round has back plate thicknesses closer together around the best design of the round before.
+    # Both are free: each round has back plate thicknesses closer together around the best designs of the round before.
     found: list[Candidates] = []
-    if isinstance(backing, Range):
-        width = backing.step
-    else:
-        backings, width = np.linspace(backing.min, backing.max, FIRST_VALUES, retstep=True)
+    backings, width = first_backings(backing)
 
     def values_of(backings: Floats) -> Floats:
-        [row] = backings
-        designs = of_ceramics(_least(requirement, ceramic, of_ceramics, row), row)
+        some, where = np.unique(backings, return_inverse=True)
+        designs = of_ceramics(least(ceramic, of_ceramics, some), some)
         found.append(designs)
         violations = catalogue.violations(designs)
         if (violations > 0.0).all():
-            return violations[None]  # towards the design that violates its constraints least
-        return np.where(violations > 0.0, np.inf, catalogue.objective(designs))[None]
+            values = np.tile(violations, (len(columns), 1))  # towards the design that violates its constraints least
+        else:
+            values = np.array([np.where(violations > 0.0, np.inf, getattr(designs, name)) for name in columns])
+        return np.take_along_axis(values, where.reshape(backings.shape), axis=1)
 
-    minimise_over_backings(values_of, backings[None], backing.min, backing.max, float(width))
-    return Candidates(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
+    first = np.tile(backings, (len(columns), 1))
+    minimise_over_backings(values_of, first, backing.min, backing.max, width)
+    designs = _joined(found)
+    return designs.at(np.unique(designs.backing_mm, return_index=True)[1])
 
 
 def _least(
-    requirement: Requirement, free: Range | FreeRange, designs: Callable[[Floats, Floats], Candidates], other: Floats
+    requirement: Requirement,
+    free: Range | FreeRange,
+    designs: Callable[[Floats, Floats], Candidates],
+    other: Floats,
+    *,
+    verify: bool,
 ) -> Floats:
     """Return the least thickness of a free layer, mm, that passes with each thickness of the other; NaN for none.
 
-    Bisects on the outcome at the velocities required, and where a ballistic limit lies below them, on the limit.
+    Bisects on the outcome at the velocities required and, to verify, on the limit where one lies below them.
     """
 
     def defeats(values: Floats, rows: Ints) -> Bools:
@@ -83,6 +124,8 @@ def _least(
 
     low, high = np.full(len(other), free.min), np.full(len(other), free.max)
     least = least_values_mm(defeats, low, high)
+    if not verify:
+        return least
     found = np.flatnonzero(~np.isnan(least))
     rest = found[~passes(least[found], found)]
     least[rest] = least_values_mm(lambda values, rows: passes(values, rest[rows]), least[rest], high[rest])

@@ -1,7 +1,7 @@
 """Catalogue of a scenario: pairs of materials with thicknesses and costs, threats and constraints."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import NamedTuple
 
@@ -10,15 +10,19 @@ import numpy as np
 from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, settings_of, with_thicknesses
 from armour.core.state import Parameters
 from armour.engine import batch
-from armour.errors import InputError, Problem
+from armour.errors import Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import FIELDS, VELOCITY, inputs_of, with_inputs
-from armour.scenario.schema import MAX_DESIGNS, BackingLayer, CeramicLayer, DesignSection, Threat
+from armour.scenario.schema import MAX_DESIGNS, BackingLayer, CeramicLayer, DesignSection, FreeRange, Range, Threat
 from armour.units import MM
 
 # Largest relative constraint violation that counts as rounding.
 ROUNDING = 1e-12
 COST = "cost_per_m2"
+# Criterion that is not a column of the candidates.
+MARGIN = "margin_m_s"
+# Back plate thicknesses of the first round of a search in which both layers are free.
+FIRST_VALUES = 41
 # Decimals to which areal densities, thicknesses and costs are rounded, so that equal sums compare equal.
 DIGITS = 9
 # Greatest numbers of pairs of materials, and of designs times threats, whose impacts take about a minute.
@@ -49,6 +53,14 @@ class Candidates(NamedTuple):
         """Return some of the candidates."""
         pair, *numbers = self
         return Candidates(pair[where], *(column[where] for column in numbers))
+
+
+def first_backings(backing: Range | FreeRange) -> tuple[Floats, float]:
+    """Return the back plate thicknesses at which a search with both layers free starts, mm, and their distance, mm."""
+    if isinstance(backing, Range):
+        return np.array(backing.values()), backing.step
+    values, width = np.linspace(backing.min, backing.max, FIRST_VALUES, retstep=True)
+    return values, float(width)
 
 
 @dataclass(frozen=True)
@@ -112,6 +124,25 @@ class Catalogue:
         values: Floats = getattr(candidates, self.section.minimise)
         return values
 
+    def ranges(self, pair: int) -> list[tuple[str, str, float, float]]:
+        """Return key, name and ends, mm, of the ranges of thicknesses of a pair; lists of thicknesses are none."""
+        design = self.scenario.design or DesignSection()
+        found = []
+        places = divmod(pair, len(self.section.backing))
+        roles = ("ceramic", "ceramic", design.ceramic), ("backing", "back plate", design.backing)
+        for layer, place, (role, name, listed) in zip(self.offers[pair][:2], places, roles, strict=True):
+            thickness = layer.thickness_mm
+            if not isinstance(thickness, list) and thickness.min < thickness.max:
+                key = f"design.{role}[{place}].thickness_mm" if listed else f"optimise.{role}_thickness_mm"
+                values = layer.thicknesses()
+                found.append((key, name, values[0], values[-1]))
+        return found
+
+    def with_more_margin(self, margin_m_s: float) -> "Catalogue":
+        """Return the catalogue with greater margins required, m/s."""
+        threats = (threat.model_copy(update={"margin_m_s": threat.margin_m_s + margin_m_s}) for threat in self.threats)
+        return replace(self, threats=tuple(threats), required_m_s=self.required_m_s + margin_m_s)
+
 
 def catalogue_of(scenario: Scenario) -> Catalogue:
     """Return the catalogue of a scenario; its impact is the threat if it lists none."""
@@ -136,8 +167,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
                 if layer.material and not layer.model_fields_set & {"cost_per_kg", COST}:
                     message = f'must have a cost where [design] asks for costs, found none for "{layer.material}"'
                     problems.append(Problem(scenario.file, f"design.{key}[{i}]", message))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
 
     alone = _without_catalogue(scenario)
     first = section.ceramic[0], section.backing[0], threats[0]

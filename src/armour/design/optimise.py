@@ -1,5 +1,6 @@
 """Design optimisation: the best design that defeats every threat, and its comparison with the others."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -9,10 +10,10 @@ import numpy as np
 from armour.analysis.results import Result
 from armour.analysis.variants import Ints, OnProgress, grid_of, ignore_progress
 from armour.design.candidates import candidates_of
-from armour.design.catalogue import catalogue_of
+from armour.design.catalogue import MARGIN, Catalogue, catalogue_of
 from armour.design.requirement import Requirement
-from armour.design.search import MARGIN, Search
-from armour.errors import InputError, NoDesignError, Problem
+from armour.design.search import Search
+from armour.errors import NoDesignError, Problem, refuse
 from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC
@@ -20,6 +21,7 @@ from armour.scenario.parameters import BACKING, CERAMIC
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
 
+SMALLER = {"areal_density_kg_m2": "lighter", "thickness_mm": "thinner", "cost_per_m2": "cheaper"}
 COMPARATIVES = {"areal_density_kg_m2": "heavier", "thickness_mm": "thicker", "cost_per_m2": "dearer"}
 
 
@@ -105,7 +107,7 @@ class DesignResult(Result):
     threats : tuple of str
     best : BestDesign
     frontier : tuple of Design
-        For each back plate of the best pair, the thinnest ceramic that passes, bounds on probabilities aside.
+        For each back plate of the best pair, the thinnest ceramic that passes, bounds on probabilities included.
     frontier_governed_by : tuple of str
         Governing threat of each design of the frontier.
     refined : BestDesign or None
@@ -123,7 +125,10 @@ class DesignResult(Result):
     not_monotonic_mm : tuple of float
         Back plate thicknesses of the frontier at which a thicker ceramic was found not to pass, mm.
     warnings : tuple of str
-        Ways in which the best design lies outside the validated range.
+        Ways in which the best design lies outside the validated range or at an end of a range of thicknesses.
+    ceramic_min_mm : float or None
+        Least ceramic thickness of the best pair's range, mm: where it passes, less may be required. None where the
+        ceramic has no range, or one from zero.
     """
 
     minimised: str
@@ -140,6 +145,7 @@ class DesignResult(Result):
     runs: int
     not_monotonic_mm: tuple[float, ...]
     warnings: tuple[str, ...]
+    ceramic_min_mm: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data; ``refined`` only where it was asked for."""
@@ -187,8 +193,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         problems.append(Problem(scenario.file, "threat.probability_of_perforation", message))
     if refine and not any(layer.free_range(refine=True) for offer in catalogue.offers for layer in offer[:2]):
         problems.append(Problem(scenario.file, "--refine", "needs a thickness given as a range"))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
     reliability = None
     if catalogue.bounded:
         from armour.design.reliability import Reliability  # takes half a second to import scipy.stats
@@ -202,27 +207,67 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
 
     criteria = tuple(catalogue.section.pareto or ())
     pair = int(search.candidates.pair[first])
-    frontier = search.frontier(pair)
-    pareto = search.pareto(criteria) if criteria else frontier[:0]
+    frontier = search.frontier(first)
     best = _best(search, first)
     thicknesses = {CERAMIC: best.ceramic_thickness_mm, BACKING: best.backing_thickness_mm}
     governing = catalogue.against(pair, catalogue.titles.index(best.governing)).replaced(thicknesses)
+    found = _designs(search, frontier, with_margins=True)
+    ceramic_min = min((low for _, name, low, _ in catalogue.ranges(pair) if name == "ceramic"), default=0.0) or None
     return DesignResult(
         minimised=catalogue.section.minimise,
         threats=catalogue.titles,
         best=best,
-        frontier=_designs(search, frontier, with_margins=True),
+        frontier=found,
         frontier_governed_by=tuple(catalogue.titles[threat] for threat in _governing(search, frontier)),
         refined=_refined(search, first) if refine else None,
         pairs=_pairs(search, first),
         criteria=criteria,
-        pareto=_designs(search, pareto, with_margins=MARGIN in criteria),
+        pareto=_pareto(search, criteria) if criteria else (),
         designs=len(search.values),
         examined=len(search.values),
         runs=requirement.runs,
         not_monotonic_mm=search.not_monotonic_mm(frontier),
-        warnings=warnings_of(governing, governing.impact.velocity_m_s),
+        warnings=(
+            *warnings_of(governing, governing.impact.velocity_m_s),
+            *_at_the_ends(catalogue, pair, best),
+            *_least_of_the_range(catalogue, pair, found, ceramic_min),
+        ),
+        ceramic_min_mm=ceramic_min,
     )
+
+
+def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[str]:
+    """Give a warning for each end of a range of thicknesses at which the best design lies."""
+    for key, name, low, high in catalogue.ranges(pair):
+        thickness = best.ceramic_thickness_mm if name == "ceramic" else best.backing_thickness_mm
+        for end, which, beyond in ((low, "least", "thinner"), (high, "greatest", "thicker")):
+            if thickness == end > 0.0:
+                smaller = SMALLER[catalogue.section.minimise]
+                yield (
+                    f"{key}: the best design lies at the {which} {name} thickness of the range, {end:g} mm; "
+                    f"a {beyond} {name} may make the armour {smaller}"
+                )
+
+
+def _least_of_the_range(
+    catalogue: Catalogue, pair: int, frontier: Sequence[Design], ceramic_min: float | None
+) -> Iterator[str]:
+    """Give a warning where the frontier has the least ceramic of the range, which is no requirement."""
+    backings = [design.backing_thickness_mm for design in frontier if design.ceramic_thickness_mm == ceramic_min]
+    if backings:
+        [key] = [key for key, name, *_ in catalogue.ranges(pair) if name == "ceramic"]
+        many = f"back plates of {backings[0]:g} to" if len(backings) > 1 else "a back plate of"
+        yield (
+            f"{key}: the least ceramic thickness of the range, {ceramic_min:g} mm, passes on {many} "
+            f"{backings[-1]:g} mm; less may be required there"
+        )
+
+
+def _pareto(search: Search, criteria: Sequence[str]) -> tuple[Design, ...]:
+    """Return the Pareto front, for which free thicknesses are chosen by all criteria."""
+    if any(layer.free_range() for offer in search.catalogue.offers for layer in offer[:2]):
+        search = Search(search.requirement, candidates_of(search.requirement, criteria))
+    return _designs(search, search.pareto(criteria), with_margins=MARGIN in criteria)
 
 
 def _refined(search: Search, first: int) -> BestDesign:

@@ -4,9 +4,9 @@ from math import ceil, inf, log, log1p
 
 from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
 from armour.analysis.uncertain_inputs import sampled, section_of
-from armour.analysis.variants import Floats, OnProgress, ignore_progress, perforated
+from armour.analysis.variants import OnProgress, ignore_progress, perforated
 from armour.design.catalogue import Candidates, Catalogue
-from armour.errors import InputError, Problem
+from armour.errors import Problem, refuse
 from armour.scenario.distributions import MAX_SAMPLES, Uncertainty
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of
@@ -25,7 +25,7 @@ class Reliability:
         self.catalogue, self.on_progress = catalogue, on_progress
         section = section_of(catalogue.against(0, 0))
         _check(catalogue, section)
-        self.points = points_of(section)
+        self.points = points_of(section)  # of the unit cube, (samples, inputs)
 
     def probabilities(self, candidates: Candidates, place: int) -> dict[str, Estimate] | None:
         """Estimate the probabilities of perforation of a design, see `Search.probabilities`."""
@@ -35,11 +35,30 @@ class Reliability:
             bound = threat.probability_of_perforation
             if bound is not None:
                 scenario = self.catalogue.against(int(candidates.pair[place]), i)
-                estimate = probability_within(bound, scenario, *thicknesses, self.points, self.on_progress)
+                estimate = self.within(bound, scenario, *thicknesses)
                 if estimate is None:
                     return None
                 found[threat.title] = estimate
         return found
+
+    def within(self, bound: float, scenario: Scenario, ceramic_mm: float, backing_mm: float) -> Estimate | None:
+        """Estimate the probability of perforation of a design; None where its interval reaches beyond a bound.
+
+        Samples are taken in growing parts, only as many as it takes to see that the bound is exceeded.
+        """
+        section = section_of(scenario)
+        design = scenario.replaced({CERAMIC: ceramic_mm, BACKING: backing_mm})
+        own = inputs_of(design)
+        hits, start, end = 0, 0, FIRST_SAMPLES
+        while start < len(self.points):
+            part = self.points[start:end]
+            hits += int(perforated(sampled(design, columns_of(section, own, part), len(part))).sum())
+            estimate = proportion(hits, len(self.points))
+            self.on_progress(len(part), None)
+            if estimate.high > bound:
+                return None
+            start, end = end, end + min(end, MOST_SAMPLES)
+        return estimate
 
 
 def _check(catalogue: Catalogue, section: Uncertainty) -> None:
@@ -60,33 +79,4 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
         message = f"must be at least {needed} to show a probability of perforation of {bound:g}"
         more = f" (at most {MAX_SAMPLES} are allowed: raise the bound)" if needed > MAX_SAMPLES else ""
         problems.append(Problem(file, "uncertainty.samples", f"{message}{more}, found {section.samples}"))
-    if problems:
-        raise InputError(problems)
-
-
-def probability_within(
-    bound: float,
-    scenario: Scenario,
-    ceramic_mm: float,
-    backing_mm: float,
-    points: Floats,
-    on_progress: OnProgress = ignore_progress,
-) -> Estimate | None:
-    """Estimate the probability of perforation of a design; None where its interval reaches beyond a bound.
-
-    Samples, of points of the unit cube, (samples, inputs), are taken in growing parts, only as many as it takes to see
-    that the bound is exceeded.
-    """
-    section = section_of(scenario)
-    design = scenario.replaced({CERAMIC: ceramic_mm, BACKING: backing_mm})
-    own = inputs_of(design)
-    hits, start, end = 0, 0, FIRST_SAMPLES
-    while start < len(points):
-        part = points[start:end]
-        hits += int(perforated(sampled(design, columns_of(section, own, part), len(part))).sum())
-        estimate = proportion(hits, len(points))
-        on_progress(len(part), None)
-        if estimate.high > bound:
-            return None
-        start, end = end, end + min(end, MOST_SAMPLES)
-    return estimate
+    refuse(problems)

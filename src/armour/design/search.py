@@ -8,15 +8,15 @@ import numpy as np
 
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, Ints, portions
-from armour.design.catalogue import Candidates
+from armour.design.catalogue import COST, MARGIN, Candidates, first_backings
 from armour.design.requirement import LIMITS_AT_A_TIME, Requirement
 
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
     from armour.design.reliability import Reliability
 
-# Criterion that is not a column of the candidates.
-MARGIN = "margin_m_s"
+# Differences of criteria that count on a Pareto front: kg/m^2, mm and, for costs, as a part of the lowest.
+RESOLUTION = {"areal_density_kg_m2": 0.01, "thickness_mm": 0.01, COST: 0.001}
 
 
 class Search:
@@ -72,12 +72,22 @@ class Search:
                     return int(place)
         return None
 
-    def frontier(self, pair: int) -> Ints:
-        """Return for each back plate of a pair the thinnest ceramic that passes, bounds on probabilities aside."""
+    def frontier(self, best: int) -> Ints:
+        """Return for each back plate of the best design's pair the thinnest ceramic that passes.
+
+        Where both layers are free, the back plates are those that are tried first, and the best.  Bounds on the
+        probability hold too: beyond the thinnest ceramic that passes, the least that keeps to them is bisected, which
+        assumes that a thicker one keeps to them.
+        """
         ceramics, backings = self.candidates.ceramic_mm, self.candidates.backing_mm
+        pair = int(self.candidates.pair[best])
         own = self.of_pair(pair)
+        ceramic, backing = (layer.free_range() for layer in self.catalogue.offers[pair][:2])
+        if ceramic is not None and backing is not None:
+            own = own[np.isin(backings[own], np.append(first_backings(backing)[0], backings[best]))]
         left = own[self.defeating[own]]
         left = left[np.lexsort((ceramics[left], backings[left]))]
+        columns = left
         found = left[:0]
         while len(left):
             _, first = np.unique(backings[left], return_index=True)
@@ -85,7 +95,19 @@ class Search:
             found = np.concatenate([found, thinnest[self.passes(thinnest)]])
             left = np.delete(left, first)
             left = left[~np.isin(backings[left], backings[found])]
-        return found[np.argsort(backings[found])]
+        found = found[np.argsort(backings[found])]
+        if self.reliability is None:
+            return found
+
+        kept = []
+        for place in found.tolist():
+            column = columns[(backings[columns] == backings[place]) & (ceramics[columns] >= ceramics[place])].tolist()
+            index = column.index(best) if best in column else bisect_left(column, True, key=self._passes_within_bounds)
+            kept += column[index : index + 1]
+        return np.array(kept, dtype=np.int64)
+
+    def _passes_within_bounds(self, place: int) -> bool:
+        return bool(self.passes(np.array([place]))[0]) and self.probabilities(place) is not None
 
     def not_monotonic_mm(self, frontier: Ints) -> tuple[float, ...]:
         """Return the back plate thicknesses of a frontier at which a thicker ceramic is known not to pass, mm."""
@@ -102,13 +124,15 @@ class Search:
     def pareto(self, criteria: Sequence[str]) -> Ints:
         """Return the Pareto front of the designs that pass, bounds on probabilities included.
 
+        Of designs that do not differ by the resolution of a criterion, one stands.
         Only the members of the front are verified, by scan; margins of the others come from the quick search.
         """
         left = np.flatnonzero(self.defeating)
         limits = self._quick_limits(left) if MARGIN in criteria else self._limits.copy()
         while True:
             columns = {**self.candidates._asdict(), MARGIN: -self.margins(limits).min(axis=1)}
-            front = left[undominated(np.column_stack([columns[name][left] for name in criteria]))]
+            costs = np.column_stack([columns[name][left] for name in criteria])
+            front = left[distinct(costs, undominated(costs), self._resolutions(costs, criteria))]
             passing = [place for place in front[self.passes(front)].tolist() if self.probabilities(place) is not None]
             verified = MARGIN not in criteria or np.array_equal(limits[front], self.limits(front))
             if verified and len(passing) == len(front):
@@ -120,6 +144,12 @@ class Search:
         """Return ballistic limits, (designs, threats), less the velocities of the threats, m/s."""
         margins: Floats = limits - np.array([threat.velocity_m_s for threat in self.catalogue.threats])
         return margins
+
+    def _resolutions(self, costs: Floats, criteria: Sequence[str]) -> Floats:
+        """Return the difference of each criterion that counts; limits are determined to a tolerance."""
+        known = {**RESOLUTION, MARGIN: self.catalogue.scenario.ballistic_limit.tolerance_m_s}
+        scales = (costs[:, i].min(initial=np.inf) if name == COST else 1.0 for i, name in enumerate(criteria))
+        return np.array([known[name] * scale for name, scale in zip(criteria, scales, strict=True)])
 
     def _quick_limits(self, where: Ints) -> Floats:
         """Return all limits, where unknown by the quick search or, if that finds none for a design, by scan."""
@@ -155,3 +185,16 @@ def undominated(costs: Floats) -> Ints:
             last += 1
         seconds[first:last], thirds[first:last] = [second], [third]
     return np.array(front, dtype=np.int64)
+
+
+def distinct(costs: Floats, front: Ints, resolutions: Floats) -> Ints:
+    """Return the rows of a front without those that another matches in every column; the best of each column stay.
+
+    A row matches another if no column exceeds the other's by more than its resolution.
+    """
+    rows = np.sort(front)
+    kept: list[int] = []
+    for row in [*rows[costs[rows].argmin(axis=0)], *rows] if len(rows) else []:
+        if not (costs[kept] <= costs[row] + resolutions).all(axis=1).any():
+            kept.append(row)
+    return front[np.isin(front, kept)]

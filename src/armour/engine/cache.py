@@ -205,7 +205,7 @@ def is_trusted(path: Path) -> bool:
                 return False
             if stat.S_ISLNK(status.st_mode):
                 ways.append(part.parent / part.readlink())
-            elif status.st_mode & 0o022 and not status.st_mode & stat.S_ISVTX:
+            elif stat.S_ISDIR(status.st_mode) and status.st_mode & 0o022 and not status.st_mode & stat.S_ISVTX:
                 return False
     return True
 

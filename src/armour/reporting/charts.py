@@ -192,8 +192,14 @@ def frontier_chart(result: "DesignResult", title: str) -> Chart:
         Panel(x, quantity_axis("required_ceramic_thickness_mm"), required, shares_x=True),
     )
     pairs = sum(pair.best is not None for pair in result.pairs)
-    left_out = f"The best {MAX_PAIRS + 1} of {pairs} pairs of materials are shown." if pairs > MAX_PAIRS + 1 else ""
-    return Chart(title, panels, left_out)
+    notes = []
+    if pairs > MAX_PAIRS + 1:
+        notes.append(f"The best {MAX_PAIRS + 1} of {pairs} pairs of materials are shown.")
+    if any(design.ceramic_thickness_mm == result.ceramic_min_mm for design in result.frontier):
+        notes.append(
+            f"Where the ceramic is {result.ceramic_min_mm:g} mm, the least of its range, less may be required."
+        )
+    return Chart(title, panels, " ".join(notes))
 
 
 def _frontier(result: "DesignResult", key: str) -> tuple[Series, ...]:
@@ -244,19 +250,20 @@ def _design_text(design: "Design", *criteria: str) -> str:
 
 def figure_chart(figure: "Figure") -> Chart:
     """Describe a figure of the paper: the model's curves, with the numbers of the paper's text as marks."""
+    section = figure.section
     series: list[Series] = [
         Line(figure.x, curve.values, STYLES[index], label=curve.label, colour=COLOURS[index])
         for index, curve in enumerate(figure.curves)
     ]
-    series += (Rule(level.value, ":", vertical=False, label=level.label, colour=INK) for level in figure.levels)
+    series += (Rule(level.value, ":", vertical=False, label=level.label, colour=INK) for level in section.level)
     colours = {curve.label: colour for curve, colour in zip(figure.curves, COLOURS, strict=False)}
-    for mark, marker, size in zip(figure.marks, ("*", "D", "s"), (9.0, 5.0, 5.0), strict=False):
+    for mark, marker, size in zip(section.mark, ("*", "D", "s"), (9.0, 5.0, 5.0), strict=False):
         xs, ys = zip(*mark.points, strict=True)
         series.append(Points(xs, ys, marker, size, label=mark.label, colour=colours.get(mark.of, SOFT)))
     shown = [value for curve in figure.curves for value in curve.values if value is not None]
     from_zero = bool(shown) and min(shown) < 0.3 * max(shown)
-    x, y = Axis(figure.x_label, limits=(figure.x[0], figure.x[-1])), Axis(figure.y_label, from_zero=from_zero)
-    return Chart(figure.title, (Panel(x, y, tuple(series)),), width=COLUMN_INCHES)
+    x, y = Axis(section.x_label, limits=(figure.x[0], figure.x[-1])), Axis(section.y_label, from_zero=from_zero)
+    return Chart(section.title, (Panel(x, y, tuple(series)),), width=COLUMN_INCHES)
 
 
 def parity_chart(result: "SuiteResult") -> Chart:

@@ -3,7 +3,7 @@
 from contextlib import suppress
 from dataclasses import dataclass
 
-from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
+from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, not_monotonic
 from armour.analysis.energy import EnergyBalance, energy_balance
 from armour.analysis.impact import ImpactResult, simulate
 from armour.analysis.variants import OnProgress, ignore_progress
@@ -56,7 +56,11 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress) -
         sensitivity=sensitivity(answer, on_progress=on_part),
         uncertainty=uncertainty(answer, on_progress=on_part) if sampled and not misplaced else None,
         entries=tuple(entry for role in ROLES if (entry := entry_of(answer, role)) is not None),
-        warnings=(*impact.warnings, *misplaced),
+        warnings=(
+            *(impact.warnings if design is None else design.warnings),
+            *(() if limit is None else not_monotonic(limit)),
+            *misplaced,
+        ),
     )
 
 
@@ -90,5 +94,6 @@ def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[str, ...]:
         f"uncertainty.{name}: is about a value of its own, not the design's {found[name]:g}; "
         "no probability of perforation is given"
         for name, distribution in scenario.uncertainty.inputs().items()
-        if distribution.placed and name in found and own.get(name) != found[name]
+        if name in found
+        and ((distribution.placed and own.get(name) != found[name]) or not distribution.contains(found[name]))
     )

@@ -2,7 +2,7 @@
 
 from xml.etree import ElementTree
 
-from armour.reporting.tables.validation import failure
+from armour.reporting.tables.validation import failure, held_to
 from armour.reporting.text import printable
 from armour.validation.validate import FAILED, Status, SuiteResult
 
@@ -11,14 +11,15 @@ def suite_junit(result: SuiteResult) -> bytes:
     """Format the outcome of a suite: a test case for every case, and for every table that is held to a band."""
     suite = ElementTree.Element("testsuite", name=printable(result.title or result.file))
     for check in result.checks:
+        if check.in_group:
+            continue
         message = check.message or check.case.not_scored
         if check.status == "outside":
             message = failure(check)
         _add(suite, check.case.group or "cases", check.case.name, check.status, message)
     for summary in result.summaries:
         if summary.status != "not scored":
-            message = f"RMS {summary.rms:.2f} {summary.unit}, RMS band {summary.rms_band:g} {summary.unit}"
-            _add(suite, summary.name, "RMS", summary.status, message)
+            _add(suite, summary.name, summary.group or "RMS", summary.status, held_to(summary))
     suite.set("tests", str(len(suite)))
     suite.set("failures", str(len(suite.findall("testcase/failure"))))
     suite.set("skipped", str(len(suite.findall("testcase/skipped"))))

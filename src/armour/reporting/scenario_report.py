@@ -111,8 +111,12 @@ def _reliability(contents: Contents) -> Card:
 
 def _energy(contents: Contents) -> Section:
     energy = contents.energy
-    words = f"The projectile has {energy.before:.2f} J at impact and {energy.left:.2f} J at the end."
-    return Section("Energy balance of the projectile", (words,), tables=(energy_table(energy),))
+    words = (
+        f"The projectile has {energy.before:.2f} J at impact and {energy.left:.2f} J at the end.",
+        "The losses are the powers integrated along the run, apart from the motion: "
+        f"the balance closes to {abs(energy.difference):.1g} J.",
+    )
+    return Section("Energy balance of the projectile", words, tables=(energy_table(energy),))
 
 
 def _tables(contents: Contents) -> Iterator[tuple[str, Table]]:

@@ -20,7 +20,7 @@ def suite_report(result: "SuiteResult", command: str = "") -> Report:
         for table in suite_tables(result)
     ]
     own = [check for check in result.checks if check.status != "not scored" and not check.case.group]
-    unscored = [check for check in result.checks if check.status == "not scored"]
+    unscored = [check for check in result.checks if check.status == "not scored" and not check.in_group]
     for heading, checks in (("Reasons for the bands", own), ("Shown but not scored", unscored)):
         if notes := note_rows(checks):
             sections.append(Section(heading, notes=tuple(notes)))
@@ -28,7 +28,7 @@ def suite_report(result: "SuiteResult", command: str = "") -> Report:
         sections.append(origin_section(command))
     return Report(
         title=result.title or result.file,
-        lead=f"armour {__version__}: {verdict(result)}.",
+        lead=f"armour {__version__}: {verdict(result)}. {result.description}".strip(),
         sections=tuple(sections),
         charts=(replace(parity_chart(result), title="Computed and expected values"),),
         passed=result.passed,

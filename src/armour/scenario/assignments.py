@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from copy import deepcopy
 from typing import Any
 
-from armour.errors import InputError, Problem, suggestion
+from armour.errors import InputError, Problem, refuse, suggestion
 from armour.files import parse_toml
 from armour.scenario.library import KINDS
 from armour.scenario.messages import describe, key_name
@@ -48,8 +48,7 @@ def canonical(keys: Iterable[str], file: str) -> list[str]:
         if name in found:
             problems.append(Problem(file, name, "must be given once, found it twice"))
         found.append(name)
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
     return found
 
 
@@ -81,8 +80,7 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = 
             if above in given:
                 message = f"must not be given with {key_name(leaf)}, which goes below it"
                 problems.append(Problem(file, key_name(above), message))
-    if problems:
-        raise InputError(list(dict.fromkeys(problems)))
+    refuse(dict.fromkeys(problems))
     return result
 
 
@@ -164,8 +162,7 @@ def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
             message = f"must be given once, found {describe(changes[key])} and {describe(value)}"
             problems.append(Problem("command line", f"--set {key}", message))
         changes[key] = value
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
     return changes
 
 

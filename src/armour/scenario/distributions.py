@@ -1,6 +1,7 @@
 """The section [uncertainty] of a scenario: distributions of uncertain inputs, their correlations and the sampling."""
 
 from collections.abc import Sequence
+from math import inf
 from typing import Annotated, Literal
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
@@ -18,6 +19,9 @@ MAX_HYPERCUBE = 2**21
 MAX_CORRELATIONS = 91
 # Fewer samples give no confidence interval for the 5 % quantile.
 MIN_SAMPLES = 128
+
+# Standard deviations within which the scenario's own value is near a given mean.
+NEAR = 3.0
 
 
 class Distribution(Section):
@@ -44,6 +48,13 @@ class Distribution(Section):
     def placed(self) -> bool:
         """Whether the distribution has a fixed location or truncation, independent of the scenario's value."""
         return (self.mean, self.min, self.max) != (None, None, None)
+
+    def contains(self, own: float) -> bool:
+        """Return whether the scenario's own value lies between min and max and, where a mean is given, near it."""
+        low, high = (default if end is None else end for end, default in ((self.min, -inf), (self.max, inf)))
+        mean = own if self.mean is None else self.mean
+        width = self.standard_deviation or (self.standard_deviation_percent or 0.0) / 100.0 * abs(mean)
+        return low <= own <= high and abs(own - mean) <= NEAR * width
 
     def mean_problem(self, own: float) -> str:
         """Return why the distribution cannot have its mean, by default the scenario's own value; "" if it can."""

@@ -3,18 +3,19 @@
 Every value has a status (measured, fitted or assumed) and a source.
 """
 
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from math import inf, pi
 from os import PathLike
-from pathlib import Path
 from typing import Annotated, Any, Generic, Literal, NamedTuple, TypeVar
 
 import tomli_w
 from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
-from armour.errors import InputError, Problem, suggestion
+from armour.errors import Problem, refuse, suggestion
 from armour.files import read_toml, shipped
 from armour.scenario.messages import NOT_TINY, NUMBER, NumberOrText, Section, key_name, validated
 from armour.units import GPA, MM, MPA, G
@@ -221,8 +222,7 @@ class Library:
                 for key, message in resolved.found:
                     where = key_name([part for part in (prefix, kind, resolved.name, key) if part])
                     problems[where] = Problem(file, where, message)
-        if problems:
-            raise InputError(list(problems.values()))
+        refuse(problems.values())
         return Library(entries)
 
 
@@ -237,33 +237,21 @@ def _resolved(
     kind: Kind, added: Mapping[str, Entry], known: Mapping[str, LibraryEntry], file: str
 ) -> dict[str, LibraryEntry | _Mistakes]:
     """Return each added entry with the values that it inherits, or its mistakes or those of its base."""
+    order: TopologicalSorter[str] = TopologicalSorter()
+    for name, entry in added.items():
+        base = entry.based_on
+        # An entry based on its own name refers to the earlier one.
+        order.add(name, *([base] if base is not None and base in added and base != name else []))
+    with suppress(CycleError):  # the sorter gives what does not depend on a cycle
+        order.prepare()
     found: dict[str, LibraryEntry | _Mistakes] = {}
-    loops: set[str | None] = set()
-    for name in added:
-        chain, base = _chain(name, added, found)
-        if base in chain or base in loops:
-            loops.update(chain)
-        for each in reversed(chain):
-            if each in loops:
-                message = f'must not lead back to the entry itself, found "{added[each].based_on}"'
-                found[each] = _Mistakes(each, [("based_on", message)])
-            else:
-                found[each] = _resolve(kind, each, added, found, known, file)
+    while ready := order.get_ready():
+        found |= {name: _resolve(kind, name, added, found, known, file) for name in ready}
+        order.done(*ready)
+    for name in added.keys() - found:
+        message = f'must not lead back to the entry itself, found "{added[name].based_on}"'
+        found[name] = _Mistakes(name, [("based_on", message)])
     return {name: found[name] for name in added}
-
-
-def _chain(name: str, added: Mapping[str, Entry], found: Container[str]) -> tuple[list[str], str | None]:
-    """Return an entry and its bases, as far as they are not found yet, and the base of the last.
-
-    An entry based on its own name refers to the earlier one.
-    """
-    chain: dict[str, None] = {}
-    base: str | None = name
-    while base is not None and base in added and base not in found and base not in chain:
-        chain[base] = None
-        following = added[base].based_on
-        base = None if following == base else following
-    return list(chain), base
 
 
 def _resolve(
@@ -320,11 +308,6 @@ def _completed(entry: LibraryEntry) -> LibraryEntry | _Mistakes:
     return complete
 
 
-def validated_tables(data: object, file: str) -> LibraryTables:
-    """Validate the tables of a library file; raise an InputError with every mistake."""
-    return validated(LibraryTables, data, file)
-
-
 def read_library(path: str | PathLike[str], onto: Library) -> Library:
     """Read a library file.
 
@@ -344,12 +327,12 @@ def read_library(path: str | PathLike[str], onto: Library) -> Library:
     InputError
         With every mistake in the file, or if it cannot be read.
     """
-    return onto.extended(validated_tables(read_toml(Path(path)), str(path)), str(path))
+    return onto.extended(validated(LibraryTables, read_toml(path), str(path)), str(path))
 
 
 def library_toml(tables: Mapping[str, Any]) -> str:
     """Validate entries, plain data by kind and name, and return them as the text of a library file."""
-    validated_tables(tables, "library")
+    validated(LibraryTables, tables, "library")
     return tomli_w.dumps(tables)
 
 

@@ -10,7 +10,7 @@ import tomli_w
 from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
-from armour.errors import InputError, Problem
+from armour.errors import InputError, Problem, refuse
 from armour.files import read_toml, write_atomic
 from armour.scenario.assignments import changed
 from armour.scenario.distributions import Uncertainty
@@ -174,8 +174,7 @@ def parse_scenario(data: Mapping[str, Any], *, file: str = "scenario", folder: s
         scenario = Scenario.model_validate(source.data, context={"names": names})
     except ValidationError as error:
         raise InputError([*problems_of(error, Scenario, file), *problems]) from None
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
     scenario._entries = library
     scenario._source = source
     return scenario

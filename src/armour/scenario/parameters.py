@@ -4,12 +4,12 @@ A name is either a key of the scenario, such as "armour.ceramic_thickness_mm", o
 as "ceramic.flow_stress_GPa": a property of the scenario's ceramic, independent of the entry's name.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
-from operator import ge, gt, le, lt
+from operator import ge, gt, itemgetter, le, lt
 from typing import TYPE_CHECKING, Any
 
-from armour.errors import InputError, Problem, choices
+from armour.errors import InputError, Problem, choices, refuse
 from armour.scenario.library import KINDS, ROD, Entry, Kind, LibraryEntry, is_rod
 from armour.scenario.messages import NOT_TINY, NUMBER, TINY, Section, key_name, model_in
 from armour.scenario.schema import ArmourSection, Impact
@@ -93,8 +93,7 @@ def check_names(names: Iterable[str], scenario: "Scenario", file: str, key: str 
         if name not in known:
             hint = missing_unit(name, known) or choices(name, known)
             problems.append(Problem(file, key or name, f'must name an input of the scenario, found "{name}"{hint}'))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
 
 
 def with_inputs(scenario: "Scenario", values: Mapping[str, float]) -> "Scenario":
@@ -114,29 +113,25 @@ def with_inputs(scenario: "Scenario", values: Mapping[str, float]) -> "Scenario"
     return scenario.replaced(changes)
 
 
-def check_rows(scenario: "Scenario", columns: Mapping[str, "Floats"], place: Place | None = None) -> None:
-    """Check that the scenario allows every row of values of inputs, (n,) each.
-
-    `place` completes the problem that `with_inputs` finds in a row, given the index of the row.
-    """
-    found: dict[str, Problem] = {}
-    for row in sorted({row for _, row in wrong_rows(scenario, columns)}):
-        try:
-            with_inputs(scenario, {name: float(values[row]) for name, values in columns.items()})
-        except InputError as error:
-            for problem in error.problems:
-                found.setdefault(problem.key, (place or in_row)(row, problem))
-    if found:
-        raise InputError(list(found.values()))
-
-
 def in_row(row: int, problem: Problem) -> Problem:
     """Return a problem with the number of its row, from 1."""
     return problem._replace(key=f"row {row + 1}: {problem.key}")
 
 
-def wrong_rows(scenario: "Scenario", columns: Mapping[str, "Floats"]) -> list[tuple[str, int]]:
-    """Return the first row that breaks each condition on inputs: the name of one of them and the index of the row.
+def check_rows(scenario: "Scenario", columns: Mapping[str, "Floats"], place: Place = in_row) -> None:
+    """Check that the scenario allows every row of values of inputs, (n,) each.
+
+    `place` completes the problem that `with_inputs` finds in a row, given the index of the row.
+    """
+    found: dict[str, Problem] = {}
+    for _, row, problems in sorted(wrong_rows(scenario, columns), key=itemgetter(1)):
+        for problem in problems:
+            found.setdefault(problem.key, place(row, problem))
+    refuse(found.values())
+
+
+def wrong_rows(scenario: "Scenario", columns: Mapping[str, "Floats"]) -> Iterator[tuple[str, int, Sequence[Problem]]]:
+    """Yield the first row that breaks each condition on inputs: one of their names, and the row with its problems.
 
     The rows that are left are those that `with_inputs` accepts.
     """
@@ -153,7 +148,13 @@ def wrong_rows(scenario: "Scenario", columns: Mapping[str, "Floats"]) -> list[tu
         for rod in _rods(scenario, columns):
             name = next(f"projectile.{key}" for key in reversed(ROD) if f"projectile.{key}" in columns)
             found.append((name, is_rod(*rod)))
-    return [(name, int(np.argmin(allowed))) for name, allowed in found if not np.all(allowed)]
+    for name, allowed in found:
+        if not np.all(allowed):
+            row = int(np.argmin(allowed))
+            try:
+                with_inputs(scenario, {key: float(values[row]) for key, values in columns.items()})
+            except InputError as error:
+                yield name, row, error.problems
 
 
 # Comparisons by their names in pydantic.

@@ -1,24 +1,25 @@
-"""Reach of the keys that vary from row to row: whether their values can change what is computed.
+"""Reach of keys that are changed, or vary from row to row: whether their values can change what is computed.
 
-A key of the impact, the armour, the model or the solver counts for whatever is computed; one of another section counts
-where the computation reads it, and one of the library where the impact or the armour takes its value from it.
+A computation reads the projectile, the armour, the model and the solver, and what its `reads` name: sections, or keys.
+A key of the library counts where the impact or the armour takes its value from it.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from armour.errors import InputError, Problem, choices, suggestion
+from armour.errors import Problem, choices, refuse, suggestion
 from armour.scenario.assignments import leaves, parts_of
 from armour.scenario.library import OPTIONAL, Kind
 from armour.scenario.messages import key_name
 from armour.scenario.parameters import CERAMIC, INPUTS, NAMES, ROLES, bases_of, inputs_of, name_of
+from armour.scenario.toml_lines import upwards
 
 if TYPE_CHECKING:
     from armour.scenario.loading import Scenario
 
-# Sections that every computation reads.
-READ = ("impact", "armour", "model", "solver")
-NOT_USED = "must be an entry of the library that the scenario uses"
+# What every computation reads.
+ALWAYS = ("model", "solver")
+NO_EFFECT = "must have an effect on what is computed, found none"
 
 
 def check_known(scenario: "Scenario", keys: Iterable[str], file: str) -> None:
@@ -37,32 +38,51 @@ def check_known(scenario: "Scenario", keys: Iterable[str], file: str) -> None:
         elif role and len(rest) > 1:
             found = f'which is a name, found "{key}"{suggestion(f"{role}.{rest[1]}", known)}'
             problems.append(Problem(file, key, f"must not go below {NAMES[role]}, {found}"))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
+
+
+def check_read(changes: Mapping[str, object], reads: Collection[str]) -> None:
+    """Check that a command reads what options set, but for the library, see `check_used`, and the title."""
+    read = {*ALWAYS, *reads, "title", "library"}
+    keys = [key_name(leaf) for key, value in changes.items() for leaf, _ in leaves(value, parts_of(key))]
+    refuse([Problem("command line", f"--set {key}", NO_EFFECT) for key in keys if read.isdisjoint(upwards(key))])
+
+
+def read_of(scenario: "Scenario", reads: Collection[str]) -> set[str]:
+    """Return what a command reads of a scenario: not what threats and a catalogue replace, if it reads these."""
+    replaced: set[str] = set()
+    if "threat" in reads and scenario.threat:
+        replaced |= {"impact"}
+    if "design" in reads and scenario.design is not None:
+        replaced |= {f"armour.{layer}" for layer in ("ceramic", "backing") if getattr(scenario.design, layer)}
+    return {*reads} - replaced
 
 
 def check_reach(
-    scenario: "Scenario", keys: Sequence[str], sections: Collection[str], file: str, *, closed_forms: bool = False
+    scenario: "Scenario", keys: Sequence[str], reads: Collection[str], file: str, *, closed_forms: bool = False
 ) -> None:
-    """Check that each of the keys counts, where a computation reads `sections` besides READ.
+    """Check that each of the keys counts for a computation.
 
     Closed forms also read the optional values of the library.
     """
+    read = {*ALWAYS, "impact.projectile", "armour", *reads}
     problems = []
     given: dict[str, str] = {}
+    # No row has a ceramic, and no search varies its thickness.
+    bare = scenario.armour.ceramic_thickness_mm == 0.0 and CERAMIC not in keys and "optimise" not in reads
     for key in keys:
         section, *rest = parts_of(key)
         name = key if key in INPUTS else _input_of(scenario, rest) if section == "library" else ""
-        if not name and section not in (*READ, *sections) and not (closed_forms and {*rest} & {*OPTIONAL}):
+        counts = name.split(".")[0] in ROLES or not read.isdisjoint(upwards(key))
+        if not counts and not (closed_forms and {*rest} & {*OPTIONAL}):
             used = ", ".join(f'{role} "{name_of(scenario, role)}"' for role in ROLES if name_of(scenario, role))
             hint = f"; the scenario has the {used}" if section == "library" else ""
-            problems.append(Problem(file, key, f"must have an effect on what is computed, found none{hint}"))
-        elif name.startswith("ceramic.") and _bare(scenario, keys, sections):
+            problems.append(Problem(file, key, NO_EFFECT + hint))
+        elif name.startswith("ceramic.") and bare:
             problems.append(Problem(file, key, f"must not be given where {CERAMIC} is 0"))
         elif name and given.setdefault(name, key) != key:
             problems.append(Problem(file, key, f"must not be given with {given[name]}, which sets the same"))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
 
 
 def _input_of(scenario: "Scenario", parts: Sequence[str]) -> str:
@@ -80,21 +100,20 @@ def _input_of(scenario: "Scenario", parts: Sequence[str]) -> str:
     return ""
 
 
-def _bare(scenario: "Scenario", keys: Sequence[str], sections: Collection[str]) -> bool:
-    """Return whether no row has a ceramic, and no search varies its thickness."""
-    return scenario.armour.ceramic_thickness_mm == 0.0 and CERAMIC not in keys and "optimise" not in sections
-
-
-def unused_entries(changes: Mapping[str, object], *scenarios: "Scenario") -> list[tuple[str, str]]:
-    """Return the entries of the library that changes set and no scenario uses: their keys, and a hint at those used."""
+def check_used(
+    changes: Mapping[str, object], *scenarios: "Scenario", file: str = "command line", option: str = "--set "
+) -> None:
+    """Check that the scenarios use every entry of the library that changes, in a file or by an option, set."""
     used = {entry for scenario in scenarios for entry in _entries_of(scenario)}
-    found = {}
+    problems = {}
     for key, value in changes.items():
         for leaf, _ in leaves(value, parts_of(key)):
             if leaf[0] == "library" and len(leaf) > 2 and leaf[1:3] not in used:
-                names = [name for kind, name in used if kind == leaf[1]]
-                found[key_name(leaf[:3])] = choices(leaf[2], sorted(names)) if names else ""
-    return list(found.items())
+                names = sorted(name for kind, name in used if kind == leaf[1])
+                hint = choices(leaf[2], names) if names else ""
+                message = f"must be an entry of the library that the scenario uses{hint}"
+                problems[leaf[:3]] = Problem(file, option + key_name(leaf[:3]), message)
+    refuse(problems.values())
 
 
 def _entries_of(scenario: "Scenario") -> Iterator[tuple[str, str]]:

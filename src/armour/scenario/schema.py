@@ -260,15 +260,6 @@ class DesignSection(Section):
     ceramic: list[CeramicLayer] = []
     backing: list[BackingLayer] = []
 
-    @model_validator(mode="after")
-    def _consistent(self) -> "DesignSection":
-        counts = [
-            sum(len(layer.thicknesses()) for layer in layers) for layers in (self.ceramic, self.backing) if layers
-        ]
-        if len(counts) == 2 and counts[0] * counts[1] > MAX_DESIGNS:
-            raise ValueError(f"must hold at most {MAX_DESIGNS} designs, found {counts[0] * counts[1]}")
-        return self
-
 
 class LibrarySection(LibraryTables):
     """Library files and entries that the scenario adds to the library."""

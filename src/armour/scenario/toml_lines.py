@@ -59,8 +59,13 @@ def statements(text: str) -> Iterator[tuple[int, str]]:
 
 def line_of(key: str, lines: Mapping[str, int]) -> int | None:
     """Return the line of a key or, if the file does not hold it, of the innermost table that would; None if neither."""
+    return next((lines[part] for part in upwards(key) if part in lines), None)
+
+
+def upwards(key: str) -> list[str]:
+    """Return a key and those of the tables and lists that hold it, innermost first."""
     ends = [len(key), *(match.start() for match in re.finditer(r"[.\[]", key))]
-    return next((lines[key[:end]] for end in sorted(ends, reverse=True) if key[:end] in lines), None)
+    return [key[:end] for end in sorted(ends, reverse=True)]
 
 
 def _header(data: Any, counts: dict[str, int]) -> Parts:

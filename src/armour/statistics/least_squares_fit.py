@@ -12,7 +12,7 @@ from armour.analysis.answers import Answers
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, OnProgress, Variants, ignore_progress, perforated, variants_of
-from armour.errors import InputError, Problem
+from armour.errors import Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, NAMES, VELOCITY, check_names, name_of
 from armour.statistics.flow_stress_laws import (
@@ -241,5 +241,4 @@ def _check(tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law) ->
             "outcomes are bounds and do not count"
         )
         problems.append(Problem(tests.file, "", message))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)

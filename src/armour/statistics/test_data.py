@@ -61,7 +61,7 @@ class Tests(NamedTuple):
     cells: tuple[Mapping[str, float | str], ...]  # inputs and measurements as they stand in the table
 
 
-def read_tests(path: str | PathLike[str], scenario: Scenario) -> Tests:
+def read_tests(path: str | PathLike[str], scenario: Scenario, notes: Sequence[str] = ()) -> Tests:
     """Read a table of tests: inputs that differ from test to test, and measurements.
 
     Parameters
@@ -71,6 +71,8 @@ def read_tests(path: str | PathLike[str], scenario: Scenario) -> Tests:
         their uncertainties, ``outcome``, and ``test``, the name of the test.
     scenario : Scenario
         Inputs that the tests have in common.
+    notes : sequence of str, optional
+        Further columns, which are kept as text.
 
     Raises
     ------
@@ -79,7 +81,7 @@ def read_tests(path: str | PathLike[str], scenario: Scenario) -> Tests:
     """
     path = Path(path)
     numbers = (*INPUTS, *MEASURED, *MEASURED.values())
-    rows, problems = read_rows(path, numbers=numbers, texts=("test", OUTCOME, *NAMES.values()), needed=())
+    rows, problems = read_rows(path, numbers=numbers, texts=("test", OUTCOME, *NAMES.values(), *notes), needed=())
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated = {name for name, count in Counter(names).items() if count > 1}
     problems += [

@@ -149,7 +149,16 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         deterministic_m_s=deterministic,
         curve=probability_curve(limits),
         inputs=influence_indices(scenario, section, lambda count: on_progress(count, total)),
-        warnings=warnings_of(scenario, deterministic),
+        warnings=(*_elsewhere(section, own), *warnings_of(scenario, deterministic)),
+    )
+
+
+def _elsewhere(section: Uncertainty, own: Mapping[str, float]) -> tuple[str, ...]:
+    """Return a warning for each distribution that does not contain the scenario's own value, which is not used."""
+    return tuple(
+        f"uncertainty.{name}: is about a value of its own, not the scenario's {own[name]:g}"
+        for name, distribution in section.inputs().items()
+        if name in own and not distribution.contains(own[name])
     )
 
 

@@ -11,7 +11,7 @@ from pydantic import Field
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import Result
-from armour.errors import InputError, Problem
+from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import Section, validated
 from armour.statistics.csv_table import read_rows
@@ -89,7 +89,7 @@ class FiringResult(Result):
     penalised_fits : tuple of FittedCurve
         Curves of Firth's penalised likelihood; without those that do not rise, and empty where none does.
     recommended : FittedCurve or None
-        The first of the penalised curves, which is the probit one.
+        The first of the penalised curves: the probit one, if it rises.
     confidence : float
         Confidence level of the intervals.
     model_ballistic_limit_m_s : float or None
@@ -138,8 +138,7 @@ def read_shots(path: str | PathLike[str]) -> Shots:
     if not problems and len(set(results)) == 1:
         message = f"must have at least one partial and one complete penetration, found only {results[0]} ones"
         problems.append(Problem(str(path), "result", message))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
     return Shots(tuple(velocities), tuple(result == "complete" for result in results), str(path))
 
 

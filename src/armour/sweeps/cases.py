@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from armour.analysis.variants import Floats
 from armour.errors import InputError, Problem
-from armour.files import reason
+from armour.files import check_unreserved, reason
 from armour.scenario.assignments import parts_of
 from armour.scenario.messages import key_name
 from armour.scenario.schema import MAX_VALUES, Range
@@ -140,6 +140,7 @@ class Cases:
         try:
             if not self.path.is_file() and self.path.exists():
                 raise self._error("", "must be a file, since it is read several times")
+            check_unreserved(self.path)
             with self.path.open("rb") as file:
                 for number, line in enumerate(iter(lambda: file.readline(MAX_LINE_BYTES), b""), 1):
                     update(line)
@@ -206,6 +207,8 @@ def axis_of(text: str) -> Axis:
     key, _, values = text.rpartition("=")
     try:
         key = key_name(parts_of(key))
+        if "_" in values or not values.isascii():
+            raise ValueError
         if ":" in values:
             low, high, step = (float(part) for part in values.split(":"))
             found = Range.model_validate({"min": low, "max": high, "step": step}).values()

@@ -14,16 +14,14 @@ The checksum of a chunk covers its job, place and content, so that a damaged, ex
 
 import json
 import os
-import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
-from errno import EINVAL
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from armour.errors import InputError, Problem
-from armour.files import check_writable, reason, wrong_ending
+from armour.errors import InputError, Problem, refuse
+from armour.files import reason, sync_folder, unwritable, wrong_ending
 from armour.sweeps.job import Job, differences
 from armour.sweeps.lock import holds, locked, unlock
 from armour.sweeps.tables import count_rows, encoded, is_csv, join
@@ -59,9 +57,7 @@ class Store:
         self.finished: int | None = None
 
     def __enter__(self) -> "Store":
-        if problems := wrong_ending(self.output, (".csv", ".parquet")):
-            raise InputError(problems)
-        check_writable(self.output)
+        refuse(wrong_ending(self.output, (".csv", ".parquet")) or unwritable(self.output))
         with self._disk():
             lock = locked(self.folder)
             if lock is None:
@@ -236,19 +232,6 @@ class Store:
             with suppress(OSError):
                 message += f"; what is done is kept, {RESUME}" if self.chunks() else ""
             raise _problem(error.filename or self.output, message) from None
-
-
-def sync_folder(path: Path) -> None:
-    """See the names of the files in a folder on disk; Windows does so itself."""
-    if sys.platform != "win32":
-        handle = os.open(path, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        except OSError as error:
-            if error.errno != EINVAL:  # a file system without this
-                raise
-        finally:
-            os.close(handle)
 
 
 def _hash_of(values: Mapping[str, Any]) -> str:

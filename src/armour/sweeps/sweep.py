@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from armour.analysis.evaluate import Group, check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
-from armour.analysis.variants import Floats
-from armour.errors import InputError, Problem
+from armour.analysis.variants import Floats, ignore_progress
+from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import BLOCK, Cases, Grid
 from armour.sweeps.checkpoint import RESUME, DamagedError, Store
@@ -33,10 +33,6 @@ class Compute(NamedTuple):
     workers: int  # that compute chunks at the same time
 
 
-def _uncounted(_rows: int, _stored: bool) -> None:
-    pass
-
-
 def sweep(
     scenario: Scenario,
     source: Grid | Cases,
@@ -45,7 +41,7 @@ def sweep(
     *,
     compute: Compute | None = None,
     size: int | None = None,
-    on_chunk: OnChunk = _uncounted,
+    on_chunk: OnChunk = ignore_progress,
     approve: Callable[[Plan], None] = lambda _plan: None,
     tell: Callable[[str], None] = lambda _line: None,
 ) -> int:
@@ -71,46 +67,32 @@ def sweep(
         _check_rows(scenario, source)
         size = store.begin(size)
         count = -(-source.count // size)
+        pending: dict[int, Mapping[str, Floats]] = {}
+
+        def missing_chunks() -> Chunks:
+            for index, values in enumerate(source.chunks(size)):
+                try:
+                    if store.has(index, values):
+                        on_chunk(len(values[source.keys[0]]), True)
+                        continue
+                except DamagedError as error:
+                    tell(f"{error}: damaged, computed anew")
+                pending[index] = values
+                yield index, groups_of(scenario, values)
+
         try:
             for _ in range(PASSES):
-                _compute_missing(store, size, scenario, source, quantities, compute, on_chunk, tell)
+                for index, results in compute.run(missing_chunks(), quantities):
+                    values = pending.pop(index)
+                    store.save(index, values, results)
+                    on_chunk(len(values[source.keys[0]]), False)
                 with suppress(DamagedError):
                     return store.finish(count, source.count)
-                on_chunk = _uncounted  # each was, in the first pass
+                on_chunk = ignore_progress  # each was, in the first pass
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"{store.chunks():,} of {count:,} chunks are done; {RESUME}") from None
     message = f"are damaged each time that they are written; check the disk, then {RESUME}"
     raise InputError([Problem(f"chunks of {output}", "", message)])
-
-
-def _compute_missing(
-    store: Store,
-    size: int,
-    scenario: Scenario,
-    source: Grid | Cases,
-    quantities: Sequence[str],
-    compute: Compute,
-    on_chunk: OnChunk,
-    tell: Callable[[str], None],
-) -> None:
-    """Compute the chunks that are not on disk, or are there but damaged, and write them."""
-    pending: dict[int, Mapping[str, Floats]] = {}
-
-    def missing_chunks() -> Chunks:
-        for index, values in enumerate(source.chunks(size)):
-            try:
-                if store.has(index, values):
-                    on_chunk(len(values[source.keys[0]]), True)
-                    continue
-            except DamagedError as error:
-                tell(f"{error}: damaged, computed anew")
-            pending[index] = values
-            yield index, groups_of(scenario, values)
-
-    for index, results in compute.run(missing_chunks(), quantities):
-        values = pending.pop(index)
-        store.save(index, values, results)
-        on_chunk(len(values[source.keys[0]]), False)
 
 
 def _check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
@@ -122,8 +104,7 @@ def _check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) 
         problems += error.problems
     if len(set(source.keys)) != len(source.keys):
         problems.append(Problem("sweep", "--over", "must not name a key twice"))
-    if problems:
-        raise InputError(problems)
+    refuse(problems)
     first = next(source.chunks(1))
     check_keys(scenario, {key: float(values[0]) for key, values in first.items()}, quantities, "sweep")
 

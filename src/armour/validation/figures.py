@@ -14,9 +14,10 @@ from armour.scenario.loading import load_scenario
 from armour.scenario.messages import Section
 from armour.scenario.schema import Range
 from armour.validation.suite import load_suite, read_sections
-from armour.validation.validate import SuiteResult, paper_suite, validate
+from armour.validation.validate import SuiteResult, suite_file, validate
 
-PARITY = "parity_table3"
+# Suites whose expected values a parity figure shows, with the text that names of its cases contain.
+PARITIES = {"parity_table3": ("paper", "table 3"), "parity_plates": ("plates", "")}
 
 
 class CurveSection(Section):
@@ -81,16 +82,11 @@ class FigureCurve:
 
 @dataclass(frozen=True)
 class Figure:
-    """Curves of a figure over the abscissa ``x``, with the marks and levels of the paper's text."""
+    """Curves of a figure over the abscissa ``x``."""
 
-    name: str
-    title: str
-    x_label: str
-    y_label: str
+    section: FigureSection
     x: tuple[float, ...]
     curves: tuple[FigureCurve, ...]
-    marks: tuple[FigureMark, ...]
-    levels: tuple[FigureLevel, ...]
 
 
 def paper_figures() -> Path:
@@ -117,18 +113,10 @@ def compute_figure(section: FigureSection, folder: Path) -> Figure:
                 parts.append(QUANTITIES[name].label)
             values = tuple(float(value) if np.isfinite(value) else None for value in found[name])
             curves.append(FigureCurve(", ".join(parts), values))
-    return Figure(
-        section.name,
-        section.title,
-        section.x_label,
-        section.y_label,
-        x,
-        tuple(curves),
-        tuple(section.mark),
-        tuple(section.level),
-    )
+    return Figure(section, x, tuple(curves))
 
 
-def parity_of_table_3() -> SuiteResult:
-    """Compute table 3 of the paper."""
-    return validate(load_suite(paper_suite()).only("table 3"))
+def parity(name: str) -> SuiteResult:
+    """Compute the cases of a parity figure."""
+    suite, text = PARITIES[name]
+    return validate(load_suite(suite_file(suite)).only(text))

@@ -46,7 +46,7 @@ class Question(NamedTuple):
     answer: Callable[[Asked], float | str]
     on_grid: bool = True  # needs the scenario's grid of designs
     of_two: bool = False  # compares the scenario with its replacement
-    sections: Collection[str] = ("optimise",)  # that it depends on besides `armour.scenario.reach.READ`
+    reads: Collection[str] = ("impact", "optimise")  # see `armour.scenario.reach`
 
 
 def _quantity(name: str, asked: Asked) -> float | str:
@@ -63,12 +63,12 @@ def _saved_percent(amount: Callable[[Variants], Floats], asked: Asked) -> float:
 SECTIONS = tuple(Scenario.model_fields)
 QUESTIONS: dict[str, Question] = {
     **{
-        name: Question(partial(_quantity, name), quantity.on_grid, sections=quantity.sections)
+        name: Question(partial(_quantity, name), quantity.on_grid, reads=quantity.reads)
         for name, quantity in QUANTITIES.items()
     },
-    "optimum_ceramic_thickness_mm": Question(lambda asked: asked.lightest.ceramic_thickness_mm, sections=SECTIONS),
-    "optimum_backing_thickness_mm": Question(lambda asked: asked.lightest.backing_thickness_mm, sections=SECTIONS),
-    "optimum_areal_density_kg_m2": Question(lambda asked: asked.lightest.areal_density_kg_m2, sections=SECTIONS),
+    "optimum_ceramic_thickness_mm": Question(lambda asked: asked.lightest.ceramic_thickness_mm, reads=SECTIONS),
+    "optimum_backing_thickness_mm": Question(lambda asked: asked.lightest.backing_thickness_mm, reads=SECTIONS),
+    "optimum_areal_density_kg_m2": Question(lambda asked: asked.lightest.areal_density_kg_m2, reads=SECTIONS),
     "thickness_saved_percent": Question(
         partial(_saved_percent, lambda armours: armours.ceramics_mm + armours.backings_mm), of_two=True
     ),

@@ -10,19 +10,19 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
-from armour.errors import InputError, Problem, suggestion
+from armour.errors import MAX_PROBLEMS, InputError, Problem, refuse, suggestion
 from armour.files import read_toml
 from armour.scenario.assignments import canonical, changed, leaves, parts_of
 from armour.scenario.loading import Scenario, parse_scenario
 from armour.scenario.messages import Section, SectionT, describe, key_name, validated
-from armour.scenario.reach import NOT_USED, check_reach, unused_entries
+from armour.scenario.reach import check_reach, check_read, check_used
+from armour.statistics.test_data import MEASURED
 from armour.units import words_and_unit
+from armour.validation.data import Cells, GroupSection, Percent, Where, selected
 from armour.validation.questions import QUESTIONS, check_answerable
 
 # Column of a table that holds the expected values.
 EXPECTED = "expected"
-# Mistakes after which a suite is not read further: a script may make thousands of rows.
-MAX_PROBLEMS = 20
 # Questions about the replacement of one material by another.
 SAVINGS = tuple(name for name, question in QUESTIONS.items() if question.of_two)
 
@@ -56,6 +56,7 @@ class _Expectation(Section):
     band_percent: Width | None = None
     reason: str = ""
     source: str = ""
+    regression: bool = False
     not_scored: str = ""
 
     @field_validator("quantity")
@@ -74,7 +75,7 @@ class _Expectation(Section):
                 raise ValueError(f"an outcome has no band, found {given[0]}")
         elif len(given) == 2:
             raise ValueError("must have band or band_percent, found both")
-        elif not given and not self.not_scored:
+        elif not given and not self.not_scored and not getattr(self, "file", ""):
             raise ValueError("must have a band or band_percent: how far the computed value may be from the expected")
         return self
 
@@ -103,18 +104,37 @@ class CaseSection(_Expectation):
 
 
 class TableSection(_Expectation):
-    """A table of cases, one per row, that differ in some values of the scenario."""
+    """A table of cases that differ in some values of the scenario: rows of the suite, or of a CSV file of tests."""
 
-    columns: list[Name]
-    rows: Annotated[list[list[Number]], Field(min_length=1)]
+    columns: list[Name] = []
+    rows: Annotated[list[list[Number]], Field(min_length=1)] = []
+    file: str = ""
+    where: Where = {}
+    group: list[GroupSection] = []
     rms_band: Width | None = None
     rms_band_percent: Width | None = None
+    mean_percent: Number = 0.0
+    mean_band_percent: Percent | None = None
     rivals: list[Name] = []
 
     @model_validator(mode="after")
     def _shape(self) -> "TableSection":
         if self.quantity in (*SAVINGS, "outcome"):
             raise ValueError(f"a table must be of numbers that one scenario answers, found {self.quantity}")
+        if self.rms_band is not None and self.rms_band_percent is not None:
+            raise ValueError("must have rms_band or rms_band_percent, found both")
+        in_suite = [key for key in ("columns", "rows", "rivals") if getattr(self, key)]
+        in_file = [key for key in ("where", "group", "mean_band_percent") if getattr(self, key)]
+        if self.file:
+            if in_suite or self.rms_band is not None:
+                raise ValueError(f"must not have {[*in_suite, 'rms_band'][0]} with a file")
+            if self.quantity not in MEASURED:
+                raise ValueError(f"quantity must be one of {', '.join(MEASURED)} with a file, found {self.quantity}")
+            return self
+        if in_file:
+            raise ValueError(f"must have a file with {in_file[0]}")
+        if not self.rows:
+            raise ValueError("must have rows, or a file that has them")
         if len(set(self.columns)) != len(self.columns):
             raise ValueError("columns must differ from each other")
         missing = [name for name in (EXPECTED, *self.rivals) if name not in self.columns]
@@ -124,16 +144,21 @@ class TableSection(_Expectation):
             if len(row) != len(self.columns):
                 must = f"every row must have the {len(self.columns)} numbers of the columns"
                 raise ValueError(f"{must}, found {len(row)} in rows[{index}]")
-        if self.rms_band is not None and self.rms_band_percent is not None:
-            raise ValueError("must have rms_band or rms_band_percent, found both")
         return self
+
+    def without_groups(self) -> "TableSection":
+        """Return the table of some rows of a file, which its bands are not made for."""
+        return self.model_copy(update={"group": [], "rms_band_percent": None, "mean_band_percent": None})
 
 
 class SuiteSection(Section):
     """The contents of a suite file."""
 
     title: str = ""
+    description: str = ""
     source: str = ""
+    regression: bool = False
+    notes: list[Name] = []
     case: list[CaseSection] = []
     table: list[TableSection] = []
 
@@ -165,6 +190,10 @@ class Case:
         Keys and indices of the expected value in the file.
     rivals : mapping of str to float
         Predictions of other methods, by name.
+    regression : bool
+        Whether the expected value is a result of this program, which an update replaces.
+    cells : mapping of str to float or str
+        Row of the CSV file from which the case is read: inputs of its own, measurements and notes.
     """
 
     group: str
@@ -179,6 +208,8 @@ class Case:
     not_scored: str
     place: tuple[str | int, ...]
     rivals: Mapping[str, float] = field(default_factory=dict)
+    regression: bool = False
+    cells: Cells = field(default_factory=dict)
 
     @property
     def full_name(self) -> str:
@@ -196,21 +227,33 @@ class Suite:
     file : Path
     cases : tuple of Case
     tables : tuple of TableSection
+    description : str
     """
 
     title: str
     file: Path
     cases: tuple[Case, ...]
     tables: tuple[TableSection, ...]
+    description: str = ""
 
     def only(self, text: str) -> "Suite":
         """Return the suite with only the cases whose name contains the text; raise InputError if there is none."""
-        cases = tuple(case for case in self.cases if text.lower() in case.full_name.lower())
+        named = [text.lower() in case.full_name.lower() for case in self.cases]
+        cases = tuple(compress(self.cases, named))
         if not cases:
             message = f'must have a case whose name contains "{text}", found none'
             raise InputError([Problem(str(self.file), "", message)])
         kept = {case.group for case in cases}
-        return replace(self, cases=cases, tables=tuple(table for table in self.tables if table.name in kept))
+        left = {case.group for case, found in zip(self.cases, named, strict=True) if not found}
+        return replace(
+            self,
+            cases=cases,
+            tables=tuple(
+                table.without_groups() if table.file and table.name in left else table
+                for table in self.tables
+                if table.name in kept
+            ),
+        )
 
 
 def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None = None) -> Suite:
@@ -245,16 +288,20 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
                 wrong.setdefault((row.place[:2], problem), _placed(problem, row, path))
         if len(wrong) > MAX_PROBLEMS:
             break
+    for row in _files(suite):
+        try:
+            cases += _cases_of_file(row, suite, path.parent, changes, read)
+        except InputError as error:
+            wrong.update({(row.place, problem): problem for problem in error.problems})
     problems = list(wrong.values())[:MAX_PROBLEMS]
     if len(wrong) > MAX_PROBLEMS:
         problems.append(Problem(str(path), "", "must be right up to here; what follows is not checked"))
-    if not problems:
-        scenarios = [found for case in cases for found in (case.scenario, case.replacement) if found is not None]
-        unused = unused_entries(changes, *scenarios)
-        problems = [Problem("command line", f"--set {key}", NOT_USED + hint) for key, hint in unused]
-    if problems:
-        raise InputError(problems)
-    return Suite(suite.title, path, tuple(cases), tuple(suite.table))
+    refuse(problems)
+    check_read(
+        changes, {"impact.projectile", "armour", *(name for case in cases for name in QUESTIONS[case.quantity].reads)}
+    )
+    check_used(changes, *(found for case in cases for found in (case.scenario, case.replacement) if found is not None))
+    return Suite(suite.title, path, tuple(cases), tuple(suite.table), suite.description)
 
 
 def _placed(problem: Problem, row: "_Row", path: Path) -> Problem:
@@ -282,7 +329,7 @@ class _Row(NamedTuple):
 
 def _rows(suite: SuiteSection) -> Iterator[_Row]:
     for index, table in enumerate(suite.table):
-        column = table.columns.index(EXPECTED)
+        column = table.columns.index(EXPECTED) if table.rows else 0
         for number, numbers in enumerate(table.rows):
             values = dict(zip(table.columns, numbers, strict=True))
             rivals = {name: values[name] for name in table.rivals}
@@ -301,6 +348,7 @@ def _case(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, ob
         replacement = _scenario(file, read, section.set, section.replaced_by, changes)
     check_answerable(section.quantity, scenario, replacement)
     in_table = isinstance(section, TableSection)
+    source = section.source or suite.source
     if row.first:
         _check_changes(row, scenario, replacement)
     return Case(
@@ -312,11 +360,45 @@ def _case(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, ob
         expected=row.expected,
         band=section.width(row.expected),
         reason=section.reason,
-        source=section.source or suite.source,
+        source=source,
         not_scored=section.not_scored,
         place=row.place,
         rivals=row.rivals,
+        regression=(section.regression or suite.regression) and not source,
     )
+
+
+def _files(suite: SuiteSection) -> Iterator[_Row]:
+    """Yield the tables whose rows are in files, each as a row without inputs."""
+    for index, table in enumerate(suite.table):
+        if table.file:
+            yield _Row(table, ("table", index, "file"), 0.0)
+
+
+def _cases_of_file(
+    row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object], read: Read
+) -> Iterator[Case]:
+    """Yield the cases of a table whose rows are in a file."""
+    section = row.section
+    assert isinstance(section, TableSection)
+    scenario = _scenario(folder / section.scenario, read, section.set, changes)
+    _check_changes(row, scenario, None)
+    for name, cells, made in selected(folder / section.file, scenario, section.quantity, suite.notes, section.where):
+        expected = float(cells[section.quantity])
+        yield Case(
+            group=section.name,
+            name=name,
+            scenario=made,
+            replacement=None,
+            quantity=section.quantity,
+            expected=expected,
+            band=section.width(expected),
+            reason=section.reason,
+            source=section.source or suite.source,
+            not_scored=section.not_scored,
+            place=row.place,
+            cells=cells,
+        )
 
 
 def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) -> None:
@@ -327,9 +409,8 @@ def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) 
         # The title is for people; entries of the library may be based on each other.
         counting = [leaf[0] not in ("title", "library") for leaf in given] + [True] * len(row.inputs)
         keys = compress(canonical([*map(key_name, given), *row.inputs], file), counting)
-        check_reach(scenario, list(keys), quantity.sections, file, closed_forms=bool(row.rivals))
-        if unused := unused_entries(changes, scenario, *([replacement] if replacement else [])):
-            raise InputError([Problem(file, key, NOT_USED + hint) for key, hint in unused])
+        check_reach(scenario, list(keys), quantity.reads, file, closed_forms=bool(row.rivals))
+        check_used(changes, scenario, *([replacement] if replacement else []), file=file, option="")
 
 
 def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenario:

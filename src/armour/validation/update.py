@@ -1,7 +1,8 @@
-"""Write computed values into a suite file as its expected values."""
+"""Write computed values into a suite file in place of those that the program computed before."""
 
 import codecs
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import tomlkit
@@ -21,15 +22,22 @@ class Update(NamedTuple):
 
 
 def updates_of(result: SuiteResult) -> list[Update]:
-    """Return the expected values that differ from the computed ones to the digits that are written."""
+    """Return the regression values that differ from the computed ones to the digits that are written."""
     updates = []
     for case, computed in ((check.case, check.computed) for check in result.checks):
-        if computed is None or case.not_scored:
+        if computed is None or case.not_scored or case.cells or not case.regression:
             continue
         new = float(f"{computed:.{DIGITS}g}") if isinstance(computed, float) else computed
         if new != case.expected:
             updates.append(Update(case, new))
     return updates
+
+
+def kept_by_update(result: SuiteResult) -> SuiteResult:
+    """Return the result of the cases whose values an update keeps: those that are no regression values."""
+    checks = tuple(check for check in result.checks if not check.case.regression)
+    groups = {check.case.group for check in checks}
+    return replace(result, checks=checks, summaries=tuple(each for each in result.summaries if each.name in groups))
 
 
 def updated_file(content: bytes, updates: Sequence[Update]) -> bytes:

@@ -1,17 +1,21 @@
 """Check the model against a suite: computed values, their deviations and whether these lie within the bands."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from armour.analysis.comparison import BODIES, bodies_of, florence_ballistic_limit, missing_for_florence
+from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.errors import NoAnswerError
 from armour.files import shipped
 from armour.scenario.messages import TINY
-from armour.scenario.parameters import NAMES, entry_of, inputs_of, name_of
+from armour.scenario.parameters import INPUTS, NAMES, entry_of, inputs_of, name_of
 from armour.units import words_and_unit
+from armour.validation.data import GroupSection, meets
 from armour.validation.questions import Asked, answer
 from armour.validation.suite import Case, Suite, TableSection
 
@@ -46,6 +50,11 @@ class Check:
         return None
 
     @property
+    def in_group(self) -> bool:
+        """Whether the case is a row of a file that is scored with the others, not by itself."""
+        return bool(self.case.cells) and self.status == "not scored" and not (self.case.not_scored or self.message)
+
+    @property
     def deviation_percent(self) -> float | None:
         """Deviation relative to the expected value, in per cent."""
         if self.deviation is None or abs(float(self.case.expected)) < TINY:
@@ -73,9 +82,10 @@ class Check:
 
 @dataclass(frozen=True)
 class Summary:
-    """Mean, root mean square and largest magnitude of the deviations of a table's rows.
+    """Mean, root mean square and magnitudes of the deviations of a table's rows, or of those of a group of them.
 
-    They have the unit of the quantity or, where the band of the root mean square is relative, are in per cent.
+    They have the unit of the quantity or, where a band is relative or the rows are those of a file, are in per cent.
+    The mean is held to ``mean_expected`` within ``mean_band``.
     """
 
     name: str
@@ -86,6 +96,15 @@ class Summary:
     largest: float
     rms_band: float | None
     status: Status
+    group: str = ""
+    mean_magnitude: float = 0.0
+    mean_expected: float | None = None
+    mean_band: float | None = None
+
+    @property
+    def full_name(self) -> str:
+        """Name of the table, followed by that of the group."""
+        return f"{self.name}: {self.group}" if self.group else self.name
 
 
 @dataclass(frozen=True)
@@ -108,9 +127,11 @@ class SuiteResult:
     title, file : str
     checks : tuple of Check
     summaries : tuple of Summary
-        One per table.
+        One per table and one per group of it.
     errors : tuple of Error
         For each table with rival predictions: errors of this model, of the rivals and of Florence's limit.
+    description : str
+        What the suite says of itself.
     """
 
     title: str
@@ -118,6 +139,7 @@ class SuiteResult:
     checks: tuple[Check, ...]
     summaries: tuple[Summary, ...]
     errors: tuple[Error, ...]
+    description: str = ""
 
     @property
     def passed(self) -> bool:
@@ -144,6 +166,16 @@ class SuiteResult:
 OnCheck = Callable[[Check, int], None]
 
 
+# Shipped suites: everything that the paper publishes, and measured limits of bare plates.
+SUITES = ("paper", "plates")
+
+
+def suite_file(name: str = "paper") -> Path:
+    """Return the file of a shipped suite, or the name itself if it is a file or none of SUITES."""
+    path = Path(name)
+    return shipped("suites") / f"{name}.toml" if name in SUITES and not path.exists() else path
+
+
 def paper_suite() -> Path:
     """Return the path of the suite of everything that the paper publishes."""
     return shipped("suites") / "paper.toml"
@@ -164,9 +196,10 @@ def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
         If a run of a scenario does not end.
     """
     known: dict[str, Asked] = {}
+    of_files = _of_files(suite.cases)
     checks = []
-    for case in suite.cases:
-        checks.append(check(case, known))
+    for place, case in enumerate(suite.cases):
+        checks.append(_check_of_file(case, of_files[place]) if place in of_files else check(case, known))
         if on_check is not None:
             on_check(checks[-1], len(suite.cases))
     return result_of(suite, checks)
@@ -179,8 +212,9 @@ def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
         title=suite.title,
         file=str(suite.file),
         checks=tuple(checks),
-        summaries=tuple(_summary(table, rows) for table, rows in tables if rows),
+        summaries=tuple(summary for table, rows in tables if rows for summary in _summaries(table, rows)),
         errors=tuple(error for _, rows in tables for error in _errors(rows)),
+        description=suite.description,
     )
 
 
@@ -195,6 +229,29 @@ def check(case: Case, known: dict[str, Asked]) -> Check:
     return Check(case, computed, "not scored" if unscored else _status(case, computed), calibrated)
 
 
+def _of_files(cases: Sequence[Case]) -> dict[int, float]:
+    """Compute the cases of files, those of one scenario at once; return the values by place, NaN without an answer."""
+    together: dict[tuple[int, str, tuple[str, ...]], list[int]] = {}
+    for place, case in enumerate(cases):
+        if case.cells:
+            given = tuple(name for name in INPUTS if name in case.cells)
+            together.setdefault((id(case.scenario), case.quantity, given), []).append(place)
+    found: dict[int, float] = {}
+    for (_, quantity, given), places in together.items():
+        columns = {name: np.array([float(cases[place].cells[name]) for place in places]) for name in given}
+        values = evaluate_groups(groups_of(cases[places[0]].scenario, columns), [quantity])[quantity]
+        found.update(zip(places, np.broadcast_to(values, len(places)).tolist(), strict=True))
+    return found
+
+
+def _check_of_file(case: Case, computed: float) -> Check:
+    if np.isnan(computed):
+        return Check(case, None, "not scored" if case.not_scored else "no answer", f"no {case.quantity} in its range")
+    calibrated = _calibrated_to(case)
+    unscored = case.not_scored or calibrated or case.band is None
+    return Check(case, computed, "not scored" if unscored else _status(case, computed), calibrated)
+
+
 def _asked(case: Case, known: dict[str, Asked]) -> Asked:
     scenarios = [scenario for scenario in (case.scenario, case.replacement) if scenario is not None]
     key = "\n".join(text for scenario in scenarios for text in (scenario.file, scenario.to_toml()))
@@ -204,7 +261,7 @@ def _asked(case: Case, known: dict[str, Asked]) -> Asked:
 def _calibrated_to(case: Case) -> str:
     """Return which value of the case's materials was calibrated to this test; empty where none was."""
     names = {key: name_of(case.scenario, role) for role, key in NAMES.items()}
-    known: Mapping[str, object] = {**inputs_of(case.scenario), **names, case.quantity: case.expected}
+    known: Mapping[str, object] = {**inputs_of(case.scenario), **names, **case.cells, case.quantity: case.expected}
     for role in NAMES:
         entry = entry_of(case.scenario, role)
         if entry is None:
@@ -230,25 +287,43 @@ def _status(case: Case, computed: float | str) -> Status:
     return "within" if abs(computed - case.expected) <= case.band else "outside"
 
 
-def _summary(table: TableSection, rows: Sequence[Check]) -> Summary:
-    percent = table.rms_band_percent is not None
+def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[Summary]:
+    """Yield the summary of a table and of each group of it."""
+    yield _summary(table, table, rows)
+    for group in table.group:
+        if own := [row for row in rows if meets(row.case.cells, group.where)]:
+            yield _summary(table, group, own)
+
+
+def _summary(table: TableSection, bands: TableSection | GroupSection, rows: Sequence[Check]) -> Summary:
+    percent = bool(table.file) or table.rms_band_percent is not None
     deviations = [row.deviation_percent if percent else row.deviation for row in rows]
     numbers = [deviation for deviation in deviations if deviation is not None]
     count = len(numbers)
+    mean = sum(numbers) / count if count else 0.0
     rms = sqrt(sum(d * d for d in numbers) / count) if count else 0.0
-    band = table.rms_band_percent if percent else table.rms_band
+    rms_band, mean_band = bands.rms_band_percent if percent else table.rms_band, bands.mean_band_percent
+    held = []
+    if rms_band is not None:
+        held.append(rms <= rms_band)
+    if mean_band is not None:
+        held.append(abs(mean - bands.mean_percent) <= mean_band)
     status: Status = "not scored"
-    if band is not None:
-        status = "within" if count and rms <= band else "outside"
+    if held:
+        status = "within" if count and all(held) else "outside"
     return Summary(
         name=table.name,
         count=count,
         unit="%" if percent else words_and_unit(table.quantity)[1],
-        mean=sum(numbers) / count if count else 0.0,
+        mean=mean,
         rms=rms,
         largest=max((abs(d) for d in numbers), default=0.0),
-        rms_band=band,
+        rms_band=rms_band,
         status=status,
+        group=bands.name if bands is not table else "",
+        mean_magnitude=sum(map(abs, numbers)) / count if count else 0.0,
+        mean_expected=None if mean_band is None else bands.mean_percent,
+        mean_band=mean_band,
     )
 
 

@@ -67,10 +67,18 @@ def _aligned(table: Table) -> Table:
 
 
 def frontier_table(result: "DesignResult") -> Table:
-    """Return, for each back plate of the best pair, the least ceramic that defeats every threat; the best is marked."""
+    """Return, for each back plate of the best pair, the least ceramic that passes, with notes on some."""
     backings = (design.backing_thickness_mm for design in result.frontier)
     governing = dict(zip(backings, result.frontier_governed_by, strict=True))
     best = _thicknesses(result.best)
+
+    def note(design: Any) -> str:
+        marks = (
+            (_thicknesses(design) == best, SUPERLATIVES[result.minimised]),
+            (design.ceramic_thickness_mm == result.ceramic_min_mm, "least of the range"),
+        )
+        return ", ".join(words for holds, words in marks if holds)
+
     table = listing(
         result.frontier,
         CERAMIC_THICKNESS,
@@ -78,7 +86,7 @@ def frontier_table(result: "DesignResult") -> Table:
         AREAL_DENSITY,
         *_margin(result.frontier),
         *_governed(result, lambda design: governing[design.backing_thickness_mm]),
-        (Column("note"), lambda design: SUPERLATIVES[result.minimised] if _thicknesses(design) == best else ""),
+        (Column("note"), note),
     )
     return _aligned(table)
 

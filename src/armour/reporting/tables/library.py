@@ -3,19 +3,20 @@
 from typing import TYPE_CHECKING
 
 from armour.reporting.table import Column, Table, column_of, listing
+from armour.scenario.library import OPTIONAL
 
 if TYPE_CHECKING:
     from armour.scenario.library import Kind, Library, LibraryEntry
 
 
 def library_table(library: "Library", kind: "Kind") -> Table:
-    """Return the library's entries of a kind: name, numbers and description."""
+    """Return the library's entries of a kind: name, the numbers that the model uses, and description."""
     entries = library.entries[kind].values()
-    keys = dict.fromkeys(key for entry in entries for key in entry.values)
+    keys = dict.fromkeys(key for entry in entries for key in entry.values if key not in OPTIONAL)
     return listing(
         entries,
         column_of("name", label=kind),
-        *((column_of(key, "g"), lambda entry, key=key: entry[key] if key in entry.values else None) for key in keys),
+        *((column_of(key, "g"), lambda entry, key=key: entry[key]) for key in keys),
         column_of("description", prose=True),
     )
 

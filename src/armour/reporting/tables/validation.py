@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from armour.validation.figures import Figure
     from armour.validation.suite import Case
     from armour.validation.update import Update
-    from armour.validation.validate import Check, SuiteResult
+    from armour.validation.validate import Check, SuiteResult, Summary
 
 
 def check_groups(result: "SuiteResult") -> dict[str, list["Check"]]:
@@ -66,9 +66,9 @@ def failure(check: "Check") -> str:
 
 
 def summary_table(result: "SuiteResult") -> Table:
-    """Return the deviations of each table of a suite as a whole."""
+    """Return the deviations of each table of a suite as a whole, except those of rows in files."""
     return listing(
-        result.summaries,
+        [summary for summary in result.summaries if not _of_file(result, summary.name)],
         column_of("name", label="table", prose=True),
         column_of("count", "d", "rows"),
         column_of("unit"),
@@ -79,6 +79,42 @@ def summary_table(result: "SuiteResult") -> Table:
         column_of("status"),
         title="tables as a whole",
     )
+
+
+def group_table(result: "SuiteResult", name: str) -> Table:
+    """Return the relative deviations of a table whose rows are in a file, all of them and by group."""
+    return listing(
+        [summary for summary in result.summaries if summary.name == name],
+        (Column("tests", prose=True), lambda summary: summary.group or "all"),
+        column_of("count", "d", "number"),
+        (Column("mean", "%", "+.1f"), lambda summary: summary.mean),
+        (Column("magnitude", "%", ".1f"), lambda summary: summary.mean_magnitude),
+        (Column("RMS", "%", ".1f"), lambda summary: summary.rms),
+        (Column("largest", "%", ".1f"), lambda summary: summary.largest),
+        (column_of("status"), lambda summary: "" if summary.status == "not scored" else summary.status),
+        title=name,
+    )
+
+
+def held_to(summary: "Summary") -> str:
+    """Return mean and root mean square of a table or group with the bands that they are held to."""
+    unit, parts = summary.unit, []
+    if summary.rms_band is not None:
+        parts.append(f"RMS {summary.rms:.2f} {unit}, RMS band {summary.rms_band:g} {unit}")
+    if summary.mean_band is not None:
+        band = f"{summary.mean_expected:+g} ± {summary.mean_band:g} {unit}"
+        parts.append(f"mean {summary.mean:+.2f} {unit}, mean band {band}")
+    return ", ".join(parts)
+
+
+def group_notes(result: "SuiteResult") -> list[tuple[str, str]]:
+    """Return the groups of rows of files that leave their bands, with these."""
+    outside = [summary for summary in result.summaries if summary.status == "outside"]
+    return [(summary.full_name, held_to(summary)) for summary in outside if _of_file(result, summary.name)]
+
+
+def _of_file(result: "SuiteResult", table: str) -> bool:
+    return any(check.case.cells for check in result.checks if check.case.group == table)
 
 
 def error_table(result: "SuiteResult") -> Table:
@@ -113,15 +149,18 @@ def verdict(result: "SuiteResult") -> str:
     for status in ("outside", "no answer"):
         if result.count(status):
             parts.append(f"{result.count(status)} {status}")
-    unscored = sum(check.status == "not scored" for check in result.checks)
+    unscored = sum(check.status == "not scored" and not check.in_group for check in result.checks)
     return ", ".join(parts) + (f"; {unscored} shown but not scored" if unscored else "")
 
 
 def suite_tables(result: "SuiteResult") -> list[Table]:
-    """Return the tables of a suite: those as a whole, the errors, and the cases of each table."""
-    found = [check_table(checks, name) for name, checks in check_groups(result).items()]
-    if result.summaries:
-        found.append(summary_table(result))
+    """Return the tables of a suite: the cases of each table or its groups, the tables as a whole, and the errors."""
+    found = [
+        group_table(result, name) if checks[0].case.cells else check_table(checks, name)
+        for name, checks in check_groups(result).items()
+    ]
+    if (whole := summary_table(result)).rows:
+        found.append(whole)
     if result.errors:
         found.append(error_table(result))
     return found
@@ -139,12 +178,12 @@ def update_table(updates: Sequence["Update"]) -> Table:
 
 def figure_table(figure: "Figure") -> Table:
     """Return the curves of a figure, a column each."""
-    unit, quantities = figure.y_label.rpartition(", ")[2], {quantity.label for quantity in QUANTITIES.values()}
-    labels = [figure.x_label]
+    unit, quantities = figure.section.y_label.rpartition(", ")[2], {quantity.label for quantity in QUANTITIES.values()}
+    labels = [figure.section.x_label]
     for curve in figure.curves:
         # The label of a curve may name its quantity, or what the curve differs in.
         named = curve.label.rpartition(", ")[2] in quantities
-        labels.append(f"{curve.label}, {unit}" if named else f"{curve.label}: {figure.y_label}")
+        labels.append(f"{curve.label}, {unit}" if named else f"{curve.label}: {figure.section.y_label}")
     values = [figure.x, *(curve.values for curve in figure.curves)]
     return Table(tuple(Column(label, spec="g", key=label) for label in labels), tuple(zip(*values, strict=True)))
 
