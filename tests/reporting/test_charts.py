@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit, curve_velocities, residual_velocity_curve
-from armour.analysis.comparison import compare
 from armour.analysis.energy import EnergyBalance, StageEnergy
 from armour.analysis.impact import simulate
 from armour.design.optimise import Pair
@@ -16,6 +15,7 @@ from armour.scenario.parameters import BACKING, CERAMIC
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import Shots, v50
+from armour.validation.comparison import compare
 from armour.validation.figures import Figure, FigureCurve, FigureLevel, FigureMark, FigureSection
 from tests.helpers.cases import scenario
 from tests.helpers.results import OTHER, THREAT, best_design, design_result, impact, uncertainty_result

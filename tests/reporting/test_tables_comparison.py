@@ -1,5 +1,5 @@
-from armour.analysis.comparison import compare
 from armour.reporting.tables.comparison import comparison_table, fit_table
+from armour.validation.comparison import compare
 from tests.helpers.cases import scenario
 
 

@@ -44,7 +44,6 @@ from armour.units import MM
 
 if TYPE_CHECKING:
     from armour.analysis.ballistic_limit import LimitResult
-    from armour.analysis.comparison import Comparison
     from armour.analysis.energy import EnergyBalance
     from armour.analysis.impact import ImpactResult
     from armour.design.optimise import Design, DesignResult
@@ -53,6 +52,7 @@ if TYPE_CHECKING:
     from armour.statistics.sensitivity import SensitivityResult
     from armour.statistics.uncertainty import UncertaintyResult
     from armour.statistics.v50 import FiringResult, Shots
+    from armour.validation.comparison import Comparison
     from armour.validation.figures import Figure
     from armour.validation.validate import SuiteResult
 

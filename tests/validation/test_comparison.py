@@ -5,8 +5,9 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.closed_forms import residual_velocity
-from armour.analysis.comparison import Comparison, compare, florence_ballistic_limit
+from armour.analysis.florence import florence_ballistic_limit
 from armour.errors import InputError, NoAnswerError
+from armour.validation.comparison import Comparison, compare
 from tests.helpers.cases import scenario
 
 
