@@ -129,7 +129,7 @@ def test_the_band_at_one_half_is_the_interval_of_v50(link: Link):
 
 
 def test_intervals_of_few_shots_hold_what_they_say():
-    """In 30 firings of 10 shots at least 90 %, which those of maximum likelihood do not reach."""
-    found = simulate("up and down", 10, 30, seed=3)
-    assert min(found[f"penalised likelihood: {name}"] for name in ("V50", "scale", "V05", "V95")) >= 27
-    assert found["maximum likelihood: scale"] < 27
+    """In 20 firings of 10 shots at least 90 %, which those of maximum likelihood do not reach."""
+    found = simulate("up and down", 10, 20, seed=3)
+    assert min(found[f"penalised likelihood: {name}"] for name in ("V50", "scale", "V05", "V95")) >= 18
+    assert found["maximum likelihood: scale"] < 18

@@ -27,17 +27,13 @@ def comparison_table(result: "Comparison") -> Table:
         column_of("best_ballistic_limit_m_s", ".2f", "Florence's limit of the optimum"),
         column_of("model_ballistic_limit_m_s", ".2f", "model's limit of the optimum"),
     )
-    rules = (
-        (
-            f"areal density rule, p = {rule.p:.4g}",
-            rule.ballistic_limit_m_s,
-            100.0 * (rule.ballistic_limit_m_s / found - 1.0),
-        )
+    empty = (None,) * 5
+    rules = [
+        (f"areal density rule, p = {rule.p:.4g}", limit, 100.0 * (limit / found - 1.0), *empty)
         for rule in result.rules
-    )
-    rows = [("this model", found, None), *rules]
-    [own, *others] = [(*row, *(None,) * 5) for row in rows]
-    return Table(table.columns, (own, *table.rows, *others))
+        for limit in [rule.ballistic_limit_m_s]
+    ]
+    return Table(table.columns, (("this model", found, None, *empty), *table.rows, *rules))
 
 
 def rule_note(result: "Comparison") -> str:

@@ -198,6 +198,8 @@ def v50_tables(result: "FiringResult") -> list[Table | str]:
             "with few shots its intervals hold the true values about as often as they say; those of maximum likelihood "
             "are too short"
         )
+        if result.recommended.v05_m_s is None:
+            found.append("V05 has no estimate: the curve has 5 % at a velocity below 0")
     found.append(curve_table(result))
     if result.separated:
         found.append(
