@@ -28,6 +28,13 @@ from armour.statistics.v50 import Shots, v50
 from tests.helpers.results import quantities
 
 
+def test_a_velocity_below_zero_is_said_not_to_be_given():
+    low = v50(Shots((60.0, 160.0, 230.0, 270.0, 280.0), (False, True, True, True, True)), pairs=1, span_m_s=100.0)
+    assert low.recommended is not None
+    assert low.recommended.v05_m_s is None
+    assert any(isinstance(item, str) and item.startswith("V05 has no estimate") for item in v50_tables(low))
+
+
 @pytest.fixture
 def calibration() -> CalibrationResult:
     return CalibrationResult(

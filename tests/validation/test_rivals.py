@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import least_squares
 from scipy.stats import linregress, t
 
+from armour.analysis.closed_forms import fit_areal_density_rule
 from armour.scenario.loading import load_scenario
 from armour.statistics.calibration import calibrate
 from armour.statistics.test_data import read_tests
@@ -62,6 +63,18 @@ def test_the_rule_left_out_by_a_search_for_each_test(errors: dict[str, Error]):
             fit = least_squares(relative, start, args=(kept,), xtol=1e-12, ftol=1e-12)
             off.append(abs(relative(fit.x, everything == left)[0]))
         assert errors[name].left_out_percent == pytest.approx(100.0 * np.mean(off), abs=1e-4)
+
+
+def test_a_power_of_0_8_as_docs_howto_compare_md_has_it():
+    def off(kept: np.ndarray, asked: np.ndarray) -> np.ndarray:
+        return abs(
+            fit_areal_density_rule(DENSITY[kept], LIMIT[kept], 0.8).k * DENSITY[asked] ** 0.8 / LIMIT[asked] - 1.0
+        )
+
+    everything = np.arange(13)
+    assert 100.0 * off(everything, everything).mean() == pytest.approx(3.80, abs=0.01)
+    left_out = [off(everything != left, everything == left)[0] for left in everything]
+    assert 100.0 * np.mean(left_out) == pytest.approx(4.12, abs=0.01)
 
 
 def test_the_refitted_flow_stress_is_that_of_a_calibration(errors: dict[str, Error]):
