@@ -3,8 +3,6 @@
 from .analysis.ballistic_limit import Crossing as Crossing
 from .analysis.ballistic_limit import LimitResult as LimitResult
 from .analysis.ballistic_limit import ballistic_limit as ballistic_limit
-from .analysis.comparison import Comparison as Comparison
-from .analysis.comparison import compare as compare
 from .analysis.history import History as History
 from .analysis.impact import ImpactResult as ImpactResult
 from .analysis.impact import StageRecord as StageRecord
@@ -40,6 +38,8 @@ from .statistics.v50 import FiringResult as FiringResult
 from .statistics.v50 import Shots as Shots
 from .statistics.v50 import read_shots as read_shots
 from .statistics.v50 import v50 as v50
+from .validation.comparison import Comparison as Comparison
+from .validation.comparison import compare as compare
 from .validation.suite import Case as Case
 from .validation.suite import Suite as Suite
 from .validation.suite import load_suite as load_suite

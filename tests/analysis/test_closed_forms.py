@@ -8,6 +8,7 @@ import pytest
 from armour.analysis.closed_forms import (
     Plates,
     conoid_radius,
+    fit_areal_density_rule,
     fit_lambert_jonas,
     fit_recht_ipson,
     florence_limit,
@@ -82,3 +83,34 @@ def test_no_fit_gives_more_than_the_impact_velocity():
     impact = [900.0, 1000.0, 1100.0]
     assert fit_lambert_jonas(impact, impact, 800.0).ratio <= 1.0
     assert fit_recht_ipson(impact, impact, 800.0).ratio == 1.0
+
+
+DENSITIES = np.array([30.0, 35.0, 42.0, 47.0, 60.0])
+
+
+@pytest.mark.parametrize(("k", "p"), [(17.6, 1.0), (40.0, 0.8), (700.0, 0.0)])
+def test_the_rule_recovers_what_it_is_given(k: float, p: float):
+    limits = k * DENSITIES**p
+    for given in (p, None):
+        rule = fit_areal_density_rule(DENSITIES, limits, given)
+        assert rule.p == pytest.approx(p, abs=1e-5)
+        assert rule.k == pytest.approx(k, rel=1e-4)
+    assert rule.limit(50.0) == pytest.approx(k * 50.0**p)
+
+
+def test_the_rule_has_the_least_squares_of_the_relative_errors():
+    limits = np.array([500.0, 640.0, 690.0, 850.0, 930.0])
+
+    def squares(k: np.ndarray, p: float) -> np.ndarray:
+        found: np.ndarray = ((np.multiply.outer(k, DENSITIES**p) / limits - 1.0) ** 2).sum(-1)
+        return found
+
+    for p in (1.0, 0.8, None):
+        rule = fit_areal_density_rule(DENSITIES, limits, p)
+        near = rule.k * np.linspace(0.9, 1.1, 201)
+        assert squares(near, rule.p).argmin() == 100
+        if p is None:
+            others = [
+                squares(k, q).min() for q in rule.p + np.linspace(-0.2, 0.2, 21) for k in [near * 42.0 ** (rule.p - q)]
+            ]
+            assert np.argmin(others) == 10

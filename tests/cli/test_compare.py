@@ -1,4 +1,5 @@
 import json
+import re
 from pathlib import Path
 
 from armour import compare, load_scenario
@@ -19,6 +20,21 @@ def test_the_tables(cli):
         "Lambert-Jonas",
         "Recht-Ipson",
     ]
+
+
+def test_the_rule_of_areal_density_and_the_errors(cli):
+    lines = cli("compare", WILKINS).stdout.splitlines()
+    found = {words[0]: words[1:] for line in lines if len(words := re.split(r"  +", line)) > 1}
+    assert found["areal density rule, p = 1"] == ["690.49", "-4.6"]
+    rows = [re.split(r"  +", line)[1:] for line in lines if line.startswith("table 3, Wilkins' measurements  ")]
+    assert len(rows) == 7
+    assert rows[5] == ["areal density rule, p = 1", "13", "4.2", "4.5", "8.0", "k = 17.60 to these tests"]
+
+
+def test_other_materials_have_no_rule(cli):
+    text = cli("compare", WILKINS, "--set", "armour.backing=7075-T6").stdout
+    assert "areal density rule: none, without tests of this round and these materials; there are 13 tests of" in text
+    assert "areal density rule, p" not in text
 
 
 def test_json_is_the_same_as_from_python(cli):

@@ -5,23 +5,23 @@ import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit, curve_velocities, residual_velocity_curve
-from armour.analysis.comparison import compare
 from armour.analysis.energy import EnergyBalance, StageEnergy
 from armour.analysis.impact import simulate
 from armour.design.optimise import Pair
 from armour.reporting import charts
-from armour.reporting.chart import Bars, Chart, Contours, Line, Map, Panel, Points, Rule, Series, Spans
+from armour.reporting.chart import Band, Bars, Chart, Contours, Line, Map, Panel, Points, Rule, Series, Spans
 from armour.reporting.tables.impact import energy_table
 from armour.scenario.parameters import BACKING, CERAMIC
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import Shots, v50
+from armour.validation.comparison import compare
 from armour.validation.figures import Figure, FigureCurve, FigureLevel, FigureMark, FigureSection
 from tests.helpers.cases import scenario
 from tests.helpers.results import OTHER, THREAT, best_design, design_result, impact, uncertainty_result
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
 
-Kind = TypeVar("Kind", Line, Points, Bars, Rule, Spans, Map, Contours)
+Kind = TypeVar("Kind", Band, Line, Points, Bars, Rule, Spans, Map, Contours)
 
 
 def some(panel: Panel, kind: type[Kind]) -> list[Kind]:
@@ -301,18 +301,23 @@ def test_a_v50():
     ]
     for line in some(panel, Line):
         assert all(b >= a for a, b in zip(line.y, line.y[1:], strict=False))  # type: ignore[operator]
+    [band] = some(panel, Band)
+    [curve] = some(panel, Line)
+    assert all(low <= y <= high for low, y, high in zip(band.low, curve.y, band.high, strict=True))  # type: ignore[operator]
     bars = [item for item in some(panel, Points) if item.x_ends]
     assert all(low <= item.x[0] <= high for item in bars for low, high in item.x_ends)  # type: ignore[operator]
 
 
-def test_a_limit_outside_the_axis_of_a_v50_is_said_to_be_there():
+def test_a_limit_outside_the_axis_of_a_v50_is_in_the_note_and_not_in_the_legend():
     thick = scenario(ceramic_mm=9.0)
     found = v50(SHOTS, thick)
-    [panel] = charts.v50_chart(SHOTS, found).panels
+    chart = charts.v50_chart(SHOTS, found)
+    [panel] = chart.panels
     assert panel.x.limits is not None
     assert found.model_ballistic_limit_m_s is not None
     assert found.model_ballistic_limit_m_s > panel.x.limits[1]
-    assert any(label.endswith("m/s, outside the axis") for label in labels(panel))
+    assert not any("this model" in label for label in labels(panel))
+    assert f"{found.model_ballistic_limit_m_s:.1f} m/s, is outside the axis" in chart.note
 
 
 def test_an_uncertainty():

@@ -28,6 +28,13 @@ from armour.statistics.v50 import Shots, v50
 from tests.helpers.results import quantities
 
 
+def test_a_velocity_below_zero_is_said_not_to_be_given():
+    low = v50(Shots((60.0, 160.0, 230.0, 270.0, 280.0), (False, True, True, True, True)), pairs=1, span_m_s=100.0)
+    assert low.recommended is not None
+    assert low.recommended.v05_m_s is None
+    assert any(isinstance(item, str) and item.startswith("V05 has no estimate") for item in v50_tables(low))
+
+
 @pytest.fixture
 def calibration() -> CalibrationResult:
     return CalibrationResult(
@@ -105,10 +112,28 @@ def test_firing_results():
         "2 partial and 2 complete",
     )
     assert "ballistic limit by the model, m/s" not in found
-    assert [row[0] for row in curve_table(mixed).rows] == ["probit", "logit"]
+    assert [row[:2] for row in curve_table(mixed).rows] == [
+        ("probit", "penalised"),
+        ("logit", "penalised"),
+        ("probit", "maximum"),
+        ("logit", "maximum"),
+    ]
+    assert any("leaves it to the specification" in item for item in v50_tables(mixed) if isinstance(item, str))
     apart = v50(Shots((700.0, 710.0, 760.0, 770.0), (False, False, True, True)))
-    assert quantities(v50_table(apart))["V50, MIL-STD-662F"].startswith("none: too few shots")
+    assert quantities(v50_table(apart))["V50, mean"].startswith("none: too few shots")
     assert any("any V50 between them is as likely" in item for item in v50_tables(apart) if isinstance(item, str))
+    [recommended] = [item for item in v50_tables(apart) if isinstance(item, Table) and item.title]
+    assert recommended.title == "recommended: probit, penalised likelihood"
+    assert [row[0] for row in recommended.rows] == ["V50", "V05", "V95", "scale"]
+
+
+def test_a_mean_of_no_usual_rule_and_shots_without_a_rising_curve():
+    shots = Shots((700.0, 740.0, 770.0, 780.0, 750.0), (False, False, False, False, True))
+    found = v50(shots, pairs=1, span_m_s=30.0)
+    assert "V50, mean, m/s" in {column.heading for column in v50_table(found).columns}
+    notes = [item for item in v50_tables(found) if isinstance(item, str)]
+    assert "none that is usual with MIL-STD-662F" in notes[0]
+    assert notes[1].startswith("no curve is recommended")
 
 
 @pytest.fixture

@@ -31,10 +31,41 @@ def test_the_mean_of_mil_std_662f_by_hand():
     two = mean_of(MIXED, pairs=2)
     assert two is not None
     assert (two.v50_m_s, two.span_m_s) == ((722 + 720 + 715 + 725) / 4, 10.0)
-    assert mean_of(MIXED, pairs=4) is not None
+    assert mean_of(MIXED, pairs=4, span_m_s=40.0) is not None
     assert mean_of(MIXED, pairs=4, span_m_s=30.0) is None
     assert mean_of(MIXED, pairs=5) is None
     assert mean_of(APART) is None
+
+
+@pytest.mark.parametrize(
+    ("pairs", "span_m_s", "rule"),
+    [(None, None, "usual span"), (3, 30.5, "given span"), (1, 30.5, "no usual rule"), (4, 40.0, "no usual rule")],
+)
+def test_the_rule_of_a_mean(pairs: int | None, span_m_s: float | None, rule: str):
+    mean = v50(MIXED, pairs=pairs, span_m_s=span_m_s).mean
+    assert mean is not None
+    assert mean.rule == rule
+
+
+@pytest.mark.parametrize("pairs", [1, 4, 6])
+def test_a_number_of_pairs_without_a_usual_span_needs_one(pairs: int):
+    with pytest.raises(InputError, match=f"v50: span_m_s: must be given for {pairs} pairs"):
+        v50(MIXED, pairs=pairs)
+
+
+def test_the_recommended_curve_is_the_penalised_probit():
+    found = v50(APART)
+    assert found.recommended == found.penalised_fits[0]
+    assert [(fit.curve, fit.method) for fit in found.penalised_fits] == [
+        ("probit", "penalised likelihood"),
+        ("logit", "penalised likelihood"),
+    ]
+    assert {fit.method for fit in found.fits} == {"maximum likelihood"}
+
+
+def test_no_curve_is_recommended_where_none_rises():
+    found = v50(Shots((700.0, 740.0, 770.0, 780.0, 750.0), (False, False, False, False, True)))
+    assert (found.recommended, found.penalised_fits) == (None, ())
 
 
 def test_the_models_limit_beside_it():

@@ -1,4 +1,4 @@
-"""Closed forms for comparison with the model: Florence's ballistic limit and residual-velocity fits.
+"""Closed forms for comparison with the model: Florence's ballistic limit, a rule of areal density, residual velocities.
 
 SI units.  ``1`` is the ceramic and ``2`` the back plate: densities rho, thicknesses h, and the back plate's ultimate
 tensile strength sigma2 and strain to fracture eps2.
@@ -17,12 +17,17 @@ from dataclasses import dataclass
 from math import pi, sqrt
 from typing import NamedTuple
 
+import numpy as np
+
 from armour.analysis.ballistic_limit import bisect
+from armour.analysis.variants import Floats
 
 # Range of the exponent of Lambert and Jonas.
 EXPONENTS = (1.0, 20.0)
 # Greatest ratio of residual to impact velocity far above the limit; a greater one would create energy.
 MAX_RATIO = 1.0
+# Range of the exponent of the areal density.
+MAX_POWER = 4.0
 
 
 class Plates(NamedTuple):
@@ -72,6 +77,52 @@ def florence_split(m: float, r: float, rho1: float, rho2: float, areal_density: 
         return 0.0, bare
     _, h2 = bisect(too_thick, 1e-9 * bare, bare, 0.0)
     return ceramic(h2), h2
+
+
+class ArealDensityRule(NamedTuple):
+    """Rule that the ballistic limit, m/s, is k times the areal density, kg/m², to the power p."""
+
+    k: float
+    p: float
+
+    def limit(self, areal_density: float) -> float:
+        """Return the ballistic limit, m/s, of an areal density, kg/m²."""
+        return float(self.k * areal_density**self.p)
+
+
+def fit_areal_density_rule(areal_densities: Floats, limits: Floats, p: float | None = None) -> ArealDensityRule:
+    """Fit the rule ``limit = k A^p`` to measured ballistic limits by least squares of the relative errors.
+
+    For a given p the factor is ``k = sum(s) / sum(s^2)`` with ``s = A^p / limit``; p is the minimum of what is left,
+    ``n - sum(s)^2 / sum(s^2)``.
+
+    Parameters
+    ----------
+    areal_densities : (n,) array
+        Areal densities of the armours, kg/m²; at least two that differ where p is fitted.
+    limits : (n,) array
+        Their ballistic limits, m/s.
+    p : float, optional
+        Exponent; by default it is fitted, between 0 and 4.
+
+    Returns
+    -------
+    ArealDensityRule
+    """
+    # The areal density relative to its geometric mean, and k with it, do not overflow.
+    middle = float(np.exp(np.mean(np.log(areal_densities))))
+    ratios = areal_densities / middle
+
+    def left(p: float) -> float:
+        s = ratios**p / limits
+        return -float(s.sum() ** 2 / (s @ s))
+
+    if p is None:
+        from scipy.optimize import minimize_scalar
+
+        p = float(minimize_scalar(left, bounds=(0.0, MAX_POWER), method="bounded", options={"xatol": 1e-8}).x)
+    s = ratios**p / limits
+    return ArealDensityRule(float(s.sum() / (s @ s)) / middle**p, p)
 
 
 @dataclass(frozen=True)

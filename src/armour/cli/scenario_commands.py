@@ -78,9 +78,9 @@ def ballistic_limit(
 
 def compare(scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = None, as_json: AsJson = False) -> None:
     """Compare the model with closed-form formulas."""
-    from armour.analysis import comparison
     from armour.analysis.ballistic_limit import not_monotonic
     from armour.reporting.tables.comparison import comparison_tables
+    from armour.validation import comparison
 
     check_outputs(plot=plot)
     loaded = read_scenario(scenario, changes, LIMIT)

@@ -19,10 +19,15 @@ def v50(
     scenario: Annotated[
         Path | None, argument("SCENARIO", "Scenario of the same armour, for the model's limit.")
     ] = None,
-    pairs: Annotated[int | None, option("Shots of each kind in the mean, at least 1; by default 5, 3 or 2.")] = None,
+    pairs: Annotated[
+        int | None, option("Shots of each kind in the mean, at least 1; by default 5, else 3, else 2.")
+    ] = None,
     span_m_s: Annotated[
         float | None,
-        option("Largest span of these shots, m/s, at most 10,000; by default MIL-STD-662F's."),
+        option(
+            "Largest span of these shots, m/s, at most 10,000, as specified for the test; by default 38.1, 27.4 or "
+            "18.3 (125, 90 or 60 ft/s) for 5, 3 or 2 of each kind. 30.5 (100 ft/s) is usual, too."
+        ),
     ] = None,
     confidence: Annotated[float, typer.Option(help="Confidence of the intervals, 0.5 to 0.9999.")] = 0.95,
     plot: PlotFile = None,

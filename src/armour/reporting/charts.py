@@ -38,13 +38,12 @@ from armour.reporting.chart import (
 from armour.reporting.tables.design import COST, MARGIN, THICKNESS
 from armour.reporting.tables.impact import AREAL_DENSITY, STAGES, energy_table
 from armour.reporting.tables.statistics import deviation_percent
-from armour.reporting.text import percent, spelt
+from armour.reporting.text import interval, percent, spelt
 from armour.scenario.parameters import BACKING, CERAMIC, ROLES, VELOCITY
 from armour.units import MM
 
 if TYPE_CHECKING:
     from armour.analysis.ballistic_limit import LimitResult
-    from armour.analysis.comparison import Comparison
     from armour.analysis.energy import EnergyBalance
     from armour.analysis.impact import ImpactResult
     from armour.design.optimise import Design, DesignResult
@@ -53,6 +52,7 @@ if TYPE_CHECKING:
     from armour.statistics.sensitivity import SensitivityResult
     from armour.statistics.uncertainty import UncertaintyResult
     from armour.statistics.v50 import FiringResult, Shots
+    from armour.validation.comparison import Comparison
     from armour.validation.figures import Figure
     from armour.validation.validate import SuiteResult
 
@@ -87,9 +87,9 @@ def quantity_axis(name: str, **options: Any) -> Axis:
     return Axis(words, unit, **options)
 
 
-def _velocity_rule(label: str, velocity: float, colour: str, style: Style = "-", more: str = "") -> Rule:
+def _velocity_rule(label: str, velocity: float, colour: str, style: Style = "-") -> Rule:
     """Return a line at a velocity, with its value in the legend."""
-    return Rule(velocity, style, label=f"{label} {velocity:.1f} m/s{more}", colour=colour)
+    return Rule(velocity, style, label=f"{label} {velocity:.1f} m/s", colour=colour)
 
 
 def impact_chart(result: "ImpactResult", title: str) -> Chart:
@@ -391,7 +391,10 @@ def sensitivity_chart(result: "SensitivityResult", title: str) -> Chart:
 
 
 def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
-    """Describe shots, the curves fitted to them and their V50, with the model's ballistic limit where there is one."""
+    """Describe shots, the recommended curve with its band, V50, and the model's ballistic limit where there is one."""
+    # scipy is slow to import, and no other chart needs it.
+    from armour.statistics.penalised_curve import penalised_band
+
     series: list[Series] = []
     for complete, colour, marker in ((False, GREEN, "o"), (True, VERMILION, "^")):
         velocities = shots.of(complete=complete)
@@ -402,27 +405,35 @@ def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
     reach, margin = fastest - slowest or 0.01 * fastest, 0.1 * (fastest - slowest)
     model, mean, between = result.model_ballistic_limit_m_s, result.mean, f"{percent(result.confidence)} interval"
-    ends = [end for fit in result.fits for end in (fit.v50_m_s, *fit.v50_interval_m_s)] + [model]
+    fit = result.recommended or result.fits[0]
+    ends = [fit.v50_m_s, *fit.v50_interval_m_s, model]
     wanted = [slowest, fastest, *(end for end in ends if end is not None)]
     low, high = max(slowest - reach, min(wanted) - margin), min(fastest + reach, max(wanted) + margin)
     x = np.linspace(low, high, 400).tolist()
-    for fit, style, colour, height in zip(result.fits, STYLES, (BLUE, ORANGE), (0.47, 0.53), strict=False):
-        label = f"{fit.curve}: V50 {fit.v50_m_s:.1f} m/s"
-        series.append(Line(x, [fit.probability(v) for v in x], style, label=label, colour=colour))
+    label = f"{fit.curve}, {fit.method}: V50 {fit.v50_m_s:.1f} m/s"
+    if fit is result.recommended:
+        band = penalised_band(shots.of(complete=False), shots.of(complete=True), fit.curve, x, result.confidence)
+        series.insert(0, Band(x, *(edge.tolist() for edge in band)))
+        label += f", with its {percent(result.confidence)} band"
+    series.append(Line(x, [fit.probability(v) for v in x], label=label))
+    if low <= fit.v50_m_s <= high:
         start, end = (edge if e is None else e for e, edge in zip(fit.v50_interval_m_s, (low, high), strict=True))
-        words = (f"{label}\n{between} {start:.1f} to {end:.1f} m/s",)
-        series.append(Points([fit.v50_m_s], [height], x_ends=((start, end),), colour=colour, text=words))
+        words = (f"V50 {fit.v50_m_s:.1f} m/s\n{between} {interval(fit.v50_interval_m_s, '.1f')} m/s",)
+        series.append(Points([fit.v50_m_s], [0.5], x_ends=((start, end),), text=words))
     if mean is not None:
-        series.append(_velocity_rule("MIL-STD-662F: V50", mean.v50_m_s, SOFT))
-    if model is not None:
-        outside = "" if low <= model <= high else ", outside the axis"
-        series.append(_velocity_rule("this model: ballistic limit", model, INK, ":", outside))
+        name = "mean of shots" if mean.rule == "no usual rule" else "MIL-STD-662F"
+        series.append(_velocity_rule(f"{name}: V50", mean.v50_m_s, SOFT))
+    notes = [f"The bar at one half is the {between} of V50."]
+    if model is not None and low <= model <= high:
+        series.append(_velocity_rule("this model: ballistic limit", model, INK, ":"))
+    elif model is not None:
+        notes.append(f"The model's ballistic limit, {model:.1f} m/s, is outside the axis.")
     axes = (
         quantity_axis(VELOCITY, limits=(low, high)),
         Axis("probability of complete penetration", limits=(-0.02, 1.02)),
     )
-    title, note = f"V50 of the shots in {Path(shots.file).name}", f"Bars at one half are {between}s of V50."
-    return Chart(title, (Panel(*axes, tuple(series), height=1.1),), note)
+    title = f"V50 of the shots in {Path(shots.file).name}"
+    return Chart(title, (Panel(*axes, tuple(series), height=1.1),), " ".join(notes))
 
 
 def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Chart:

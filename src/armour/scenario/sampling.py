@@ -1,6 +1,7 @@
 """Samples of uncertain inputs: points of the unit cube, quantiles of the distributions and a Gaussian copula."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 from math import hypot, log1p, sqrt
 from typing import Any
 
@@ -106,6 +107,8 @@ def _ends(distribution: Distribution) -> tuple[float, float]:
     return low, np.inf if distribution.max is None else distribution.max
 
 
+# Designs are sampled one after the other, and scipy takes long to make a distribution.
+@lru_cache(maxsize=64)
 def _untruncated(distribution: Distribution, own: float) -> Any:
     """Return the distribution of scipy, without truncation."""
     if distribution.distribution == "uniform":

@@ -2,21 +2,25 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import exp, inf, isfinite, log, pi, sqrt
-from typing import Literal
+from math import exp, inf, log, pi, sqrt
+from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import brentq, minimize, minimize_scalar
-from scipy.special import expit, log_expit, log_ndtr, ndtr
-from scipy.stats import chi2
+from scipy.special import erfcx, expit, log_expit, log_ndtr, logit, ndtr, ndtri
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.variants import Floats
 from armour.errors import NoAnswerError
 
 Link = Literal["probit", "logit"]
+Interval = tuple[float | None, float | None]
+Method = Literal["maximum likelihood", "penalised likelihood"]
 # Logarithm of the distribution function, by link: the normal and the logistic distribution.
 LINKS: dict[Link, Callable[[Floats], Floats]] = {"probit": log_ndtr, "logit": log_expit}
+# Argument of the distribution function at probability 0.95.
+Z95: dict[Link, float] = {"probit": float(ndtri(0.95)), "logit": float(logit(0.95))}
+CDFS: dict[Link, Callable[[Any], Any]] = {"probit": ndtr, "logit": expit}
 # Smallest scale, and greatest distance of a bound, in standard deviations of the velocities.
 MIN_SCALE = 1e-7
 MAX_DISTANCE = 1e3
@@ -27,18 +31,38 @@ class FittedCurve:
     """Probability of complete penetration over velocity, with profile-likelihood intervals."""
 
     curve: Link
-    v50_m_s: float  # velocity of probability one half; the middle of the gap where the shots separate
-    v50_interval_m_s: tuple[float | None, float | None]  # None for an end that the shots do not bound
-    scale_m_s: float  # standard deviation of the normal, scale of the logistic; 0 where the shots separate
+    v50_m_s: float  # velocity of probability one half; of maximum likelihood the middle of the gap of separated shots
+    v50_interval_m_s: Interval  # None for an end that the shots do not bound
+    scale_m_s: float  # standard deviation of the normal, scale of the logistic; of maximum likelihood 0 if separated
     scale_interval_m_s: tuple[float, float | None]
-    log_likelihood: float
+    log_likelihood: float  # without the penalty
+    v05_m_s: float | None = None  # velocities of probability 0.05 and 0.95; None where the scale is 0
+    v95_m_s: float | None = None
+    method: Method = "maximum likelihood"
+    v05_interval_m_s: Interval | None = None  # of the penalised likelihood alone
+    v95_interval_m_s: Interval | None = None
 
     def probability(self, velocity_m_s: float) -> float:
         """Return the probability of complete penetration at a velocity, m/s."""
         if self.scale_m_s == 0.0:
             return 0.5 * (1.0 + (velocity_m_s > self.v50_m_s) - (velocity_m_s < self.v50_m_s))
-        z = (velocity_m_s - self.v50_m_s) / self.scale_m_s
-        return float(ndtr(z) if self.curve == "probit" else expit(z))
+        return float(CDFS[self.curve]((velocity_m_s - self.v50_m_s) / self.scale_m_s))
+
+
+def standardised(partial: Sequence[float], complete: Sequence[float]) -> tuple[float, float, Floats, Floats]:
+    """Return mean and standard deviation of the velocities of shots, m/s, the velocities standardised, and signs.
+
+    The sign of a partial penetration is -1, that of a complete one +1.
+    """
+    if np.mean(complete) <= np.mean(partial):
+        raise NoAnswerError(
+            f"no V50: the complete penetrations were no faster on average ({np.mean(complete):.1f} m/s) than the "
+            f"partial ones ({np.mean(partial):.1f} m/s)"
+        )
+    velocities = np.array([*partial, *complete])
+    mean, deviation = float(velocities.mean()), float(velocities.std())
+    signs = np.repeat([-1.0, 1.0], [len(partial), len(complete)])
+    return mean, deviation, (velocities - mean) / deviation, signs
 
 
 def fit_curve(
@@ -51,15 +75,7 @@ def fit_curve(
     velocity that a partial and a complete penetration share.  Each point of a profile is the maximum along a line,
     which exists, at an infinite slope if need be, whether the shots separate or not.
     """
-    if np.mean(complete) <= np.mean(partial):
-        raise NoAnswerError(
-            f"no V50: the complete penetrations were no faster on average ({np.mean(complete):.1f} m/s) than the "
-            f"partial ones ({np.mean(partial):.1f} m/s)"
-        )
-    velocities = np.array([*partial, *complete])
-    signs = np.repeat([-1.0, 1.0], [len(partial), len(complete)])
-    mean, deviation = float(velocities.mean()), float(velocities.std())
-    x = (velocities - mean) / deviation
+    mean, deviation, x, signs = standardised(partial, complete)
 
     def log_likelihood(slope: float, intercept: float) -> float:
         return float(LINKS[link](signs * (slope * x - intercept)).sum())
@@ -90,34 +106,42 @@ def fit_curve(
     else:
         location, scale, maximum = _maximum_likelihood(link, signs, x)
         lowest = highest = location
-    threshold = maximum - 0.5 * float(chi2.ppf(confidence, 1))
+    root = float(ndtri(0.5 + 0.5 * confidence))
+
+    def excess(profile: float) -> float:
+        """Return the root of the deviance, which is nearly linear in the quantity, less that at the ends."""
+        return sqrt(2.0 * max(maximum - profile, 0.0)) - root
 
     def location_excess(location: float) -> float:
-        return profile_of_location(location) - threshold
+        return excess(profile_of_location(location))
 
     def scale_excess(log_scale: float) -> float:
-        return profile_of_scale(exp(log_scale)) - threshold
+        return excess(profile_of_scale(exp(log_scale)))
 
     low, high = _profile_bound(location_excess, lowest, -1.0), _profile_bound(location_excess, highest, 1.0)
     narrowest = -inf if separated else _profile_bound(scale_excess, log(scale), -1.0)
     widest = _profile_bound(scale_excess, log(scale or MIN_SCALE), 1.0)
+    v50_m_s, scale_m_s = mean + deviation * location, deviation * scale
     return FittedCurve(
         curve=link,
-        v50_m_s=mean + deviation * location,
-        v50_interval_m_s=(_finite(mean + deviation * low), _finite(mean + deviation * high)),
-        scale_m_s=deviation * scale,
-        scale_interval_m_s=(deviation * exp(narrowest), _finite(deviation * exp(widest))),
+        v50_m_s=v50_m_s,
+        v50_interval_m_s=(bounded(mean + deviation * low), bounded(mean + deviation * high)),
+        scale_m_s=scale_m_s,
+        scale_interval_m_s=(deviation * exp(narrowest), bounded(deviation * exp(widest))),
         log_likelihood=maximum,
+        v05_m_s=bounded(v50_m_s - Z95[link] * scale_m_s) if scale else None,
+        v95_m_s=bounded(v50_m_s + Z95[link] * scale_m_s) if scale else None,
     )
 
 
-def _finite(value: float) -> float | None:
-    return value if isfinite(value) else None
+def bounded(value: float) -> float | None:
+    """Return a velocity or scale, m/s, or None if it is none: infinite, or a velocity below 0."""
+    return value if 0.0 < value < inf else None
 
 
 def _minimum(function: Callable[[float], float], low: float, high: float) -> float:
     """Return the minimum of a unimodal function between two ends."""
-    return float(minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-10}).fun)
+    return float(minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-8}).fun)
 
 
 def _maximum_likelihood(link: Link, signs: Floats, x: Floats) -> tuple[float, float, float]:
@@ -126,7 +150,7 @@ def _maximum_likelihood(link: Link, signs: Floats, x: Floats) -> tuple[float, fl
 
     def lost(p: Floats) -> tuple[float, Floats]:
         z = signs * (p[0] * x - p[1])
-        slopes = signs * (expit(-z) if link == "logit" else np.exp(-0.5 * z * z - log_cdf(z)) / sqrt(2.0 * pi))
+        slopes = signs * (expit(-z) if link == "logit" else sqrt(2.0 / pi) / erfcx(-z * sqrt(0.5)))
         return -float(log_cdf(z).sum()), np.array([-(slopes * x).sum(), slopes.sum()])
 
     found = minimize(lost, np.array([1.0, 0.0]), jac=True, method="BFGS", options={"gtol": 1e-9})
@@ -139,7 +163,7 @@ def _profile_bound(excess: Callable[[float], float], start: float, direction: fl
     step, near = 1e-3, start
     while step < MAX_DISTANCE:
         far = start + direction * step
-        if excess(far) < 0.0:
-            return float(brentq(excess, near, far, xtol=1e-9)) if excess(near) > 0.0 else near
+        if excess(far) > 0.0:
+            return float(brentq(excess, near, far, xtol=1e-9)) if excess(near) < 0.0 else near
         near, step = far, 2.0 * step
     return direction * inf

@@ -1,10 +1,10 @@
-"""V50 from firing results, by the rule of MIL-STD-662F and by maximum likelihood."""
+"""V50 from firing results: the mean of MIL-STD-662F, maximum likelihood and penalised likelihood."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -15,10 +15,13 @@ from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import Section, validated
 from armour.statistics.csv_table import read_rows
+from armour.statistics.penalised_curve import fit_penalised
 from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
 
-# Number of shots of each kind in the mean, and the greatest span of their velocities, m/s: 125, 90 and 60 ft/s.
+# Number of shots of each kind in the mean, and the span of their velocities that is usual with it, m/s: 125, 90 and
+# 60 ft/s.  MIL-STD-662F leaves the span to the specification.
 SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
+Rule = Literal["usual span", "given span", "no usual rule"]
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 1.0, 1e4
 
@@ -61,11 +64,15 @@ class MeanV50:
     pairs: int  # shots of each kind
     span_m_s: float  # difference between the fastest and the slowest of these shots
     span_allowed_m_s: float
+    rule: Rule  # "no usual rule": other numbers of shots than 2, 3 and 5
 
 
 @dataclass(frozen=True)
 class FiringResult(Result):
     """V50 estimated from firing results.
+
+    With few shots the intervals of maximum likelihood are too short, and separated shots have no curve; those of the
+    penalised likelihood hold the true values about as often as they say.
 
     Attributes
     ----------
@@ -78,6 +85,11 @@ class FiringResult(Result):
     mean : MeanV50 or None
         None where the shots do not meet the rule.
     fits : tuple of FittedCurve
+        Curves of maximum likelihood.
+    penalised_fits : tuple of FittedCurve
+        Curves of Firth's penalised likelihood; without those that do not rise, and empty where none does.
+    recommended : FittedCurve or None
+        The first of the penalised curves: the probit one, if it rises.
     confidence : float
         Confidence level of the intervals.
     model_ballistic_limit_m_s : float or None
@@ -91,6 +103,8 @@ class FiringResult(Result):
     separated: bool
     mean: MeanV50 | None
     fits: tuple[FittedCurve, ...]
+    penalised_fits: tuple[FittedCurve, ...]
+    recommended: FittedCurve | None
     confidence: float
     model_ballistic_limit_m_s: float | None
 
@@ -148,8 +162,8 @@ def v50(
         Number of shots of each kind in the mean, at least 1; by default the greatest of 5, 3 and 2 whose span is
         allowed.
     span_m_s : float, optional
-        Greatest span of their velocities, m/s, at most 10,000; by default that of MIL-STD-662F for this number of
-        shots.
+        Greatest span of their velocities, m/s, at most 10,000; by default the one usual with 5, 3 or 2 shots of each
+        kind: 38.1, 27.4 or 18.3 (125, 90 or 60 ft/s).  Other numbers of shots need it.
     confidence : float
         Confidence level of the intervals, 0.5 to 0.9999.
 
@@ -166,8 +180,13 @@ def v50(
         limit.
     """
     validated(_Settings, {"pairs": pairs, "span_m_s": span_m_s, "confidence": confidence}, "v50")
+    if span_m_s is None and pairs is not None and pairs not in SPANS_M_S:
+        message = f"must be given for {pairs} pairs; a span is usual with 2, 3 and 5 only"
+        raise InputError([Problem("v50", "span_m_s", message)])
     _check(shots)
     partial, complete = shots.of(complete=False), shots.of(complete=True)
+    fits = tuple(fit_curve(partial, complete, link, confidence) for link in LINKS)
+    penalised = tuple(fit for link in LINKS if (fit := fit_penalised(partial, complete, link, confidence)))
     return FiringResult(
         shots=len(shots.complete),
         complete=len(complete),
@@ -175,7 +194,9 @@ def v50(
         lowest_complete_m_s=complete[0],
         separated=partial[-1] < complete[0],
         mean=mean_v50(partial, complete, pairs, span_m_s),
-        fits=tuple(fit_curve(partial, complete, link, confidence) for link in LINKS),
+        fits=fits,
+        penalised_fits=penalised,
+        recommended=penalised[0] if penalised else None,
         confidence=confidence,
         model_ballistic_limit_m_s=None if scenario is None else ballistic_limit(scenario).ballistic_limit_m_s,
     )
@@ -198,11 +219,16 @@ def _check(shots: Shots) -> None:
 def mean_v50(
     partial: Sequence[float], complete: Sequence[float], pairs: int | None = None, span_m_s: float | None = None
 ) -> MeanV50 | None:
-    """Compute V50 by the rule of MIL-STD-662F from velocities in ascending order; None where they do not meet it."""
+    """Compute the mean of MIL-STD-662F from velocities in ascending order; None where they do not meet the span.
+
+    A number of pairs without a usual span needs one.
+    """
     for count in SPANS_M_S if pairs is None else (pairs,):
         used = [*partial[-count:], *complete[:count]]
         span = max(used) - min(used)
-        allowed = SPANS_M_S.get(count, SPANS_M_S[5]) if span_m_s is None else span_m_s
+        allowed = SPANS_M_S[count] if span_m_s is None else span_m_s
         if len(used) == 2 * count and span <= allowed + 1e-9:
-            return MeanV50(sum(used) / len(used), count, span, allowed)
+            usual = SPANS_M_S.get(count)
+            rule: Rule = "no usual rule" if usual is None else "usual span" if allowed == usual else "given span"
+            return MeanV50(sum(used) / len(used), count, span, allowed, rule)
     return None

@@ -8,7 +8,6 @@ from typing import Any, Literal
 
 import numpy as np
 
-from armour.analysis.comparison import BODIES, bodies_of, florence_ballistic_limit, missing_for_florence
 from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.errors import NoAnswerError
 from armour.files import shipped
@@ -17,6 +16,7 @@ from armour.scenario.parameters import INPUTS, NAMES, entry_of, inputs_of, name_
 from armour.units import words_and_unit
 from armour.validation.data import GroupSection, meets
 from armour.validation.questions import Asked, answer
+from armour.validation.rivals import Error, errors_of
 from armour.validation.suite import Case, Suite, TableSection
 
 Status = Literal["within", "outside", "no answer", "not scored"]
@@ -108,17 +108,6 @@ class Summary:
 
 
 @dataclass(frozen=True)
-class Error:
-    """Mean and largest magnitude of the relative errors of a method of prediction for a table."""
-
-    table: str
-    predictor: str
-    count: int
-    mean_percent: float
-    largest_percent: float
-
-
-@dataclass(frozen=True)
 class SuiteResult:
     """Result of a suite.
 
@@ -129,7 +118,7 @@ class SuiteResult:
     summaries : tuple of Summary
         One per table and one per group of it.
     errors : tuple of Error
-        For each table with rival predictions: errors of this model, of the rivals and of Florence's limit.
+        For each table with rival predictions: errors of the rivals, of this model and of simpler formulas.
     description : str
         What the suite says of itself.
     """
@@ -213,7 +202,7 @@ def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
         file=str(suite.file),
         checks=tuple(checks),
         summaries=tuple(summary for table, rows in tables if rows for summary in _summaries(table, rows)),
-        errors=tuple(error for _, rows in tables for error in _errors(rows)),
+        errors=tuple(error for _, rows in tables for error in errors_of((row.case, row.computed) for row in rows)),
         description=suite.description,
     )
 
@@ -325,32 +314,3 @@ def _summary(table: TableSection, bands: TableSection | GroupSection, rows: Sequ
         mean_expected=None if mean_band is None else bands.mean_percent,
         mean_band=mean_band,
     )
-
-
-def _errors(rows: Sequence[Check]) -> tuple[Error, ...]:
-    """Return the errors of this model, of a table's rivals and of Florence's limit; none for a table without rivals."""
-    percents_of: dict[str, list[float]] = {}
-    for row in rows:
-        expected = row.case.expected
-        if not row.case.rivals or isinstance(expected, str) or abs(expected) < TINY:
-            continue
-        own = {"this model": row.computed} if isinstance(row.computed, float) else {}
-        for name, predicted in {**row.case.rivals, **own, **_florence(row.case)}.items():
-            percents_of.setdefault(name, []).append(100.0 * abs(predicted / expected - 1.0))
-    return tuple(
-        Error(rows[0].case.group, name, len(percents), sum(percents) / len(percents), max(percents))
-        for name, percents in percents_of.items()
-    )
-
-
-def _florence(case: Case) -> Mapping[str, float]:
-    """Return Florence's limits of a case, for the penetrator and for the whole projectile."""
-    scenario = case.scenario
-    if case.quantity != "ballistic_limit_m_s" or missing_for_florence(scenario):
-        return {}
-    named = {}
-    for body in bodies_of(scenario):
-        projectile = scenario.entry("projectile", scenario.impact.projectile)
-        mass, diameter = (projectile[key] for key in BODIES[body])
-        named[f"Florence, {body} ({mass:g} g, {diameter:g} mm)"] = florence_ballistic_limit(scenario, body)
-    return named

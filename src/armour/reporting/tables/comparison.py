@@ -4,13 +4,14 @@ from typing import TYPE_CHECKING
 
 from armour.reporting.table import Column, Table, column_of, listing, record
 from armour.reporting.tables.impact import AREAL_DENSITY
+from armour.reporting.tables.validation import error_table
 
 if TYPE_CHECKING:
-    from armour.analysis.comparison import Comparison
+    from armour.validation.comparison import Comparison
 
 
 def comparison_table(result: "Comparison") -> Table:
-    """Return ballistic limits by the model and by Florence, with the thicknesses that are best by Florence."""
+    """Return ballistic limits by the model, by Florence, with the thicknesses that are best by his, and by the rule."""
     found = result.limit.ballistic_limit_m_s
     table = listing(
         result.florence,
@@ -26,7 +27,21 @@ def comparison_table(result: "Comparison") -> Table:
         column_of("best_ballistic_limit_m_s", ".2f", "Florence's limit of the optimum"),
         column_of("model_ballistic_limit_m_s", ".2f", "model's limit of the optimum"),
     )
-    return Table(table.columns, (("this model", found, *(None,) * 6), *table.rows))
+    empty = (None,) * 5
+    rules = [
+        (f"areal density rule, p = {rule.p:.4g}", limit, 100.0 * (limit / found - 1.0), *empty)
+        for rule in result.rules
+        for limit in [rule.ballistic_limit_m_s]
+    ]
+    return Table(table.columns, (("this model", found, None, *empty), *table.rows, *rules))
+
+
+def rule_note(result: "Comparison") -> str:
+    """Return what the rule of areal density is fitted to, or why it is not."""
+    if not result.rules:
+        return f"areal density rule: none, without tests of this round and these materials; there are {result.tests}"
+    factors = " and ".join(f"k = {rule.k:.2f} with p = {rule.p:.4g}" for rule in result.rules)
+    return f"areal density rule: k A^p, {factors} (m/s, kg/m²), fitted to the {result.tests}"
 
 
 def fit_table(result: "Comparison") -> Table:
@@ -46,6 +61,8 @@ def comparison_tables(result: "Comparison") -> list[Table | str]:
     return [
         record(result, AREAL_DENSITY),
         comparison_table(result),
+        rule_note(result),
+        *([error_table(result.errors)] if result.errors else []),
         fit_table(result),
         f"fitted to the model's residual velocities from {low:.1f} to {high:.1f} m/s",
     ]

@@ -8,6 +8,7 @@ from armour.units import words_and_unit
 
 if TYPE_CHECKING:
     from armour.statistics.calibration import CalibrationResult
+    from armour.statistics.response_curve import FittedCurve
     from armour.statistics.sensitivity import SensitivityResult
     from armour.statistics.uncertainty import UncertaintyResult
     from armour.statistics.v50 import FiringResult
@@ -124,12 +125,13 @@ def sensitivity_tables(result: "SensitivityResult") -> list[Table | str]:
 
 
 def v50_table(result: "FiringResult") -> Table:
-    """Return the extreme velocities of the shots, and V50 by the rule of MIL-STD-662F."""
+    """Return the extreme velocities of the shots, and the mean of MIL-STD-662F."""
     mean = result.mean
-    rule: list[Source] = [(Column("V50, MIL-STD-662F"), "none: too few shots of each kind within the span allowed")]
+    rule: list[Source] = [(Column("V50, mean"), "none: too few shots of each kind within the span allowed")]
     if mean is not None:
+        standard = mean.rule != "no usual rule"
         rule = [
-            (Column("V50, MIL-STD-662F", "m/s", ".1f"), mean.v50_m_s),
+            (Column("V50, MIL-STD-662F" if standard else "V50, mean", "m/s", ".1f"), mean.v50_m_s),
             (Column("shots averaged"), f"{mean.pairs} partial and {mean.pairs} complete"),
             (Column("span of these shots", "m/s", ".1f"), mean.span_m_s),
             (Column("span allowed", "m/s", ".1f"), mean.span_allowed_m_s),
@@ -145,23 +147,65 @@ def v50_table(result: "FiringResult") -> Table:
     )
 
 
+def recommended_table(fit: "FittedCurve", level: float) -> Table:
+    """Return the velocities and the scale of the recommended curve, with their intervals."""
+    rows = (
+        ("V50", fit.v50_m_s, fit.v50_interval_m_s),
+        ("V05", fit.v05_m_s, fit.v05_interval_m_s),
+        ("V95", fit.v95_m_s, fit.v95_interval_m_s),
+        ("scale", fit.scale_m_s, fit.scale_interval_m_s),
+    )
+    columns = Column("quantity"), Column("estimate", "m/s", ".1f"), Column(f"{percent(level)} interval", "m/s")
+    cells = tuple((name, value, interval(ends, ".1f")) for name, value, ends in rows)
+    return Table(columns, cells, f"recommended: {fit.curve}, {fit.method}")
+
+
 def curve_table(result: "FiringResult") -> Table:
-    """Return the curves fitted by maximum likelihood, with their intervals."""
+    """Return all fitted curves, with their intervals."""
     return listing(
-        result.fits,
+        (*result.penalised_fits, *result.fits),
         column_of("curve"),
+        (Column("likelihood"), lambda fit: fit.method.removesuffix(" likelihood")),
         column_of("v50_m_s", ".1f", "V50"),
         (_between(result, "m/s", " of V50"), lambda fit: interval(fit.v50_interval_m_s, ".1f")),
         column_of("scale_m_s", ".1f"),
         (_between(result, "m/s", " of the scale"), lambda fit: interval(fit.scale_interval_m_s, ".1f")),
+        column_of("v05_m_s", ".1f", "V05"),
+        column_of("v95_m_s", ".1f", "V95"),
     )
+
+
+# Notes on the mean by its rule.
+MEAN_NOTES = {
+    "usual span": "the span allowed is the one usual with this number of shots; MIL-STD-662F leaves it to the "
+    "specification",
+    "given span": "the span allowed is given; MIL-STD-662F leaves it to the specification",
+    "no usual rule": "the mean is that of the numbers given; this number of shots is none that is usual with "
+    "MIL-STD-662F",
+}
 
 
 def v50_tables(result: "FiringResult") -> list[Table | str]:
     """Return all tables of firing results, with notes on them."""
-    found: list[Table | str] = [v50_table(result), curve_table(result)]
+    found: list[Table | str] = [v50_table(result)]
+    if result.mean is not None:
+        found.append(MEAN_NOTES[result.mean.rule])
+    if result.recommended is None:
+        found.append("no curve is recommended: the penalised likelihood is greatest for a curve that does not rise")
+    else:
+        found.append(recommended_table(result.recommended, result.confidence))
+        found.append(
+            "with few shots its intervals hold the true values about as often as they say; those of maximum likelihood "
+            "are too short"
+        )
+        if result.recommended.v05_m_s is None:
+            found.append("V05 has no estimate: the curve has 5 % at a velocity below 0")
+    found.append(curve_table(result))
     if result.separated:
-        found.append("every complete penetration was faster than every partial one: any V50 between them is as likely")
+        found.append(
+            "every complete penetration was faster than every partial one: by maximum likelihood any V50 between them "
+            "is as likely, and the scale is 0"
+        )
     if result.model_ballistic_limit_m_s is not None:
         found.append("the model's limit is deterministic: one velocity for one set of inputs, without scatter")
     return found

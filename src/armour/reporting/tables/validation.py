@@ -11,6 +11,7 @@ from armour.units import words_and_unit
 
 if TYPE_CHECKING:
     from armour.validation.figures import Figure
+    from armour.validation.rivals import Error
     from armour.validation.suite import Case
     from armour.validation.update import Update
     from armour.validation.validate import Check, SuiteResult, Summary
@@ -117,15 +118,17 @@ def _of_file(result: "SuiteResult", table: str) -> bool:
     return any(check.case.cells for check in result.checks if check.case.group == table)
 
 
-def error_table(result: "SuiteResult") -> Table:
+def error_table(errors: "Sequence[Error]") -> Table:
     """Return the errors of every prediction that a table compares."""
     return listing(
-        result.errors,
+        errors,
         column_of("table", prose=True),
         column_of("predictor", label="predicted by", prose=True),
         column_of("count", "d", "rows"),
         column_of("mean_percent", ".1f", "mean error"),
+        column_of("left_out_percent", ".1f", "left out"),
         column_of("largest_percent", ".1f", "largest error"),
+        column_of("fitted", prose=True),
         title="errors",
     )
 
@@ -162,7 +165,7 @@ def suite_tables(result: "SuiteResult") -> list[Table]:
     if (whole := summary_table(result)).rows:
         found.append(whole)
     if result.errors:
-        found.append(error_table(result))
+        found.append(error_table(result.errors))
     return found
 
 

@@ -1,19 +1,11 @@
-"""Comparison of the model with closed forms for a scenario's armour."""
+"""Florence's ballistic limit of a scenario's armour."""
 
-from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Literal
 
-from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, curve_velocities, residual_velocity_curve
-from armour.analysis.closed_forms import (
-    Plates,
-    ResidualVelocityFit,
-    fit_lambert_jonas,
-    fit_recht_ipson,
-    florence_limit,
-    florence_split,
-)
-from armour.analysis.impact import ImpactResult
-from armour.errors import NoAnswerError, NoLimitError, Problem, refuse
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.closed_forms import Plates, florence_limit, florence_split
+from armour.errors import NoLimitError, Problem
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import key_name
 from armour.units import MM, MPA, G
@@ -42,92 +34,6 @@ class FlorenceResult:
     best_thickness_ratio: float
     best_ballistic_limit_m_s: float  # Florence's limit of the best armour
     model_ballistic_limit_m_s: float | None  # the model's limit of it; None if the scenario's range contains none
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Ballistic limit and residual velocities by the model and by closed forms.
-
-    Attributes
-    ----------
-    areal_density_kg_m2 : float
-        Areal density of the armour, kg/m².
-    limit : LimitResult
-        Ballistic limit by the model.
-    florence : tuple of FlorenceResult
-        One per body with a known mass and diameter.
-    fits : tuple of ResidualVelocityFit
-        Fits of Lambert and Jonas and of Recht and Ipson to the model's residual velocities.
-    fitted_m_s : tuple of float
-        Lowest and highest impact velocity of the fits, m/s.
-    curve : tuple of ImpactResult
-        Impacts by the model around and above the limit.
-    """
-
-    areal_density_kg_m2: float
-    limit: LimitResult
-    florence: tuple[FlorenceResult, ...]
-    fits: tuple[ResidualVelocityFit, ...]
-    fitted_m_s: tuple[float, float]
-    curve: tuple[ImpactResult, ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the comparison, without the curve, as plain data."""
-        return {
-            "areal_density_kg_m2": self.areal_density_kg_m2,
-            "ballistic_limit_m_s": self.limit.ballistic_limit_m_s,
-            "florence": [asdict(result) for result in self.florence],
-            "fits": [asdict(fit) for fit in self.fits],
-            "fitted_m_s": self.fitted_m_s,
-            "warnings": self.limit.warnings,
-        }
-
-
-def compare(scenario: Scenario) -> Comparison:
-    """Compare the model with closed forms for a scenario's armour.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Its impact velocity is not used.
-
-    Returns
-    -------
-    Comparison
-
-    Raises
-    ------
-    InputError
-        If the armour has no ceramic, or its metal no tensile strength or strain to fracture.
-    NoLimitError
-        If the scenario's range contains no ballistic limit.
-    NoAnswerError
-        If the range contains no velocities above the limit.
-    """
-    problems = missing_for_florence(scenario)
-    refuse(problems)
-    limit = ballistic_limit(scenario)
-    highest = scenario.ballistic_limit.velocity_max_m_s
-    if highest <= limit.ballistic_limit_m_s * (1.0 + 1e-9):
-        raise NoAnswerError(
-            f"no fit: the range of velocities ends at the ballistic limit, {highest:g} m/s; "
-            "raise ballistic_limit.velocity_max_m_s"
-        )
-    curve = residual_velocity_curve(scenario, curve_velocities(limit, scenario))
-    above = [impact for impact in curve if impact.impact_velocity_m_s > limit.ballistic_limit_m_s]
-    velocities = [impact.impact_velocity_m_s for impact in above]
-    residuals = [impact.residual_velocity_m_s for impact in above]
-    return Comparison(
-        areal_density_kg_m2=scenario.areal_density_kg_m2(),
-        limit=limit,
-        florence=tuple(florence_result(scenario, body) for body in bodies_of(scenario)),
-        fits=(
-            fit_lambert_jonas(velocities, residuals, limit.ballistic_limit_m_s),
-            fit_recht_ipson(velocities, residuals, limit.ballistic_limit_m_s),
-        ),
-        fitted_m_s=(velocities[0], velocities[-1]),
-        curve=curve,
-    )
 
 
 def missing_for_florence(scenario: Scenario) -> list[Problem]:

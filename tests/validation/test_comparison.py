@@ -1,12 +1,15 @@
 import json
 from functools import cache
+from typing import Any
 
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.closed_forms import residual_velocity
-from armour.analysis.comparison import Comparison, compare, florence_ballistic_limit
+from armour.analysis.florence import florence_ballistic_limit
 from armour.errors import InputError, NoAnswerError
+from armour.reporting.tables.comparison import rule_note
+from armour.validation.comparison import Comparison, compare
 from tests.helpers.cases import scenario
 
 
@@ -56,11 +59,37 @@ def test_plain_data():
     data = json.loads(json.dumps(wilkins().to_dict()))
     assert data["ballistic_limit_m_s"] == pytest.approx(723.7716, abs=1e-3)
     assert data["florence"][0]["projectile"] == "penetrator"
+    assert [rule["p_fitted"] for rule in data["areal_density_rules"]] == [False, True]
+    assert data["errors"][-1]["left_out_percent"] == pytest.approx(4.6157, abs=1e-3)
 
 
 def test_a_projectile_with_a_known_penetrator_only():
     thick = scenario(projectile="25 mm APDS", ceramic_mm=20.0, backing_mm=30.0)
     assert [florence.projectile for florence in compare(thick).florence] == ["penetrator"]
+
+
+def test_the_rule_of_areal_density():
+    result = wilkins()
+    one, fitted = result.rules
+    assert (one.p, one.p_fitted, fitted.p_fitted) == (1.0, False, True)
+    assert one.ballistic_limit_m_s == pytest.approx(17.5953 * 39.243, abs=0.01)
+    assert fitted.ballistic_limit_m_s == pytest.approx(fitted.k * 39.243**fitted.p)
+    assert {error.predictor for error in result.errors} >= {"the paper's program", "this model"}
+    assert result.tests.startswith("13 tests of 7.62 mm AP on AD85 and 6061-T6, 35.8 to 52.5 kg/m²")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"ceramic": "AD99.5"},
+        {"backing": "5083-H3"},
+        {"library": {"metal": {"6061-T6": {"based_on": "6061-T6", "density_kg_m3": 2700.0}}}},
+    ],
+)
+def test_no_rule_for_other_materials(change: dict[str, Any]):
+    result = compare(scenario(**change))
+    assert (result.rules, result.errors) == ((), ())
+    assert "none, without tests of this round and these materials; there are 13 tests" in rule_note(result)
 
 
 def test_all_missing_quantities_are_named():

@@ -1,0 +1,168 @@
+"""Comparison of the model with closed forms for a scenario's armour."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from typing import Any
+
+from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, curve_velocities, residual_velocity_curve
+from armour.analysis.closed_forms import (
+    ResidualVelocityFit,
+    fit_areal_density_rule,
+    fit_lambert_jonas,
+    fit_recht_ipson,
+)
+from armour.analysis.florence import FlorenceResult, bodies_of, florence_result, missing_for_florence
+from armour.analysis.impact import ImpactResult
+from armour.errors import NoAnswerError, refuse
+from armour.scenario.library import LibraryEntry
+from armour.scenario.loading import Scenario
+from armour.scenario.parameters import ROLES, entry_of, name_of
+from armour.validation.rivals import Error, areal_densities, measured_limits
+from armour.validation.suite import Case, Suite, load_suite
+from armour.validation.validate import paper_suite, validate
+
+# Table of the paper's suite that the rule of areal density is fitted to.
+TESTS = "table 3, Wilkins' measurements"
+
+
+@dataclass(frozen=True)
+class RuleResult:
+    """Ballistic limit of an armour by the rule ``k (areal density)^p``, m/s, fitted to tests of the same materials."""
+
+    k: float  # m/s, for areal densities in kg/m²
+    p: float
+    p_fitted: bool  # or 1
+    ballistic_limit_m_s: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Ballistic limit and residual velocities by the model and by closed forms.
+
+    Attributes
+    ----------
+    areal_density_kg_m2 : float
+        Areal density of the armour, kg/m².
+    limit : LimitResult
+        Ballistic limit by the model.
+    florence : tuple of FlorenceResult
+        One per body with a known mass and diameter.
+    fits : tuple of ResidualVelocityFit
+        Fits of Lambert and Jonas and of Recht and Ipson to the model's residual velocities.
+    fitted_m_s : tuple of float
+        Lowest and highest impact velocity of the fits, m/s.
+    curve : tuple of ImpactResult
+        Impacts by the model around and above the limit.
+    tests : str
+        Tests that the rule of areal density is fitted to: number, round, materials and areal densities.
+    rules : tuple of RuleResult
+        The rule with p = 1 and with p fitted; empty where the tests are of another round or of other materials.
+    errors : tuple of Error
+        Errors of every prediction on these tests, by the model with the values of the library; empty with the rules.
+    """
+
+    areal_density_kg_m2: float
+    limit: LimitResult
+    florence: tuple[FlorenceResult, ...]
+    fits: tuple[ResidualVelocityFit, ...]
+    fitted_m_s: tuple[float, float]
+    curve: tuple[ImpactResult, ...]
+    tests: str
+    rules: tuple[RuleResult, ...]
+    errors: tuple[Error, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the comparison, without the curve, as plain data."""
+        return {
+            "areal_density_kg_m2": self.areal_density_kg_m2,
+            "ballistic_limit_m_s": self.limit.ballistic_limit_m_s,
+            "florence": [asdict(result) for result in self.florence],
+            "fits": [asdict(fit) for fit in self.fits],
+            "fitted_m_s": self.fitted_m_s,
+            "tests": self.tests,
+            "areal_density_rules": [asdict(rule) for rule in self.rules],
+            "errors": [asdict(error) for error in self.errors],
+            "warnings": self.limit.warnings,
+        }
+
+
+def compare(scenario: Scenario) -> Comparison:
+    """Compare the model with closed forms for a scenario's armour.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its impact velocity is not used.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    InputError
+        If the armour has no ceramic, or its metal no tensile strength or strain to fracture.
+    NoLimitError
+        If the scenario's range contains no ballistic limit.
+    NoAnswerError
+        If the range contains no velocities above the limit.
+    """
+    problems = missing_for_florence(scenario)
+    refuse(problems)
+    limit = ballistic_limit(scenario)
+    highest = scenario.ballistic_limit.velocity_max_m_s
+    if highest <= limit.ballistic_limit_m_s * (1.0 + 1e-9):
+        raise NoAnswerError(
+            f"no fit: the range of velocities ends at the ballistic limit, {highest:g} m/s; "
+            "raise ballistic_limit.velocity_max_m_s"
+        )
+    curve = residual_velocity_curve(scenario, curve_velocities(limit, scenario))
+    above = [impact for impact in curve if impact.impact_velocity_m_s > limit.ballistic_limit_m_s]
+    velocities = [impact.impact_velocity_m_s for impact in above]
+    residuals = [impact.residual_velocity_m_s for impact in above]
+    cases = _tests().cases
+    own = _materials(scenario) == _materials(cases[0].scenario)
+    return Comparison(
+        areal_density_kg_m2=scenario.areal_density_kg_m2(),
+        limit=limit,
+        florence=tuple(florence_result(scenario, body) for body in bodies_of(scenario)),
+        fits=(
+            fit_lambert_jonas(velocities, residuals, limit.ballistic_limit_m_s),
+            fit_recht_ipson(velocities, residuals, limit.ballistic_limit_m_s),
+        ),
+        fitted_m_s=(velocities[0], velocities[-1]),
+        curve=curve,
+        tests=_words(cases),
+        rules=tuple(_rule(cases, p, scenario.areal_density_kg_m2()) for p in (1.0, None)) if own else (),
+        errors=_errors() if own else (),
+    )
+
+
+@cache
+def _tests() -> Suite:
+    """Return the measured ballistic limits that the rule of areal density is fitted to."""
+    return load_suite(paper_suite()).only(TESTS)
+
+
+@cache
+def _errors() -> tuple[Error, ...]:
+    return validate(_tests()).errors
+
+
+def _materials(scenario: Scenario) -> list[LibraryEntry | None]:
+    return [entry_of(scenario, role) for role in ROLES]
+
+
+def _words(cases: Sequence[Case]) -> str:
+    """Return number, round, materials and areal densities of tests."""
+    projectile, ceramic, backing = (name_of(cases[0].scenario, role) for role in ROLES)
+    densities = areal_densities(cases)
+    between = f"{densities.min():.1f} to {densities.max():.1f} kg/m²"
+    return f"{len(cases)} tests of {projectile} on {ceramic} and {backing}, {between} ({TESTS})"
+
+
+def _rule(cases: Sequence[Case], p: float | None, areal_density_kg_m2: float) -> RuleResult:
+    """Return the limit of an areal density by the rule that is fitted to tests."""
+    rule = fit_areal_density_rule(areal_densities(cases), measured_limits(cases), p)
+    return RuleResult(rule.k, rule.p, p is None, rule.limit(areal_density_kg_m2))

@@ -1,0 +1,154 @@
+"""Errors of the model, of rival predictions and of a simple rule for the same tests, in sample and left out."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from armour.analysis.closed_forms import fit_areal_density_rule
+from armour.analysis.florence import BODIES, bodies_of, florence_ballistic_limit, missing_for_florence
+from armour.analysis.variants import Floats
+from armour.scenario.messages import TINY
+from armour.scenario.parameters import name_of
+from armour.statistics.test_data import LIMIT, MaterialGroup, Measurement, Tests
+from armour.validation.suite import Case
+
+# Least number of tests, and of different areal densities, to which something is fitted.
+MIN_FITTED = 3
+
+
+@dataclass(frozen=True)
+class Error:
+    """Mean and largest magnitude of the relative errors of a method of prediction for a table.
+
+    Where something is fitted to the table, by least squares of the relative errors, ``left_out_percent`` is the mean
+    with each test left out of the fit that predicts it.  ``fitted`` says what is fitted, and to what.
+    """
+
+    table: str
+    predictor: str
+    count: int
+    mean_percent: float
+    largest_percent: float
+    left_out_percent: float | None = None
+    fitted: str = ""
+
+
+def errors_of(computed: Iterable[tuple[Case, float | str | None]]) -> tuple[Error, ...]:
+    """Return the errors of all predictions, given the cases of a table with this model's values; none without rivals.
+
+    The predictions are those of the rivals, of this model and of simpler formulas.
+    """
+    cases: list[Case] = []
+    percents_of: dict[str, list[float]] = {}
+    for case, value in computed:
+        expected = case.expected
+        if not case.rivals or isinstance(expected, str) or abs(expected) < TINY:
+            continue
+        cases.append(case)
+        own = {"this model": value} if isinstance(value, float) else {}
+        for name, predicted in {**case.rivals, **own, **_florence(case)}.items():
+            percents_of.setdefault(name, []).append(100.0 * abs(predicted / expected - 1.0))
+    found = [
+        Error(
+            cases[0].group,
+            name,
+            len(percents),
+            sum(percents) / len(percents),
+            max(percents),
+            fitted=_fitted_before(cases[0]) if name == "this model" else "",
+        )
+        for name, percents in percents_of.items()
+    ]
+    if len(cases) >= MIN_FITTED and cases[0].quantity == LIMIT:
+        found += [*_refitted(cases), *_rules(cases)]
+    return tuple(found)
+
+
+def _florence(case: Case) -> Mapping[str, float]:
+    """Return Florence's limits of a case, for the penetrator and for the whole projectile."""
+    scenario = case.scenario
+    if case.quantity != LIMIT or missing_for_florence(scenario):
+        return {}
+    named = {}
+    for body in bodies_of(scenario):
+        projectile = scenario.entry("projectile", scenario.impact.projectile)
+        mass, diameter = (projectile[key] for key in BODIES[body])
+        named[f"Florence, {body} ({mass:g} g, {diameter:g} mm)"] = florence_ballistic_limit(scenario, body)
+    return named
+
+
+def _fitted_before(case: Case) -> str:
+    """Return what the flow stress of a case's ceramic was fitted to, by its source; empty if it was not fitted."""
+    name = name_of(case.scenario, "ceramic")
+    value = case.scenario.entry("ceramic", name).values["flow_stress_GPa"] if name else None
+    return f"flow stress of {name}: {value.source}" if value is not None and value.status == "fitted" else ""
+
+
+def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
+    """Yield the errors of this model with a flow stress of the ceramic that is fitted to measured limits."""
+    # Imported here for scipy, which a suite without rivals does not need.
+    from armour.statistics.calibration import calibrate
+
+    # The rows of a table differ in numbers only.
+    name = name_of(cases[0].scenario, "ceramic")
+    if name is None:
+        return
+    tests = Tests(
+        file=cases[0].group,
+        names=tuple(case.name for case in cases),
+        groups=tuple(MaterialGroup(case.scenario, np.array([place]), {}) for place, case in enumerate(cases)),
+        measurements=tuple(
+            Measurement(place, LIMIT, value, None, 0) for place, value in enumerate(measured_limits(cases))
+        ),
+        weighted=False,
+        cells=({},) * len(cases),
+    )
+    result = calibrate(tests, cases[0].scenario)
+    [stress] = result.coefficients
+    if stress.estimate is None:
+        return
+    computed = np.array([[residual.computed, residual.left_out] for residual in result.residuals], dtype=np.float64).T
+    fitted = f"flow stress of {name} to these tests: {stress.estimate:.2f} GPa"
+    yield _error(cases, "this model, flow stress refitted", *computed, fitted=fitted)
+
+
+def _rules(cases: Sequence[Case]) -> Iterator[Error]:
+    """Yield the errors of the rule of areal density that is fitted to measured limits, with p = 1 and with p fitted."""
+    densities, limits = areal_densities(cases), measured_limits(cases)
+    for p in (1.0, None):
+        if p is None and len(np.unique(densities.round(6))) < MIN_FITTED:
+            continue
+        rule = fit_areal_density_rule(densities, limits, p)
+        left_out = [
+            fit_areal_density_rule(np.delete(densities, place), np.delete(limits, place), p).limit(density)
+            for place, density in enumerate(densities)
+        ]
+        name = "p = 1" if p else "p fitted"
+        fitted = f"k = {rule.k:.2f} to these tests" if p else f"k = {rule.k:.2f} and p = {rule.p:.3f} to these tests"
+        predicted = np.array([rule.limit(density) for density in densities])
+        yield _error(cases, f"areal density rule, {name}", predicted, np.array(left_out), fitted=fitted)
+
+
+def areal_densities(cases: Sequence[Case]) -> Floats:
+    """Return areal densities of cases, kg/m²."""
+    return np.array([case.scenario.areal_density_kg_m2() for case in cases])
+
+
+def measured_limits(cases: Sequence[Case]) -> Floats:
+    """Return measured ballistic limits of cases, m/s."""
+    return np.array([float(case.expected) for case in cases])
+
+
+def _error(cases: Sequence[Case], predictor: str, predicted: Floats, left_out: Floats, *, fitted: str) -> Error:
+    """Return the errors of a prediction that is fitted to measured limits, given all predicted values."""
+    percents, apart = (100.0 * np.abs(values / measured_limits(cases) - 1.0) for values in (predicted, left_out))
+    return Error(
+        table=cases[0].group,
+        predictor=predictor,
+        count=len(cases),
+        mean_percent=float(percents.mean()),
+        largest_percent=float(percents.max()),
+        left_out_percent=float(apart.mean()),
+        fitted=fitted,
+    )
