@@ -192,7 +192,7 @@ def figure() -> Figure:
 
 
 def test_a_figure_of_the_paper():
-    chart = charts.figure_chart(figure())
+    chart = charts.figure_chart([figure()])
     [panel] = chart.panels
     assert labels(panel) == ["A", "B", "L", "printed", "another"]
     assert (panel.x.heading, panel.y.heading) == ("each, mm", "residual velocity, m/s")
@@ -202,6 +202,11 @@ def test_a_figure_of_the_paper():
     assert marks[0].colour == curves[1].colour
     assert marks[1].colour not in [curve.colour for curve in curves]
     assert chart.width < 4.0
+
+
+def test_panels_of_a_figure_share_a_legend():
+    first, second = charts.figure_chart([figure(), figure()]).panels
+    assert (labels(first), labels(second)) == (["A", "B", "L", "printed", "another"], [])
 
 
 def test_parity_of_the_tables_of_a_suite(folder):
@@ -386,6 +391,6 @@ def test_a_key_of_a_library_entry_names_it():
 
 
 def test_series_differ_in_more_than_colour():
-    series: tuple[Series, ...] = charts.figure_chart(figure()).panels[0].series
+    series: tuple[Series, ...] = charts.figure_chart([figure()]).panels[0].series
     looks = [item.style for item in series if isinstance(item, Line)]
     assert len(set(looks)) == len(looks)

@@ -15,11 +15,12 @@ def covered() -> dict[DataRange, list[float]]:
     found: dict[DataRange, list[float]] = {VELOCITY: [], CERAMIC: [], BACKING: [], SLENDERNESS: []}
     for case in load_suite(paper_suite()).cases:
         armour = case.scenario.armour
-        if case.not_scored or (armour.ceramic or "").endswith("initial"):
+        # Rows of a table are scored together where they are not each.
+        if (case.not_scored and not case.group) or (armour.ceramic or "").endswith("initial"):
             continue
         projectile = case.scenario.entry("projectile", case.scenario.impact.projectile)
         diameter = projectile["penetrator_diameter_mm"]
-        is_limit = case.quantity == "ballistic_limit_m_s"
+        is_limit = case.quantity == "ballistic_limit_m_s" and case.measured is None
         found[VELOCITY].append(float(case.expected) if is_limit else case.scenario.impact.velocity_m_s)
         found[CERAMIC].append(armour.ceramic_thickness_mm / diameter)
         found[BACKING].append(armour.backing_thickness_mm / diameter)
