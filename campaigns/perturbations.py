@@ -10,7 +10,7 @@ where its diameter or density changes, which changes its length: this too must b
 """
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -95,17 +95,23 @@ def outside(suite: Suite, perturbation: Perturbation) -> set[str]:
     return failed | {summary.full_name for summary in result.summaries if summary.status in FAILED}
 
 
-def main() -> int:
-    """Run all perturbations; the exit code is 3 if a scored case stays within its band under all."""
-    suite = load_suite(paper_suite())
+def survivors(suite: Suite, some: Iterable[Perturbation]) -> list[str]:
+    """Return the scored cases and tables that none of some perturbations makes fail; print what makes the others."""
     left = dict.fromkeys(scored(suite))
-    for perturbation in perturbations(suite):
-        # Only cases that nothing has made fail yet; a table needs all its rows.
+    for perturbation in some:
+        # Only what nothing has made fail yet; a table needs all its rows.
         rest = replace(suite, cases=tuple(c for c in suite.cases if c.full_name in left or c.group in left))
         for name in outside(rest, perturbation):
             if name in left:
                 del left[name]
                 print(f"{name}: {perturbation}", flush=True)
+    return list(left)
+
+
+def main() -> int:
+    """Run all perturbations; the exit code is 3 if something scored stays within its band under all."""
+    suite = load_suite(paper_suite())
+    left = survivors(suite, perturbations(suite))
     for name in left:
         print(f"{name}: no perturbation of up to {100.0 * STEPS[-1]:.0f} % makes it fail")
     return 3 if left else 0
