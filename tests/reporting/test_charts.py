@@ -184,7 +184,8 @@ def test_a_pareto_front_of_its_own_names_its_pairs():
 
 def figure() -> Figure:
     curves = (FigureCurve("A", (1.0, None, 9.0)), FigureCurve("B", (2.0, 3.0, 4.0)))
-    marks = [FigureMark(label="printed", of="B", points=[[5.0, 3.0]]), FigureMark(label="another", points=[[6.0, 2.0]])]
+    printed = FigureMark(label="printed", of="B", points=[[5.0, 3.0]], x_ends=[[4.5, 5.5]])
+    marks = [printed, FigureMark(label="another", points=[[6.0, 2.0]])]
     levels = [FigureLevel(label="L", value=5.0)]
     words: dict[str, Any] = {"title": "T", "x_label": "each, mm", "y_label": "residual velocity, m/s"}
     section = FigureSection.model_construct(mark=marks, level=levels, **words)
@@ -200,6 +201,7 @@ def test_a_figure_of_the_paper():
     assert panel.y.from_zero
     curves, marks = some(panel, Line), some(panel, Points)
     assert marks[0].colour == curves[1].colour
+    assert (marks[0].x_ends, marks[1].x_ends) == (((4.5, 5.5),), ())
     assert marks[1].colour not in [curve.colour for curve in curves]
     assert chart.width < 4.0
 

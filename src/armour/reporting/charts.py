@@ -268,7 +268,8 @@ def _figure_panel(figure: "Figure") -> Panel:
     colours = {curve.label: colour for curve, colour in zip(figure.curves, COLOURS, strict=False)}
     for mark, marker, size in zip(section.mark, ("*", "D", "s"), (9.0, 5.0, 5.0), strict=False):
         xs, ys = zip(*mark.points, strict=True)
-        series.append(Points(xs, ys, marker, size, label=mark.label, colour=colours.get(mark.of, SOFT)))
+        ends, colour = tuple((low, high) for low, high in mark.x_ends), colours.get(mark.of, SOFT)
+        series.append(Points(xs, ys, marker, size, x_ends=ends, label=mark.label, colour=colour))
     shown = [value for curve in figure.curves for value in curve.values if value is not None]
     from_zero = bool(shown) and min(shown) < 0.3 * max(shown)
     x, y = Axis(section.x_label, limits=(figure.x[0], figure.x[-1])), Axis(section.y_label, from_zero=from_zero)

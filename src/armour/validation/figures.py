@@ -28,11 +28,12 @@ class CurveSection(Section):
 
 
 class FigureMark(Section):
-    """Points stated in the paper's text, drawn in the colour of the curve that ``of`` names."""
+    """Points of the paper's text in the colour of the curve that ``of`` names; ``x_ends`` are ranges of their x."""
 
     label: str
     of: str = ""
     points: Annotated[list[list[float]], Field(min_length=1)]
+    x_ends: list[Annotated[list[float], Field(min_length=2, max_length=2)]] = []
 
 
 class FigureLevel(Section):
