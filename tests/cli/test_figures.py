@@ -14,11 +14,14 @@ def test_a_figure_and_its_curve(cli, folder: Path, image: str, start: bytes):
         rows = list(csv.DictReader(file))
     assert set(rows[0]) == {
         "ceramic thickness, mm",
-        "velocity lost, %",
-        "mass lost, %",
+        "this program: residual over initial mass",
+        "total thickness, mm",
+        "this program: residual over impact velocity",
     }
     [at_4] = [row for row in rows if row["ceramic thickness, mm"] == "4.0"]
-    assert float(at_4["velocity lost, %"]) == pytest.approx(34.71, abs=0.01)
+    assert float(at_4["total thickness, mm"]) == 12.0
+    assert float(at_4["this program: residual over impact velocity"]) == pytest.approx(1.0 - 0.3471, abs=1e-4)
+    assert float(at_4["this program: residual over initial mass"]) == pytest.approx(1.0 - 0.1721, abs=1e-4)
 
 
 def test_a_figure_that_is_not_there(cli, folder: Path):

@@ -184,7 +184,8 @@ def test_a_pareto_front_of_its_own_names_its_pairs():
 
 def figure() -> Figure:
     curves = (FigureCurve("A", (1.0, None, 9.0)), FigureCurve("B", (2.0, 3.0, 4.0)))
-    marks = [FigureMark(label="printed", of="B", points=[[5.0, 3.0]]), FigureMark(label="another", points=[[6.0, 2.0]])]
+    printed = FigureMark(label="printed", of="B", points=[[5.0, 3.0]], x_ends=[[4.5, 5.5]])
+    marks = [printed, FigureMark(label="another", points=[[6.0, 2.0]])]
     levels = [FigureLevel(label="L", value=5.0)]
     words: dict[str, Any] = {"title": "T", "x_label": "each, mm", "y_label": "residual velocity, m/s"}
     section = FigureSection.model_construct(mark=marks, level=levels, **words)
@@ -192,7 +193,7 @@ def figure() -> Figure:
 
 
 def test_a_figure_of_the_paper():
-    chart = charts.figure_chart(figure())
+    chart = charts.figure_chart([figure()])
     [panel] = chart.panels
     assert labels(panel) == ["A", "B", "L", "printed", "another"]
     assert (panel.x.heading, panel.y.heading) == ("each, mm", "residual velocity, m/s")
@@ -200,8 +201,14 @@ def test_a_figure_of_the_paper():
     assert panel.y.from_zero
     curves, marks = some(panel, Line), some(panel, Points)
     assert marks[0].colour == curves[1].colour
+    assert (marks[0].x_ends, marks[1].x_ends) == (((4.5, 5.5),), ())
     assert marks[1].colour not in [curve.colour for curve in curves]
     assert chart.width < 4.0
+
+
+def test_panels_of_a_figure_share_a_legend():
+    first, second = charts.figure_chart([figure(), figure()]).panels
+    assert (labels(first), labels(second)) == (["A", "B", "L", "printed", "another"], [])
 
 
 def test_parity_of_the_tables_of_a_suite(folder):
@@ -391,6 +398,6 @@ def test_a_key_of_a_library_entry_names_it():
 
 
 def test_series_differ_in_more_than_colour():
-    series: tuple[Series, ...] = charts.figure_chart(figure()).panels[0].series
+    series: tuple[Series, ...] = charts.figure_chart([figure()]).panels[0].series
     looks = [item.style for item in series if isinstance(item, Line)]
     assert len(set(looks)) == len(looks)

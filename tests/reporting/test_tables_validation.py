@@ -52,7 +52,10 @@ def test_curves_as_a_file():
     axes: dict[str, Any] = {"x_label": "x, mm", "y_label": "V, m/s"}
     section = FigureSection.model_construct(**axes)
     figure = Figure(section, (1.0, 2.0), (FigureCurve("a", (0.1, None)),))
-    assert csv_text(figure_table(figure)) == '"x, mm","a: V, m/s"\n1.0,0.1\n2.0,\n'
+    assert csv_text(figure_table([figure])) == '"x, mm","a: V, m/s"\n1.0,0.1\n2.0,\n'
+    axes = {"x_label": "y, mm", "y_label": "m"}
+    other = Figure(FigureSection.model_construct(**axes), (3.0, 4.0), figure.curves)
+    assert csv_text(figure_table([figure, other])).startswith('"x, mm","a: V, m/s","y, mm",a: m\n1.0,0.1,3.0,0.1\n')
 
 
 def test_parity_as_a_file(outcome: SuiteResult):

@@ -58,6 +58,15 @@ def test_a_table_is_a_case_a_row(folder: Path):
     assert (group.name, group.rms_band, group.rms_band_percent) == ("t", 20.0, None)
 
 
+def test_a_difference_needs_a_measured_number(folder: Path):
+    text = CASE.replace("724.0", '"perforated"').replace("ballistic_limit_m_s", "outcome").replace("band = 1.0", "")
+    assert mistakes(folder, f"{text}measured = 1.0\n") == [
+        "case[0]: an outcome has no difference from a measured value, found measured"
+    ]
+    table = TABLE.replace('"they"', '"measured"', 1).replace('rivals = ["they"]', "").replace("700.0]", "0.0]")
+    assert mistakes(folder, table) == ["table[0]: measured must be at least 1e-12, found 0 in rows[0]"]
+
+
 def test_changes_come_last_and_go_into_every_scenario(folder: Path):
     (folder / "suite.toml").write_text(CASE + "set.armour.ceramic_thickness_mm = 5.0\n" + TABLE)
     changes = {"armour": {"ceramic_thickness_mm": 9.0}, "model.shear_perimeter": "projectile"}

@@ -45,6 +45,25 @@ def test_a_band_in_per_cent(folder: Path, percent: float, status: str):
     assert the_check(folder, case("a", 725.0, f"band_percent = {percent}")).status == status
 
 
+def test_a_difference_from_a_measured_value(folder: Path, limit: float):
+    """The expected value is a part of the measured one, in per cent, whichever is the greater."""
+    for measured in (700.0, 750.0):
+        found = the_check(folder, case("a", 3.4, f"band = 0.2\nmeasured = {measured}"))
+        assert found.computed == pytest.approx(100.0 * abs(limit / measured - 1.0))
+        assert (found.status, found.case.unit, found.deviation_percent) == ("within", "%", None)
+        assert found.to_dict()["measured"] == measured
+    assert the_check(folder, case("a", 3.4, "band = 0.1\nmeasured = 750.0")).status == "within"
+    assert the_check(folder, case("a", 3.4, "band = 0.1\nmeasured = 740.0")).status == "outside"
+
+
+def test_a_table_of_differences(folder: Path, limit: float):
+    rows = TABLE.replace("720.0", "4.0").replace("730.0, 730.0", "1.0, 730.0").replace('"they"]', '"measured"]', 1)
+    found = result(folder, rows.replace('rivals = ["they"]', ""))
+    assert [check.case.measured for check in found.checks] == [756.0, 730.0]
+    assert [check.computed for check in found.checks] == pytest.approx([100 * (1 - limit / v) for v in (756.0, 730.0)])
+    assert (found.summaries[0].unit, found.errors) == ("%", ())
+
+
 def test_what_is_not_scored_fails_nothing(folder: Path, limit: float):
     found = result(folder, case("a", 1.0, 'not_scored = "a slip of the print"'))
     assert found.checks[0].status == "not scored"

@@ -3,6 +3,8 @@
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from itertools import groupby
+from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -29,8 +31,8 @@ def figures(
     from armour.validation.figures import PARITIES, compute_figure, paper_figures, parity, read_figures
 
     path = paper_figures()
-    sections = {section.name: section for section in read_figures(path)}
-    names = [*sections, *PARITIES]
+    panels = {name: list(group) for name, group in groupby(read_figures(path), attrgetter("name"))}
+    names = [*panels, *PARITIES]
     chosen = [name for name in names if only in name]
     if not chosen:
         message = f'must be part of a name, found "{only}"; there are {", ".join(names)}'
@@ -45,8 +47,8 @@ def figures(
                     result = parity(name)
                     table, chart = parity_table(result), charts.parity_chart(result)
                 else:
-                    figure = compute_figure(sections[name], path.parent)
-                    table, chart = figure_table(figure), charts.figure_chart(figure)
+                    figures = [compute_figure(section, path.parent) for section in panels[name]]
+                    table, chart = figure_table(figures), charts.figure_chart(figures)
                 drawn = plots.rendered(chart, f".{image}")
                 write({folder / f"{name}.csv": csv_text(table), folder / f"{name}.{image}": drawn})
                 count(1)

@@ -248,8 +248,17 @@ def _design_text(design: "Design", *criteria: str) -> str:
     return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])
 
 
-def figure_chart(figure: "Figure") -> Chart:
+def figure_chart(panels: Sequence["Figure"]) -> Chart:
     """Describe a figure of the paper: the model's curves, with the numbers of the paper's text as marks."""
+    drawn: list[Panel] = []
+    for panel in map(_figure_panel, panels):
+        named = {item.label for other in drawn for item in other.series}
+        series = (replace(item, label="") if item.label in named else item for item in panel.series)
+        drawn.append(replace(panel, series=tuple(series)))
+    return Chart(panels[0].section.title, tuple(drawn), width=COLUMN_INCHES)
+
+
+def _figure_panel(figure: "Figure") -> Panel:
     section = figure.section
     series: list[Series] = [
         Line(figure.x, curve.values, STYLES[index], label=curve.label, colour=COLOURS[index])
@@ -259,16 +268,17 @@ def figure_chart(figure: "Figure") -> Chart:
     colours = {curve.label: colour for curve, colour in zip(figure.curves, COLOURS, strict=False)}
     for mark, marker, size in zip(section.mark, ("*", "D", "s"), (9.0, 5.0, 5.0), strict=False):
         xs, ys = zip(*mark.points, strict=True)
-        series.append(Points(xs, ys, marker, size, label=mark.label, colour=colours.get(mark.of, SOFT)))
+        ends, colour = tuple((low, high) for low, high in mark.x_ends), colours.get(mark.of, SOFT)
+        series.append(Points(xs, ys, marker, size, x_ends=ends, label=mark.label, colour=colour))
     shown = [value for curve in figure.curves for value in curve.values if value is not None]
     from_zero = bool(shown) and min(shown) < 0.3 * max(shown)
     x, y = Axis(section.x_label, limits=(figure.x[0], figure.x[-1])), Axis(section.y_label, from_zero=from_zero)
-    return Chart(section.title, (Panel(x, y, tuple(series)),), width=COLUMN_INCHES)
+    return Panel(x, y, tuple(series))
 
 
 def parity_chart(result: "SuiteResult") -> Chart:
     """Describe computed over expected values of a suite's tables, or else of its cases, a panel for each quantity."""
-    numbers = [check for check in result.checks if check.deviation is not None]
+    numbers = [check for check in result.checks if check.deviation is not None and check.case.measured is None]
     checks = [check for check in numbers if check.case.group] or numbers
     panels = []
     for quantity, same in _grouped(checks, lambda check: check.case.quantity).items():

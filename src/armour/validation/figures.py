@@ -28,11 +28,12 @@ class CurveSection(Section):
 
 
 class FigureMark(Section):
-    """Points stated in the paper's text, drawn in the colour of the curve that ``of`` names."""
+    """Points of the paper's text in the colour of the curve that ``of`` names; ``x_ends`` are ranges of their x."""
 
     label: str
     of: str = ""
     points: Annotated[list[list[float]], Field(min_length=1)]
+    x_ends: list[Annotated[list[float], Field(min_length=2, max_length=2)]] = []
 
 
 class FigureLevel(Section):
@@ -43,7 +44,11 @@ class FigureLevel(Section):
 
 
 class FigureSection(Section):
-    """A figure: quantities of a scenario over one or more of its keys, which take the same values."""
+    """A figure, or a panel of one: quantities of a scenario over one or more of its keys, which take the same values.
+
+    Sections of one name are the panels of a figure.  ``add_to_x`` is added to the abscissa, and the quantities are
+    divided by ``divide_by``.
+    """
 
     name: str
     title: str
@@ -53,6 +58,8 @@ class FigureSection(Section):
     quantities: Annotated[list[str], Field(min_length=1)]
     x_label: str
     y_label: str
+    add_to_x: float = 0.0
+    divide_by: Annotated[float, Field(gt=0.0)] = 1.0
     curve: list[CurveSection] = [CurveSection()]
     mark: list[FigureMark] = []
     level: list[FigureLevel] = []
@@ -82,7 +89,7 @@ class FigureCurve:
 
 @dataclass(frozen=True)
 class Figure:
-    """Curves of a figure over the abscissa ``x``."""
+    """Curves of a figure, or of a panel of one, over the abscissa ``x``."""
 
     section: FigureSection
     x: tuple[float, ...]
@@ -100,7 +107,7 @@ def read_figures(path: Path) -> list[FigureSection]:
 
 
 def compute_figure(section: FigureSection, folder: Path) -> Figure:
-    """Compute the curves of a figure, whose scenario is relative to the folder."""
+    """Compute the curves of a section, whose scenario is relative to the folder."""
     base = load_scenario(folder / section.scenario)
     x = section.range.values()
     columns = dict.fromkeys(section.over, np.array(x))
@@ -111,9 +118,11 @@ def compute_figure(section: FigureSection, folder: Path) -> Figure:
             parts = [curve.label] if curve.label else []
             if len(section.quantities) > 1 or not parts:
                 parts.append(QUANTITIES[name].label)
-            values = tuple(float(value) if np.isfinite(value) else None for value in found[name])
+            scaled = found[name] / section.divide_by
+            values = tuple(float(value) if np.isfinite(value) else None for value in scaled)
             curves.append(FigureCurve(", ".join(parts), values))
-    return Figure(section, x, tuple(curves))
+    # Rounded, so that a sum has the digits of its terms.
+    return Figure(section, tuple(round(value + section.add_to_x, 9) for value in x), tuple(curves))
 
 
 def parity(name: str) -> SuiteResult:

@@ -23,6 +23,8 @@ from armour.validation.questions import QUESTIONS, check_answerable
 
 # Column of a table that holds the expected values.
 EXPECTED = "expected"
+# Column of a table that holds measured values, from which the expected ones are the relative differences.
+MEASURED_COLUMN = "measured"
 # Questions about the replacement of one material by another.
 SAVINGS = tuple(name for name, question in QUESTIONS.items() if question.of_two)
 
@@ -89,6 +91,7 @@ class CaseSection(_Expectation):
 
     expected: Annotated[float | str, BeforeValidator(_number_or_text)]
     replaced_by: dict[str, Any] | None = None
+    measured: Annotated[float, Field(ge=1.0 / LARGEST, le=LARGEST)] | None = None
 
     @model_validator(mode="after")
     def _fits_the_quantity(self) -> "CaseSection":
@@ -100,6 +103,8 @@ class CaseSection(_Expectation):
             raise ValueError(f"expected must be a number for {self.quantity}, found {self.expected!r}")
         if (self.quantity in SAVINGS) != (self.replaced_by is not None):
             raise ValueError(f"replaced_by belongs to {' and '.join(SAVINGS)}, and to nothing else")
+        if self.quantity == "outcome" and self.measured is not None:
+            raise ValueError("an outcome has no difference from a measured value, found measured")
         return self
 
 
@@ -144,7 +149,14 @@ class TableSection(_Expectation):
             if len(row) != len(self.columns):
                 must = f"every row must have the {len(self.columns)} numbers of the columns"
                 raise ValueError(f"{must}, found {len(row)} in rows[{index}]")
+            if self.compares and (value := row[self.columns.index(MEASURED_COLUMN)]) < 1.0 / LARGEST:
+                raise ValueError(f"measured must be at least {1.0 / LARGEST:g}, found {value:g} in rows[{index}]")
         return self
+
+    @property
+    def compares(self) -> bool:
+        """Whether the expected values are differences from measured ones."""
+        return MEASURED_COLUMN in self.columns and MEASURED_COLUMN not in self.rivals
 
     def without_groups(self) -> "TableSection":
         """Return the table of some rows of a file, which its bands are not made for."""
@@ -194,6 +206,8 @@ class Case:
         Whether the expected value is a result of this program, which an update replaces.
     cells : mapping of str to float or str
         Row of the CSV file from which the case is read: inputs of its own, measurements and notes.
+    measured : float or None
+        Where given, the expected value is the magnitude of the relative difference from it, in per cent.
     """
 
     group: str
@@ -210,6 +224,18 @@ class Case:
     rivals: Mapping[str, float] = field(default_factory=dict)
     regression: bool = False
     cells: Cells = field(default_factory=dict)
+    measured: float | None = None
+
+    @property
+    def unit(self) -> str:
+        """Unit of the expected value."""
+        return words_and_unit(self.quantity)[1] if self.measured is None else "%"
+
+    def compared(self, value: float | str) -> float | str:
+        """Return a value of the quantity as what the expected value is: the value, or its relative difference."""
+        if self.measured is None or isinstance(value, str):
+            return value
+        return 100.0 * abs(value / self.measured - 1.0)
 
     @property
     def full_name(self) -> str:
@@ -325,6 +351,7 @@ class _Row(NamedTuple):
     first: bool = True  # whether it is the case of its section, or the first of them
     inputs: Mapping[str, float] = {}
     rivals: Mapping[str, float] = {}
+    measured: float | None = None
 
 
 def _rows(suite: SuiteSection) -> Iterator[_Row]:
@@ -333,10 +360,12 @@ def _rows(suite: SuiteSection) -> Iterator[_Row]:
         for number, numbers in enumerate(table.rows):
             values = dict(zip(table.columns, numbers, strict=True))
             rivals = {name: values[name] for name in table.rivals}
+            measured = values.pop(MEASURED_COLUMN) if table.compares else None
             inputs = {name: value for name, value in values.items() if name not in (EXPECTED, *rivals)}
-            yield _Row(table, ("table", index, "rows", number, column), values[EXPECTED], not number, inputs, rivals)
+            place = ("table", index, "rows", number, column)
+            yield _Row(table, place, values[EXPECTED], not number, inputs, rivals, measured)
     for index, case in enumerate(suite.case):
-        yield _Row(case, ("case", index, EXPECTED), case.expected)
+        yield _Row(case, ("case", index, EXPECTED), case.expected, measured=case.measured)
 
 
 def _case(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object], read: Read) -> Case:
@@ -365,6 +394,7 @@ def _case(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, ob
         place=row.place,
         rivals=row.rivals,
         regression=(section.regression or suite.regression) and not source,
+        measured=row.measured,
     )
 
 

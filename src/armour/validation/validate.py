@@ -13,7 +13,6 @@ from armour.errors import NoAnswerError
 from armour.files import shipped
 from armour.scenario.messages import TINY
 from armour.scenario.parameters import INPUTS, NAMES, entry_of, inputs_of, name_of
-from armour.units import words_and_unit
 from armour.validation.data import GroupSection, meets
 from armour.validation.questions import Asked, answer
 from armour.validation.rivals import Error, errors_of
@@ -56,8 +55,8 @@ class Check:
 
     @property
     def deviation_percent(self) -> float | None:
-        """Deviation relative to the expected value, in per cent."""
-        if self.deviation is None or abs(float(self.case.expected)) < TINY:
+        """Deviation relative to the expected value, in per cent; None for a value that is a relative difference."""
+        if self.deviation is None or self.case.measured is not None or abs(float(self.case.expected)) < TINY:
             return None
         return 100.0 * self.deviation / abs(float(self.case.expected))
 
@@ -73,6 +72,7 @@ class Check:
             "deviation": self.deviation,
             "deviation_percent": self.deviation_percent,
             "band": self.case.band,
+            "measured": self.case.measured,
             "status": self.status,
             "message": self.message or self.case.not_scored,
             "reason": self.case.reason,
@@ -212,7 +212,7 @@ def check(case: Case, known: dict[str, Asked]) -> Check:
     calibrated = _calibrated_to(case)
     unscored = bool(case.not_scored or calibrated)
     try:
-        computed = answer(case.quantity, _asked(case, known))
+        computed = case.compared(answer(case.quantity, _asked(case, known)))
     except NoAnswerError as error:
         return Check(case, None, "not scored" if unscored else "no answer", str(error))
     return Check(case, computed, "not scored" if unscored else _status(case, computed), calibrated)
@@ -250,7 +250,8 @@ def _asked(case: Case, known: dict[str, Asked]) -> Asked:
 def _calibrated_to(case: Case) -> str:
     """Return which value of the case's materials was calibrated to this test; empty where none was."""
     names = {key: name_of(case.scenario, role) for role, key in NAMES.items()}
-    known: Mapping[str, object] = {**inputs_of(case.scenario), **names, **case.cells, case.quantity: case.expected}
+    own = case.expected if case.measured is None else case.measured
+    known: Mapping[str, object] = {**inputs_of(case.scenario), **names, **case.cells, case.quantity: own}
     for role in NAMES:
         entry = entry_of(case.scenario, role)
         if entry is None:
@@ -303,7 +304,7 @@ def _summary(table: TableSection, bands: TableSection | GroupSection, rows: Sequ
     return Summary(
         name=table.name,
         count=count,
-        unit="%" if percent else words_and_unit(table.quantity)[1],
+        unit="%" if percent else rows[0].case.unit,
         mean=mean,
         rms=rms,
         largest=max((abs(d) for d in numbers), default=0.0),

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from armour.analysis.quantities import QUANTITIES
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import number
-from armour.units import words_and_unit
 
 if TYPE_CHECKING:
     from armour.validation.figures import Figure
@@ -27,16 +26,12 @@ def check_groups(result: "SuiteResult") -> dict[str, list["Check"]]:
 
 def check_table(checks: Sequence["Check"], title: str = "") -> Table:
     """Return expected and computed values with the bands they are held to."""
-
-    def unit_of(check: "Check") -> str:
-        return words_and_unit(check.case.quantity)[1]
-
-    units = {unit_of(check) for check in checks}
+    units = {check.case.unit for check in checks}
     shared = units.pop() if len(units) == 1 else ""
     return listing(
         checks,
         (Column("case", prose=True), lambda check: check.case.name),
-        *([] if shared else [(Column("unit"), unit_of)]),
+        *([] if shared else [(Column("unit"), lambda check: check.case.unit)]),
         (Column("expected", shared, ".10g"), lambda check: check.case.expected),
         # Each case has decimals of its own, so that computed value and deviation are formatted here.
         (Column("computed", shared, "g"), lambda check: _decimal(check.computed, _decimals(check.case))),
@@ -179,16 +174,22 @@ def update_table(updates: Sequence["Update"]) -> Table:
     )
 
 
-def figure_table(figure: "Figure") -> Table:
-    """Return the curves of a figure, a column each."""
-    unit, quantities = figure.section.y_label.rpartition(", ")[2], {quantity.label for quantity in QUANTITIES.values()}
-    labels = [figure.section.x_label]
-    for curve in figure.curves:
-        # The label of a curve may name its quantity, or what the curve differs in.
-        named = curve.label.rpartition(", ")[2] in quantities
-        labels.append(f"{curve.label}, {unit}" if named else f"{curve.label}: {figure.section.y_label}")
-    values = [figure.x, *(curve.values for curve in figure.curves)]
-    return Table(tuple(Column(label, spec="g", key=label) for label in labels), tuple(zip(*values, strict=True)))
+def figure_table(panels: Sequence["Figure"]) -> Table:
+    """Return the curves of a figure, a column each; its panels, of equally many points, side by side."""
+    quantities = {quantity.label for quantity in QUANTITIES.values()}
+    columns: dict[str, Sequence[float | None]] = {}
+    for panel in panels:
+        y_label = panel.section.y_label
+        columns[panel.section.x_label] = panel.x
+        for curve in panel.curves:
+            # The label of a curve may name its quantity, or what the curve differs in.
+            named = curve.label.rpartition(", ")[2] in quantities
+            columns[f"{curve.label}, {y_label.rpartition(', ')[2]}" if named else f"{curve.label}: {y_label}"] = (
+                curve.values
+            )
+    return Table(
+        tuple(Column(label, spec="g", key=label) for label in columns), tuple(zip(*columns.values(), strict=True))
+    )
 
 
 def parity_table(result: "SuiteResult") -> Table:

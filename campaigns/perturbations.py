@@ -1,0 +1,121 @@
+"""Perturb every input of the library that the paper's suite uses, and tell which cases no perturbation makes fail.
+
+A case that stays within its band whatever changes by up to 20 % is no case: it may be shown, but must not be scored.
+
+    python -m campaigns.perturbations
+
+prints the least change of a single input that makes each scored case and table leave its band, and exits with 3 if
+there is none for some. The velocity of the crack is changed through Young's modulus. The mass of the penetrator is kept
+where its diameter or density changes, which changes its length: this too must be by at most 20 %.
+"""
+
+import sys
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+from armour.scenario.library import Kind
+from armour.scenario.loading import Scenario
+from armour.scenario.messages import key_name
+from armour.scenario.parameters import FIELDS, ROLES, entry_of, name_of
+from armour.validation.suite import Case, Suite, load_suite
+from armour.validation.validate import FAILED, paper_suite, validate
+
+# Changes of an input, from the least: a result need not depend on it monotonically.
+STEPS = (0.01, 0.02, 0.03, 0.05, 0.08, 0.1, 0.15, 0.2)
+MODULUS = "youngs_modulus_GPa"
+# Powers of the projectile's values in the length of the penetrator.
+LENGTH = {"penetrator_mass_g": 1, "density_kg_m3": -1, "penetrator_diameter_mm": -2}
+
+
+class Perturbation(NamedTuple):
+    """A relative change of a value of a library entry; ``power`` 2 makes it one of the square root of the value."""
+
+    kind: Kind
+    entry: str
+    key: str
+    value: float
+    change: float
+    power: int = 1
+
+    @property
+    def changes(self) -> dict[str, object]:
+        """The change as keys of a scenario."""
+        section = key_name(["library", self.kind, self.entry])
+        value = self.value * (1.0 + self.change) ** self.power
+        return {f"{section}.based_on": self.entry, f"{section}.{self.key}": value}
+
+    def __str__(self) -> str:
+        of = "crack velocity" if self.power == 2 else self.key
+        return f"{100.0 * self.change:+.0f} % {of} of {self.entry}"
+
+
+def scored(suite: Suite) -> list[str]:
+    """Return the names of the cases and tables that a suite holds to a band."""
+    tables = [table for table in suite.tables if (table.rms_band, table.rms_band_percent) != (None, None)]
+    return [*(case.full_name for case in suite.cases if not case.not_scored), *(table.name for table in tables)]
+
+
+def scenarios(case: Case) -> list[Scenario]:
+    """Return the scenarios that a case compares, or its only one."""
+    return [found for found in (case.scenario, case.replacement) if found is not None]
+
+
+def perturbations(suite: Suite) -> Iterator[Perturbation]:
+    """Yield the perturbations of all entries that a suite uses, from the least change."""
+    values: dict[tuple[Kind, str, str], float] = {}
+    for case in suite.cases:
+        for scenario in scenarios(case):
+            for role, kind in ROLES.items():
+                entry = entry_of(scenario, role)
+                keys = [name.partition(".")[2] for name in FIELDS if name.startswith(f"{role}.")]
+                if entry is not None:
+                    values.update({(kind, entry.name, key): entry[key] for key in keys if key in entry.values})
+    for step in STEPS:
+        for change in (step, -step):
+            for (kind, name, key), value in values.items():
+                length = (1.0 + change) ** LENGTH.get(key, 0) if kind == "projectile" else 1.0
+                if abs(length - 1.0) <= STEPS[-1]:
+                    yield Perturbation(kind, name, key, value, change)
+                if key == MODULUS:
+                    yield Perturbation(kind, name, key, value, change, power=2)
+
+
+def outside(suite: Suite, perturbation: Perturbation) -> set[str]:
+    """Return the scored cases and tables of a suite that a perturbation makes leave their bands."""
+    changed = load_suite(suite.file, perturbation.changes)
+    role = next(role for role, kind in ROLES.items() if kind == perturbation.kind)
+    using = {
+        case.full_name
+        for case in suite.cases
+        if any(name_of(scenario, role) == perturbation.entry for scenario in scenarios(case))
+    }
+    result = validate(replace(changed, cases=tuple(case for case in changed.cases if case.full_name in using)))
+    failed = {check.case.full_name for check in result.checks if check.status in FAILED}
+    return failed | {summary.full_name for summary in result.summaries if summary.status in FAILED}
+
+
+def survivors(suite: Suite, some: Iterable[Perturbation]) -> list[str]:
+    """Return the scored cases and tables that none of some perturbations makes fail; print what makes the others."""
+    left = dict.fromkeys(scored(suite))
+    for perturbation in some:
+        # Only what nothing has made fail yet; a table needs all its rows.
+        rest = replace(suite, cases=tuple(c for c in suite.cases if c.full_name in left or c.group in left))
+        for name in outside(rest, perturbation):
+            if name in left:
+                del left[name]
+                print(f"{name}: {perturbation}", flush=True)
+    return list(left)
+
+
+def main() -> int:
+    """Run all perturbations; the exit code is 3 if something scored stays within its band under all."""
+    suite = load_suite(paper_suite())
+    left = survivors(suite, perturbations(suite))
+    for name in left:
+        print(f"{name}: no perturbation of up to {100.0 * STEPS[-1]:.0f} % makes it fail")
+    return 3 if left else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
