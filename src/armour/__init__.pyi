@@ -3,6 +3,8 @@
 from .analysis.ballistic_limit import Crossing as Crossing
 from .analysis.ballistic_limit import LimitResult as LimitResult
 from .analysis.ballistic_limit import ballistic_limit as ballistic_limit
+from .analysis.confidence import ConfidenceResult as ConfidenceResult
+from .analysis.confidence import confidence as confidence
 from .analysis.history import History as History
 from .analysis.impact import ImpactResult as ImpactResult
 from .analysis.impact import StageRecord as StageRecord
@@ -18,6 +20,7 @@ from .errors import NoAnswerError as NoAnswerError
 from .errors import NoDesignError as NoDesignError
 from .errors import NoLimitError as NoLimitError
 from .errors import Problem as Problem
+from .scenario.evidence import ModelError as ModelError
 from .scenario.library import Library as Library
 from .scenario.library import LibraryEntry as LibraryEntry
 from .scenario.library import Value as Value

@@ -59,7 +59,21 @@ def test_all_crossings_are_shown(cli, folder: Path):
 
 def test_a_limit_outside_the_data_is_warned_of(cli):
     path = SCENARIOS / "bare_plate.toml"
-    result = cli("ballistic-limit", path)
+    result = cli("ballistic-limit", path, "--set", "armour.backing_thickness_mm=5")
     assert result.exit_code == 0
-    first = f"warning: {path}: impact.velocity_m_s: the model was tested on velocities from 620 to 1300 m/s, found 454"
-    assert result.stderr.splitlines()[0] == first
+    words = "impact.velocity_m_s: the model was compared with results at 340 to 1200 m/s, found 188"
+    assert result.stderr.splitlines()[0] == f"warning: {path}: {words}"
+
+
+def test_the_interval_is_that_of_the_models_error(cli):
+    data = json.loads(cli("ballistic-limit", SCENARIOS / "wilkins.toml", "--json").stdout)
+    half = 2.1788 * 0.07 * data["ballistic_limit_m_s"]
+    assert data["interval_m_s"] == pytest.approx(
+        [data["ballistic_limit_m_s"] - half, data["ballistic_limit_m_s"] + half], abs=0.1
+    )
+    assert data["model_error"]["source"].startswith("13 tests of AD85")
+    text = cli("ballistic-limit", SCENARIOS / "wilkins.toml").stdout
+    assert "95 % interval, with the error of the model  613 to 834 m/s" in text
+    unknown = cli("ballistic-limit", SCENARIOS / "wilkins.toml", "--set", "armour.ceramic=SiC")
+    assert "interval" not in unknown.stdout
+    assert "armour.ceramic: the model was compared with results of AD85, AD99.5, Al-N only" in unknown.stderr

@@ -72,8 +72,24 @@ def test_a_design_outside_the_data_is_warned_of(cli, folder: Path):
         text.replace("850.0", "400.0").replace("step = 0.1", "step = 2.0").replace("step = 0.5", "step = 2.0")
     )
     result = cli("optimise", path, "--json")
-    assert result.stderr.startswith(f"warning: {path}: impact.velocity_m_s: the model was tested on velocities")
+    assert result.stderr.startswith(f"warning: {path}: impact.velocity_m_s: the model was compared with results at")
     assert [f"warning: {path}: {w}" for w in json.loads(result.stdout)["warnings"]] == result.stderr.splitlines()
+
+
+def test_a_confidence_is_designed_for(cli, small: Path):
+    plain = cli("optimise", small)
+    assert "probability of defeating the threat  5" in plain.stdout
+    assert "a design without a margin is as likely perforated as not; --confidence 0.95 designs for" in plain.stdout
+    args = ("optimise", small, "--set", "optimise.ceramic_thickness_mm.max=20")
+    best = json.loads(cli(*args, "--confidence", 0.95, "--json").stdout)["best"]
+    [probability] = best["probabilities_of_defeat"].values()
+    assert 0.95 <= probability < 0.96
+    assert best["areal_density_kg_m2"] > json.loads(cli(*args, "--json").stdout)["best"]["areal_density_kg_m2"]
+    assert "--confidence 0.95" not in cli(*args, "--confidence", 0.95).stdout
+    told = cli.fails(2, "optimise", small, "--confidence", 1.5)
+    assert told == ["command line: --confidence: must be less than 1, found 1.5"]
+    unknown = cli.fails(1, *args, "--set", "armour.ceramic=SiC", "--confidence", 0.95)
+    assert unknown[0].startswith("the error of the model is not known for SiC on 6061-T6; [uncertainty.model] can give it")
 
 
 def test_a_design_at_the_end_of_its_range_is_warned_of(cli, small: Path):

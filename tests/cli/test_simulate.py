@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from armour import load_scenario, simulate
+from armour import confidence, load_scenario, simulate
 from tests.helpers.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
@@ -15,13 +15,16 @@ def test_the_table(cli):
     assert result.exit_code == 0
     [residual] = [line for line in result.stdout.splitlines() if line.startswith("residual velocity")]
     assert residual.split()[2:] == ["277.38", "m/s"]
-    assert [line.split()[0] for line in result.stdout.splitlines()[-4:]] == ["i", "ii.1", "iii.3", "iii.4"]
+    assert [line.split()[0] for line in result.stdout.splitlines()[-8:-4]] == ["i", "ii.1", "iii.3", "iii.4"]
+    assert result.stdout.splitlines()[-2] == "probability of defeating the threat  8 %"
+    assert result.stdout.splitlines()[-1].startswith("error of the model: ± 7.0 %, from 13 tests of AD85 on 6061-T6")
     assert result.stderr == ""
 
 
 def test_json_is_one_object_and_the_same_as_from_python(cli):
     result = cli("simulate", WILKINS, "--json")
     data = json.loads(result.stdout)
+    assert data.pop("confidence") == json.loads(json.dumps(confidence(load_scenario(WILKINS)).to_dict()))
     assert data == json.loads(json.dumps(simulate(load_scenario(WILKINS)).to_dict()))
     keys = {
         "outcome",
@@ -84,11 +87,19 @@ def test_a_scenario_is_not_written_over(cli, folder: Path):
     assert line == "a.toml: must not be the file that is read; choose another name"
 
 
-def test_a_bare_plate_is_outside_the_data(cli):
+def test_a_bare_plate(cli):
     path = SCENARIOS / "bare_plate.toml"
     result = cli("simulate", path, "--json")
     data = json.loads(result.stdout)
     assert data["stages"][0]["stage"].startswith("iii.")
+    assert (data["warnings"], result.stderr) == ([], "")
+    assert data["confidence"]["model_error"]["source"].startswith("528 tests of armour-piercing cores")
+
+
+def test_what_is_unlike_the_tests_is_warned_of(cli):
+    result = cli("simulate", WILKINS, "--set", "armour.ceramic=SiC", "--set", "armour.backing=Ti-6Al-4V", "--json")
+    data = json.loads(result.stdout)
+    assert result.stderr.splitlines() == [f"warning: {WILKINS}: {warning}" for warning in data["warnings"]]
     assert len(data["warnings"]) == 3
-    assert result.stderr.splitlines() == [f"warning: {path}: {warning}" for warning in data["warnings"]]
-    assert "armour.ceramic_thickness_mm: the model was tested on ceramics" in result.stderr
+    assert data["confidence"]["probability_of_defeat"] is None
+    assert "no test of such an armour" in data["confidence"]["reason"]

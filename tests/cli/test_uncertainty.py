@@ -19,7 +19,8 @@ def test_json(cli):
     data = json.loads(cli("uncertainty", UNCERTAIN, "--samples", "256", "--json").stdout)
     assert data["samples"] == 256
     assert set(data["ballistic_limit_m_s"]) == {"V05", "V50", "V95"}
-    assert data["inputs"][0]["input"] == "ceramic.flow_stress_GPa"
+    assert [index["input"] for index in data["inputs"][:2]] == ["model.limit_error_percent", "ceramic.flow_stress_GPa"]
+    assert data["model_error"]["degrees_of_freedom"] == 12.0
 
 
 def test_wrong_input(cli):

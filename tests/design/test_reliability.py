@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from armour.analysis.confidence import confidence
 from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.design.reliability import Reliability
@@ -12,8 +13,9 @@ from armour.errors import InputError, NoDesignError
 from tests.helpers.cases import METALS, catalogue
 from tests.helpers.plain_designs import defeats, designs
 
-UNCERTAIN = {
+UNCERTAIN: dict[str, Any] = {
     "samples": 1024,
+    "model": {"included": False},
     "ceramic": {"flow_stress_GPa": {"distribution": "normal", "standard_deviation_percent": 4.0}},
     "armour": {"backing_thickness_mm": {"distribution": "normal", "standard_deviation": 0.05}},
 }
@@ -43,6 +45,70 @@ def test_a_bound_on_the_probability_of_perforation():
             assert found.high > 0.02
             lighter += 1
     assert lighter > 0
+
+
+def test_the_error_of_the_model_needs_more_armour():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0, "probability_of_perforation": 0.05}
+    offered = {"ceramic": [{"material": "AD85", "thickness_mm": {"min": 4.0, "max": 16.0, "step": 1.0}}]}
+    exact, real = (
+        optimise(catalogue([threat], {**UNCERTAIN, "model": model}, **offered)).best
+        for model in ({"included": False}, None)
+    )
+    assert real.areal_density_kg_m2 > exact.areal_density_kg_m2
+    [estimate] = real.probabilities.values()
+    assert estimate.high <= 0.05
+    assert real.ballistic_limit_m_s is not None
+    # The inputs add little to the error of the model alone.
+    assert real.model_error is not None
+    alone = 1.0 - real.model_error.probability_of_defeat(real.ballistic_limit_m_s, 700.0)
+    assert 0.5 * estimate.value < alone < estimate.value
+
+
+def test_without_uncertain_inputs_the_bound_is_that_of_the_models_error():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
+    steps = {"ceramic": [{"material": "AD85", "thickness_mm": {"min": 4.0, "max": 16.0, "step": 0.5}}]}
+    best = optimise(catalogue([threat], confidence=0.9, **steps)).best
+    bound = optimise(catalogue([{**threat, "probability_of_perforation": 0.1}], **steps)).best
+    assert best == bound
+    # Brute force over plain ballistic limits.
+    offered = catalogue([threat], **steps)
+    passing = []
+    for pair, hc, hb in ((p, hc, hb) for (*p, hc, hb), _ in designs(offered, lambda *_: True)):
+        case = offered.replaced(
+            {
+                "armour.ceramic": pair[0],
+                "armour.backing": pair[1],
+                "armour.ceramic_thickness_mm": hc,
+                "armour.backing_thickness_mm": hb,
+                "impact": {"velocity_m_s": 700.0},
+            }
+        )
+        probability = confidence(case).probability_of_defeat
+        if probability is not None and probability >= 0.9:
+            passing.append(case.areal_density_kg_m2())
+    assert min(passing) == pytest.approx(best.areal_density_kg_m2, abs=1e-6)
+
+
+def test_free_thicknesses_reach_a_confidence():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
+    free = {
+        "ceramic": [{"material": "AD85", "thickness_mm": {"min": 4.0, "max": 16.0}}],
+        "backing": [{"material": "6061-T6", "thickness_mm": {"min": 4.0, "max": 12.0}}],
+    }
+    best = optimise(catalogue([threat], confidence=0.9, **free)).best
+    [probability] = best.probabilities_of_defeat.values()
+    assert probability == pytest.approx(0.9, abs=1e-4)
+
+
+def test_a_pair_whose_error_is_not_known_is_left_out():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
+    found = optimise(catalogue([threat], confidence=0.6))
+    reasons = {(pair.ceramic, pair.backing): pair.reason for pair in found.pairs}
+    assert reasons["AD99.5", "6061-T6"] == (
+        "the error of the model is not known for AD99.5 on 6061-T6; [uncertainty.model] can give it"
+    )
+    given = catalogue([threat], {"model": {"scale_percent": 5.0}}, confidence=0.6)
+    assert all(pair.best is not None for pair in optimise(given).pairs)
 
 
 def test_the_pareto_front_keeps_to_the_bound():

@@ -86,7 +86,12 @@ def test_threats_and_probabilities_have_margins():
         [OTHER, "+80.0", "unknown", "+50.0", "", "", ""],
     ]
     assert frontier_table(result).headings()[-2] == "governed by"
-    assert margin_table(design_result(), {}).headings() == ["threat", "margin, m/s", "note"]
+    assert margin_table(design_result(), {}).headings() == [
+        "threat",
+        "margin, m/s",
+        "probability of defeating the threat",
+        "note",
+    ]
 
 
 def test_pairs_of_materials_with_the_reasons_of_those_that_lose():

@@ -192,10 +192,9 @@ def test_rows_are_judged_like_scenarios(case: Scenario):
     words = [warning.rpartition(", found ")[0] for warning in warnings_of(case, case.impact.velocity_m_s)]
     assert sorted(row_limits(rows, velocities)) == sorted((warning, 2) for warning in words)
     error, found = model_error(case), row_errors(rows)
-    expected = [np.nan] * 3 if error is None else [error.mean_percent, error.scale_percent, error.degrees_of_freedom]
-    assert np.array_equal(
-        [found.mean_percent[0], found.scale_percent[1], found.degrees_of_freedom[0]], expected, equal_nan=True
-    )
+    for name in ("mean_percent", "scale_percent", "degrees_of_freedom"):
+        expected = np.nan if error is None else getattr(error, name)
+        assert np.array_equal(getattr(found, name), [expected] * 2, equal_nan=True)
 
 
 def test_rows_of_several_kinds_are_counted_apart():

@@ -10,6 +10,7 @@ from scipy import stats
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import Estimate
 from armour.analysis.searches import ballistic_limits
+from armour.analysis.uncertain_inputs import Samples
 from armour.analysis.variants import Floats, Variants, perforated, variants_of
 from armour.errors import InputError, NoLimitError
 from armour.scenario.distributions import Uncertainty, correlation_matrix
@@ -24,11 +25,14 @@ from tests.helpers.cases import scenario, shipped_scenario
 
 @pytest.fixture(scope="module")
 def uncertain() -> Scenario:
-    return shipped_scenario("uncertain")
+    return shipped_scenario("uncertain").replaced({"uncertainty.model": EXACT})
+
+
+EXACT = {"included": False}
 
 
 def with_section(**section: Any) -> Scenario:
-    return scenario(uncertainty=section)
+    return scenario(uncertainty={"model": EXACT, **section})
 
 
 def independent_samples(samples: int, seed: int) -> dict[str, np.ndarray]:
@@ -49,7 +53,7 @@ def independent_samples(samples: int, seed: int) -> dict[str, np.ndarray]:
 def sampled(uncertain: Scenario) -> tuple[int, np.ndarray]:
     """Perforations of 65,536 independent samples, and ballistic limits of 16,384 of them."""
     samples = variants_of(uncertain, independent_samples(65_536, 1), 65_536)
-    return int(perforated(samples).sum()), sample_limits(samples.at(np.arange(16_384)))
+    return int(perforated(samples).sum()), sample_limits(Samples(samples.at(np.arange(16_384)), 1.0))
 
 
 @pytest.mark.parametrize("method", ["sobol", "latin hypercube"])
@@ -77,9 +81,45 @@ def test_the_same_seed_gives_the_same_numbers(uncertain: Scenario):
 
 def test_the_limits_are_those_of_changed_scenarios(uncertain: Scenario):
     columns = independent_samples(5, 2)
-    for i, found in enumerate(sample_limits(variants_of(uncertain, columns, 5))):
+    for i, found in enumerate(sample_limits(Samples(variants_of(uncertain, columns, 5), 1.0))):
         changed = with_inputs(uncertain, {name: float(values[i]) for name, values in columns.items()})
         assert found == pytest.approx(ballistic_limit(changed).ballistic_limit_m_s, abs=1e-9)
+
+
+def test_the_error_of_the_model_is_an_input():
+    """Of the probability and the quantiles, against Student's t distribution."""
+    result = uncertainty(scenario(velocity=700.0, uncertainty={"samples": 4096}))
+    error = result.model_error
+    assert error is not None
+    assert result.deterministic_m_s == pytest.approx(723.77, abs=0.01)
+    exact = 1.0 - error.probability_of_defeat(result.deterministic_m_s, 700.0)
+    assert result.probability_of_perforation.value == pytest.approx(exact, abs=0.002)
+    for name, part in (("V05", 0.05), ("V50", 0.5), ("V95", 0.95)):
+        limit = result.deterministic_m_s * (1.0 + error.quantile(part))
+        assert result.ballistic_limit_m_s[name].value == pytest.approx(limit, abs=0.5)
+    [index] = result.inputs
+    assert (index.input, index.limits_m_s) == (
+        "model.limit_error_percent",
+        pytest.approx([723.77 * (1.0 + error.quantile(p)) for p in (0.05, 0.95)], abs=0.01),
+    )
+
+
+def test_the_error_of_the_model_adds_to_the_inputs(uncertain: Scenario):
+    few = uncertain.replaced({"uncertainty.samples": 1024})
+    alone = uncertainty(few)
+    given = {"scale_percent": 5.0, "degrees_of_freedom": 30.0}
+    both = uncertainty(few.replaced({"uncertainty.model": {"included": True, **given}}))
+    expected = np.hypot(alone.standard_deviation_m_s, 0.05 * np.sqrt(30.0 / 28.0) * alone.mean_m_s)
+    assert both.standard_deviation_m_s == pytest.approx(expected, rel=0.02)
+    assert both.inputs[0].input == "model.limit_error_percent"
+
+
+def test_an_unknown_error_is_told():
+    normal = {"distribution": "normal", "standard_deviation_percent": 2.0}
+    found = uncertainty(scenario(ceramic="SiC", uncertainty={"samples": 128, "ceramic": {"flow_stress_GPa": normal}}))
+    assert found.model_error is None
+    assert "uncertainty.model: the error of the model is not known for such an armour, and not included" in found.warnings
+    assert [index.input for index in found.inputs] == ["ceramic.flow_stress_GPa"]
 
 
 def test_only_the_velocity():
@@ -190,7 +230,8 @@ NORMAL = {"distribution": "normal", "standard_deviation_percent": 10.0}
     ("keywords", "message"),
     [
         ({}, "scenario: uncertainty: is missing and must be given"),
-        ({"uncertainty": {"samples": 128}}, "scenario: uncertainty: is missing and must be given"),
+        ({"uncertainty": {"samples": 128, "model": EXACT}}, "scenario: uncertainty: is missing and must be given"),
+        ({"ceramic": "SiC", "uncertainty": {}}, "scenario: uncertainty: is missing and must be given"),
         (
             {"uncertainty": {"ceramic": {"flow_stress_GPa": {**NORMAL, "standard_deviation_percent": 60.0}}}},
             "; give it a min or max",
