@@ -39,7 +39,7 @@ def test_ishigamis_function(method: str):
         for estimate, variance in zip(found, variances, strict=True):
             true = variance / (v1 + v2 + v13)
             assert estimate.value == pytest.approx(true, abs=0.02)
-            # Four in five intervals of this width hold the truth by chance; a polynomial cannot be much off.
+            # Not each of a dozen intervals need hold the truth.
             assert abs(estimate.value - true) < 1.5 * (estimate.high - estimate.value)
 
 

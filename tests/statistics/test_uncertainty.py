@@ -98,10 +98,8 @@ def test_the_error_of_the_model_is_an_input():
         limit = result.deterministic_m_s * (1.0 + error.quantile(part))
         assert result.ballistic_limit_m_s[name].value == pytest.approx(limit, abs=0.5)
     [index] = result.inputs
-    assert (index.input, index.limits_m_s) == (
-        "model.limit_error_percent",
-        pytest.approx([723.77 * (1.0 + error.quantile(p)) for p in (0.05, 0.95)], abs=0.01),
-    )
+    assert index.input == "model.limit_error_percent"
+    assert index.limits_m_s == pytest.approx([723.77 * (1.0 + error.quantile(p)) for p in (0.05, 0.95)], abs=0.01)
 
 
 def test_the_error_of_the_model_adds_to_the_inputs(uncertain: Scenario):
@@ -118,7 +116,9 @@ def test_an_unknown_error_is_told():
     normal = {"distribution": "normal", "standard_deviation_percent": 2.0}
     found = uncertainty(scenario(ceramic="SiC", uncertainty={"samples": 128, "ceramic": {"flow_stress_GPa": normal}}))
     assert found.model_error is None
-    assert "uncertainty.model: the error of the model is not known for such an armour, and not included" in found.warnings
+    assert (
+        "uncertainty.model: the error of the model is not known for such an armour, and not included" in found.warnings
+    )
     assert [index.input for index in found.inputs] == ["ceramic.flow_stress_GPa"]
 
 
@@ -147,6 +147,12 @@ def test_a_distribution_away_from_the_scenarios_value_is_told(distribution: dict
     assert (message in found.warnings) == told
 
 
+def test_a_mean_that_truncation_moves_is_told():
+    section = {"distribution": "normal", "standard_deviation": 0.2, "min": 6.35}
+    found = uncertainty(with_section(samples=128, armour={"ceramic_thickness_mm": section}))
+    assert "uncertainty.armour.ceramic_thickness_mm: truncation moves its mean from 6.35 to 6.51" in found.warnings
+
+
 def test_correlated_inputs_have_first_order_indices():
     normal = {"distribution": "normal", "standard_deviation_percent": 3.0}
     names = ["ceramic.density_kg_m3", "ceramic.flow_stress_GPa"]
@@ -164,11 +170,9 @@ def test_correlated_inputs_have_first_order_indices():
 
 def test_a_limit_that_does_not_vary_has_no_indices():
     normal = {"distribution": "normal", "standard_deviation_percent": 1.0}
-    flat = {"ceramic": {"density_kg_m3": normal, "flow_stress_GPa": normal}, "samples": 128}
-    case = with_section(**flat, impact={"velocity_m_s": normal}).uncertainty
-    assert case is not None
-    points = np.random.default_rng(1).random((128, 3))
-    found = module.influences(with_section(**flat), points, np.full(128, 700.0), lambda _: None)
+    case = with_section(ceramic={"density_kg_m3": normal, "flow_stress_GPa": normal}, samples=128)
+    points = np.random.default_rng(1).random((128, 2))
+    found = module.influences(case, points, np.full(128, 700.0), lambda _: None)
     assert [(index.first, index.total) for index in found] == [(None, None)] * 2
 
 
@@ -261,6 +265,7 @@ def test_a_run_that_does_not_end_names_the_key(monkeypatch: pytest.MonkeyPatch, 
         ({"distribution": "lognormal", "standard_deviation": 1.0, "mean": -5.0}, "must have a mean greater than 0"),
         ({"distribution": "normal", "standard_deviation_percent": 1.0, "mean": 0.0}, "in place of one in per cent"),
         ({"distribution": "lognormal", "standard_deviation": 1e300}, "must be at most 1e+09"),
+        ({"distribution": "normal", "standard_deviation": 1.0, "min": 1e4}, "min and max where the distribution has"),
     ],
 )
 def test_wrong_distributions(distribution: Any, message: str):
