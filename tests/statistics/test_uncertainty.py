@@ -116,9 +116,8 @@ def test_an_unknown_error_is_told():
     normal = {"distribution": "normal", "standard_deviation_percent": 2.0}
     found = uncertainty(scenario(ceramic="SiC", uncertainty={"samples": 128, "ceramic": {"flow_stress_GPa": normal}}))
     assert found.model_error is None
-    assert (
-        "uncertainty.model: the error of the model is not known for such an armour, and not included" in found.warnings
-    )
+    unknown = "uncertainty.model: the error of the model is not known for such an armour, and not included"
+    assert unknown in found.warnings
     assert [index.input for index in found.inputs] == ["ceramic.flow_stress_GPa"]
 
 
