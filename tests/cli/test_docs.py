@@ -93,7 +93,7 @@ def test_every_command_has_its_page():
     from armour.cli.app import app
 
     commands = {command.name for command in app.registered_commands} | {group.name for group in app.registered_groups}
-    guides = {"choose-a-flow-stress"}
+    guides = {"choose-a-flow-stress", "confidence"}
     assert {page.stem for page in (REPOSITORY / "docs" / "howto").glob("*.md")} == commands | guides
 
 
