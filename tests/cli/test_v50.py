@@ -61,3 +61,12 @@ def test_no_answer(cli, folder: Path):
 def test_an_option_out_of_range(cli, option: tuple[str, str]):
     [line] = cli.fails(2, "v50", SHOTS, *option)
     assert line.startswith(f"v50: {option[0][2:].replace('-', '_')}: must be at ")
+
+
+def test_the_models_limit_has_its_interval_and_warnings(cli):
+    shots, case = SCENARIOS / "tests" / "shots.csv", SCENARIOS / "wilkins.toml"
+    plain = cli("v50", shots, case)
+    assert "95 % interval, with the error of the model  613 to 834 m/s" in plain.stdout
+    assert plain.stderr == ""
+    thin = cli("v50", shots, case, "--set", "armour.backing_thickness_mm=2")
+    assert "armour.backing_thickness_mm: the model was compared with results for back plates 0.66 to 3" in thin.stderr

@@ -7,7 +7,7 @@ import typer
 
 from armour.cli.console import progress
 from armour.cli.options import AsJson, Changes, PlotFile, argument, option
-from armour.cli.runner import check_outputs, read_scenario, respond
+from armour.cli.runner import check_outputs, read_scenario, respond, warnings_of
 from armour.cli.scenario_commands import LIMIT
 from armour.errors import InputError, Problem
 
@@ -52,4 +52,5 @@ def v50(
         title=str(shots),
         plot=plot,
         chart=lambda charts: charts.v50_chart(read, result),
+        warnings=[] if loaded is None else warnings_of(loaded, result.warnings),
     )

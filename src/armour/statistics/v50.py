@@ -94,6 +94,10 @@ class FiringResult(Result):
         Confidence level of the intervals.
     model_ballistic_limit_m_s : float or None
         Ballistic limit of the scenario, m/s, where one is given.  The model is deterministic: the limit has no scatter.
+    model_interval_m_s : tuple of float or None
+        Interval of it with a probability of 95 %, given the error of the model, m/s; None where that is not known.
+    warnings : tuple of str
+        Ways in which the scenario is unlike what the model was compared with.
     """
 
     shots: int
@@ -107,6 +111,8 @@ class FiringResult(Result):
     recommended: FittedCurve | None
     confidence: float
     model_ballistic_limit_m_s: float | None
+    model_interval_m_s: tuple[float, float] | None = None
+    warnings: tuple[str, ...] = ()
 
 
 def read_shots(path: str | PathLike[str]) -> Shots:
@@ -186,6 +192,7 @@ def v50(
     _check(shots)
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     fits = tuple(fit_curve(partial, complete, link, confidence) for link in LINKS)
+    model = None if scenario is None else ballistic_limit(scenario)
     penalised = tuple(fit for link in LINKS if (fit := fit_penalised(partial, complete, link, confidence)))
     return FiringResult(
         shots=len(shots.complete),
@@ -198,7 +205,9 @@ def v50(
         penalised_fits=penalised,
         recommended=penalised[0] if penalised else None,
         confidence=confidence,
-        model_ballistic_limit_m_s=None if scenario is None else ballistic_limit(scenario).ballistic_limit_m_s,
+        model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
+        model_interval_m_s=None if model is None else model.interval_m_s,
+        warnings=() if model is None else model.warnings,
     )
 
 
