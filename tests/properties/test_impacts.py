@@ -99,6 +99,7 @@ positive = st.floats(0.05, 20.0)
     ),
     densities=st.tuples(*[st.floats(1000.0, 20000.0)] * 3),
     thicknesses=st.tuples(st.floats(0.0, 20.0), positive),
+    law=st.tuples(*[st.sampled_from([0.0, -3.0, 3.0]) | st.floats(-3.0, 3.0)] * 4),
     shear_law=st.sampled_from([PROJECTILE, CONOID]),
 )
 @settings(max_examples=100, deadline=None)
@@ -109,12 +110,13 @@ def test_impacts_of_any_materials_end_with_an_outcome(
     strengths: tuple[float, ...],
     densities: tuple[float, ...],
     thicknesses: tuple[float, ...],
+    law: tuple[float, float, float, float],
     shear_law: int,
 ):
     Yp, Yc0, YB, tau = strengths
     rho_p, rho_c, rho_B = densities
     a = Parameters(
-        size * slenderness, size, rho_p, Yp, size * thicknesses[0], rho_c, 300e9, Yc0,
+        size * slenderness, size, rho_p, Yp, size * thicknesses[0], rho_c, 300e9, Yc0, *law,
         size * thicknesses[1], rho_B, YB, tau, shear_law,
     )  # fmt: skip
     end = run(a, velocity, default_time_step(a, velocity), 1.0, 500_000)

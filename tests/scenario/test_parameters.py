@@ -2,14 +2,28 @@ import numpy as np
 import pytest
 
 from armour.errors import InputError
+from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.parameters import BACKING, CERAMIC, INPUTS, check_names, check_rows, inputs_of, with_inputs
 from tests.helpers.cases import scenario
 
 
 def test_the_inputs_have_the_values_of_the_scenario():
     found = inputs_of(scenario())
-    assert found.keys() == set(INPUTS)
+    assert found.keys() == set(INPUTS) - {f"ceramic.{key}" for key in FLOW_STRESS_LAW}
     assert found["ceramic.flow_stress_GPa"] == 5.2
+
+
+def test_the_coefficients_of_a_law_are_inputs_where_the_entry_has_them():
+    entry = {"based_on": "AD85", "flow_stress_backing_exponent": -0.5, "flow_stress_ceramic_slope": 0.0}
+    own = {"ceramic": {"Mine": entry, "Other": {"based_on": "Mine", "flow_stress_backing_exponent": 0.25}}}
+    case = scenario(ceramic="Other", library=own)
+    found = inputs_of(case)
+    assert set(INPUTS) - found.keys() == {"ceramic.flow_stress_product_exponent", "ceramic.flow_stress_backing_slope"}
+    assert found["ceramic.flow_stress_backing_exponent"] == 0.25
+    changed = with_inputs(case, {"ceramic.flow_stress_ceramic_slope": -0.1}).core_armour()
+    assert (changed.n_B, changed.n_cB, changed.a_c, changed.a_B) == (0.25, 0.0, -0.1, 0.0)
+    with pytest.raises(InputError, match="must be at most 3, found"):
+        check_rows(case, {"ceramic.flow_stress_backing_exponent": np.array([0.0, 3.5])})
 
 
 def test_the_inputs_have_the_values_of_entries_in_the_scenario():

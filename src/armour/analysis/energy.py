@@ -7,7 +7,7 @@ from typing import NamedTuple
 from armour.analysis.impact import ImpactResult, kinetic_energy, run_impact
 from armour.core.equations import cross_section
 from armour.core.run import Instant
-from armour.core.stages import rates
+from armour.core.stages import rates, with_intact_strength
 from armour.core.state import Parameters, State
 from armour.scenario.loading import Scenario
 from armour.units import US
@@ -54,7 +54,7 @@ def energy_balance(scenario: Scenario, impact: ImpactResult) -> EnergyBalance:
     The powers are integrated over each time step by Simpson's rule, the state in its middle being that of the cubic
     through the states and rates at its ends, so that the balance closes to the fourth order of the time step.
     """
-    armour = scenario.core_armour()
+    armour = with_intact_strength(scenario.core_armour())
     trace: list[Instant] = []
     run_impact(scenario, armour, impact.impact_velocity_m_s, trace)
     steps = [(start, end) for start, end in pairwise(trace) if end.t > start.t]

@@ -125,7 +125,7 @@ def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
 
 def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> ImpactResult:
     """Compute the impact of a scenario at another impact velocity, m/s."""
-    armour = scenario.core_armour()
+    armour = stages.with_intact_strength(scenario.core_armour())
     trace: list[Instant] = []
     end = run_impact(scenario, armour, velocity, trace)
     recorded = None

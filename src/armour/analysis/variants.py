@@ -44,7 +44,7 @@ class Settings(NamedTuple):
 class Variants(NamedTuple):
     """n variants of a scenario."""
 
-    parameters: Floats  # (n, 13), see `armour.engine.batch.packed`
+    parameters: Floats  # (n, fields), see `armour.engine.batch.packed`
     velocities: Floats  # impact velocities, m/s, (n,)
     settings: Settings
 

@@ -8,6 +8,10 @@ from math import pi, sqrt
 
 # Shear laws of the whole plate, see `sheared_diameter`.
 PROJECTILE, CONOID = 0, 1
+# Least and greatest factor of a law of the ceramic's flow stress.
+MIN_FACTOR, MAX_FACTOR = 0.05, 20.0
+# Least ceramic thickness over the diameter in such a law: keeps its powers finite in a search.
+THINNEST_CERAMIC = 1e-15
 
 
 def cross_section(D0: float) -> float:
@@ -18,6 +22,18 @@ def cross_section(D0: float) -> float:
 def crack_velocity(Ec: float, rho_c: float) -> float:
     """Return the velocity of the crack front in the ceramic, a fifth of the bar wave's, m/s (7)."""
     return sqrt(Ec / rho_c) / 5.0
+
+
+def intact_strength(
+    Yc0: float, D0: float, Hc0: float, Hb: float, n_B: float, n_cB: float, a_c: float, a_B: float
+) -> float:
+    """Return the flow stress of intact ceramic, Hc0 > 0, by a law of both thicknesses over the diameter, Pa.
+
+    An extension: the paper takes it as constant, and suggests that it depends on the thicknesses.
+    """
+    c, b = max(Hc0 / D0, THINNEST_CERAMIC), Hb / D0
+    factor: float = b**n_B * (c * b) ** n_cB * (1.0 + a_c * (c - 1.0) + a_B * (b - 1.0))
+    return Yc0 * min(max(factor, MIN_FACTOR), MAX_FACTOR)
 
 
 def fragmented_strength(Yc0: float, V: float, W: float, Vs1: float) -> float:

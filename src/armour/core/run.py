@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from armour.core.events import after_event, step_to_event
-from armour.core.stages import first_stage, rates
+from armour.core.stages import first_stage, rates, with_intact_strength
 from armour.core.state import Outcome, Parameters, Stage, State
 from armour.core.stepping import step_length
 
@@ -39,6 +39,7 @@ def run(
     stopped below ``V_arrest``, m/s.  A run of ``max_steps`` steps, events included, ends as `Outcome.UNRESOLVED`.
     ``trace`` receives every instant, from impact to end.
     """
+    p = with_intact_strength(p)
     t = 0.0
     y = State(Z=0.0, L=p.L0, V=Vi, W=0.0, h=0.0)
     s = first_stage(y, p)

@@ -11,6 +11,18 @@ from armour.core.state import Medium, Parameters, Stage, State
 THINNEST_PLATE = 1e-9
 
 
+def with_intact_strength(p: Parameters) -> Parameters:
+    """Return the parameters with the flow stress that the law of the ceramic gives, and without the law."""
+    if p.Hc0 <= 0.0 or (p.n_B == 0.0 and p.n_cB == 0.0 and p.a_c == 0.0 and p.a_B == 0.0):
+        return p
+    Yc0 = eq.intact_strength(p.Yc0, p.D0, p.Hc0, p.Hb, p.n_B, p.n_cB, p.a_c, p.a_B)
+    # Compiled code does not know `_replace` of these.
+    return Parameters(
+        p.L0, p.D0, p.rho_p, p.Yp, p.Hc0, p.rho_c, p.Ec, Yc0, 0.0, 0.0, 0.0, 0.0,
+        p.Hb, p.rho_B, p.YB, p.tau, p.shear_law,
+    )  # fmt: skip
+
+
 def medium_ahead(y: State, s: Stage, p: Parameters) -> tuple[float, float]:
     """Return the strength Y, Pa, and the density rho, kg/m^3, of the medium ahead of the projectile."""
     if s.medium == Medium.PLATE:

@@ -33,7 +33,12 @@ class Parameters(NamedTuple):
     Hc0: float  # thickness, m; 0 for a bare plate
     rho_c: float  # density, kg/m^3
     Ec: float  # Young's modulus, Pa
-    Yc0: float  # flow stress of the intact ceramic, Pa
+    Yc0: float  # flow stress of the intact ceramic, Pa; by a law, where both layers are D0 thick
+    # law of its flow stress, see `armour.core.equations.intact_strength`; all 0 for the paper's constant
+    n_B: float  # exponent of Hb/D0
+    n_cB: float  # exponent of Hc0 Hb/D0^2
+    a_c: float  # slope by Hc0/D0
+    a_B: float  # slope by Hb/D0
     # back plate
     Hb: float  # thickness, m
     rho_B: float  # density, kg/m^3

@@ -3,7 +3,7 @@
 from math import sqrt
 
 from armour.core import equations as eq
-from armour.core.stages import mass_ahead, medium_ahead
+from armour.core.stages import mass_ahead, medium_ahead, with_intact_strength
 from armour.core.state import Medium, Parameters, Stage, State
 
 # Default steps per characteristic time of the motion.
@@ -31,6 +31,7 @@ def default_time_step(p: Parameters, Vi: float) -> float:
     projectile decelerating, and the target accelerating.  All scale as 1/size, so similar impacts take equal numbers
     of steps.
     """
+    p = with_intact_strength(p)
     Y = max(p.YB, p.Yc0) if p.Hc0 > 0.0 else p.YB
     crossing = Vi / min(p.D0, p.Hc0 + p.Hb)
     slowing = min(Y, p.Yp) / (p.rho_p * p.L0 * Vi)

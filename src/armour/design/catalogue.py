@@ -74,8 +74,8 @@ class Catalogue:
     required_m_s: Floats  # velocities that the ballistic limits must reach, (threats,)
     bounded: bool  # whether a threat bounds the probability of perforation
     offers: tuple[Offer, ...]
-    layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, 13)
-    projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, 13)
+    layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, fields)
+    projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, fields)
     inputs: tuple[Mapping[str, float], ...]  # inputs that each material and projectile has at least once
 
     def against(self, pair: int, threat: int) -> Scenario:

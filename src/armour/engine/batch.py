@@ -62,17 +62,17 @@ DEFAULT_OPTIONS = SolverOptions()
 
 
 def packed(armours: Sequence[Parameters]) -> Floats:
-    """Return parameters as rows of an array of shape (n, 13), in the order of the fields of `Parameters`."""
+    """Return parameters as rows of an array with a column for each field of `Parameters`."""
     return np.array(armours, dtype=np.float64).reshape(len(armours), len(Parameters._fields))
 
 
 def fields(rows: Floats) -> Any:
-    """Return the columns of an array of shape (n, 13) as `Parameters` of views of shape (n,)."""
+    """Return the columns of an array of packed parameters as `Parameters` of views of shape (n,)."""
     return Parameters(*rows.T)
 
 
 def impacts(rows: Floats, velocities: Floats, options: SolverOptions = DEFAULT_OPTIONS) -> Impacts:
-    """Compute the impacts of n armours, shape (n, 13), at n velocities, m/s; see `armour.core.run.run`."""
+    """Compute the impacts of n armours, see `packed`, at n velocities, m/s; see `armour.core.run.run`."""
     counts, ends = _computed("impacts", [rows, velocities], options[:3], 6, options.threads)
     t, Z, L, V, W, h = ends.T
     return Impacts(counts[:, 0], t, Z, L, V, W, h, counts[:, 1])

@@ -46,7 +46,9 @@ def replace_ceramic_thickness(p: Any, Hc0: Any) -> Any:  # noqa: ARG001 (numba g
 def parameters_at(rows: Any, i: int) -> Parameters:
     """Return row i as `Parameters`."""
     r = rows[i]
-    return Parameters(r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], r[9], r[10], r[11], int(r[12]))
+    return Parameters(
+        r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], r[9], r[10], r[11], r[12], r[13], r[14], r[15], int(r[16])
+    )  # fmt: skip
 
 
 def impacts(rows: Any, velocities: Any, settings: Any, counts: Any, ends: Any) -> None:

@@ -95,6 +95,10 @@ class CeramicUncertainty(Section):
     density_kg_m3: Distribution | None = None
     youngs_modulus_GPa: Distribution | None = None
     flow_stress_GPa: Distribution | None = None
+    flow_stress_backing_exponent: Distribution | None = None
+    flow_stress_product_exponent: Distribution | None = None
+    flow_stress_ceramic_slope: Distribution | None = None
+    flow_stress_backing_slope: Distribution | None = None
 
 
 class BackingUncertainty(Section):

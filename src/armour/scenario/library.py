@@ -54,6 +54,7 @@ Mass = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e9), NOT_TINY]], _Numb
 Density = Annotated[Value[Annotated[float, Field(ge=100.0, le=30000.0)]], _NumberOrTable]
 StressGPa = Annotated[Value[Annotated[float, Field(ge=0.001, le=1000.0)]], _NumberOrTable]
 StressMPa = Annotated[Value[Annotated[float, Field(ge=1.0, le=1e6)]], _NumberOrTable]
+Coefficient = Annotated[Value[Annotated[float, Field(ge=-3.0, le=3.0)]], _NumberOrTable]
 Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0), NOT_TINY]], _NumberOrTable]
 
 
@@ -86,6 +87,10 @@ class Ceramic(Entry):
     density_kg_m3: Density | None = None
     youngs_modulus_GPa: StressGPa | None = None
     flow_stress_GPa: StressGPa | None = None
+    flow_stress_backing_exponent: Coefficient | None = None
+    flow_stress_product_exponent: Coefficient | None = None
+    flow_stress_ceramic_slope: Coefficient | None = None
+    flow_stress_backing_slope: Coefficient | None = None
 
 
 class Metal(Entry):
@@ -102,7 +107,16 @@ class Metal(Entry):
 Kind = Literal["projectile", "ceramic", "metal"]
 KINDS: dict[Kind, type[Entry]] = {"projectile": Projectile, "ceramic": Ceramic, "metal": Metal}
 # Keys that the model does not use: data of the whole projectile, and properties for the closed forms.
-OPTIONAL = ("caliber_mm", "projectile_mass_g", "ultimate_tensile_strength_MPa", "strain_to_fracture")
+UNUSED = ("caliber_mm", "projectile_mass_g", "ultimate_tensile_strength_MPa", "strain_to_fracture")
+# Coefficients of the law of a ceramic's flow stress, see `armour.core.equations.intact_strength`; 0 where absent.
+FLOW_STRESS_LAW = (
+    "flow_stress_backing_exponent",
+    "flow_stress_product_exponent",
+    "flow_stress_ceramic_slope",
+    "flow_stress_backing_slope",
+)
+# Keys that an entry may lack.
+OPTIONAL = (*UNUSED, *FLOW_STRESS_LAW)
 
 # Defaults for metals: multiples of the dynamic yield strength in MPa, and their source.
 DEFAULTS = {

@@ -10,7 +10,7 @@ from operator import ge, gt, itemgetter, le, lt
 from typing import TYPE_CHECKING, Any
 
 from armour.errors import InputError, Problem, choices, refuse
-from armour.scenario.library import KINDS, ROD, Entry, Kind, LibraryEntry, is_rod
+from armour.scenario.library import FLOW_STRESS_LAW, KINDS, ROD, Entry, Kind, LibraryEntry, is_rod
 from armour.scenario.messages import NOT_TINY, NUMBER, TINY, Section, key_name, model_in
 from armour.scenario.schema import ArmourSection, Impact
 from armour.units import GPA, MM, MPA, missing_unit
@@ -38,6 +38,10 @@ FIELDS: dict[str, tuple[str, float] | None] = {
     "ceramic.density_kg_m3": ("rho_c", 1.0),
     "ceramic.youngs_modulus_GPa": ("Ec", GPA),
     "ceramic.flow_stress_GPa": ("Yc0", GPA),
+    **{
+        f"ceramic.{key}": (field, 1.0)
+        for key, field in zip(FLOW_STRESS_LAW, ("n_B", "n_cB", "a_c", "a_B"), strict=True)
+    },
     "backing.density_kg_m3": ("rho_B", 1.0),
     YIELD: None,
     "backing.flow_stress_GPa": ("YB", GPA),
@@ -68,8 +72,8 @@ def entry_of(scenario: "Scenario", role: str) -> LibraryEntry | None:
 def inputs_of(scenario: "Scenario") -> dict[str, float]:
     """Return the values of the inputs that a scenario has, by name.
 
-    A bare plate has no inputs of the ceramic.  The yield strength is an input only if other properties of the metal
-    are derived from it.
+    A bare plate has no inputs of the ceramic.  The coefficients of a law of its flow stress are inputs only if its
+    entry has them, and the yield strength only if other properties of the metal are derived from it.
     """
     entries = {role: entry_of(scenario, role) for role in ROLES}
     found = {}

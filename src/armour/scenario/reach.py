@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from armour.errors import Problem, choices, refuse, suggestion
 from armour.scenario.assignments import leaves, parts_of
-from armour.scenario.library import OPTIONAL, Kind
+from armour.scenario.library import UNUSED, Kind
 from armour.scenario.messages import key_name
 from armour.scenario.parameters import CERAMIC, INPUTS, NAMES, ROLES, bases_of, inputs_of, name_of
 from armour.scenario.toml_lines import upwards
@@ -74,7 +74,7 @@ def check_reach(
         section, *rest = parts_of(key)
         name = key if key in INPUTS else _input_of(scenario, rest) if section == "library" else ""
         counts = name.split(".")[0] in ROLES or not read.isdisjoint(upwards(key))
-        if not counts and not (closed_forms and {*rest} & {*OPTIONAL}):
+        if not counts and not (closed_forms and {*rest} & {*UNUSED}):
             used = ", ".join(f'{role} "{name_of(scenario, role)}"' for role in ROLES if name_of(scenario, role))
             hint = f"; the scenario has the {used}" if section == "library" else ""
             problems.append(Problem(file, key, NO_EFFECT + hint))

@@ -82,7 +82,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     InputError
         If the scenario has a grid with a ceramic thickness, but no ceramic, or a run does not end.
     """
-    own = {name: value for name, value in inputs_of(scenario).items() if value > 0.0}
+    own = {name: value for name, value in inputs_of(scenario).items() if value != 0.0}
     # Each change makes variants of its own, as values derived from one input must not be fixed by the others.
     changed = [
         variants_of(scenario, {name: np.array([value * (1.0 + CHANGE), value * (1.0 - CHANGE)])}, 2)
