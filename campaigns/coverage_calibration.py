@@ -4,7 +4,7 @@
 
 The tests are Wilkins' armours with a known flow stress of the ceramic.  Ballistic limits are normal about the model's,
 with a standard deviation of 15 m/s where it is given to the fit, and of 2 % where it is not.  Limits are interpolated
-between those of a table, to 0.01 m/s, which is checked.
+between those of a table, to 0.01 m/s.
 """
 
 import argparse
@@ -18,6 +18,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from armour.analysis.variants import Floats, Variants, ignore_progress, variants_of
+from armour.core.equations import intact_strength
 from armour.engine.batch import fields
 from armour.scenario.loading import load_scenario
 from armour.scenario.parameters import BACKING, CERAMIC
@@ -69,12 +70,9 @@ class Table:
     def __call__(self, variants: Variants) -> Floats:
         """Return the limits of variants, m/s."""
         p = fields(variants.parameters)
-        return np.array(
-            [
-                self.spline(variants.at(slice(i, i + 1)))(np.log(p.Yc0[i]))
-                for i in range(len(p.Yc0))
-            ]
-        )
+        law = (p.n_B, p.n_cB, p.a_c, p.a_B)
+        strengths = [intact_strength(*row) for row in zip(p.Yc0, p.D0, p.Hc0, p.Hb, *law, strict=True)]
+        return np.array([self.spline(variants.at(slice(i, i + 1)))(np.log(Y)) for i, Y in enumerate(strengths)])
 
     def spline(self, variant: Variants) -> CubicSpline:
         """Return the limits of an armour by the logarithm of the flow stress."""
@@ -82,7 +80,10 @@ class Table:
         key = float(p.Hc0[0]), float(p.Hb[0])
         if key not in self.splines:
             rows = variant.at(np.zeros(len(TABLE_GPA), dtype=int))
-            fields(rows.parameters).Yc0[:] = TABLE_GPA * GPA
+            p = fields(rows.parameters)
+            p.Yc0[:] = TABLE_GPA * GPA
+            for coefficient in (p.n_B, p.n_cB, p.a_c, p.a_B):
+                coefficient[:] = 0.0
             self.splines[key] = CubicSpline(np.log(TABLE_GPA * GPA), self.model(rows))
         return self.splines[key]
 

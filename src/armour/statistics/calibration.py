@@ -267,7 +267,9 @@ def left_out_errors(result: CalibrationResult) -> LeftOutErrors:
     -------
     LeftOutErrors
     """
-    found = [r.measured / r.left_out - 1.0 for r in result.residuals if r.quantity == LIMIT and not r.bound and r.left_out]
+    found = [
+        r.measured / r.left_out - 1.0 for r in result.residuals if r.quantity == LIMIT and not r.bound and r.left_out
+    ]
     number = len(found)
     mean = float(np.mean(found)) if number else np.nan
     deviation = float(np.std(found, ddof=1)) if number > 1 else np.nan

@@ -2,6 +2,7 @@
 
 from typing import Any, Literal
 
+from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import key_name
 from armour.scenario.parameters import entry_of
@@ -17,18 +18,17 @@ LAWS: dict[Law, tuple[str, ...]] = {
     "product": ("flow_stress_product_exponent",),
     "linear": ("flow_stress_ceramic_slope", "flow_stress_backing_slope"),
 }
-KEYS = tuple(dict.fromkeys(key for keys in LAWS.values() for key in keys))
 
 
 def law_of(scenario: Scenario) -> str:
     """Return the law of the scenario's ceramic; several laws at once are "combined"."""
-    nonzero = {key for key in KEYS if _value(scenario, key)}
+    nonzero = {key for key in FLOW_STRESS_LAW if _value(scenario, key)}
     return next((law for law, keys in LAWS.items() if nonzero == set(keys)), "combined")
 
 
 def with_law(scenario: Scenario, law: Law) -> Scenario:
     """Return the scenario with the coefficients of one law, 0 where its ceramic lacks them, and of no other."""
-    changes = {key: 0.0 for key in KEYS if (key in LAWS[law]) != bool(_value(scenario, key))}
+    changes = {key: 0.0 for key in FLOW_STRESS_LAW if (key in LAWS[law]) != bool(_value(scenario, key))}
     return with_ceramic(scenario, changes) if changes else scenario
 
 

@@ -16,9 +16,9 @@ from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, OnProgress, Variants, perforated, variants_of
 from armour.errors import Problem, refuse
+from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, NAMES, VELOCITY, check_names, inputs_of, name_of
-from armour.statistics.flow_stress_laws import KEYS
 from armour.statistics.test_data import LIMIT, MASS, RESIDUAL, Tests
 
 # Bounds of an input in units of the scenario's own value; of a coefficient of a law, which may be negative.
@@ -168,7 +168,7 @@ def fit_inputs(tests: Tests, scenario: Scenario, inputs: Sequence[str], on_progr
     """Fit inputs of a scenario to tests, from several starting points; see `armour.statistics.calibration.calibrate`."""
     _check(tests, scenario, inputs)
     own = inputs_of(tests.groups[0].scenario)
-    of_law = np.array([name.partition(".")[2] in KEYS for name in inputs])
+    of_law = np.array([name.partition(".")[2] in FLOW_STRESS_LAW for name in inputs])
     likelihood = Likelihood(
         tests,
         tuple(inputs),
