@@ -33,7 +33,7 @@ GIVEN_M_S, RELATIVE = 15.0, 0.02
 # Wilkins' armours of which limits are measured, in the cases with few.
 SIX = (0, 3, 4, 8, 9, 12)
 # Flow stresses of the table, GPa.
-TABLE_GPA = np.geomspace(0.2, 60.0, 400)
+TABLE_GPA = np.geomspace(0.2, 60.0, 200)
 
 
 @dataclass(frozen=True)

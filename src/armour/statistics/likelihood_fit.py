@@ -32,8 +32,8 @@ DIFFERENCE = 1e-4
 SMALL_CHANGE = 1e-3
 # Values this close to each other are equal.
 EQUAL = 1e-3
-# Range of the common relative standard deviation of the measurements.
-MIN_SCATTER, MAX_SCATTER = 1e-6, 10.0
+# Range of the scatter, and relative accuracy of the most likely one.
+SCATTERS, SCATTER_TOLERANCE = (1e-6, 10.0), 1e-4
 # Least p value of a fit that the uncertainties given explain.
 MIN_P_VALUE = 0.05
 # Fewer degrees of freedom give no p value.
@@ -88,7 +88,7 @@ class Likelihood(NamedTuple):
         return found
 
     def predicted(self, x: Floats) -> Floats:
-        """Return the model's values of the m measurements, given inputs in their units, (k,) or, test by test, (k, n)."""
+        """Return the model's values of the m measurements; inputs are in their units, (k,) or, test by test, (k, n)."""
         measurements = self.tests.measurements
         found = np.empty(len(measurements))
         of_test = np.array([m.test for m in measurements])
@@ -165,7 +165,7 @@ class Fit(NamedTuple):
 
 
 def fit_inputs(tests: Tests, scenario: Scenario, inputs: Sequence[str], on_progress: OnProgress) -> Fit:
-    """Fit inputs of a scenario to tests, from several starting points; see `armour.statistics.calibration.calibrate`."""
+    """Fit inputs of a scenario to tests, from several starts; see `armour.statistics.calibration.calibrate`."""
     _check(tests, scenario, inputs)
     own = inputs_of(tests.groups[0].scenario)
     of_law = np.array([name.partition(".")[2] in FLOW_STRESS_LAW for name in inputs])
@@ -213,18 +213,19 @@ def search(likelihood: Likelihood, start: Floats, held: int | None = None) -> Po
             ).x
         return deviations_at(tuple(x[free].tolist()))
 
-    deviations = moved(1.0)
-    scatter = _scatter(likelihood, deviations)
-    if likelihood.scatters and sides.any() and len(free):
-        # The most likely inputs depend on the scatter through the outcomes.
-        found = minimize_scalar(
-            lambda log_scatter: _lost(moved(exp(log_scatter)), sides, exp(log_scatter)),
-            bracket=(log(scatter), log(scatter) + 0.3),
-            tol=1e-5,
-        )
-        scatter = exp(found.x)
-        deviations = moved(scatter)
-    return Point(x, scatter, _lost(deviations, sides, scatter))
+    if not likelihood.scatters or not sides.any():
+        # The scatter has no effect on the most likely inputs.
+        deviations = moved(1.0)
+        scatter = float(np.clip(np.sqrt(np.mean(deviations**2)), *SCATTERS)) if likelihood.scatters else 1.0
+        return Point(x, scatter, _lost(deviations, sides, scatter))
+
+    def profile(log_scatter: float) -> float:
+        return _lost(moved(exp(log_scatter)), sides, exp(log_scatter))
+
+    ends = log(SCATTERS[0]), log(SCATTERS[1])
+    found = minimize_scalar(profile, bounds=ends, options={"xatol": SCATTER_TOLERANCE})
+    profile(float(found.x))
+    return Point(x, exp(found.x), float(found.fun))
 
 
 def _losses(z: Floats, sides: Floats) -> Floats:
@@ -235,18 +236,6 @@ def _losses(z: Floats, sides: Floats) -> Floats:
 def _lost(deviations: Floats, sides: Floats, scatter: float) -> float:
     """Return -2 times the logarithm of the likelihood, but for what does not depend on inputs and scatter."""
     return float((_losses(deviations / scatter, sides) ** 2).sum() + 2.0 * (sides == 0).sum() * log(scatter))
-
-
-def _scatter(likelihood: Likelihood, deviations: Floats) -> float:
-    """Return the most likely scatter given the deviations."""
-    if not likelihood.scatters:
-        return 1.0
-    ends = log(MIN_SCATTER), log(MAX_SCATTER)
-    sides = likelihood.sides
-    if sides.any():
-        found = minimize_scalar(lambda log_scatter: _lost(deviations, sides, exp(log_scatter)), bounds=ends)
-        return exp(found.x)
-    return float(np.clip(np.sqrt(np.mean(deviations**2)), MIN_SCATTER, MAX_SCATTER))
 
 
 def _judged(likelihood: Likelihood, best: Point, starts: int, agreeing: int) -> Fit:
@@ -324,55 +313,62 @@ def intervals(fit: Fit) -> tuple[Coefficient, ...]:
     """Return the coefficients with their profile-likelihood intervals, or why the tests do not identify them."""
     likelihood, found = fit.likelihood, []
     for i, name in enumerate(likelihood.names):
-        value, unit = float(fit.best.x[i]), float(likelihood.units[i])
-        error = sqrt(max(float(fit.covariance[i, i]), 0.0))
-        low, high = (_end(fit, i, end, error) for end in (likelihood.lower[i], likelihood.upper[i]))
+        unit, error = float(likelihood.units[i]), sqrt(max(float(fit.covariance[i, i]), 0.0))
+        bounds = float(likelihood.lower[i]), float(likelihood.upper[i])
+        (low, flat_below), (high, flat_above) = (_end(fit, i, bound, error) for bound in bounds)
         ends = (None if low is None else low * unit, None if high is None else high * unit)
         reason = ""
         if ends == (None, None):
             reason = "the tests bound it neither above nor below"
-        elif not likelihood.lower[i] + EQUAL < value < likelihood.upper[i] - EQUAL:
-            reason = f"the fit runs to {value * unit:.3g}, the end of the range of the search"
+        elif flat_below or flat_above:
+            bound = bounds[0 if flat_below else 1]
+            reason = f"the tests fit as well at {bound * unit:.3g}, the end of the range of the search"
         if reason:
             found.append(Coefficient(name, None, None if ends == (None, None) else ends, reason))
         else:
-            found.append(Coefficient(name, value * unit, ends, standard_error=error * unit))
+            found.append(Coefficient(name, float(fit.best.x[i]) * unit, ends, standard_error=error * unit))
     return tuple(found)
 
 
-def _end(fit: Fit, index: int, bound: float, error: float) -> float | None:
-    """Return the end of an interval towards a bound; None where the likelihood does not fall enough on the way."""
-    last = fit.best.x.copy()
+def _end(fit: Fit, index: int, bound: float, error: float) -> tuple[float | None, bool]:
+    """Return the end of an interval towards a bound; None where the likelihood does not fall enough on the way.
+
+    Return also whether the likelihood is as great at the bound as at the estimate.
+    """
+    likelihood, best = fit.likelihood, fit.best
+    # Changes of the other inputs that follow a change of this one.
+    others = np.arange(len(best.x)) != index
+    slopes = np.linalg.lstsq(fit.rows[:, others], -fit.rows[:, index], rcond=1e-6)[0]
 
     @cache
     def excess(value: float) -> float:
-        last[index] = value
-        point = search(fit.likelihood, last, held=index)
-        last[:] = point.x
-        return point.lost - fit.best.lost - fit.threshold
+        start = best.x.copy()
+        start[index], start[others] = value, start[others] + slopes * (value - best.x[index])
+        start = np.clip(start, likelihood.lower, likelihood.upper)
+        return search(likelihood, start, held=index).lost - best.lost - fit.threshold
 
-    near, step = float(fit.best.x[index]), min(max(FIRST_STEP * error, DIFFERENCE), 1.0)
+    near, step = float(best.x[index]), min(max(FIRST_STEP * error, DIFFERENCE), 1.0)
     tolerance = END_TOLERANCE * step
     while near != bound:
         far = min(near + step, bound) if bound > near else max(near - step, bound)
         if excess(far) > 0.0:
-            return float(brentq(excess, near, far, xtol=tolerance))
+            return float(brentq(excess, near, far, xtol=tolerance)), False
         near, step = far, 2.0 * step
-    return None
+    return None, excess(bound) + fit.threshold < EQUAL
 
 
 def without(fit: Fit, kept: Bools) -> Floats:
     """Return the inputs fitted to some of the measurements, in their units, (k,), given the fit to all of them.
 
-    A small change is Newton's step from the fit to all, whose error is of the second order; else the search is repeated.
+    A small change is Newton's step from the fit to all, with an error of second order; else the search is repeated.
     """
     likelihood = fit.likelihood._replace(kept=kept)
-    if not (likelihood.scatters and likelihood.sides.any()):
-        change = np.linalg.lstsq(fit.rows[kept], -fit.residuals[kept], rcond=1e-6)[0]
-        x: Floats = fit.best.x + change
-        if (np.abs(change) <= SMALL_CHANGE).all() and ((likelihood.lower < x) & (x < likelihood.upper)).all():
-            return x
-    return search(likelihood, fit.best.x).x
+    change = np.linalg.lstsq(fit.rows[kept], -fit.residuals[kept], rcond=1e-6)[0]
+    x: Floats = np.clip(fit.best.x + change, likelihood.lower, likelihood.upper)
+    follows_scatter = likelihood.scatters and likelihood.sides.any()
+    if (np.abs(x - fit.best.x) <= SMALL_CHANGE).all() and not follows_scatter:
+        return x
+    return search(likelihood, x).x
 
 
 def _check(tests: Tests, scenario: Scenario, inputs: Sequence[str]) -> None:
