@@ -71,8 +71,12 @@ class Table:
         """Return the limits of variants, m/s."""
         p = fields(variants.parameters)
         law = (p.n_B, p.n_cB, p.a_c, p.a_B)
-        strengths = [intact_strength(*row) for row in zip(p.Yc0, p.D0, p.Hc0, p.Hb, *law, strict=True)]
-        return np.array([self.spline(variants.at(slice(i, i + 1)))(np.log(Y)) for i, Y in enumerate(strengths)])
+        strengths = np.array([intact_strength(*row) for row in zip(p.Yc0, p.D0, p.Hc0, p.Hb, *law, strict=True)])
+        found = np.empty(len(strengths))
+        for armour in {*zip(p.Hc0.tolist(), p.Hb.tolist(), strict=True)}:
+            rows = np.flatnonzero((p.Hc0 == armour[0]) & (p.Hb == armour[1]))
+            found[rows] = self.spline(variants.at(rows[:1]))(np.log(strengths[rows]))
+        return found
 
     def spline(self, variant: Variants) -> CubicSpline:
         """Return the limits of an armour by the logarithm of the flow stress."""

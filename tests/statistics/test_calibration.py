@@ -1,5 +1,6 @@
 """Calibration against Wilkins' tests and against tests made by the model itself."""
 
+from math import log
 from pathlib import Path
 
 import numpy as np
@@ -89,7 +90,7 @@ def test_aicc_is_that_of_a_regression(all_laws: CalibrationResult, wilkins: Scen
 
     def of(result: CalibrationResult) -> float:
         unknown = len(result.coefficients) + 1
-        return 13 * np.log(result.chi_squared / 13) + 2 * unknown + 2 * unknown * (unknown + 1) / (12 - unknown)
+        return 13 * log(result.chi_squared / 13) + 2 * unknown + 2 * unknown * (unknown + 1) / (12 - unknown)
 
     assert constant.aicc is not None
     assert all_laws.aicc is not None
@@ -131,20 +132,21 @@ def test_limits_velocities_masses_and_bounds_together(tmp_path: Path, wilkins: S
     truth = with_inputs(wilkins, {FLOW_STRESS: 4.6, TAU: 300.0})
     shot = simulate(truth.replaced({V: 850.0}))
     rows = [
-        f"a,5,8,,{limit(truth, c=5.0, b=8.0):.5f},,,",
-        f"b,9,4,,{limit(truth, c=9.0, b=4.0):.5f},,,",
-        f"c,6.35,6.35,850,,{shot.residual_velocity_m_s:.6f},{shot.residual_mass_g:.7f},",
-        f"d,6.35,6.35,{limit(truth) + 20.0:.2f},,,,perforated",
-        f"e,6.35,6.35,{limit(truth) - 20.0:.2f},,,,defeated",
+        f"a,5,8,,{limit(truth, c=5.0, b=8.0):.5f},,,,2,,",
+        f"b,9,4,,{limit(truth, c=9.0, b=4.0):.5f},,,,2,,",
+        f"c,6.35,6.35,850,,{shot.residual_velocity_m_s:.6f},{shot.residual_mass_g:.7f},,,2,0.01",
+        f"d,6.35,6.35,{limit(truth) + 20.0:.2f},,,,perforated,2,,",
+        f"e,6.35,6.35,{limit(truth) - 20.0:.2f},,,,defeated,2,,",
     ]
     header = f"test,{C},{B},{V},ballistic_limit_m_s,residual_velocity_m_s,residual_mass_g,outcome"
+    header += ",ballistic_limit_uncertainty_m_s,residual_velocity_uncertainty_m_s,residual_mass_uncertainty_g"
     result = calibrate(read_tests(csv_file(tmp_path / "t.csv", header, *rows), wilkins), wilkins, [FLOW_STRESS, TAU])
     assert [c.estimate for c in result.coefficients] == pytest.approx([4.6, 300.0], rel=1e-3)
     assert [(r.test, r.bound, r.met) for r in result.residuals if r.bound] == [
         ("d", "at most", True),
         ("e", "at least", True),
     ]
-    assert result.degrees_of_freedom == 2
+    assert result.degrees_of_freedom == pytest.approx(2.0)
 
 
 def test_a_bound_that_is_not_met_pulls(tmp_path: Path, wilkins: Scenario):

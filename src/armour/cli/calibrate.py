@@ -15,7 +15,7 @@ def calibrate(
     scenario: ScenarioFile,
     fit: Annotated[
         list[str] | None,
-        option("Input to fit, ceramic.flow_stress_GPa by default; may be given several times.", metavar="INPUT"),
+        option("Input to fit; may be given several times. By default the ceramic's flow stress.", metavar="INPUT"),
     ] = None,
     law: Annotated[
         Literal["constant", "ceramic", "backing", "product", "linear", "all"] | None,

@@ -203,11 +203,15 @@ def search(likelihood: Likelihood, start: Floats, held: int | None = None) -> Po
         def losses(some: Floats) -> Floats:
             return _losses(deviations_at(tuple(some.tolist())) / scatter, sides)
 
+        def slopes(some: Floats) -> Floats:
+            found: Floats = approx_fprime(some, losses, DIFFERENCE)
+            return found
+
         if len(free):
             x[free] = least_squares(
                 losses,
                 x[free],
-                jac=lambda some: approx_fprime(some, losses, DIFFERENCE),
+                jac=slopes,
                 bounds=(likelihood.lower[free], likelihood.upper[free]),
                 xtol=1e-10,
             ).x
