@@ -22,9 +22,9 @@ def calibrate(
         typer.Option(
             metavar="LAW",
             show_default=False,
-            help="Ceramic flow stress: constant; linear in the thickness of the ceramic; a power of the thickness of "
-            "the backing or of the product of both; linear in both; or all, to compare them. "
-            "By default the law of the scenario, kept.",
+            help="Law of the ceramic's flow stress: constant, ceramic (linear in its thickness), backing (a power of "
+            "the back plate's), product (a power of both), linear (in both), or all, to compare them; "
+            "by default that of the scenario.",
         ),
     ] = None,
     library: Annotated[

@@ -33,7 +33,7 @@ SMALL_CHANGE = 1e-3
 # Values this close to each other are equal.
 EQUAL = 1e-3
 # Range of the scatter, and relative accuracy of the most likely one.
-SCATTERS, SCATTER_TOLERANCE = (1e-6, 10.0), 1e-4
+SCATTERS, SCATTER_TOLERANCE = (1e-6, 1.0), 1e-3
 # Least p value of a fit that the uncertainties given explain.
 MIN_P_VALUE = 0.05
 # Fewer degrees of freedom give no p value.
@@ -186,8 +186,8 @@ def fit_inputs(tests: Tests, scenario: Scenario, inputs: Sequence[str], on_progr
     return _judged(likelihood, best, len(ends), agreeing)
 
 
-def search(likelihood: Likelihood, start: Floats, held: int | None = None) -> Point:
-    """Return the most likely inputs by a search from a starting point; one of them may be held."""
+def search(likelihood: Likelihood, start: Floats, held: int | None = None, scatter: float | None = None) -> Point:
+    """Return the most likely inputs by a search from a starting point; one of them, and the scatter, may be held."""
     free = np.flatnonzero(np.arange(len(start)) != held)
     sides, x = likelihood.sides, start.copy()
 
@@ -217,19 +217,17 @@ def search(likelihood: Likelihood, start: Floats, held: int | None = None) -> Po
             ).x
         return deviations_at(tuple(x[free].tolist()))
 
-    if not likelihood.scatters or not sides.any():
-        # The scatter has no effect on the most likely inputs.
-        deviations = moved(1.0)
-        scatter = float(np.clip(np.sqrt(np.mean(deviations**2)), *SCATTERS)) if likelihood.scatters else 1.0
-        return Point(x, scatter, _lost(deviations, sides, scatter))
-
     def profile(log_scatter: float) -> float:
         return _lost(moved(exp(log_scatter)), sides, exp(log_scatter))
 
-    ends = log(SCATTERS[0]), log(SCATTERS[1])
-    found = minimize_scalar(profile, bounds=ends, options={"xatol": SCATTER_TOLERANCE})
-    profile(float(found.x))
-    return Point(x, exp(found.x), float(found.fun))
+    if sides.any() and likelihood.scatters and scatter is None:
+        ends = log(SCATTERS[0]), log(SCATTERS[1])
+        scatter = exp(minimize_scalar(profile, bounds=ends, options={"xatol": SCATTER_TOLERANCE}).x)
+    # Without outcomes the scatter has no effect on the most likely inputs.
+    deviations = moved(scatter if scatter and sides.any() else 1.0)
+    if scatter is None:
+        scatter = float(np.clip(np.sqrt(np.mean(deviations**2)), *SCATTERS)) if likelihood.scatters else 1.0
+    return Point(x, scatter, _lost(deviations, sides, scatter))
 
 
 def _losses(z: Floats, sides: Floats) -> Floats:
@@ -362,17 +360,16 @@ def _end(fit: Fit, index: int, bound: float, error: float) -> tuple[float | None
 
 
 def without(fit: Fit, kept: Bools) -> Floats:
-    """Return the inputs fitted to some of the measurements, in their units, (k,), given the fit to all of them.
+    """Return the inputs fitted to some of the measurements, in their units, (k,), given the fit to all, and its scatter.
 
     A small change is Newton's step from the fit to all, with an error of second order; else the search is repeated.
     """
     likelihood = fit.likelihood._replace(kept=kept)
     change = np.linalg.lstsq(fit.rows[kept], -fit.residuals[kept], rcond=1e-6)[0]
     x: Floats = np.clip(fit.best.x + change, likelihood.lower, likelihood.upper)
-    follows_scatter = likelihood.scatters and likelihood.sides.any()
-    if (np.abs(x - fit.best.x) <= SMALL_CHANGE).all() and not follows_scatter:
+    if (np.abs(x - fit.best.x) <= SMALL_CHANGE).all():
         return x
-    return search(likelihood, x).x
+    return search(likelihood, x, scatter=fit.best.scatter).x
 
 
 def _check(tests: Tests, scenario: Scenario, inputs: Sequence[str]) -> None:
