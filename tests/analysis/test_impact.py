@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import pytest
 
+from armour.analysis.energy import energy_balance
 from armour.analysis.impact import simulate, time_step
 from armour.errors import InputError
 from tests.helpers.cases import SCENARIOS, scenario
@@ -18,6 +19,18 @@ def test_a_perforation():
     assert result.residual_mass_g == pytest.approx(5.46 * result.residual_length_mm / 20.96073, rel=1e-6)
     assert result.areal_density_kg_m2 == pytest.approx(39.243)
     assert [stage.stage for stage in result.stages] == ["i", "ii.1", "iii.3", "iii.4"]
+
+
+def test_a_law_of_the_flow_stress_is_in_every_result():
+    """On a back plate two diameters thick it doubles the flow stress; the history and the energy follow it too."""
+    entry = {"based_on": "AD85", "flow_stress_backing_exponent": 1.0}
+    doubled = {"based_on": "AD85", "flow_stress_GPa": 10.4}
+    cases = [scenario(backing_mm=13.0, velocity=1100.0, library={"ceramic": {"AD85": e}}) for e in (entry, doubled)]
+    one, other = (simulate(case, history=True) for case in cases)
+    assert one.to_dict() == other.to_dict()
+    assert one.history is not None
+    assert one.history.interface_force_kN.tolist() == other.history.interface_force_kN.tolist()  # type: ignore[union-attr]
+    assert energy_balance(cases[0], one) == energy_balance(cases[1], other)
 
 
 def test_a_defeat():

@@ -15,6 +15,25 @@ def test_crack_velocity_is_a_fifth_of_the_bar_wave():
     assert isclose(eq.crack_velocity(267e9, 3430.0), 1764.5687, rel_tol=1e-7)
 
 
+@pytest.mark.parametrize(
+    ("law", "factor"),
+    [
+        ((0.0, 0.0, 0.0, 0.0), 1.0),
+        ((2.0, 0.0, 0.0, 0.0), 0.25),
+        ((0.0, -0.5, 0.0, 0.0), 1.0),
+        ((0.0, 0.0, 0.2, 0.0), 1.2),
+        ((0.0, 0.0, 0.0, -0.5), 1.25),
+        ((-1.0, 3.0, 0.5, 0.2), 2.0 * 1.0 * (1.0 + 0.5 - 0.1)),
+        ((-3.0, 0.0, 3.0, 0.0), 20.0),
+        ((0.0, 0.0, -3.0, 0.0), 0.05),
+    ],
+)
+def test_intact_strength_by_a_law(law: tuple[float, float, float, float], factor: float):
+    """Ceramic two diameters thick on a plate of half a diameter; the factor is limited to 0.05 and 20."""
+    assert isclose(eq.intact_strength(5e9, 8.0, 16.0, 4.0, *law), 5e9 * factor)
+    assert eq.intact_strength(5e9, 8.0, 8.0, 8.0, *law) == 5e9
+
+
 def test_fragmented_strength_is_the_intact_one_when_the_ceramic_has_just_cracked():
     assert eq.fragmented_strength(5.2e9, 750.0, 0.0, 750.0) == 5.2e9
 

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import pytest
 
-from armour.core.equations import crack_velocity
+from armour.core.equations import crack_velocity, intact_strength
 from armour.core.run import Instant, run
 from armour.core.state import Medium, Outcome
 from armour.core.stepping import default_time_step
@@ -25,6 +25,19 @@ def test_the_events_of_the_wilkins_case():
     assert together.y.W == together.y.V
     assert end.outcome == Outcome.PERFORATED
     assert pytest.approx(p.Hc0 + p.Hb, rel=1e-13) == end.y.Z
+
+
+def test_a_law_of_the_flow_stress_is_the_flow_stress_that_it_gives():
+    p = armour(ceramic_mm=9.0)
+    law = p._replace(n_B=0.3, n_cB=-0.2, a_c=0.1, a_B=-0.05)
+    Yc0 = intact_strength(p.Yc0, p.D0, p.Hc0, p.Hb, law.n_B, law.n_cB, law.a_c, law.a_B)
+    assert 0.1e9 < abs(Yc0 - p.Yc0) < 1e9
+    assert traced(law, 800.0) == traced(p._replace(Yc0=Yc0), 800.0)
+
+
+def test_a_bare_plate_has_no_law():
+    bare = armour(ceramic=None, ceramic_mm=0.0)
+    assert traced(bare._replace(n_B=-3.0, n_cB=-3.0, a_c=3.0), 500.0) == traced(bare, 500.0)
 
 
 def test_time_never_decreases_and_the_state_is_continuous():

@@ -62,6 +62,14 @@ def test_the_least_thickness_is_that_of_bisection(index: int):
     assert found.runs <= 60
 
 
+def test_the_least_thickness_by_a_law_of_the_flow_stress():
+    p = armour()._replace(n_B=0.4, n_cB=-0.3, a_c=0.2, a_B=-0.1)
+    found = find_least_ceramic_thickness(p, 800.0, 0.0, 0.05, 1e-8, 1.0, 0.0, STEPS)
+    assert perforates(p._replace(Hc0=-found.high), 800.0)
+    assert not perforates(p._replace(Hc0=-found.low), 800.0)
+    assert 0.0 < found.high - found.low <= 1e-8
+
+
 def test_a_range_without_a_root():
     p = armour()
     assert find_ballistic_limit(p, scan(20.0, 500.0), 1e-3, 1.0, 0.0, STEPS)[:2] == (500.0, inf)

@@ -13,7 +13,7 @@ from armour.engine import batch
 from armour.errors import InputError, NoDesignError
 from armour.scenario.loading import Scenario
 from tests.helpers.cases import CERAMICS, METALS, RANGE, THREATS, catalogue, scenario
-from tests.helpers.plain_designs import defeats, designs
+from tests.helpers.plain_designs import defeats, designs, posed
 
 GRID = {"ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}, "backing_thickness_mm": RANGE}
 UNCERTAIN = {
@@ -33,6 +33,36 @@ def test_constraints_are_met_and_what_is_added_counts():
     assert best.areal_density_kg_m2 == pytest.approx(lightest["areal_density_kg_m2"] + 1.5)
     assert best.thickness_mm == pytest.approx(lightest["thickness_mm"] + 0.5)
     assert best.cost_per_m2 == pytest.approx(lightest["cost_per_m2"] + 20.0)
+
+
+def test_a_law_of_the_flow_stress_against_penetrators_of_other_diameters():
+    """The lightest design is that of plain runs, and a free ceramic no thicker than needed."""
+    law = {"flow_stress_backing_exponent": 0.4, "flow_stress_product_exponent": -0.2, "flow_stress_ceramic_slope": 0.1}
+    threats = [THREATS[0], {"projectile": "14.5 mm B32", "velocity_m_s": 650.0}]
+    tables = {"ceramic": {"Mine": {"based_on": "AD99.5", **law}}}
+    ceramics = [{"material": name, "thickness_mm": [8.0, 10.0, 12.0, 14.0]} for name in ("AD85", "Mine")]
+    backings = [{"material": "7075-T6", "thickness_mm": [6.0, 9.0, 12.0]}]
+    case = scenario(threat=threats, library=tables, design={"ceramic": ceramics, "backing": backings})
+    assert case.design is not None
+    found = {name: values["areal_density_kg_m2"] for name, values in designs(case, defeats)}
+    least = min(found, key=lambda name: found[name])
+    assert least[0] == "Mine"
+    assert 1 < len(found) < 24
+    best = optimise(case).best
+    assert (best.ceramic, best.backing, best.ceramic_thickness_mm, best.backing_thickness_mm) == least
+
+    free = [{"material": "Mine", "thickness_mm": {"min": 6.0, "max": 20.0}}]
+    best = optimise(case.replaced({"design.ceramic": free})).best
+    layers = case.design.ceramic[1], case.design.backing[0]
+
+    def holds(ceramic_mm: float) -> bool:
+        thick = ceramic_mm, best.backing_thickness_mm
+        return all(
+            defeats(posed(case, *layers, *thick, threat.projectile), threat.required_m_s) for threat in case.threat
+        )
+
+    assert holds(best.ceramic_thickness_mm)
+    assert not holds(best.ceramic_thickness_mm - 2e-6)
 
 
 def test_a_density_in_place_of_the_librarys():

@@ -35,7 +35,7 @@ def test_wrong_distributions(keys: dict[str, Any], message: str):
         ({"samples": 1000}, "must be a power of 2 for Sobol' points, such as 1024, found 1000"),
         ({"samples": 2**21 + 1, "method": "latin hypercube"}, "must be at most 2097152 for a Latin hypercube"),
         ({"correlation": [{"between": PAIR, "coefficient": 1.0}]}, "less than 1"),
-        ({"correlation": [{"between": PAIR, "coefficient": 0.5}] * 92}, "at most 91 items"),
+        ({"correlation": [{"between": PAIR, "coefficient": 0.5}] * 154}, "at most 153 items"),
         ({"correlation": [{"between": [PAIR[0], "hardness"], "coefficient": 0.5}]}, 'found "hardness"'),
         ({"correlation": [{"between": [PAIR[0], PAIR[0]], "coefficient": 0.5}]}, "must name two inputs"),
         ({"correlation": [{"between": PAIR, "coefficient": 0.5}] * 2}, "each two once"),

@@ -102,6 +102,21 @@ def test_every_mistake_in_the_tables_is_reported():
     ]
 
 
+def test_a_law_of_the_flow_stress():
+    """Coefficients are from -3 to 3, may be 0, and are inherited; a ceramic need not have them."""
+    law = {"flow_stress_backing_exponent": -3, "flow_stress_ceramic_slope": {"value": 0.1, "status": "fitted"}}
+    tables = {"a": {"based_on": "AD85", **law}, "b": {"based_on": "a", "flow_stress_backing_exponent": 0}}
+    [entry] = extended({"ceramic": tables}).find("b")
+    assert list(entry.values)[2:] == ["flow_stress_GPa", *law]
+    assert (entry["flow_stress_backing_exponent"], entry["flow_stress_ceramic_slope"]) == (0.0, 0.1)
+    assert messages({"ceramic": {"c": {"based_on": "AD85", "flow_stress_product_exponent": 3.1}}}) == [
+        "f.toml: ceramic.c.flow_stress_product_exponent: must be at most 3, found 3.1"
+    ]
+    assert messages({"metal": {"m": {"based_on": "6061-T6", "flow_stress_backing_slope": -0.5}}}) == [
+        'f.toml: metal.m.flow_stress_backing_slope: unknown key; did you mean "flow_stress_GPa"?'
+    ]
+
+
 def test_bases_that_are_not_there_or_lead_back():
     assert messages({"ceramic": {"a": {"based_on": "AD86"}}}) == [
         'f.toml: ceramic.a.based_on: must name a ceramic of the library, found "AD86"; did you mean "AD85"?'

@@ -26,6 +26,14 @@ def refused(keys: list[str], *sections: str, closed_forms: bool = False, **chang
     return []
 
 
+def test_a_law_of_the_flow_stress_counts_where_the_entry_has_it():
+    law = {"mine": {"based_on": "AD85", "flow_stress_backing_slope": 0.1}, "other": {"based_on": "AD85"}}
+    keys = [f"library.ceramic.{name}.flow_stress_backing_slope" for name in law]
+    for closed_forms in (False, True):
+        assert refused(keys, library={"ceramic": law}, closed_forms=closed_forms) == keys[1:]
+    assert refused(["ceramic.flow_stress_backing_slope"], library={"ceramic": law}) == []
+
+
 @pytest.mark.parametrize(
     ("key", "counts"),
     [

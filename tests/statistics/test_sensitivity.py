@@ -57,6 +57,17 @@ def test_the_limit_is_that_of_the_scenario():
         assert sensitivity(case).answers[LIMIT] == ballistic_limit(case).ballistic_limit_m_s
 
 
+def test_an_exponent_acts_through_the_flow_stress():
+    """The elasticity of an exponent n, also of a negative one, is that of the flow stress times n ln(Hb/D)."""
+    for exponent in (-0.4, 0.6):
+        entry = {"based_on": "AD85", "flow_stress_backing_exponent": exponent}
+        own = {"ceramic": {"AD85": entry}}
+        case = scenario(backing_mm=9.0, library=own, ballistic_limit={"tolerance_m_s": 1e-6})
+        e = {item.input: item.elasticities[LIMIT] or 0.0 for item in sensitivity(case).inputs}
+        expected = e["ceramic.flow_stress_GPa"] * exponent * log(9.0 / 6.5)
+        assert e["ceramic.flow_stress_backing_exponent"] == pytest.approx(expected, rel=1e-3)
+
+
 def test_missing_answers():
     defeated = sensitivity(scenario(velocity=500.0))
     assert defeated.answers[RESIDUAL] is None

@@ -15,8 +15,8 @@ Width = Annotated[float, Field(ge=1e-9, le=1e9)]
 MAX_SAMPLES = 2**22
 # Fewer for a Latin hypercube, which needs three times the memory.
 MAX_HYPERCUBE = 2**21
-# Each two of the 14 inputs once.
-MAX_CORRELATIONS = 91
+# Each two of the 18 inputs once.
+MAX_CORRELATIONS = 153
 # Fewer samples give no confidence interval for the 5 % quantile.
 MIN_SAMPLES = 128
 

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 def library_table(library: "Library", kind: "Kind") -> Table:
-    """Return the library's entries of a kind: name, the numbers that the model uses, and description."""
+    """Return the library's entries of a kind: name, the numbers that every entry has, and description."""
     entries = library.entries[kind].values()
     keys = dict.fromkeys(key for entry in entries for key in entry.values if key not in OPTIONAL)
     return listing(
