@@ -360,7 +360,7 @@ def _end(fit: Fit, index: int, bound: float, error: float) -> tuple[float | None
 
 
 def without(fit: Fit, kept: Bools) -> Floats:
-    """Return the inputs fitted to some of the measurements, in their units, (k,), given the fit to all, and its scatter.
+    """Return the inputs fitted to some of the measurements, in their units, (k,), given the fit to all and its scatter.
 
     A small change is Newton's step from the fit to all, with an error of second order; else the search is repeated.
     """
