@@ -77,7 +77,7 @@ ASSIGNMENTS = [
     *("optimise.backing_thickness_mm.max={}", "library.ceramic.AD85.flow_stress_GPa={}", "armour.ceramic.x={}"),
     *("ceramic.flow_stress_GPa={}", "{}=1", "design={}", "threat={}", "uncertainty.samples={}", "title={}", "{}"),
 ]
-LAWS = ["constant", "linear", "proportional", "thicknesses", "x"]
+LAWS = ["constant", "ceramic", "backing", "product", "linear", "all", "x"]
 FITS = ["ceramic.flow_stress_GPa", "backing.flow_stress_GPa", "projectile.density_kg_m3", "x"]
 QUANTITIES = ["ballistic_limit_m_s", "outcome", "residual_velocity_m_s", "required_areal_density_kg_m2", "nothing"]
 
@@ -332,7 +332,7 @@ def calibrate_trial(dice: Dice) -> Trial:
     name, files = scenario_files(dice, ROOT / "scenarios/wilkins.toml")
     fits = dice.sample(FITS[: 3 if dice.gentle else 4], dice.choice([0, 1, 2]))
     chosen = [word for fit in fits for word in ("--fit", fit)]
-    law = ["--law", dice.choice(LAWS[: 4 if dice.gentle else 5])] if dice.random() < 0.3 else []
+    law = ["--law", dice.choice(LAWS[: 6 if dice.gentle else 7])] if dice.random() < 0.3 else []
     tests = mutated(TESTS.read_bytes(), dice, table=True)
     return Trial(["t.csv", name, *chosen, *law, "--write", "w.toml"], {**files, "t.csv": tests})
 

@@ -12,7 +12,7 @@ TESTS = SCENARIOS / "tests" / "wilkins.csv"
 def test_a_library_and_a_plot(cli, folder: Path):
     result = cli("calibrate", TESTS, WILKINS, "--write", "lib.toml", "--plot", "fit.svg")
     assert result.exit_code == 0
-    assert "ceramic.flow_stress_GPa 5.209 4.87 to 5.548" in " ".join(result.stdout.split())
+    assert "ceramic.flow_stress_GPa 5.209 4.868 to 5.557" in " ".join(result.stdout.split())
     assert result.stderr.splitlines() == ["wrote lib.toml", "wrote fit.svg"]
     assert "measured ballistic limit, m/s" in (folder / "fit.svg").read_text()
 
@@ -42,8 +42,9 @@ band = 50.0
 
 
 def test_json(cli):
-    data = json.loads(cli("calibrate", TESTS, WILKINS, "--law", "thicknesses", "--json").stdout)
-    assert len(data["coefficients"]) == 3
+    data = json.loads(cli("calibrate", TESTS, WILKINS, "--law", "backing", "--json").stdout)
+    assert len(data["coefficients"]) == 2
+    assert (data["p_value"], data["laws"], data["warnings"]) == (None, [], [])
     assert len(data["residuals"]) == 13
     assert data["correlation"][0][0] == pytest.approx(1.0)
 
@@ -54,11 +55,38 @@ def test_wrong_input(cli, folder: Path):
     assert told == ["t.csv: ballistic_limit: unknown column; its unit is missing: ballistic_limit_m_s"]
     assert "did you mean" in cli.fails(2, "calibrate", TESTS, WILKINS, "--fit", "ceramic.flow_stres_GPa")[0]
     assert cli.fails(2, "calibrate", "missing.csv", WILKINS)[0].startswith("missing.csv: cannot be read")
-    assert "must not be the file that is read" in cli.fails(2, "calibrate", TESTS, WILKINS, "--write", TESTS)[0]
+    read = cli.fails(2, "calibrate", TESTS, WILKINS, "--write", TESTS, "--force")
+    assert "must not be the file that is read" in read[0]
+
+
+def test_an_existing_file_is_replaced_only_by_force(cli, folder: Path):
+    (folder / "lib.toml").write_text("mine")
+    (folder / "s.toml").write_text("mine")
+    words = ("calibrate", TESTS, WILKINS, "--write", "lib.toml", "--write-scenario", "s.toml")
+    assert cli.fails(2, *words) == [
+        f"{name}: exists already; choose another name, or --force" for name in ("lib.toml", "s.toml")
+    ]
+    assert (folder / "lib.toml").read_text() == "mine"
+    assert cli(*words, "--force").exit_code == 0
+    assert "AD85, calibrated" in (folder / "lib.toml").read_text()
+    found = cli("uncertainty", "s.toml", "--samples", "128")
+    assert found.exit_code == 0, found.output
+
+
+def test_a_bad_fit_is_a_warning(cli, folder: Path):
+    header = "armour.ceramic_thickness_mm,armour.backing_thickness_mm"
+    rows = "\n".join(f"{line},5" for line in TESTS.read_text().split()[1:7])
+    (folder / "t.csv").write_text(f"{header},ballistic_limit_m_s,ballistic_limit_uncertainty_m_s\n{rows}\n")
+    result = cli("calibrate", "t.csv", WILKINS)
+    assert result.stderr.startswith("warning: t.csv: the deviations are larger than the uncertainties given explain")
+    assert "intervals widened by" in result.stdout
 
 
 def test_what_is_not_identified_is_not_written(cli, folder: Path):
-    result = cli("calibrate", TESTS, WILKINS, "--fit", "ceramic.youngs_modulus_GPa", "--write", "lib.toml")
+    (folder / "t.csv").write_text(
+        "impact.velocity_m_s,outcome,ballistic_limit_uncertainty_m_s\n700,defeated,9\n710,defeated,9\n"
+    )
+    result = cli("calibrate", "t.csv", WILKINS, "--write", "lib.toml")
     assert result.exit_code == 1
     assert "not identified" in result.stdout
     assert "nothing to write" in result.stderr

@@ -65,7 +65,7 @@ def test_no_file_stays_where_one_cannot_be_written(cli, own: Path, monkeypatch: 
 @pytest.mark.parametrize(
     ("command", "read"),
     [
-        ("calibrate {tests} own.toml --write lib.toml", "lib.toml"),
+        ("calibrate {tests} own.toml --write lib.toml --force", "lib.toml"),
         ("validate suite.toml --markdown own.toml", "own.toml"),
         ("validate suite.toml --junit lib.toml", "lib.toml"),
         ("validate suite.toml --update --markdown own.toml", "own.toml"),

@@ -20,8 +20,8 @@ from armour.reporting.tables.statistics import (
     v50_table,
     v50_tables,
 )
-from armour.statistics.calibration import CalibrationResult, Residual
-from armour.statistics.least_squares_fit import Coefficient
+from armour.statistics.calibration import CalibrationResult, LawFit, Residual
+from armour.statistics.likelihood_fit import Coefficient
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.uncertainty import Index, ProbabilityCurve, UncertaintyResult
 from armour.statistics.v50 import Shots, v50
@@ -43,7 +43,7 @@ def calibration() -> CalibrationResult:
         weights="uncertainties",
         coefficients=(
             Coefficient("ceramic.flow_stress_GPa", 5.2094, (4.87, 5.548)),
-            Coefficient("ceramic.flow_stress_GPa per mm of ceramic", None, None, "the tests do not change with it"),
+            Coefficient("ceramic.flow_stress_ceramic_slope", None, None, "the tests do not change with it"),
         ),
         correlation=((1.0, -0.5), (-0.5, 1.0)),
         residuals=(
@@ -57,14 +57,27 @@ def calibration() -> CalibrationResult:
         starts=3,
         starts_agreeing=2,
         confidence=0.95,
+        p_value=0.03,
+        widened_by=1.8,
     )
 
 
 def test_a_calibration(calibration: CalibrationResult):
     found = quantities(calibration_table(calibration))
     assert (found["mean error, %"], found["mean leave-one-out error"]) == ("2.00", "too few tests")
+    assert (found["p value"], found["intervals widened by"], found["AICc"]) == ("0.03", "1.80", "too few tests")
     assert (found["chi-squared"], found["starting points that reach this solution"]) == ("3.25", "2 of 3")
     assert len(calibration_tables(calibration)) == 4
+
+
+def test_laws(calibration: CalibrationResult):
+    laws = (LawFit("constant", 1, 5.05, 5.47, 142.82), LawFit("linear", 3, 3.46, None, None))
+    tables = calibration_tables(replace(calibration, laws=laws))
+    assert isinstance(tables[0], Table)
+    assert tables[0].texts() == [
+        ["constant", "1", "5.05", "5.47", "142.8"],
+        ["linear", "3", "3.46", "too few tests", "too few tests"],
+    ]
 
 
 def test_coefficients(calibration: CalibrationResult):
@@ -72,7 +85,7 @@ def test_coefficients(calibration: CalibrationResult):
     assert table.headings()[-1] == "95 % interval"
     assert table.texts() == [
         ["ceramic.flow_stress_GPa", "5.209", "4.87 to 5.548"],
-        ["ceramic.flow_stress_GPa per mm of ceramic", "not identified", "the tests do not change with it"],
+        ["ceramic.flow_stress_ceramic_slope", "not identified", "the tests do not change with it"],
     ]
     assert correlation_table(calibration).texts()[0] == ["1 ceramic.flow_stress_GPa", "+1.000", "-0.500"]
 

@@ -1,11 +1,16 @@
+import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from armour.analysis.evaluate import evaluate
 from armour.errors import NoAnswerError
 from armour.scenario.library import read_library, shipped_library
+from armour.scenario.loading import Scenario, load_scenario
 from armour.statistics.calibration import calibrate
-from armour.statistics.fitted_library import library_text
+from armour.statistics.fitted_library import library_text, scenario_text
+from armour.statistics.flow_stress_laws import with_ceramic
 from armour.statistics.test_data import read_tests
 from tests.helpers.cases import TESTS, csv_file, scenario, shipped_scenario
 
@@ -21,7 +26,9 @@ def test_a_library_holds_the_tests(tmp_path: Path):
     value = entry.values["flow_stress_GPa"]
     assert value.value == pytest.approx(5.20935, abs=2e-5)
     assert value.status == "fitted"
-    assert value.source.startswith("armour calibrate, 13 tests of wilkins.csv, constant law, 95 % interval 4.87 to 5.5")
+    assert value.source.startswith(
+        "armour calibrate, 13 tests of wilkins.csv, constant law, 95 % interval 4.868 to 5.5"
+    )
     assert len(value.tests) == 13
     assert value.tests[0] == {
         "impact.projectile": "7.62 mm AP",
@@ -33,12 +40,78 @@ def test_a_library_holds_the_tests(tmp_path: Path):
     assert entry["density_kg_m3"] == 3430.0
 
 
+def test_a_law_is_written_as_keys_that_other_thicknesses_follow(tmp_path: Path):
+    wilkins = shipped_scenario("wilkins")
+    tests = read_tests(TESTS, wilkins)
+    result = calibrate(tests, wilkins, law="backing")
+    (tmp_path / "lib.toml").write_text(library_text(result, tests, wilkins))
+    (tmp_path / "case.toml").write_text(
+        wilkins.to_toml().replace('"AD85"', '"AD85, calibrated"') + '[library]\nfiles = ["lib.toml"]\n'
+    )
+    columns = {C: np.array([5.8, 7.85]), B: np.array([7.24, 4.35])}
+    found = evaluate(load_scenario(tmp_path / "case.toml"), columns, ["ballistic_limit_m_s"])["ballistic_limit_m_s"]
+    assert found == pytest.approx([result.residuals[0].computed, result.residuals[9].computed], abs=0.1)
+
+
+def test_other_laws_of_the_entry_are_not_written():
+    own = with_ceramic(shipped_scenario("wilkins"), {"flow_stress_product_exponent": 0.3})
+    tests = read_tests(TESTS, own)
+    text = library_text(calibrate(tests, own, law="constant"), tests, own)
+    entry = tomllib.loads(text)["ceramic"]["AD85, calibrated"]
+    assert entry["flow_stress_product_exponent"] == 0.0
+    assert len(entry["flow_stress_GPa"]["tests"]) == 13
+
+
+def test_a_scenario_holds_the_fit_and_its_uncertainty(tmp_path: Path):
+    """Relative paths of libraries stay right, and other distributions and correlations stay."""
+    (tmp_path / "libs").mkdir()
+    (tmp_path / "libs/own.toml").write_text('[metal.own]\nbased_on = "6061-T6"\n')
+    (tmp_path / "case.toml").write_text(
+        shipped_scenario("wilkins").to_toml()
+        + """
+[library]
+files = ["libs/own.toml"]
+[uncertainty.ceramic]
+flow_stress_GPa = { distribution = "uniform", min = 4.0, max = 6.0 }
+density_kg_m3 = { distribution = "normal", standard_deviation_percent = 1.0 }
+[[uncertainty.correlation]]
+between = ["ceramic.flow_stress_GPa", "ceramic.density_kg_m3"]
+coefficient = 0.2
+"""
+    )
+    case = load_scenario(tmp_path / "case.toml")
+    tests = read_tests(TESTS, case)
+    result = calibrate(tests, case, law="backing")
+    made = tmp_path / "libs/made.toml"
+    made.write_text(scenario_text(result, tests, case, made))
+    found: Scenario = load_scenario(made)
+    assert found.library.files == ["own.toml"]
+    assert found.uncertainty is not None
+    inputs = found.uncertainty.inputs()
+    assert inputs["ceramic.density_kg_m3"].standard_deviation_percent == 1.0
+    for coefficient in result.coefficients:
+        assert inputs[coefficient.name].distribution == "normal"
+        assert inputs[coefficient.name].standard_deviation == pytest.approx(coefficient.standard_error, rel=1e-5)
+    own, fitted = found.uncertainty.correlation
+    assert own.coefficient == 0.2
+    assert fitted.coefficient == pytest.approx(result.correlation[0][1], rel=1e-4)
+    assert found.entry("ceramic", "AD85, calibrated")["flow_stress_backing_exponent"] == pytest.approx(0.3232, abs=1e-3)
+
+
+def test_a_coefficient_that_is_bounded_on_one_side_has_no_distribution(tmp_path: Path):
+    wilkins = shipped_scenario("wilkins")
+    header = "impact.velocity_m_s,outcome,ballistic_limit_uncertainty_m_s"
+    tests = read_tests(csv_file(tmp_path / "t.csv", header, "700,defeated,10"), wilkins)
+    with pytest.raises(NoAnswerError, match=r"ceramic\.flow_stress_GPa on one side only"):
+        scenario_text(calibrate(tests, wilkins), tests, wilkins, tmp_path / "s.toml")
+
+
 def test_a_coefficient_that_is_not_identified_is_not_written(tmp_path: Path):
     wilkins = shipped_scenario("wilkins")
     rows = [f"6.35,6.35,{v}" for v in (700, 710, 720)]
     tests = read_tests(csv_file(tmp_path / "t.csv", f"{C},{B},ballistic_limit_m_s", *rows), wilkins)
     with pytest.raises(NoAnswerError, match="not identified"):
-        library_text(calibrate(tests, wilkins, law="linear"), tests, wilkins)
+        library_text(calibrate(tests, wilkins, law="ceramic"), tests, wilkins)
 
 
 def test_a_fit_that_no_scenario_allows_is_not_written(tmp_path: Path):

@@ -57,7 +57,10 @@ COMMANDS: dict[Callable[..., None], tuple[str, ...]] = {
         "optimise scenarios/catalogue.toml --csv front.csv",
     ),
     sweep: (f"sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",),
-    calibrate: (f"calibrate scenarios/tests/wilkins.csv {W} --write calibrated.toml --plot fit.svg",),
+    calibrate: (
+        f"calibrate scenarios/tests/wilkins.csv {W} --write calibrated.toml --plot fit.svg",
+        f"calibrate scenarios/tests/wilkins.csv {W} --law backing --write-scenario fitted.toml",
+    ),
     uncertainty: ("uncertainty scenarios/uncertain.toml --plot uncertainty.svg",),
     sensitivity: (f"sensitivity {W} --plot sensitivity.svg",),
     v50: (f"v50 scenarios/tests/shots.csv {W} --plot v50.svg",),

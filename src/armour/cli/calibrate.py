@@ -7,7 +7,7 @@ import typer
 
 from armour.cli.console import progress
 from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, argument, option
-from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
+from armour.cli.runner import check_new, check_outputs, read_scenario, respond, say_if_compiling
 
 
 def calibrate(
@@ -15,19 +15,28 @@ def calibrate(
     scenario: ScenarioFile,
     fit: Annotated[
         list[str] | None,
-        option("Input to fit, ceramic.flow_stress_GPa by default; may be given several times.", metavar="INPUT"),
+        option("Input to fit; may be given several times. By default the ceramic's flow stress.", metavar="INPUT"),
     ] = None,
     law: Annotated[
-        Literal["constant", "linear", "proportional", "thicknesses"],
+        Literal["constant", "ceramic", "backing", "product", "linear", "all"] | None,
         typer.Option(
             metavar="LAW",
-            help="Ceramic flow stress: constant; linear in or proportional to the ceramic thickness; "
-            "or linear in both thicknesses (thicknesses).",
+            show_default=False,
+            help="Law of the ceramic's flow stress: constant, ceramic (linear in its thickness), backing (a power of "
+            "the back plate's), product (a power of both), linear (in both), or all, to compare them; "
+            "by default that of the scenario.",
         ),
-    ] = "constant",
+    ] = None,
     library: Annotated[
         Path | None, option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml")
     ] = None,
+    fitted: Annotated[
+        Path | None,
+        option(
+            "Write the scenario with the fitted entries and their uncertainty.", "--write-scenario", metavar="FILE.toml"
+        ),
+    ] = None,
+    force: Annotated[bool, option("Replace existing files.", "--force")] = False,
     plot: PlotFile = None,
     changes: Changes = None,
     as_json: AsJson = False,
@@ -35,11 +44,12 @@ def calibrate(
     """Fit model inputs to tests."""
     from armour.reporting.tables.statistics import calibration_tables
     from armour.statistics import calibration
-    from armour.statistics.fitted_library import library_text
+    from armour.statistics.fitted_library import library_text, scenario_text
     from armour.statistics.flow_stress_laws import FLOW_STRESS
     from armour.statistics.test_data import read_tests
 
-    check_outputs(library, plot=plot)
+    check_outputs(library, fitted, plot=plot)
+    check_new(library, fitted, force=force)
     loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
     read = read_tests(tests, loaded)
     say_if_compiling()
@@ -50,7 +60,11 @@ def calibrate(
         calibration_tables(result),
         as_json=as_json,
         title=loaded.title,
-        files=[(library, lambda: library_text(result, read, loaded))],
+        files=[
+            (library, lambda: library_text(result, read, loaded)),
+            (fitted, lambda: None if fitted is None else scenario_text(result, read, loaded, fitted)),
+        ],
         plot=plot,
         chart=lambda charts: charts.calibration_chart(result),
+        warnings=[f"warning: {tests}: {warning}" for warning in result.warnings],
     )

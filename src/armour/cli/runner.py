@@ -48,6 +48,12 @@ def check_outputs(*writes: Path | None, plot: Path | None = None, updated: Path 
     reserve(fresh)
 
 
+def check_new(*writes: Path | None, force: bool) -> None:
+    """Check that no output replaces a file, unless that is asked for."""
+    there = [path for path in writes if path is not None and path.exists() and not force]
+    refuse(Problem(str(path), "", "exists already; choose another name, or --force") for path in there)
+
+
 def read_scenario(
     path: Path,
     assignments: Sequence[str] | None,

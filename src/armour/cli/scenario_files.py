@@ -7,7 +7,7 @@ import typer
 
 from armour.cli.console import say, show, show_json
 from armour.cli.options import option
-from armour.cli.runner import check_outputs, write
+from armour.cli.runner import check_new, check_outputs, write
 from armour.errors import InputError, Problem, suggestion
 from armour.files import shipped
 
@@ -31,8 +31,7 @@ def init(
         message = f'must name a shipped scenario, found "{source}"{hint}'
         raise InputError([Problem("init", "--from", message)])
     check_outputs(file)
-    if file.exists() and not force:
-        raise InputError([Problem(str(file), "", "exists already; choose another name, or --force")])
+    check_new(file, force=force)
     write({file: known[source].read_bytes()})
     say(f"next: armour simulate {file}")
 

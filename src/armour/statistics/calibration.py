@@ -1,7 +1,9 @@
 """Calibration: inputs of a scenario fitted to tests, with intervals and leave-one-out errors."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -10,9 +12,9 @@ from armour.analysis.results import Result
 from armour.analysis.variants import Floats, OnProgress, ignore_progress
 from armour.errors import InputError, Problem, choices
 from armour.scenario.loading import Scenario
-from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law
-from armour.statistics.least_squares_fit import Coefficient, LeastSquaresFit, fit_inputs, predicted, without
-from armour.statistics.test_data import Tests
+from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, law_of, with_law
+from armour.statistics.likelihood_fit import Coefficient, Fit, enough, fit_inputs, intervals, without
+from armour.statistics.test_data import LIMIT, Tests
 
 # Greatest number of folds of the leave-one-out error.
 MAX_FOLDS = 100
@@ -36,6 +38,26 @@ class Residual:
 
 
 @dataclass(frozen=True)
+class LawFit:
+    """Quality of the fit with a law of the ceramic's flow stress.
+
+    Attributes
+    ----------
+    law : str
+    coefficients : int
+        Number of fitted inputs.
+    mean_error_percent, left_out_error_percent, aicc : float or None
+        See `CalibrationResult`.
+    """
+
+    law: str
+    coefficients: int
+    mean_error_percent: float | None
+    left_out_error_percent: float | None
+    aicc: float | None
+
+
+@dataclass(frozen=True)
 class CalibrationResult(Result):
     """Inputs fitted to tests.
 
@@ -44,21 +66,34 @@ class CalibrationResult(Result):
     tests : str
         File of the tests.
     law : str
-        Law of the ceramic's flow stress; empty where it is not fitted.
+        Law of the ceramic's flow stress, "combined" for several at once; empty where the flow stress is not fitted.
     weights : {"uncertainties", "relative"}
     coefficients : tuple of Coefficient
+        An end of an interval that the tests do not bound is None.
     correlation : tuple of tuple of float
-        Correlation matrix of the coefficients.
+        Correlation matrix of the coefficients, of the model linearised at the estimate.
     residuals : tuple of Residual
     mean_error_percent, left_out_error_percent : float or None
         Mean absolute deviations, in sample and leave-one-out, bounds excluded, %; None where there are none.
-    degrees_of_freedom : int
+    degrees_of_freedom : float
+        Of the scatter or, where uncertainties are given, of chi-squared: with measured values alone, their number less
+        that of the coefficients.
     chi_squared : float
-        Sum of the squared deviations, divided by their uncertainties or by the measured values.
+        Sum of the squared deviations of measured values, divided by their uncertainties or by the values.
     starts, starts_agreeing : int
         Number of starting points of the fit, and of those that led to the same end.
     confidence : float
         Confidence level of the intervals.
+    p_value : float or None
+        Probability of a greater chi-squared if the model and the uncertainties given are right; None without them.
+    widened_by : float
+        Factor of the intervals, more than 1 where the p value is less than 0.05: the Birge ratio, the square root of
+        chi-squared over the degrees of freedom.
+    aicc : float or None
+        Akaike's information criterion, corrected for the number of tests; less is better.  None for too few tests.
+    laws : tuple of LawFit
+        The laws that were compared.
+    warnings : tuple of str
     """
 
     tests: str
@@ -69,26 +104,51 @@ class CalibrationResult(Result):
     residuals: tuple[Residual, ...]
     mean_error_percent: float | None
     left_out_error_percent: float | None
-    degrees_of_freedom: int
+    degrees_of_freedom: float
     chi_squared: float
     starts: int
     starts_agreeing: int
     confidence: float
+    p_value: float | None = None
+    widened_by: float = 1.0
+    aicc: float | None = None
+    laws: tuple[LawFit, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class LeftOutErrors:
+    """Errors of ballistic limits that a calibrated model predicts for tests that its fit omits.
+
+    Attributes
+    ----------
+    errors : tuple of float
+        Measured over computed limit, less 1, test by test.
+    number : int
+    mean, standard_deviation : float
+        Of the errors; NaN where there are too few.
+    """
+
+    errors: tuple[float, ...]
+    number: int
+    mean: float
+    standard_deviation: float
 
 
 def calibrate(
     tests: Tests,
     scenario: Scenario,
     fit: Sequence[str] = (FLOW_STRESS,),
-    law: Law = "constant",
+    law: Law | Literal["all"] | None = None,
     *,
     on_progress: OnProgress = ignore_progress,
 ) -> CalibrationResult:
-    """Fit inputs of a scenario to tests.
+    """Fit inputs of a scenario to tests by maximum likelihood, with profile-likelihood intervals.
 
-    Deviations are divided by their uncertainties or, where none are given, by the measured values.  The residual
-    velocity of a test that the model defeats is negative: the impact velocity less the ballistic limit.  A test with an
-    outcome alone is a bound on the ballistic limit; its deviation counts where the bound is not met.
+    A measured value is normal about the model's value, with its uncertainty or, where none are given, with a standard
+    deviation that is one unknown fraction of the measured values.  The residual velocity of a test that the model
+    defeats is negative: the impact velocity less the ballistic limit.  A test with an outcome alone has the probability
+    that a ballistic limit of that distribution is above, or below, the impact velocity.
 
     Parameters
     ----------
@@ -98,8 +158,10 @@ def calibrate(
         Inputs that the tests have in common.
     fit : sequence of str
         Names of the inputs to fit.
-    law : {"constant", "linear", "proportional", "thicknesses"}
-        Law of the ceramic's flow stress, where it is fitted.
+    law : {"constant", "ceramic", "backing", "product", "linear", "all"}, optional
+        Law of the ceramic's flow stress, whose coefficients are fitted beside the flow stress, in place of that of the
+        scenario, which is kept by default.  With "all" the result is that of the law with the least leave-one-out
+        error, and compares all.
     on_progress : callable, optional
         Called with the number of tests computed since the last call, and None, as their total is not known.
 
@@ -113,12 +175,41 @@ def calibrate(
         If a name is not an input, the tests differ in the material that is fitted, there are too few of them, or a run
         does not end.
     """
-    if law not in LAWS:
-        raise InputError([Problem("calibrate", "law", f'must be a law, found "{law}"{choices(str(law), list(LAWS))}')])
+    if law not in (None, "all", *LAWS):
+        names = [*LAWS, "all"]
+        raise InputError([Problem("calibrate", "law", f'must be a law, found "{law}"{choices(str(law), names)}')])
     if not fit:
         raise InputError([Problem("calibrate", "fit", "must name at least one input")])
-    done = fit_inputs(tests, scenario, fit, law, on_progress)
-    computed, left_out = predicted(tests, done.fitted, done.x), _left_out(tests, done, on_progress)
+    if law is not None and FLOW_STRESS not in fit:
+        message = f'must not be given where {FLOW_STRESS} is not fitted, found "{law}"'
+        raise InputError([Problem(scenario.file, "--law", message)])
+    if law != "all":
+        return _with_one_law(tests, scenario, fit, law, on_progress)
+    results = [_with_one_law(tests, scenario, fit, "constant", on_progress)]
+    for other in [*LAWS][1:]:
+        # Some laws have more coefficients than there are tests for.
+        with suppress(InputError):
+            results.append(_with_one_law(tests, scenario, fit, other, on_progress))
+    best = min(results, key=_rank)
+    rows = (LawFit(r.law, len(r.coefficients), r.mean_error_percent, r.left_out_error_percent, r.aicc) for r in results)
+    return replace(best, laws=tuple(rows))
+
+
+def _rank(result: CalibrationResult) -> tuple[bool, float]:
+    """Return what orders results from the best on: whether a coefficient is not identified, and the left-out error."""
+    error = result.left_out_error_percent
+    return any(c.estimate is None for c in result.coefficients), np.inf if error is None else error
+
+
+def _with_one_law(
+    tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law | None, on_progress: OnProgress
+) -> CalibrationResult:
+    if law is not None:
+        groups = [group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups]
+        tests, scenario = tests._replace(groups=tuple(groups)), with_law(scenario, law)
+        inputs = [*dict.fromkeys([*inputs, *(f"ceramic.{key}" for key in LAWS[law])])]
+    done = fit_inputs(tests, scenario, inputs, on_progress)
+    computed, left_out = done.likelihood.predicted(done.best.x), _left_out(done)
     residuals = tuple(
         Residual(
             test=tests.names[m.test],
@@ -130,12 +221,15 @@ def calibrate(
         )
         for i, m in enumerate(tests.measurements)
     )
+    errors = np.sqrt(np.maximum(np.diag(done.covariance), 1e-300))
+    correlation = done.covariance / np.outer(errors, errors)
+    np.fill_diagonal(correlation, 1.0)
     return CalibrationResult(
         tests=tests.file,
-        law=law if FLOW_STRESS in fit else "",
+        law=(law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in inputs else "",
         weights="uncertainties" if tests.weighted else "relative",
-        coefficients=done.coefficients,
-        correlation=tuple(map(tuple, done.correlation.tolist())),
+        coefficients=intervals(done),
+        correlation=tuple(map(tuple, correlation.tolist())),
         residuals=residuals,
         mean_error_percent=_mean_percent([(r.computed, r.measured) for r in residuals if not r.bound]),
         left_out_error_percent=_mean_percent([(r.left_out, r.measured) for r in residuals if not r.bound]),
@@ -144,21 +238,57 @@ def calibrate(
         starts=done.starts,
         starts_agreeing=done.starts_agreeing,
         confidence=CONFIDENCE,
+        p_value=done.p_value,
+        widened_by=done.widened_by,
+        aicc=done.aicc,
+        warnings=_warnings(done),
     )
 
 
-def _left_out(tests: Tests, done: LeastSquaresFit, on_progress: OnProgress) -> Floats:
-    """Return each measurement's value with coefficients fitted to the other tests; NaN where these are too few."""
-    exact = np.array([m.side == 0 for m in tests.measurements])
+def _warnings(done: Fit) -> tuple[str, ...]:
+    if done.widened_by == 1.0:
+        return ()
+    return (
+        "the deviations are larger than the uncertainties given explain: chi-squared "
+        f"{done.chi_squared:.2f} on {done.degrees_of_freedom:.3g} degrees of freedom, p = {done.p_value:.2g}; "
+        f"the intervals are widened by {done.widened_by:.2f} and allow for these degrees of freedom, "
+        "but the model or the uncertainties are wrong",
+    )
+
+
+def left_out_errors(result: CalibrationResult) -> LeftOutErrors:
+    """Return the relative errors of the measured ballistic limits that were predicted without their test.
+
+    Parameters
+    ----------
+    result : CalibrationResult
+
+    Returns
+    -------
+    LeftOutErrors
+    """
+    found = [
+        r.measured / r.left_out - 1.0 for r in result.residuals if r.quantity == LIMIT and not r.bound and r.left_out
+    ]
+    number = len(found)
+    mean = float(np.mean(found)) if number else np.nan
+    deviation = float(np.std(found, ddof=1)) if number > 1 else np.nan
+    return LeftOutErrors(tuple(found), number, mean, deviation)
+
+
+def _left_out(done: Fit) -> Floats:
+    """Return each measurement's value with inputs fitted to the other tests; NaN where these are too few."""
+    tests, count = done.likelihood.tests, len(done.best.x)
     of_test = np.array([m.test for m in tests.measurements])
     folds = min(len(tests.names), MAX_FOLDS)
-    coefficients = np.full((len(done.x), len(tests.names)), np.nan)
+    inputs = np.full((count, len(tests.names)), np.nan)
+    spare = not tests.weighted and any(m.side for m in tests.measurements)
     for fold in range(folds):
         kept = of_test % folds != fold
-        if (exact & kept).sum() >= len(done.x):
-            coefficients[:, fold::folds] = without(tests, done, kept, on_progress)[:, None]
-    fitted = ~np.isnan(coefficients[0])
-    found = predicted(tests, done.fitted, np.where(fitted, coefficients, done.x[:, None]))
+        if enough(tests, kept, count + spare):
+            inputs[:, fold::folds] = without(done, kept)[:, None]
+    fitted = ~np.isnan(inputs[0])
+    found = done.likelihood.predicted(np.where(fitted, inputs, done.best.x[:, None]))
     found[~fitted[of_test]] = np.nan
     return found
 

@@ -1,73 +1,105 @@
-"""Library files with calibrated entries."""
+"""Library files and scenarios with calibrated entries."""
 
+from collections.abc import Callable
+from os.path import relpath
 from pathlib import Path
 from typing import Any
 
 from armour.errors import InputError, NoAnswerError
-from armour.scenario.library import LibraryEntry, library_toml, shipped_library
-from armour.scenario.loading import Scenario
+from armour.files import parse_toml
+from armour.scenario.library import FLOW_STRESS_LAW, LibraryEntry, library_toml, shipped_library
+from armour.scenario.loading import Scenario, parse_scenario
 from armour.scenario.parameters import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY, entry_of, name_of
 from armour.statistics.calibration import CalibrationResult
-from armour.statistics.flow_stress_laws import FLOW_STRESS, TERMS
+from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS
 from armour.statistics.test_data import LIMIT, MEASURED, OUTCOME, Tests
 
-
-def value_at(result: CalibrationResult, name: str, ceramic_mm: float, backing_mm: float) -> float:
-    """Return a fitted input by its law at thicknesses, mm."""
-    estimates = {coefficient.name: coefficient.estimate or 0.0 for coefficient in result.coefficients}
-    thicknesses = (1.0, ceramic_mm, backing_mm)
-    return sum(estimates.get(name + term, 0.0) * size for term, size in zip(TERMS, thicknesses, strict=True))
+SUFFIX = ", calibrated"
 
 
 def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario) -> str:
     """Return a library file with the calibrated entries and the tests that they were calibrated to.
 
-    An input that depends on the thicknesses takes its value at those of the scenario.  The file needs the shipped
-    library alone, and the scenario must allow its entries.
+    The file needs the shipped library alone, and the scenario must allow its entries.
     """
-    for coefficient in result.coefficients:
-        if coefficient.estimate is None:
-            raise NoAnswerError(f"nothing to write: {coefficient.name} is not identified: {coefficient.reason}")
-    intervals = {coefficient.name: coefficient.interval for coefficient in result.coefficients}
-    names = dict.fromkeys(name.split(" per ")[0] for name in intervals)
-    ceramic, backing = scenario.armour.ceramic_thickness_mm, scenario.armour.backing_thickness_mm
-    of_law = f"{result.law} law" + ("" if result.law == "constant" else f" at {ceramic:g} mm on {backing:g} mm")
-    tables: dict[str, Any] = {}
-    used: dict[str, str] = {}
-    for name in names:
-        role, key = name.split(".")
-        entry = entry_of(tests.groups[0].scenario, role)
-        assert entry is not None
-        source = f"armour calibrate, {len(tests.names)} tests of {Path(tests.file).name}"
-        if name == FLOW_STRESS:
-            source += f", {of_law}"
-        interval = intervals.get(name)
-        if result.law in ("", "constant") and interval is not None:
-            source += f", {100.0 * result.confidence:g} % interval {interval[0]:.4g} to {interval[1]:.4g}"
-        value = {
-            "value": float(f"{value_at(result, name, ceramic, backing):.6g}"),
-            "status": "fitted",
-            "source": source,
-            "tests": [_test_table(tests, i, role) for i in range(len(tests.names))],
-        }
-        entries = tables.setdefault(entry.kind, {})
-        entries.setdefault(f"{entry.name}, calibrated", _base_of(entry))[key] = value
-        used[NAMES[role]] = f"{entry.name}, calibrated"
-    try:
-        scenario.replaced({"library": tables, **used})
-    except InputError as error:
-        reasons = "; ".join(f"{problem.key} {problem.message}" for problem in error.problems)
-        raise NoAnswerError(f"nothing to write: no scenario could use the fit: {reasons}") from None
+    tables, used = _entries(result, tests)
+    _usable(lambda: scenario.replaced({"library": tables, **used}))
     return library_toml(tables)
 
 
-def _base_of(entry: LibraryEntry) -> dict[str, Any]:
-    """Return what a calibrated entry inherits: a name of the shipped library, or values where it does not have them."""
-    if shipped_library().entries[entry.kind].get(entry.name) == entry:
-        return {"based_on": entry.name}
-    return {"description": entry.description} | {
-        key: value.model_dump() for key, value in entry.values.items() if key not in entry.derived
-    }
+def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, path: Path) -> str:
+    """Return a scenario file, for a path, with the calibrated entries and the uncertainty of the fitted inputs."""
+    for coefficient in result.coefficients:
+        if coefficient.interval and None in coefficient.interval:
+            raise NoAnswerError(f"nothing to write: the tests bound {coefficient.name} on one side only")
+    tables, used = _entries(result, tests)
+    with_entries = _usable(lambda: scenario.replaced({"library": tables, **used}))
+    data = parse_toml(with_entries.to_toml(), scenario.file)
+    if files := data["library"].get("files"):
+        folder = Path(scenario.file).parent
+        data["library"]["files"] = [relpath(folder / file, path.parent) for file in files]
+    section, names = data.setdefault("uncertainty", {}), [coefficient.name for coefficient in result.coefficients]
+    for coefficient in result.coefficients:
+        role, key = coefficient.name.split(".")
+        spread = float(f"{coefficient.standard_error:.6g}")
+        section.setdefault(role, {})[key] = {"distribution": "normal", "standard_deviation": spread}
+    section["correlation"] = [
+        *(pair for pair in section.get("correlation", []) if not {*pair["between"]} <= {*names}),
+        *(
+            {"between": [name, other], "coefficient": float(f"{result.correlation[i][j]:.6g}")}
+            for i, name in enumerate(names)
+            for j, other in enumerate(names[:i])
+        ),
+    ]
+    return _usable(lambda: parse_scenario(data, file=str(path), folder=path.parent)).to_toml()
+
+
+def _usable(made: Callable[[], Scenario]) -> Scenario:
+    """Return a scenario that is made of a fit, which must be valid."""
+    try:
+        return made()
+    except InputError as error:
+        reasons = "; ".join(f"{problem.key} {problem.message}" for problem in error.problems)
+        raise NoAnswerError(f"nothing to write: no scenario could use the fit: {reasons}") from None
+
+
+def _entries(result: CalibrationResult, tests: Tests) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the calibrated entries as tables of a library file, and their names by key of the scenario."""
+    tables: dict[str, Any] = {}
+    used: dict[str, str] = {}
+    for coefficient in result.coefficients:
+        if coefficient.estimate is None:
+            raise NoAnswerError(f"nothing to write: {coefficient.name} is not identified: {coefficient.reason}")
+        role, key = coefficient.name.split(".")
+        entry = entry_of(tests.groups[0].scenario, role)
+        assert entry is not None
+        source = f"armour calibrate, {len(tests.names)} tests of {Path(tests.file).name}"
+        if coefficient.name == FLOW_STRESS or key in FLOW_STRESS_LAW:
+            source += f", {result.law} law"
+        low, high = coefficient.interval or (None, None)
+        if low is not None and high is not None:
+            source += f", {100.0 * result.confidence:g} % interval {low:.4g} to {high:.4g}"
+        used[NAMES[role]] = name = entry.name.removesuffix(SUFFIX) + SUFFIX
+        entries = tables.setdefault(entry.kind, {})
+        value: dict[str, Any] = {"value": float(f"{coefficient.estimate:.6g}"), "status": "fitted", "source": source}
+        if name not in entries:
+            entries[name] = _base_of(entry, result.law)
+            value["tests"] = [_test_table(tests, i, role) for i in range(len(tests.names))]
+        entries[name][key] = value
+    return tables, used
+
+
+def _base_of(entry: LibraryEntry, law: str) -> dict[str, Any]:
+    """Return what a calibrated entry inherits, without the coefficients of other laws of the flow stress.
+
+    It is a name of the shipped library, or values where that does not have them.
+    """
+    found: dict[str, Any] = {"based_on": entry.name}
+    if shipped_library().entries[entry.kind].get(entry.name) != entry:
+        values = {key: value.model_dump() for key, value in entry.values.items() if key not in entry.derived}
+        found = {"description": entry.description} | values
+    others = [key for key in FLOW_STRESS_LAW if law in LAWS and key not in LAWS[law] and key in entry.values]
+    return found | {key: 0.0 for key in others if entry[key]}
 
 
 def _test_table(tests: Tests, test: int, role: str) -> dict[str, float | str]:

@@ -1,71 +1,47 @@
-"""Laws of the ceramic's flow stress, and the coefficients that a calibration fits."""
+"""Laws of the ceramic's flow stress: the inputs that a calibration fits beside the flow stress itself."""
 
-from collections.abc import Sequence
-from typing import Literal, NamedTuple
+from typing import Any, Literal
 
-import numpy as np
-
-from armour.analysis.variants import Floats
-from armour.scenario.parameters import BACKING, CERAMIC, inputs_of
-from armour.statistics.test_data import MaterialGroup, Tests
+from armour.scenario.library import FLOW_STRESS_LAW
+from armour.scenario.loading import Scenario
+from armour.scenario.messages import key_name
+from armour.scenario.parameters import entry_of
 
 FLOW_STRESS = "ceramic.flow_stress_GPa"
 
-Law = Literal["constant", "linear", "proportional", "thicknesses"]
-# Suffixes of the coefficients' names, by term: a constant, or a multiple of a thickness.
-TERMS = ("", " per mm of ceramic", " per mm of backing")
-# Terms of each law.
-LAWS: dict[Law, tuple[int, ...]] = {
-    "constant": (0,),
-    "linear": (0, 1),
-    "proportional": (1,),
-    "thicknesses": (0, 1, 2),
+Law = Literal["constant", "ceramic", "backing", "product", "linear"]
+# Keys of the ceramic that each law fits.
+LAWS: dict[Law, tuple[str, ...]] = {
+    "constant": (),
+    "ceramic": ("flow_stress_ceramic_slope",),
+    "backing": ("flow_stress_backing_exponent",),
+    "product": ("flow_stress_product_exponent",),
+    "linear": ("flow_stress_ceramic_slope", "flow_stress_backing_slope"),
 }
-# Bounds of a coefficient in units of its scale; slopes of a law may be negative.
-MIN_RATIO, MAX_RATIO = 0.1, 10.0
-# Least value of an input by a law, as a multiple of the scenario's own value.
-MIN_VALUE_RATIO = 0.05
 
 
-class Coefficients(NamedTuple):
-    """The k coefficients to fit, each of an input and a term of its law."""
-
-    inputs: tuple[str, ...]
-    terms: tuple[int, ...]
-    scales: Floats  # the scenario's own value, divided by the mean thickness of the term, (k,)
-    lower: Floats  # lower bounds, divided by the scales, (k,)
-
-    def names(self) -> list[str]:
-        """Return the names of the coefficients."""
-        return [name + TERMS[term] for name, term in zip(self.inputs, self.terms, strict=True)]
+def law_of(scenario: Scenario) -> str:
+    """Return the law of the scenario's ceramic; several laws at once are "combined"."""
+    nonzero = {key for key in FLOW_STRESS_LAW if _value(scenario, key)}
+    return next((law for law, keys in LAWS.items() if nonzero == set(keys)), "combined")
 
 
-def coefficients_of(tests: Tests, inputs: Sequence[str], law: Law) -> Coefficients:
-    """Return the coefficients of inputs to fit; only the flow stress follows the law."""
-    own = inputs_of(tests.groups[0].scenario)
-    means = (1.0, _mean(tests, CERAMIC), _mean(tests, BACKING))
-    pairs = [(name, term) for name in inputs for term in (LAWS[law] if name == FLOW_STRESS else LAWS["constant"])]
-    return Coefficients(
-        inputs=tuple(name for name, _ in pairs),
-        terms=tuple(term for _, term in pairs),
-        scales=np.array([own[name] / means[term] for name, term in pairs]),
-        lower=np.array([-MAX_RATIO if term and law != "proportional" else MIN_RATIO for _, term in pairs]),
-    )
+def with_law(scenario: Scenario, law: Law) -> Scenario:
+    """Return the scenario with the coefficients of one law, 0 where its ceramic lacks them, and of no other."""
+    changes = {key: 0.0 for key in FLOW_STRESS_LAW if (key in LAWS[law]) != bool(_value(scenario, key))}
+    return with_ceramic(scenario, changes) if changes else scenario
 
 
-def _mean(tests: Tests, name: str) -> float:
-    """Return the mean of a thickness over the tests; 1 where it is 0."""
-    return float(np.concatenate([group.column(name) for group in tests.groups]).mean()) or 1.0
+def with_ceramic(scenario: Scenario, values: dict[str, float]) -> Scenario:
+    """Return the scenario with other values of its ceramic, by key, which its entry may lack."""
+    entry = entry_of(scenario, "ceramic")
+    assert entry is not None
+    table: dict[str, Any] = dict(values)
+    if entry.name not in scenario.library.ceramic:
+        table["based_on"] = entry.name
+    return scenario.replaced({key_name(["library", "ceramic", entry.name]): table})
 
 
-def input_values(coefficients: Coefficients, x: Floats, group: MaterialGroup) -> dict[str, Floats]:
-    """Return the fitted inputs of a group's tests, given the coefficients over their scales, (k,) or (k, tests)."""
-    own_x = x[:, group.where] if x.ndim > 1 else x[:, None]
-    thicknesses = (np.ones(len(group.where)), group.column(CERAMIC), group.column(BACKING))
-    found: dict[str, Floats] = {}
-    for name, term, value in zip(
-        coefficients.inputs, coefficients.terms, own_x * coefficients.scales[:, None], strict=True
-    ):
-        found[name] = found.get(name, 0.0) + value * thicknesses[term]
-    own = inputs_of(group.scenario)
-    return {name: np.maximum(values, MIN_VALUE_RATIO * own[name]) for name, values in found.items()}
+def _value(scenario: Scenario, key: str) -> float:
+    entry = entry_of(scenario, "ceramic")
+    return entry[key] if entry is not None and key in entry.values else 0.0

@@ -29,10 +29,23 @@ def calibration_table(result: "CalibrationResult") -> Table:
         (Column("law of the ceramic's flow stress"), result.law or None),
         _error("mean error", result.mean_error_percent),
         _error("mean leave-one-out error", result.left_out_error_percent),
-        column_of("degrees_of_freedom", "d"),
-        *([column_of("chi_squared", ".2f", "chi-squared")] if uncertainties else []),
+        (Column("AICc", spec=".1f"), "too few tests" if result.aicc is None else result.aicc),
+        column_of("degrees_of_freedom", ".4g"),
+        *_agreement(result),
         (Column("starting points that reach this solution"), f"{result.starts_agreeing} of {result.starts}"),
     )
+
+
+def _agreement(result: "CalibrationResult") -> list[Source]:
+    """Return how well the uncertainties of the tests, if they have them, explain the deviations."""
+    if result.weights != "uncertainties":
+        return []
+    found: list[Source] = [column_of("chi_squared", ".2f", "chi-squared")]
+    if result.p_value is not None:
+        found.append((Column("p value", spec=".2g"), result.p_value))
+    if result.widened_by > 1.0:
+        found.append((Column("intervals widened by", spec=".2f"), result.widened_by))
+    return found
 
 
 def _error(label: str, value: float | None) -> Source:
@@ -43,20 +56,34 @@ def coefficient_table(result: "CalibrationResult") -> Table:
     """Return the fitted coefficients with their intervals, or the reason why one is not identified."""
     return listing(
         result.coefficients,
-        (Column("coefficient"), lambda coefficient: _spelt(coefficient.name)),
+        column_of("name", label="coefficient"),
         (Column("estimate", spec=".4g"), lambda c: "not identified" if c.estimate is None else c.estimate),
-        (_between(result, prose=True), lambda c: c.reason if c.interval is None else interval(c.interval, ".4g")),
+        (_between(result, prose=True), lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason)))),
     )
 
 
-def _spelt(name: str) -> str:
-    """Return the name of a coefficient, which is a key and the term of a law, with the term in words."""
-    return name.replace(" per mm of backing", " per mm of back plate")
+def law_table(result: "CalibrationResult") -> Table:
+    """Return the laws that were compared."""
+    few = "too few tests"
+    return listing(
+        result.laws,
+        column_of("law"),
+        column_of("coefficients", "d"),
+        (
+            Column("mean error", "%", ".2f"),
+            lambda law: few if law.mean_error_percent is None else law.mean_error_percent,
+        ),
+        (
+            Column("mean leave-one-out error", "%", ".2f"),
+            lambda law: few if law.left_out_error_percent is None else law.left_out_error_percent,
+        ),
+        (Column("AICc", spec=".1f"), lambda law: few if law.aicc is None else law.aicc),
+    )
 
 
 def correlation_table(result: "CalibrationResult") -> Table:
     """Return the correlations of the coefficients, which are numbered in the heading."""
-    names = [f"{number} {_spelt(coefficient.name)}" for number, coefficient in enumerate(result.coefficients, start=1)]
+    names = [f"{number} {coefficient.name}" for number, coefficient in enumerate(result.coefficients, start=1)]
     numbers = (Column(name.partition(" ")[0], spec="+.3f") for name in names)
     rows: list[tuple[Cell, ...]] = [(name, *values) for name, values in zip(names, result.correlation, strict=True)]
     return Table((Column("correlation"), *numbers), tuple(rows))
@@ -89,7 +116,8 @@ def deviation_percent(value: float | None, measured: float) -> float | None:
 
 def calibration_tables(result: "CalibrationResult") -> list[Table | str]:
     """Return all tables of a calibration."""
-    tables = [calibration_table(result), coefficient_table(result)]
+    tables = [law_table(result)] if result.laws else []
+    tables += [calibration_table(result), coefficient_table(result)]
     if len(result.coefficients) > 1:
         tables.append(correlation_table(result))
     return [*tables, residual_table(result)]

@@ -8,7 +8,7 @@ from armour.statistics.calibration import calibrate
 from armour.statistics.test_data import read_tests
 from tests.helpers.cases import csv_file, shipped_scenario
 
-C, V, TAU = "armour.ceramic_thickness_mm", "impact.velocity_m_s", "backing.shear_strength_MPa"
+C, V = "armour.ceramic_thickness_mm", "impact.velocity_m_s"
 
 
 @pytest.mark.parametrize(
@@ -36,8 +36,20 @@ C, V, TAU = "armour.ceramic_thickness_mm", "impact.velocity_m_s", "backing.shear
         (
             f"{C},ballistic_limit_m_s",
             ["6,700", "7,720"],
-            {"fit": [TAU], "law": "linear"},
-            'must be "constant" where ceramic.flow_stress_GPa is not fitted, found "linear"',
+            {"law": "linear"},
+            "must have at least 4 measurements without uncertainties for 3 coefficients, found 2",
+        ),
+        (
+            f"{C},{V},outcome,ballistic_limit_m_s",
+            ["6,,,700", "7,720,defeated,", "7,720,perforated,"],
+            {},
+            "1 coefficients, found 1; outcomes alone do not tell how measurements scatter",
+        ),
+        (
+            f"{C},{V},outcome,ballistic_limit_uncertainty_m_s",
+            ["6,700,defeated,10", "7,720,perforated,10"],
+            {"law": "linear"},
+            "must have at least 3 measurements or outcomes for 3 coefficients, found 2",
         ),
         (
             f"armour.ceramic,{C},ballistic_limit_m_s",

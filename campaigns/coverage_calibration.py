@@ -1,0 +1,153 @@
+"""Count how often the 95 % intervals of `armour calibrate` hold the true values, in simulated tests.
+
+    python -m campaigns.coverage_calibration --samples 1000 --seed 1
+
+The tests are Wilkins' armours with a known flow stress of the ceramic.  Ballistic limits are normal about the model's,
+with a standard deviation of 15 m/s where it is given to the fit, and of 2 % where it is not.  Limits are interpolated
+between those of a table, to 0.01 m/s.
+"""
+
+import argparse
+from collections import Counter
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from math import sqrt
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from armour.analysis.variants import Floats, Variants, ignore_progress, variants_of
+from armour.core.equations import intact_strength
+from armour.engine.batch import fields
+from armour.scenario.loading import load_scenario
+from armour.scenario.parameters import BACKING, CERAMIC
+from armour.statistics import likelihood_fit
+from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, with_ceramic, with_law
+from armour.statistics.test_data import LIMIT, Measurement, Tests, read_tests
+from armour.units import GPA
+
+ROOT = Path(__file__).resolve().parent.parent
+TRUE_GPA, TRUE_EXPONENT = 5.2, 0.3
+GIVEN_M_S, RELATIVE = 15.0, 0.02
+# Wilkins' armours of which limits are measured, in the cases with few.
+SIX = (0, 3, 4, 8, 9, 12)
+# Flow stresses of the table, GPa.
+TABLE_GPA = np.geomspace(0.2, 60.0, 200)
+
+
+@dataclass(frozen=True)
+class Case:
+    """Simulated tests: limits of some armours, and outcomes of others, shots that many scatters away from the limit."""
+
+    name: str
+    limits: tuple[int, ...]
+    outcomes: tuple[int, ...] = ()
+    away: tuple[float, ...] = ()
+    given: bool = True  # whether the fit is given the uncertainty
+    law: Law = "constant"
+
+
+SPREAD = tuple(np.linspace(-1.5, 1.5, 10).tolist())
+CASES = [
+    Case("six limits, uncertainty given", SIX),
+    Case("six limits", SIX, given=False),
+    Case("two limits, 20 outcomes at the limit + 1 sd, uncertainty given", SIX[:2], (5,) * 20, (1.0,) * 20),
+    Case("six limits, 10 outcomes around them, uncertainty given", SIX, (1, 2, 5, 6, 7, 10, 11, 0, 3, 4), SPREAD),
+    Case("six limits, 10 outcomes around them", SIX, (1, 2, 5, 6, 7, 10, 11, 0, 3, 4), SPREAD, given=False),
+    Case("13 limits, law backing", tuple(range(13)), given=False, law="backing"),
+    Case("13 limits, law backing, uncertainty given", tuple(range(13)), law="backing"),
+]
+
+
+class Table:
+    """Ballistic limits of armours by the flow stress of the intact ceramic, in place of the model's."""
+
+    def __init__(self, model: Callable[[Variants], Floats]) -> None:
+        self.model = model
+        self.splines: dict[tuple[float, float], CubicSpline] = {}
+
+    def __call__(self, variants: Variants) -> Floats:
+        """Return the limits of variants, m/s."""
+        p = fields(variants.parameters)
+        law = (p.n_B, p.n_cB, p.a_c, p.a_B)
+        strengths = np.array([intact_strength(*row) for row in zip(p.Yc0, p.D0, p.Hc0, p.Hb, *law, strict=True)])
+        found = np.empty(len(strengths))
+        for armour in {*zip(p.Hc0.tolist(), p.Hb.tolist(), strict=True)}:
+            rows = np.flatnonzero((p.Hc0 == armour[0]) & (p.Hb == armour[1]))
+            found[rows] = self.spline(variants.at(rows[:1]))(np.log(strengths[rows]))
+        return found
+
+    def spline(self, variant: Variants) -> CubicSpline:
+        """Return the limits of an armour by the logarithm of the flow stress."""
+        p = fields(variant.parameters)
+        key = float(p.Hc0[0]), float(p.Hb[0])
+        if key not in self.splines:
+            rows = variant.at(np.zeros(len(TABLE_GPA), dtype=int))
+            p = fields(rows.parameters)
+            p.Yc0[:] = TABLE_GPA * GPA
+            for coefficient in (p.n_B, p.n_cB, p.a_c, p.a_B):
+                coefficient[:] = 0.0
+            self.splines[key] = CubicSpline(np.log(TABLE_GPA * GPA), self.model(rows))
+        return self.splines[key]
+
+
+class Simulation:
+    """Simulated tests of a case, and fits to them."""
+
+    def __init__(self, case: Case) -> None:
+        self.case = case
+        plain = load_scenario(ROOT / "scenarios/wilkins.toml")
+        read = read_tests(ROOT / "scenarios/tests/wilkins.csv", plain)
+        armours = [*case.limits, *case.outcomes]
+        columns = {name: read.groups[0].columns[name][armours] for name in (CERAMIC, BACKING)}
+        self.scenario = with_law(plain, case.law)
+        group = read.groups[0]._replace(scenario=self.scenario, where=np.arange(len(armours)), columns=columns)
+        names = tuple(map(str, range(len(armours))))
+        some = tuple(Measurement(i, LIMIT, 700.0, None, 0) for i in range(len(armours)))
+        self.tests = Tests("simulated", names, (group,), some, case.given, ({},) * len(armours))
+        self.truth = {FLOW_STRESS: TRUE_GPA} | {f"ceramic.{key}": TRUE_EXPONENT for key in LAWS[case.law]}
+        true = with_ceramic(self.scenario, {name.split(".")[1]: value for name, value in self.truth.items()})
+        self.limits = likelihood_fit.MODELS[LIMIT](variants_of(true, columns, len(armours)))
+
+    def fired(self, dice: np.random.Generator) -> Tests:
+        """Return simulated tests."""
+        case, first = self.case, len(self.case.limits)
+        deviations = np.full(len(self.limits), GIVEN_M_S) if case.given else RELATIVE * self.limits
+        found = self.limits + deviations * dice.normal(size=len(self.limits))
+        given = GIVEN_M_S if case.given else None
+        measurements = [Measurement(i, LIMIT, float(found[i]), given, 0) for i in range(first)]
+        for i, away in enumerate(case.away, start=first):
+            shot = float(self.limits[i] + away * deviations[i])
+            measurements.append(Measurement(i, LIMIT, shot, given, 1 if found[i] > shot else -1))
+        return self.tests._replace(measurements=tuple(measurements))
+
+    def held(self, dice: np.random.Generator) -> Iterable[str]:
+        """Return the inputs whose intervals hold the true value."""
+        fit = likelihood_fit.fit_inputs(self.fired(dice), self.scenario, [*self.truth], ignore_progress)
+        for found in likelihood_fit.intervals(fit):
+            low, high = found.interval or (None, None)
+            if (low is None or low <= self.truth[found.name]) and (high is None or self.truth[found.name] <= high):
+                yield found.name
+            if found.interval is None or None in found.interval:
+                yield f"open intervals of {found.name}"
+
+
+def main() -> None:
+    """Print the shares, per cent."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--samples", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args()
+    likelihood_fit.MODELS[LIMIT] = Table(likelihood_fit.MODELS[LIMIT])
+    print(f"standard error of 95 %: {100.0 * sqrt(0.95 * 0.05 / given.samples):.2f} %")
+    for case in CASES:
+        simulation, dice = Simulation(case), np.random.default_rng(given.seed)
+        count = Counter(name for _ in range(given.samples) for name in simulation.held(dice))
+        print(case.name, flush=True)
+        for name, number in sorted(count.items()):
+            print(f"  {name}: {100.0 * number / given.samples:.1f} %", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,411 @@
+"""Fit of a scenario's inputs to tests by maximum likelihood, with intervals by profile likelihood."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from math import exp, log, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import approx_fprime, brentq, least_squares, minimize_scalar
+from scipy.special import log_ndtr
+from scipy.stats import chi2, norm, t
+
+from armour.analysis.answers import Answers
+from armour.analysis.estimates import CONFIDENCE
+from armour.analysis.searches import ballistic_limits
+from armour.analysis.variants import Bools, Floats, OnProgress, Variants, perforated, variants_of
+from armour.errors import Problem, refuse
+from armour.scenario.library import FLOW_STRESS_LAW
+from armour.scenario.loading import Scenario
+from armour.scenario.parameters import BACKING, CERAMIC, NAMES, VELOCITY, check_names, inputs_of, name_of
+from armour.statistics.test_data import LIMIT, MASS, RESIDUAL, Tests
+
+# Bounds of an input in units of the scenario's own value; of a coefficient of a law, which may be negative.
+MIN_RATIO, MAX_RATIO, MAX_COEFFICIENT = 0.1, 10.0, 3.0
+# Starting points of the fit, in the same units, and one more for the coefficients of a law, which start at 0.
+STARTS, LAW_START = (1.0, 0.5, 2.0), 0.3
+# Tolerance of ballistic limits, m/s, and change of inputs for the derivatives.
+LIMIT_TOLERANCE_M_S = 1e-9
+DIFFERENCE = 1e-4
+# Change of inputs, in their units, up to which a fit to fewer tests is linearised.
+SMALL_CHANGE = 1e-3
+# Values this close to each other are equal.
+EQUAL = 1e-3
+# Range of the scatter, and relative accuracy of the most likely one.
+SCATTERS, SCATTER_TOLERANCE = (1e-6, 1.0), 1e-3
+# Least p value of a fit that the uncertainties given explain.
+MIN_P_VALUE = 0.05
+# Fewer degrees of freedom give no p value.
+MIN_FREEDOM = 0.5
+# First step and accuracy of the ends of an interval, in standard errors.
+FIRST_STEP, END_TOLERANCE = 1.8, 1e-3
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A fitted input."""
+
+    name: str
+    estimate: float | None  # None where the tests do not identify it
+    interval: tuple[float | None, float | None] | None  # profile-likelihood interval; None for an end that is open
+    reason: str = ""  # why it is not identified
+    standard_error: float | None = None  # of the model linearised at the estimate
+
+
+class Likelihood(NamedTuple):
+    """The likelihood of k inputs given m measurements.
+
+    A measured value is normal about the model's value, with its uncertainty or, where none are given, with a standard
+    deviation in proportion to the value, the scatter, that all have in common.  An outcome has the probability that a
+    ballistic limit of the same distribution lies on its side of the impact velocity.
+    """
+
+    tests: Tests
+    names: tuple[str, ...]
+    units: Floats  # of the inputs: the scenario's own values, or 1, (k,)
+    lower: Floats  # bounds in these units, (k,)
+    upper: Floats
+    kept: Bools  # measurements that count, (m,)
+    on_progress: OnProgress
+
+    @property
+    def sides(self) -> Floats:
+        """0 for measured values, +1 or -1 for outcomes; of those that count."""
+        return np.array([m.side for m in self.tests.measurements])[self.kept]
+
+    @property
+    def scatters(self) -> bool:
+        """Whether the scatter is unknown."""
+        return not self.tests.weighted
+
+    def deviations(self, x: Floats) -> Floats:
+        """Return the model's deviations from the measurements that count, divided by uncertainties or values."""
+        scales = [m.uncertainty or m.value for m in self.tests.measurements]
+        values = np.array([m.value for m in self.tests.measurements])
+        self.on_progress(len(values), None)
+        found: Floats = ((self.predicted(x) - values) / scales)[self.kept]
+        return found
+
+    def predicted(self, x: Floats) -> Floats:
+        """Return the model's values of the m measurements; inputs are in their units, (k,) or, test by test, (k, n)."""
+        measurements = self.tests.measurements
+        found = np.empty(len(measurements))
+        of_test = np.array([m.test for m in measurements])
+        quantities = np.array([m.quantity for m in measurements])
+        inputs = np.broadcast_to((x.T * self.units).T.reshape(len(x), -1), (len(x), len(self.tests.names)))
+        for group in self.tests.groups:
+            columns = {**group.columns, **dict(zip(self.names, inputs[:, group.where], strict=True))}
+            variants = variants_of(group.scenario, columns, len(group.where))
+            in_group = np.isin(of_test, group.where)
+            for quantity, model in MODELS.items():
+                where = np.flatnonzero(in_group & (quantities == quantity))
+                if len(where):
+                    found[where] = model(variants.at(np.searchsorted(group.where, of_test[where])))
+        return found
+
+
+def _limits(variants: Variants) -> Floats:
+    """Return ballistic limits, m/s; the end of the search's range where the limit lies beyond it."""
+    search = variants.settings.ballistic_limit
+    limits = ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S)
+    outside = np.flatnonzero(np.isnan(limits))
+    if len(outside):
+        slowest = np.full(len(outside), search.velocity_min_m_s)
+        below = perforated(variants.at(outside)._replace(velocities=slowest))
+        limits[outside] = np.where(below, search.velocity_min_m_s, search.velocity_max_m_s)
+    return limits
+
+
+def _residual_velocities(variants: Variants) -> Floats:
+    """Return residual velocities, m/s; of a defeated test, the impact velocity less the ballistic limit."""
+    answers = Answers(variants)
+    found = answers.impacts.V.copy()
+    defeated = np.flatnonzero(~answers.perforated)
+    if len(defeated):
+        found[defeated] = np.minimum(variants.velocities[defeated] - _limits(variants.at(defeated)), found[defeated])
+    return found
+
+
+# The model's values of variants, by measured quantity.
+MODELS: dict[str, Callable[[Variants], Floats]] = {
+    LIMIT: _limits,
+    RESIDUAL: _residual_velocities,
+    MASS: lambda variants: Answers(variants).residual_masses,
+}
+
+
+class Point(NamedTuple):
+    """Inputs and scatter of the greatest likelihood, at least with some inputs held."""
+
+    x: Floats  # in their units, (k,)
+    scatter: float  # 1 where uncertainties are given
+    lost: float  # -2 times the logarithm of the likelihood, but for what does not depend on the inputs
+
+
+class Fit(NamedTuple):
+    """A fit of inputs to tests.
+
+    ``rows`` and ``residuals`` are those of the least-squares problem whose first step is Newton's from the fit.
+    """
+
+    likelihood: Likelihood
+    best: Point
+    rows: Floats  # (m, k)
+    residuals: Floats  # (m,)
+    covariance: Floats  # of the inputs in their units, (k, k)
+    degrees_of_freedom: float
+    chi_squared: float  # sum of the squared deviations of the measured values
+    p_value: float | None
+    widened_by: float  # factor of the intervals
+    threshold: float  # of -2 times the logarithm of a likelihood ratio, for the intervals
+    aicc: float | None
+    starts: int
+    starts_agreeing: int
+
+
+def fit_inputs(tests: Tests, scenario: Scenario, inputs: Sequence[str], on_progress: OnProgress) -> Fit:
+    """Fit inputs of a scenario to tests, from several starts; see `armour.statistics.calibration.calibrate`."""
+    _check(tests, scenario, inputs)
+    own = inputs_of(tests.groups[0].scenario)
+    of_law = np.array([name.partition(".")[2] in FLOW_STRESS_LAW for name in inputs])
+    likelihood = Likelihood(
+        tests,
+        tuple(inputs),
+        units=np.array([1.0 if law else own[name] for name, law in zip(inputs, of_law, strict=True)]),
+        lower=np.where(of_law, -MAX_COEFFICIENT, MIN_RATIO),
+        upper=np.where(of_law, MAX_COEFFICIENT, MAX_RATIO),
+        kept=np.ones(len(tests.measurements), dtype=bool),
+        on_progress=on_progress,
+    )
+    starts = [np.where(of_law, 0.0, start) for start in STARTS]
+    starts += [np.where(of_law, LAW_START, 1.0)] if of_law.any() else []
+    ends = [search(likelihood, start) for start in starts]
+    best = min(ends, key=lambda end: end.lost)
+    agreeing = sum(np.allclose(end.x, best.x, rtol=EQUAL, atol=EQUAL) for end in ends)
+    return _judged(likelihood, best, len(ends), agreeing)
+
+
+def search(likelihood: Likelihood, start: Floats, held: int | None = None, scatter: float | None = None) -> Point:
+    """Return the most likely inputs by a search from a starting point; one of them, and the scatter, may be held."""
+    free = np.flatnonzero(np.arange(len(start)) != held)
+    sides, x = likelihood.sides, start.copy()
+
+    @cache
+    def deviations_at(some: tuple[float, ...]) -> Floats:
+        found = x.copy()
+        found[free] = some
+        return likelihood.deviations(found)
+
+    def moved(scatter: float) -> Floats:
+        """Move to the most likely inputs given the scatter, and return their deviations."""
+
+        def losses(some: Floats) -> Floats:
+            return _losses(deviations_at(tuple(some.tolist())) / scatter, sides)
+
+        def slopes(some: Floats) -> Floats:
+            found: Floats = approx_fprime(some, losses, DIFFERENCE)
+            return found
+
+        if len(free):
+            x[free] = least_squares(
+                losses,
+                x[free],
+                jac=slopes,
+                bounds=(likelihood.lower[free], likelihood.upper[free]),
+                xtol=1e-10,
+            ).x
+        return deviations_at(tuple(x[free].tolist()))
+
+    def profile(log_scatter: float) -> float:
+        return _lost(moved(exp(log_scatter)), sides, exp(log_scatter))
+
+    if sides.any() and likelihood.scatters and scatter is None:
+        ends = log(SCATTERS[0]), log(SCATTERS[1])
+        scatter = exp(minimize_scalar(profile, bounds=ends, options={"xatol": SCATTER_TOLERANCE}).x)
+    # Without outcomes the scatter has no effect on the most likely inputs.
+    deviations = moved(scatter if scatter and sides.any() else 1.0)
+    if scatter is None:
+        scatter = float(np.clip(np.sqrt(np.mean(deviations**2)), *SCATTERS)) if likelihood.scatters else 1.0
+    return Point(x, scatter, _lost(deviations, sides, scatter))
+
+
+def _losses(z: Floats, sides: Floats) -> Floats:
+    """Return signed roots of -2 times the logarithms of likelihoods, given deviations in standard deviations."""
+    return np.where(sides == 0, z, np.sqrt(-2.0 * log_ndtr(sides * z)))
+
+
+def _lost(deviations: Floats, sides: Floats, scatter: float) -> float:
+    """Return -2 times the logarithm of the likelihood, but for what does not depend on inputs and scatter."""
+    return float((_losses(deviations / scatter, sides) ** 2).sum() + 2.0 * (sides == 0).sum() * log(scatter))
+
+
+def _judged(likelihood: Likelihood, best: Point, starts: int, agreeing: int) -> Fit:
+    """Return a fit with its covariance, its p value and the threshold of its intervals.
+
+    Without outcomes the intervals are exact for a linear model.  With them a scatter has as many degrees of freedom as
+    measured values would give that determine it as well.
+    """
+    sides, count = likelihood.sides, len(best.x)
+    exact = sides == 0
+    jacobian = approx_fprime(best.x, likelihood.deviations, DIFFERENCE).reshape(len(sides), count) / best.scatter
+    z = likelihood.deviations(best.x) / best.scatter
+    toward = sides * z
+    slope = _hazard(toward)
+    weights = np.sqrt(np.where(exact, 1.0, slope * (slope + toward)))
+    rows = all_rows = weights[:, None] * jacobian
+    tail = 0.5 * (1.0 + CONFIDENCE)
+    if likelihood.scatters:
+        # The scatter is an unknown too, on which the estimates depend through the outcomes.
+        of_scatter = [*np.where(exact, 0.0, -weights * z), sqrt(2.0 * exact.sum())]
+        all_rows = np.column_stack([np.vstack([rows, np.zeros(count)]), of_scatter])
+    inverse = np.linalg.pinv(all_rows, rcond=1e-6)
+    covariance = (inverse @ inverse.T)[:count, :count]
+    p_value, widened_by, chi_squared = None, 1.0, float((z[exact] ** 2).sum())
+    if likelihood.scatters:
+        number = float(exact.sum() + 0.5 * (toward**2 * slope * _hazard(-toward))[~exact].sum())
+        freedom = number - count
+        threshold = number * float(np.log1p(t.ppf(tail, freedom) ** 2 / freedom))
+        covariance *= number / freedom
+        chi_squared *= best.scatter**2
+    else:
+        # Less what the measured values, and not the outcomes, determine of the inputs.
+        freedom = float(exact.sum() - count + (rows * inverse.T)[~exact].sum())
+        p_value = float(chi2.sf(chi_squared, freedom)) if freedom > MIN_FREEDOM else None
+        threshold = float(norm.ppf(tail)) ** 2
+        if p_value is not None and p_value < MIN_P_VALUE:
+            widened_by = sqrt(chi_squared / freedom)
+            threshold = (widened_by * float(t.ppf(tail, freedom))) ** 2
+            covariance *= widened_by**2
+    return Fit(
+        likelihood=likelihood,
+        best=best,
+        rows=rows,
+        residuals=np.where(exact, z, -sides * slope / np.maximum(weights, 1e-150)),
+        covariance=covariance,
+        degrees_of_freedom=freedom,
+        chi_squared=chi_squared,
+        p_value=p_value,
+        widened_by=widened_by,
+        threshold=threshold,
+        aicc=_aicc(likelihood, best),
+        starts=starts,
+        starts_agreeing=agreeing,
+    )
+
+
+def _hazard(z: Floats) -> Floats:
+    """Return the density of the normal distribution divided by the distribution function."""
+    found: Floats = np.exp(-0.5 * z * z - log_ndtr(z)) / sqrt(2.0 * pi)
+    return found
+
+
+def _aicc(likelihood: Likelihood, best: Point) -> float | None:
+    """Return Akaike's information criterion, corrected for the number of measurements; None for too few."""
+    unknown = len(best.x) + likelihood.scatters
+    exact = [m for m in likelihood.tests.measurements if m.side == 0]
+    left = len(likelihood.sides) - unknown - 1
+    if left < 1:
+        return None
+    constants = sum(log(2.0 * pi * (m.uncertainty or m.value) ** 2) for m in exact)
+    return best.lost + constants + 2.0 * unknown + 2.0 * unknown * (unknown + 1.0) / left
+
+
+def intervals(fit: Fit) -> tuple[Coefficient, ...]:
+    """Return the coefficients with their profile-likelihood intervals, or why the tests do not identify them."""
+    likelihood, found = fit.likelihood, []
+    for i, name in enumerate(likelihood.names):
+        unit, error = float(likelihood.units[i]), sqrt(max(float(fit.covariance[i, i]), 0.0))
+        bounds = float(likelihood.lower[i]), float(likelihood.upper[i])
+        (low, flat_below), (high, flat_above) = (_end(fit, i, bound, error) for bound in bounds)
+        ends = (None if low is None else low * unit, None if high is None else high * unit)
+        reason = ""
+        if ends == (None, None):
+            reason = "the tests bound it neither above nor below"
+        elif flat_below or flat_above:
+            bound = bounds[0 if flat_below else 1]
+            reason = f"the tests fit as well at {bound * unit:.3g}, the end of the range of the search"
+        if reason:
+            found.append(Coefficient(name, None, None if ends == (None, None) else ends, reason))
+        else:
+            found.append(Coefficient(name, float(fit.best.x[i]) * unit, ends, standard_error=error * unit))
+    return tuple(found)
+
+
+def _end(fit: Fit, index: int, bound: float, error: float) -> tuple[float | None, bool]:
+    """Return the end of an interval towards a bound; None where the likelihood does not fall enough on the way.
+
+    Return also whether the likelihood is as great at the bound as at the estimate.
+    """
+    likelihood, best = fit.likelihood, fit.best
+    # Changes of the other inputs that follow a change of this one.
+    others = np.arange(len(best.x)) != index
+    slopes = np.linalg.lstsq(fit.rows[:, others], -fit.rows[:, index], rcond=1e-6)[0]
+
+    @cache
+    def excess(value: float) -> float:
+        start = best.x.copy()
+        start[index], start[others] = value, start[others] + slopes * (value - best.x[index])
+        start = np.clip(start, likelihood.lower, likelihood.upper)
+        return search(likelihood, start, held=index).lost - best.lost - fit.threshold
+
+    near, step = float(best.x[index]), min(max(FIRST_STEP * error, DIFFERENCE), 1.0)
+    tolerance = END_TOLERANCE * step
+    while near != bound:
+        far = min(near + step, bound) if bound > near else max(near - step, bound)
+        if excess(far) > 0.0:
+            return float(brentq(excess, near, far, xtol=tolerance)), False
+        near, step = far, 2.0 * step
+    return None, excess(bound) + fit.threshold < EQUAL
+
+
+def without(fit: Fit, kept: Bools) -> Floats:
+    """Return the inputs fitted to some of the measurements, in their units, (k,), given the fit to all and its scatter.
+
+    A small change is Newton's step from the fit to all, with an error of second order; else the search is repeated.
+    """
+    likelihood = fit.likelihood._replace(kept=kept)
+    change = np.linalg.lstsq(fit.rows[kept], -fit.residuals[kept], rcond=1e-6)[0]
+    x: Floats = np.clip(fit.best.x + change, likelihood.lower, likelihood.upper)
+    if (np.abs(x - fit.best.x) <= SMALL_CHANGE).all():
+        return x
+    return search(likelihood, x, scatter=fit.best.scatter).x
+
+
+def _check(tests: Tests, scenario: Scenario, inputs: Sequence[str]) -> None:
+    """Check that the inputs can be fitted to the tests."""
+    check_names(inputs, scenario, scenario.file, "--fit")
+    problems = []
+    if len(set(inputs)) != len(inputs):
+        problems.append(Problem(scenario.file, "--fit", "must not name an input twice"))
+    for name in inputs:
+        if any(name in group.columns for group in tests.groups):
+            problems.append(Problem(tests.file, name, "must not be a column where it is fitted"))
+        if name in (VELOCITY, CERAMIC, BACKING):
+            problems.append(
+                Problem(scenario.file, "--fit", f'must be a property of a material or projectile, found "{name}"')
+            )
+    for role, key in NAMES.items():
+        names = {name_of(group.scenario, role) for group in tests.groups}
+        if len(names) > 1 and any(name.startswith(role + ".") for name in inputs):
+            message = (
+                f"must be the same in all tests where the {role} is fitted, found {', '.join(sorted(map(str, names)))}"
+            )
+            problems.append(Problem(tests.file, key, message))
+    count = len(inputs)
+    if not enough(tests, np.ones(len(tests.measurements), dtype=bool), count + (not tests.weighted)):
+        needed, kinds, found = f"{count}", "measurements or outcomes", len(tests.measurements)
+        if not tests.weighted:
+            needed, kinds = f"{count + 1}", "measurements without uncertainties"
+            found = sum(m.side == 0 for m in tests.measurements)
+        message = f"must have at least {needed} {kinds} for {count} coefficients, found {found}"
+        if found < len(tests.measurements):
+            message += "; outcomes alone do not tell how measurements scatter"
+        problems.append(Problem(tests.file, "", message))
+    refuse(problems)
+
+
+def enough(tests: Tests, kept: Bools, needed: int) -> bool:
+    """Return whether enough measurements are kept; without uncertainties outcomes do not count."""
+    counted = [tests.weighted or m.side == 0 for m in tests.measurements]
+    return int((kept & counted).sum()) >= needed
