@@ -334,7 +334,8 @@ def calibrate_trial(dice: Dice) -> Trial:
     chosen = [word for fit in fits for word in ("--fit", fit)]
     law = ["--law", dice.choice(LAWS[: 6 if dice.gentle else 7])] if dice.random() < 0.3 else []
     tests = mutated(TESTS.read_bytes(), dice, table=True)
-    return Trial(["t.csv", name, *chosen, *law, "--write", "w.toml"], {**files, "t.csv": tests})
+    writes = ["--write", "w.toml", "--write-scenario", "fitted.toml"]
+    return Trial(["t.csv", name, *chosen, *law, *writes], {**files, "t.csv": tests})
 
 
 def v50_trial(dice: Dice) -> Trial:
