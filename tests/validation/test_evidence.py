@@ -1,6 +1,7 @@
 """The errors and ranges of armour.scenario.evidence, from the tests that they are estimated from."""
 
 from collections.abc import Callable, Mapping
+from functools import cache
 from math import pi, sqrt
 from typing import Any
 
@@ -8,14 +9,18 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from armour.scenario.applicability import model_error
 from armour.scenario.evidence import BACKING_RATIO, BACKING_STRENGTH, CERAMIC_RATIO, EVIDENCE, SLENDERNESS, Evidence
-from armour.statistics.calibration import calibrate
+from armour.scenario.library import shipped_library
+from armour.statistics.calibration import CalibrationResult, calibrate, left_out_errors
+from armour.statistics.flow_stress_laws import Law
 from armour.statistics.test_data import read_tests
 from armour.validation.suite import load_suite
 from armour.validation.validate import SuiteResult, suite_file, validate
 from tests.helpers.cases import TESTS, scenario
 
-TILES, CORES_ON_ALUMINIUM, CORES_ON_STEEL, FRAGMENTS_ON_ALUMINIUM, FRAGMENTS_ON_STEEL = EVIDENCE
+TILES, BACKING_LAW, PRODUCT_LAW, *_PLATES = EVIDENCE
+CORES_ON_ALUMINIUM, CORES_ON_STEEL, FRAGMENTS_ON_ALUMINIUM, FRAGMENTS_ON_STEEL = _PLATES
 Cells = Mapping[str, Any]
 
 
@@ -44,24 +49,51 @@ def residuals_of(plates: SuiteResult, evidence: Evidence) -> tuple[Any, Any, lis
     return np.array(errors), np.array([check.case.cells["plate"] for check in checks]), [c.case.cells for c in checks]
 
 
-def test_tiles_have_the_error_of_tests_left_out():
+LAWS: list[tuple[Law, Evidence, str]] = [
+    ("constant", TILES, "AD85"),
+    ("backing", BACKING_LAW, "AD85 backing law"),
+    ("product", PRODUCT_LAW, "AD85 product law"),
+]
+
+
+@cache
+def calibrated(law: Law) -> CalibrationResult:
     case = scenario()
-    residuals = calibrate(read_tests(TESTS, case), case).residuals
-    errors = [100.0 * (residual.measured / (residual.left_out or 0.0) - 1.0) for residual in residuals]
-    mean, scale, freedom = TILES.error
-    assert len(errors) == freedom + 1 == 13
+    return calibrate(read_tests(TESTS, case), case, law=law)
+
+
+@pytest.mark.parametrize(("law", "evidence", "ceramic"), LAWS, ids=lambda item: str(item)[:12])
+def test_tiles_have_the_error_of_tests_left_out(law: Law, evidence: Evidence, ceramic: str):
+    errors = 100.0 * np.array(left_out_errors(calibrated(law)).errors)
+    mean, scale, freedom = evidence.error
+    assert len(errors) == 13
+    assert freedom == 13 - len(calibrated(law).coefficients)
     # The mean does not differ from 0 by its standard error, and the scale is the root mean square.
     assert abs(np.mean(errors) - mean) < np.std(errors, ddof=1) / sqrt(13)
     assert np.sqrt(np.mean(np.square(errors))) == pytest.approx(scale, abs=0.05)
+    found = model_error(scenario(ceramic=ceramic))
+    assert found is not None
+    assert found.source == evidence.title
 
 
-def test_tiles_left_out_one_by_one_lie_within_the_interval_of_the_others():
-    case = scenario()
-    residuals = calibrate(read_tests(TESTS, case), case).residuals
-    errors = np.array([100.0 * (residual.measured / (residual.left_out or 0.0) - 1.0) for residual in residuals])
-    others = [np.sqrt(np.mean(np.square(np.delete(errors, i)))) for i in range(13)]
-    within = abs(errors) <= stats.t.ppf(0.975, 11) * np.array(others)
-    assert within.sum() >= 12
+@pytest.mark.parametrize(("law", "evidence", "ceramic"), LAWS[1:], ids=lambda item: str(item)[:12])
+def test_the_library_has_the_laws_as_calibrated(law: Law, evidence: Evidence, ceramic: str):
+    assert evidence.title.endswith(f"{law} law")
+    entry = shipped_library().entries["ceramic"][ceramic]
+    for coefficient in calibrated(law).coefficients:
+        assert entry[coefficient.name.split(".")[1]] == pytest.approx(coefficient.estimate, abs=6e-4)
+        assert coefficient.interval is not None
+        low, high = coefficient.interval
+        source = entry.values[coefficient.name.split(".")[1]].source
+        assert source.endswith(f"95 % interval {low:.2f} to {high:.2f}")
+
+
+@pytest.mark.parametrize(("law", "evidence", "ceramic"), LAWS, ids=lambda item: str(item)[:12])
+def test_tiles_left_out_one_by_one_lie_within_the_interval_of_the_others(law: Law, evidence: Evidence, ceramic: str):
+    errors = 100.0 * np.array(left_out_errors(calibrated(law)).errors)
+    others = np.array([np.sqrt(np.mean(np.square(np.delete(errors, i)))) for i in range(13)])
+    within = abs(errors) <= stats.t.ppf(0.975, evidence.error[2] - 1.0) * others
+    assert within.sum() == {"AD85": 12, "AD85 backing law": 11, "AD85 product law": 13}[ceramic]
 
 
 @pytest.mark.parametrize("evidence", BARE, ids=lambda evidence: evidence.title)

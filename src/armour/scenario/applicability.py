@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from armour.core.state import Parameters
-from armour.scenario.evidence import CERAMICS, CONSTANT, EVIDENCE, Evidence, ModelError
+from armour.scenario.evidence import CERAMICS, EVIDENCE, LAW_MEASURES, Evidence, ModelError
 
 if TYPE_CHECKING:
     from armour.scenario.loading import Scenario
@@ -88,13 +88,13 @@ def limits_of(evidence: Evidence, armour: Parameters, velocity: Any) -> Iterator
         words = f"the model was compared with results at {low:g} to {high:g} m/s"
         yield Limit(VELOCITY, words, (velocity < low) | (velocity > high), velocity)
     if not evidence.bare:
-        yield from _of_ceramic(armour)
+        yield from _of_ceramic(evidence, armour)
     for limits in evidence.ranges():
         words = f"the model was compared with results for {limits}"
         yield Limit(limits.measure.key, words, limits.fails(armour), limits.measure.of(armour))
 
 
-def _of_ceramic(armour: Parameters) -> Iterator[Limit]:
+def _of_ceramic(evidence: Evidence, armour: Parameters) -> Iterator[Limit]:
     """Give the limits of the ceramics that were tested, or that the paper's program computed."""
     untested = unknown = True
     for ceramic in CERAMICS:
@@ -106,8 +106,11 @@ def _of_ceramic(armour: Parameters) -> Iterator[Limit]:
         words = f"the model was compared with results of {ceramic.name} with {ceramic.strength}"
         measure = ceramic.strength.measure
         yield Limit(measure.key, words, ceramic.strength.fails(armour) & (different ^ True), measure.of(armour))
-    words = "the model was compared with results for a flow stress that is the same at all thicknesses"
-    yield Limit("armour.ceramic", words, CONSTANT.fails(armour))
+    other = False
+    for limits in evidence.kind:
+        if limits.measure in LAW_MEASURES:
+            other = other | limits.fails(armour)
+    yield Limit("armour.ceramic", "the model was compared with no test by such a law of the flow stress", other)
     names = ", ".join(ceramic.name for ceramic in CERAMICS)
     yield Limit("armour.ceramic", f"the model was compared with results of {names} only", unknown)
     words = "the model was compared with results of the paper's program for such a ceramic, with no test"

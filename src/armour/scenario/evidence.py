@@ -80,8 +80,11 @@ BACKING_STRENGTH = Measure("backing.flow_stress_GPa", "back plates with a flow s
 SLENDERNESS = Measure("impact.projectile", "penetrators", "diameters long", lambda p: p.L0 / p.D0)
 ROD_DENSITY = Measure("projectile.density_kg_m3", "penetrators of", "kg/m³", lambda p: p.rho_p)
 ROD_STRENGTH = Measure("projectile.flow_stress_GPa", "penetrators with a flow stress of", "GPa", lambda p: p.Yp / GPA)
-CERAMIC_LAW = Measure("armour.ceramic", "ceramics", "", lambda p: abs(p.n_B) + abs(p.n_cB) + abs(p.a_c) + abs(p.a_B))
-CERAMIC_MEASURES = CERAMIC_DENSITY, CERAMIC_MODULUS, CERAMIC_STRENGTH, CERAMIC_LAW
+BACKING_EXPONENT = Measure("ceramic.flow_stress_backing_exponent", "an exponent of", "", lambda p: p.n_B)
+PRODUCT_EXPONENT = Measure("ceramic.flow_stress_product_exponent", "an exponent of", "", lambda p: p.n_cB)
+SLOPES = Measure("ceramic.flow_stress_ceramic_slope", "slopes of", "", lambda p: abs(p.a_c) + abs(p.a_B))
+LAW_MEASURES = BACKING_EXPONENT, PRODUCT_EXPONENT, SLOPES
+CERAMIC_MEASURES = (CERAMIC_DENSITY, CERAMIC_MODULUS, CERAMIC_STRENGTH, *LAW_MEASURES)
 
 # Relative differences of density and Young's modulus up to which a ceramic is the same.
 SAME_DENSITY, SAME_MODULUS = 0.02, 0.05
@@ -159,21 +162,29 @@ _ALUMINIUM = DataRange(BACKING_DENSITY, 2600.0, 2900.0)
 _STEEL = DataRange(BACKING_DENSITY, 7700.0, 8000.0)
 _FLOW_STRESS = DataRange(ROD_STRENGTH, 2.3, 2.4)
 AD85 = CERAMICS[0]
-# A flow stress of the ceramic that does not depend on the thicknesses.
-CONSTANT = DataRange(CERAMIC_LAW, 0.0, 0.0)
 
+
+def _of_law(
+    backing: tuple[float, float] = (0.0, 0.0), product: tuple[float, float] = (0.0, 0.0)
+) -> tuple[DataRange, ...]:
+    """Return the kind of armours with AD85 whose flow stress follows a law with exponents in some ranges."""
+    exponents = DataRange(BACKING_EXPONENT, *backing), DataRange(PRODUCT_EXPONENT, *product)
+    return (*AD85.ranges(), AD85.strength, *exponents, DataRange(SLOPES, 0.0, 0.0), _ALUMINIUM, _STEEL_ROD, _CORE)
+
+
+_WILKINS = (
+    DataRange(CERAMIC_RATIO, 0.89, 1.3),
+    DataRange(BACKING_RATIO, 0.66, 1.5),
+    DataRange(BACKING_STRENGTH, 1.0, 1.1),
+    DataRange(SLENDERNESS, 3.2, 3.3),
+    _FLOW_STRESS,
+)
 EVIDENCE = (
     Evidence(
         "13 tests of AD85 on 6061-T6 against the 7.62 mm AP (Wilkins)",
         False,
-        (*AD85.ranges(), AD85.strength, CONSTANT, _ALUMINIUM, _STEEL_ROD, _CORE),
-        (
-            DataRange(CERAMIC_RATIO, 0.89, 1.3),
-            DataRange(BACKING_RATIO, 0.66, 1.5),
-            DataRange(BACKING_STRENGTH, 1.0, 1.1),
-            DataRange(SLENDERNESS, 3.2, 3.3),
-            _FLOW_STRESS,
-        ),
+        _of_law(),
+        _WILKINS,
         (620.0, 1300.0),
         (0.0, 7.0, 12.0),
         (
@@ -183,6 +194,22 @@ EVIDENCE = (
             DataRange(SLENDERNESS, 3.2, 5.4),
             _FLOW_STRESS,
         ),
+    ),
+    Evidence(
+        "13 tests of AD85 on 6061-T6 against the 7.62 mm AP (Wilkins), backing law",
+        False,
+        _of_law(backing=(0.1, 0.55)),
+        _WILKINS,
+        (620.0, 910.0),
+        (0.0, 5.4, 11.0),
+    ),
+    Evidence(
+        "13 tests of AD85 on 6061-T6 against the 7.62 mm AP (Wilkins), product law",
+        False,
+        _of_law(product=(0.1, 0.55)),
+        _WILKINS,
+        (620.0, 910.0),
+        (0.0, 4.9, 11.0),
     ),
     Evidence(
         "528 tests of armour-piercing cores on 24 aluminium alloys",

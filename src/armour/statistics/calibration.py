@@ -1,6 +1,7 @@
 """Calibration: inputs of a scenario fitted to tests, with intervals and leave-one-out errors."""
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -9,7 +10,7 @@ import numpy as np
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import Result
-from armour.analysis.variants import Floats, OnProgress, ignore_progress
+from armour.analysis.variants import Floats, OnProgress, ignore_progress, outside_limits, variants_of
 from armour.errors import InputError, Problem, choices
 from armour.scenario.loading import Scenario
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, law_of, with_law
@@ -94,6 +95,7 @@ class CalibrationResult(Result):
     laws : tuple of LawFit
         The laws that were compared.
     warnings : tuple of str
+        A bad fit, and ways in which tests are unlike what the model was compared with before.
     """
 
     tests: str
@@ -241,11 +243,21 @@ def _with_one_law(
         p_value=done.p_value,
         widened_by=done.widened_by,
         aicc=done.aicc,
-        warnings=_warnings(done),
+        warnings=(*_bad_fit(done), *_unlike(tests)),
     )
 
 
-def _warnings(done: Fit) -> tuple[str, ...]:
+def _unlike(tests: Tests) -> Iterator[str]:
+    """Give the limits of what the model was compared with that some tests lie outside of, and how many."""
+    found: Counter[str] = Counter()
+    for group in tests.groups:
+        rows = variants_of(group.scenario, group.columns, len(group.where))
+        found.update(dict(outside_limits(rows, velocities=False)))
+    return (f"{limit}; {count} of {len(tests.names)} tests lie outside" for limit, count in found.items())
+
+
+def _bad_fit(done: Fit) -> tuple[str, ...]:
+    """Return a warning where the deviations are larger than the uncertainties explain."""
     if done.widened_by == 1.0:
         return ()
     return (

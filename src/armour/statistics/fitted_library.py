@@ -1,6 +1,7 @@
 """Library files and scenarios with calibrated entries."""
 
 from collections.abc import Callable
+from math import sqrt
 from os.path import relpath
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from armour.files import parse_toml
 from armour.scenario.library import FLOW_STRESS_LAW, LibraryEntry, library_toml, shipped_library
 from armour.scenario.loading import Scenario, parse_scenario
 from armour.scenario.parameters import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY, entry_of, name_of
-from armour.statistics.calibration import CalibrationResult
+from armour.statistics.calibration import CalibrationResult, left_out_errors
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS
 from armour.statistics.test_data import LIMIT, MEASURED, OUTCOME, Tests
 
@@ -51,7 +52,26 @@ def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, p
             for j, other in enumerate(names[:i])
         ),
     ]
+    if error := _model_error(result, tests):
+        section.setdefault("model", error)
     return _usable(lambda: parse_scenario(data, file=str(path), folder=path.parent)).to_toml()
+
+
+def _model_error(result: CalibrationResult, tests: Tests) -> dict[str, Any]:
+    """Return the section of the error of the model: that of the limits of tests left out; empty for too few of them.
+
+    A fit leaves no mean error; the scale is the root mean square.
+    """
+    left_out = left_out_errors(result)
+    freedom = left_out.number - len(result.coefficients)
+    if freedom < 1:
+        return {}
+    scale = 100.0 * sqrt(sum(error**2 for error in left_out.errors) / left_out.number)
+    return {
+        "scale_percent": float(f"{scale:.3g}"),
+        "degrees_of_freedom": float(freedom),
+        "source": f"{left_out.number} tests of {Path(tests.file).name}, each left out of the fit",
+    }
 
 
 def _usable(made: Callable[[], Scenario]) -> Scenario:
