@@ -26,12 +26,14 @@ EXAMPLES = [example for examples in COMMANDS.values() for example in examples]
 DOCUMENTED = [command.removeprefix("armour ") for session in SESSIONS for command, _ in session.values[0]]
 
 
+def words_of(command: str) -> set[str]:
+    return set(shlex.split(command.replace(" -o ", " --output ").replace(".png", ".svg")))
+
+
 def is_part_of_another(example: str) -> bool:
     """Whether a longer example, or a command of the documentation, holds all words of an example."""
-    words = set(shlex.split(example))
-    return any(words < set(shlex.split(other)) for other in EXAMPLES) or any(
-        words <= set(shlex.split(command.split(" > ")[0])) for command in DOCUMENTED
-    )
+    words = words_of(example)
+    return any(words < words_of(other) for other in EXAMPLES) or any(words <= words_of(other) for other in DOCUMENTED)
 
 
 @pytest.mark.parametrize("example", [example for example in EXAMPLES if not is_part_of_another(example)])
