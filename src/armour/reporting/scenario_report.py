@@ -92,7 +92,8 @@ def _outcome(contents: Contents) -> Card:
 
 def _reliability(contents: Contents) -> Card:
     """Return the probability of defeating the threat, and what it rests on."""
-    sure, note = contents.confidence, confidence_note(contents.confidence)
+    sure = contents.confidence
+    note = sure.reason or confidence_note(sure)
     if contents.uncertainty is None:
         return Card(DEFEAT.label.capitalize(), chance(sure.probability_of_defeat), note)
     p = contents.uncertainty.probability_of_perforation
