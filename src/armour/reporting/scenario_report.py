@@ -8,7 +8,7 @@ from armour.reporting.chart import Chart
 from armour.reporting.contents import Contents
 from armour.reporting.report import Card, CrossSection, Report, Section, origin_section
 from armour.reporting.table import Table
-from armour.reporting.tables.confidence import DEFEAT, chance, confidence_note, error_note
+from armour.reporting.tables.confidence import DEFEAT, chance, extrapolation, from_tests
 from armour.reporting.tables.design import (
     COST,
     MARGIN,
@@ -40,7 +40,7 @@ def scenario_report(contents: Contents, command: str) -> Report:
         ),
         charts=tuple(_charts(contents)),
         cards=(*_armour(contents), _outcome(contents), _reliability(contents)),
-        warnings=contents.warnings,
+        warnings=(*contents.warnings, *_extrapolated(contents)),
         cross_section=_cross_section(contents),
     )
 
@@ -93,15 +93,21 @@ def _outcome(contents: Contents) -> Card:
 def _reliability(contents: Contents) -> Card:
     """Return the probability of defeating the threat, and what it rests on."""
     sure = contents.confidence
-    note = sure.reason or confidence_note(sure)
+    note = sure.reason if sure.model_error is None else from_tests(sure.model_error)
     if contents.uncertainty is None:
         return Card(DEFEAT.label.capitalize(), chance(sure.probability_of_defeat), note)
     p = contents.uncertainty.probability_of_perforation
     given = "the given distributions"
     if contents.uncertainty.model_error is not None:
-        given, note = f"{given} and the error of the model", error_note(contents.uncertainty.model_error)
+        given = f"{given} and the error of the model"
     interval = f"95 % interval {100.0 * (1.0 - p.high):.1f} to {100.0 * (1.0 - p.low):.1f} %, from {given}"
     return Card(DEFEAT.label.capitalize(), chance(1.0 - p.value), f"{interval}; {note}")
+
+
+def _extrapolated(contents: Contents) -> list[str]:
+    """Return a warning where the error of the model is extrapolated."""
+    error = contents.confidence.model_error
+    return [] if error is None else [f"the error of the model is {text}" for text in extrapolation(error)]
 
 
 def _energy(contents: Contents) -> Section:
