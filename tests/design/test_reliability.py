@@ -107,8 +107,20 @@ def test_a_pair_whose_error_is_not_known_is_left_out():
     assert reasons["AD99.5", "6061-T6"] == (
         "the error of the model is not known for AD99.5 on 6061-T6; [uncertainty.model] can give it"
     )
+    sampled = optimise(catalogue([threat], {**UNCERTAIN, "model": None}, confidence=0.6))
+    unknown = {(pair.ceramic, pair.backing) for pair in sampled.pairs if "is not known" in pair.reason}
+    assert unknown == {pair for pair, reason in reasons.items() if "is not known" in reason}
     given = catalogue([threat], {"model": {"scale_percent": 5.0}}, confidence=0.6)
     assert all(pair.best is not None for pair in optimise(given).pairs)
+
+
+def test_an_error_that_is_not_known_against_one_threat():
+    threats = [
+        {"projectile": "7.62 mm AP", "velocity_m_s": 700.0},
+        {"projectile": "30 mm APDS", "velocity_m_s": 100.0, "name": "the APDS"},
+    ]
+    with pytest.raises(NoDesignError, match="AD85 on 6061-T6 against the APDS; "):
+        optimise(catalogue(threats, confidence=0.6))
 
 
 def test_the_pareto_front_keeps_to_the_bound():
