@@ -100,6 +100,13 @@ def test_free_thicknesses_reach_a_confidence():
     assert probability == pytest.approx(0.9, abs=1e-4)
 
 
+def test_the_thickness_of_an_absent_ceramic_does_not_vary():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 300.0, "probability_of_perforation": 0.05}
+    varying = {**UNCERTAIN, "armour": {"ceramic_thickness_mm": {"distribution": "normal", "standard_deviation": 0.05}}}
+    bare = {"ceramic": [{"material": "AD85", "thickness_mm": [0.0, 20.0]}]}
+    assert optimise(catalogue([threat], varying, **bare)).best.ceramic_thickness_mm == 0.0
+
+
 def test_a_pair_whose_error_is_not_known_is_left_out():
     threat = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
     found = optimise(catalogue([threat], confidence=0.6))
