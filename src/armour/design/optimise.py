@@ -199,7 +199,9 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         message = (
             "must be left out where the design is refined, as designs between the given thicknesses are not sampled"
         )
-        problems.append(Problem(scenario.file, "threat.probability_of_perforation", message))
+        of_threats = any(threat.probability_of_perforation is not None for threat in catalogue.threats)
+        key = "threat.probability_of_perforation" if of_threats else "design.confidence"
+        problems.append(Problem(scenario.file, key, message))
     if refine and not any(layer.free_range(refine=True) for offer in catalogue.offers for layer in offer[:2]):
         problems.append(Problem(scenario.file, "--refine", "needs a thickness given as a range"))
     refuse(problems)
