@@ -26,11 +26,18 @@ def error_note(error: "ModelError | None") -> str:
     """Return what the error of the model is and rests on, in a sentence."""
     if error is None:
         return NO_ERROR
+    return "; ".join([from_tests(error), *extrapolation(error)])
+
+
+def from_tests(error: "ModelError") -> str:
+    """Return what the error of the model is, and what it is estimated from."""
     mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
-    text = f"error of the model: {mean}± {error.scale_percent:.1f} %, from {error.source}"
-    if error.extrapolated:
-        text += f"; extrapolated from {', '.join(error.extrapolated)}"
-    return text
+    return f"error of the model: {mean}± {error.scale_percent:.1f} %, from {error.source}"
+
+
+def extrapolation(error: "ModelError") -> list[str]:
+    """Return what the error of the model is extrapolated from, if it is."""
+    return [f"extrapolated from {', '.join(error.extrapolated)}"] if error.extrapolated else []
 
 
 def confidence_note(result: "ConfidenceResult") -> str:
