@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from armour.files import read_toml, shipped
-from armour.scenario.library import KINDS, OPTIONAL, Kind, shipped_library
+from armour.scenario.library import KINDS, UNUSED, Kind, shipped_library
 from armour.validation.suite import Case, load_suite
 from armour.validation.validate import validate
 from tests.helpers.cases import perforates
@@ -20,7 +20,7 @@ VALUES = [
     for name in shipped_library().names(kind)
     if name not in TESTED.get(kind, {})
     for key in shipped_library().entries[kind][name].values
-    if key not in OPTIONAL
+    if key not in UNUSED
 ]
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from armour.scenario.distributions import ERROR
 from armour.units import words_and_unit
 
 DEFEAT = "probability of defeating the threat"
@@ -57,4 +58,4 @@ def label_and_unit(name: str) -> tuple[str, str]:
     """Return the label and the unit of a quantity, or of a key or an input of a scenario, by its name."""
     if name in QUANTITIES:
         return QUANTITIES[name].label, QUANTITIES[name].unit
-    return words_and_unit(name)
+    return ("error of the model", "%") if name == ERROR else words_and_unit(name)

@@ -8,7 +8,7 @@ from armour.reporting.chart import Chart
 from armour.reporting.contents import Contents
 from armour.reporting.report import Card, CrossSection, Report, Section, origin_section
 from armour.reporting.table import Table
-from armour.reporting.tables.confidence import DEFEAT, chance, confidence_note, error_note
+from armour.reporting.tables.confidence import DEFEAT, chance, extrapolation, from_tests
 from armour.reporting.tables.design import (
     COST,
     MARGIN,
@@ -23,6 +23,7 @@ from armour.reporting.tables.design import (
 from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT, energy_table, stage_table
 from armour.reporting.tables.library import entry_table
 from armour.reporting.tables.statistics import elasticity_table, estimate_table
+from armour.scenario.applicability import is_excluded
 from armour.units import MM
 
 
@@ -40,7 +41,7 @@ def scenario_report(contents: Contents, command: str) -> Report:
         ),
         charts=tuple(_charts(contents)),
         cards=(*_armour(contents), _outcome(contents), _reliability(contents)),
-        warnings=contents.warnings,
+        warnings=(*contents.warnings, *_extrapolated(contents)),
         cross_section=_cross_section(contents),
     )
 
@@ -91,16 +92,26 @@ def _outcome(contents: Contents) -> Card:
 
 
 def _reliability(contents: Contents) -> Card:
-    """Return the probability of defeating the threat, and what it rests on."""
-    sure, note = contents.confidence, confidence_note(contents.confidence)
-    if contents.uncertainty is None:
-        return Card(DEFEAT.label.capitalize(), chance(sure.probability_of_defeat), note)
-    p = contents.uncertainty.probability_of_perforation
-    given = "the given distributions"
-    if contents.uncertainty.model_error is not None:
-        given, note = f"{given} and the error of the model", error_note(contents.uncertainty.model_error)
-    interval = f"95 % interval {100.0 * (1.0 - p.high):.1f} to {100.0 * (1.0 - p.low):.1f} %, from {given}"
-    return Card(DEFEAT.label.capitalize(), chance(1.0 - p.value), f"{interval}; {note}")
+    """Return the probability of defeating the threat, and what it rests on; none without the error of the model.
+
+    If a scenario says not to include that, the probability is that of its distributions.
+    """
+    subject, sure, sampled = DEFEAT.label.capitalize(), contents.confidence, contents.uncertainty
+    if sampled is None or (sampled.model_error is None and not is_excluded(contents.scenario)):
+        note = sure.reason or (from_tests(sure.model_error) if sure.model_error else "")
+        return Card(subject, chance(sure.probability_of_defeat), note)
+    p = sampled.probability_of_perforation
+    given = ", without the error of the model"
+    if sampled.model_error is not None:
+        given = f" and the error of the model; {from_tests(sampled.model_error)}"
+    interval = f"95 % interval {100.0 * (1.0 - p.high):.1f} to {100.0 * (1.0 - p.low):.1f} %"
+    return Card(subject, chance(1.0 - p.value), f"{interval}, from the given distributions{given}")
+
+
+def _extrapolated(contents: Contents) -> list[str]:
+    """Return a warning where the error of the model is extrapolated."""
+    error = contents.confidence.model_error
+    return [] if error is None else [f"the error of the model is {text}" for text in extrapolation(error)]
 
 
 def _energy(contents: Contents) -> Section:

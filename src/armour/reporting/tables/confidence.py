@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 DEFEAT = Column("probability of defeating the threat", prose=True)
 
-NO_ERROR = "the error of the model is not known for such an armour, nor is the probability of defeating the threat"
+NO_ERROR = "the error of the model is not known for such an armour, or not included"
 
 
 def chance(probability: float | None) -> str:
@@ -22,13 +22,22 @@ def chance(probability: float | None) -> str:
     return "above 99.5 %" if probability > 0.995 else f"{100.0 * probability:.0f} %"
 
 
-def error_note(error: "ModelError") -> str:
+def error_note(error: "ModelError | None") -> str:
     """Return what the error of the model is and rests on, in a sentence."""
+    if error is None:
+        return NO_ERROR
+    return "; ".join([from_tests(error), *extrapolation(error)])
+
+
+def from_tests(error: "ModelError") -> str:
+    """Return what the error of the model is, and what it is estimated from."""
     mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
-    text = f"error of the model: {mean}± {error.scale_percent:.1f} %, from {error.source}"
-    if error.extrapolated:
-        text += f"; extrapolated from {', '.join(error.extrapolated)}"
-    return text
+    return f"error of the model: {mean}± {error.scale_percent:.1f} %, from {error.source}"
+
+
+def extrapolation(error: "ModelError") -> list[str]:
+    """Return what the error of the model is extrapolated from, if it is."""
+    return [f"extrapolated from {', '.join(error.extrapolated)}"] if error.extrapolated else []
 
 
 def confidence_note(result: "ConfidenceResult") -> str:
