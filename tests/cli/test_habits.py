@@ -13,7 +13,7 @@ import jsonschema
 import pytest
 
 from armour.cli.app import COMMANDS, app
-from tests.cli.test_docs import SESSIONS
+from tests.cli.test_docs import PAGES, sessions
 from tests.helpers.cases import SCENARIOS
 
 REPOSITORY = SCENARIOS.parent
@@ -23,7 +23,7 @@ TAKE_A_SCENARIO = ("simulate", "ballistic-limit", "optimise", "sensitivity", "co
 
 EXAMPLES = [example for examples in COMMANDS.values() for example in examples]
 # Commands of the documentation, which tests/cli/test_docs.py runs.
-DOCUMENTED = [command.removeprefix("armour ") for session in SESSIONS for command, _ in session.values[0]]
+DOCUMENTED = [command.removeprefix("armour ") for page in PAGES for session in sessions(page) for command, _ in session]
 
 
 def words_of(command: str) -> set[str]:
