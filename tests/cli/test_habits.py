@@ -23,7 +23,8 @@ TAKE_A_SCENARIO = ("simulate", "ballistic-limit", "optimise", "sensitivity", "co
 
 EXAMPLES = [example for examples in COMMANDS.values() for example in examples]
 # Commands of the documentation, which tests/cli/test_docs.py runs.
-DOCUMENTED = [command.removeprefix("armour ") for page in PAGES for session in sessions(page) for command, _ in session]
+SHOWN = [command for page in PAGES for session in sessions(page) for command, _ in session]
+DOCUMENTED = [command.removeprefix("armour ") for command in SHOWN if command.startswith("armour ")]
 
 
 def words_of(command: str) -> set[str]:

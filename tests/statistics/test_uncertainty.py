@@ -60,7 +60,7 @@ def sampled(uncertain: Scenario) -> tuple[int, np.ndarray]:
 def test_independent_samples_agree_within_the_interval(
     method: str, uncertain: Scenario, sampled: tuple[int, np.ndarray]
 ):
-    result = uncertainty(uncertain.replaced({"uncertainty.method": method, "uncertainty.samples": 2048}))
+    result = uncertainty(uncertain.replaced({"uncertainty.method": method}))
     hits, limits = sampled
     chance: Any = stats.binomtest(hits, 32_768).proportion_ci()
     assert result.probability_of_perforation.low < chance.high
