@@ -66,8 +66,8 @@ def read_scenario(
     keys and values of other options, None where one is not given.  A wrong value of an option is a problem of the
     command line, whatever the file holds.
     """
-    from armour.scenario.assignments import changed, changes_of
-    from armour.scenario.loading import parse_scenario
+    from armour.scenario.assignments import changes_of
+    from armour.scenario.loading import parse_changed, parse_scenario
     from armour.scenario.reach import check_read, check_used, read_of
 
     changes = changes_of(assignments or ())
@@ -84,7 +84,7 @@ def read_scenario(
             check_unreserved(sys.stdin.fileno())
     data = parse_toml(decoded(sys.stdin.buffer, file) if standard else read_text(path), file)
     try:
-        loaded = parse_scenario(changed(data, changes, file), file=file, folder=folder)
+        loaded = parse_changed(data, changes, file=file, folder=folder)
     except InputError as error:
         own: Sequence[Problem] = ()
         try:
