@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import typer
 
 from armour.cli.console import progress
-from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, argument, option
+from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, argument, option, table_file
 from armour.cli.runner import check_new, check_outputs, read_scenario, respond, say_if_compiling
 
 
@@ -51,7 +51,7 @@ def calibrate(
     check_outputs(library, fitted, plot=plot)
     check_new(library, fitted, force=force)
     loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
-    read = read_tests(tests, loaded)
+    read = read_tests(table_file(tests), loaded)
     say_if_compiling()
     with progress("tests") as count:
         result = calibration.calibrate(read, loaded, fit or [FLOW_STRESS], law, on_progress=count)

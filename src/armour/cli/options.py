@@ -5,6 +5,8 @@ from typing import Annotated, Any
 
 import typer
 
+from armour.files import located, shipped_files
+
 
 def argument(metavar: str, description: str) -> Any:
     """Make an argument whose default, if any, the help does not show."""
@@ -16,7 +18,15 @@ def option(description: str, *names: str, **settings: Any) -> Any:
     return typer.Option(*names, help=description, show_default=False, **settings)
 
 
-ScenarioFile = Annotated[Path, argument("SCENARIO", "Scenario file (TOML); - for standard input.")]
+def table_file(path: Path) -> Path:
+    """Return the file of a path or, where there is none, of the shipped table of tests or shots of that name."""
+    known = {found.name: found for found in shipped_files("scenarios/tests", ".csv").values()}
+    return located(path, known, f"; shipped are {', '.join(known)}")
+
+
+ScenarioFile = Annotated[
+    Path, argument("SCENARIO", "Scenario file (TOML), or name of a shipped scenario; - for standard input.")
+]
 Changes = Annotated[
     list[str] | None,
     option("Change a value of the scenario; may be given several times.", "--set", metavar="KEY=VALUE"),

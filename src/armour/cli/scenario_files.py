@@ -9,7 +9,7 @@ from armour.cli.console import say, show, show_json
 from armour.cli.options import option
 from armour.cli.runner import check_new, check_outputs, write
 from armour.errors import InputError, Problem, suggestion
-from armour.files import shipped
+from armour.files import shipped_files
 
 
 def init(
@@ -21,8 +21,7 @@ def init(
     force: Annotated[bool, option("Replace an existing file.", "--force")] = False,
 ) -> None:
     """Write a scenario to start from."""
-    folder = shipped("scenarios")
-    known = {path.relative_to(folder).with_suffix("").as_posix(): path for path in sorted(folder.rglob("*.toml"))}
+    known = shipped_files("scenarios", ".toml")
     if names:
         show(*known)
         return

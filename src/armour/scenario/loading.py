@@ -11,7 +11,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem, refuse, suggestion
-from armour.files import read_toml, write_atomic
+from armour.files import located, read_toml, shipped_files, write_atomic
 from armour.scenario.assignments import Parts, changed, leaves, parts_of
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.library import (
@@ -114,7 +114,8 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
     Parameters
     ----------
     path : path-like
-        Paths of library files in the scenario are relative to the folder of this file.
+        Where there is no such file, a shipped scenario of this name, such as ``"wilkins"``, is read.  Paths of library
+        files in the scenario are relative to the folder of the file.
     changes : mapping of str to object, optional
         Values by dotted key, such as ``{"impact.velocity_m_s": 900.0}``, or by input, such as
         ``{"ceramic.flow_stress_GPa": 4.5}``, in place of the file's; a table is merged into an existing one.
@@ -128,8 +129,14 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
     InputError
         With every mistake in the file and in the library files that it names.
     """
-    path = Path(path)
+    path = scenario_file(Path(path))
     return parse_changed(read_toml(path), changes or {}, file=str(path), folder=path.parent)
+
+
+def scenario_file(path: Path, others: Mapping[str, Path] | None = None) -> Path:
+    """Return the file at a path or, where there is none, the shipped scenario, or other file, of that name."""
+    known = {**shipped_files("scenarios", ".toml"), **(others or {})}
+    return located(path, known, "; `armour init --list` lists the shipped scenarios")
 
 
 def save_scenario(scenario: Scenario, path: str | PathLike[str]) -> None:
