@@ -85,7 +85,14 @@ def _source(over: list[str], cases: Path | None) -> "Grid | Cases":
 
     if (cases is None) == (not over):
         raise InputError([Problem("sweep", "", "give either --over or --cases")])
-    return Grid(tuple(axis_of(text) for text in over)) if cases is None else Cases(cases)
+    if cases is not None:
+        return Cases(cases)
+    axes = tuple(axis_of(text) for text in over)
+    for axis in axes:
+        if axis.omitted is not None:
+            last = f"the last value is {axis.values[-1]:g}, since {axis.omitted:g} is no whole number of steps away"
+            say(f"warning: --over {axis.key}: {last}")
+    return Grid(axes)
 
 
 def _approve(plan: "Plan", yes: bool) -> None:
