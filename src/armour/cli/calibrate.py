@@ -5,17 +5,24 @@ from typing import Annotated, Literal
 
 import typer
 
+from armour.cli import completion
 from armour.cli.console import progress
 from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, argument, option, table_file
 from armour.cli.runner import check_new, check_outputs, read_scenario, respond, say_if_compiling
 
 
 def calibrate(
-    tests: Annotated[Path, argument("TESTS", "CSV file of tests: inputs and measured values.")],
+    tests: Annotated[
+        Path, argument("TESTS", "CSV file of tests: inputs and measured values.", autocompletion=completion.tables)
+    ],
     scenario: ScenarioFile,
     fit: Annotated[
         list[str] | None,
-        option("Input to fit; may be given several times. By default the ceramic's flow stress.", metavar="INPUT"),
+        option(
+            "Input to fit; may be given several times. By default the ceramic's flow stress.",
+            metavar="INPUT",
+            autocompletion=completion.inputs,
+        ),
     ] = None,
     law: Annotated[
         Literal["constant", "ceramic", "backing", "product", "linear", "all"] | None,

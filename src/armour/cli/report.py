@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from armour.cli import completion
 from armour.cli.console import progress
 from armour.cli.options import Changes, argument
 from armour.cli.runner import check_outputs, read_scenario, say_if_compiling, write
@@ -23,6 +24,7 @@ def report(
         argument(
             "SCENARIO|SUITE",
             "Scenario or suite file (TOML), or name of a shipped one; - for a scenario on standard input.",
+            autocompletion=completion.scenarios,
         ),
     ],
     output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write, .html or .md.")] = Path(

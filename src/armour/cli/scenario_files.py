@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from armour.cli import completion
 from armour.cli.console import say, show, show_json
 from armour.cli.options import option
 from armour.cli.runner import check_new, check_outputs, write
@@ -16,7 +17,9 @@ def init(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write the scenario to.")] = Path(
         "scenario.toml"
     ),
-    source: Annotated[str, option("Copy a shipped scenario.", "--from", metavar="NAME")] = "template",
+    source: Annotated[
+        str, option("Copy a shipped scenario.", "--from", metavar="NAME", autocompletion=completion.shipped_names)
+    ] = "template",
     names: Annotated[bool, option("List the shipped scenarios.", "--list")] = False,
     force: Annotated[bool, option("Replace an existing file.", "--force")] = False,
 ) -> None:
