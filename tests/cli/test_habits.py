@@ -190,6 +190,14 @@ def test_the_schema_takes_a_number_or_a_table(schema):
             "--set armour.ceramic.density_kg_m3: must not go below armour.cer",
         ),
         (
+            ["--set", "ceramic.flow_stress_GPa=0"],
+            "--set ceramic.flow_stress_GPa: must be at least 0.001, found 0",
+        ),
+        (
+            ["--set", "ceramic.flow_stress=7"],
+            "--set ceramic.flow_stress: must name an input of the scenario, found",
+        ),
+        (
             ["--set", "optimise.ceramic_thickness_mm.step=1e-9"],
             "--set optimise.ceramic_thickness_mm: must hold at most",
         ),

@@ -10,7 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.quantities import QUANTITIES
+from armour.scenario.loading import load_scenario
 from tests.helpers.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
@@ -148,6 +150,40 @@ def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
     assert cli(*command, "-o", "whole.csv").exit_code == 0
     assert (folder / "t.csv").read_bytes() == (folder / "whole.csv").read_bytes()
     assert (folder / "t.csv").read_bytes().count(b"\n") == 1001 * 121 + 1
+
+
+def test_materials_and_projectiles_by_name(cli, folder: Path):
+    header, rows = (
+        "armour.ceramic,ceramic.flow_stress_GPa,armour.backing,impact.projectile",
+        (
+            "AD85,5.2,6061-T6,7.62 mm AP",
+            "AD99.5,5.9,5083-H3,7.62 mm APM2",
+            "AD85,5.3,6061-T6,7.62 mm AP",
+        ),
+    )
+    (folder / "c.csv").write_text("\n".join((header, *rows)))
+    assert cli("sweep", WILKINS, "--cases", "c.csv", "-o", "t.csv").exit_code == 0
+    with (folder / "t.csv").open() as file:
+        found = list(csv.DictReader(file))
+    for row in found:
+        limit = float(row.pop("ballistic_limit_m_s"))
+        case = load_scenario(WILKINS, {**row, "ceramic.flow_stress_GPa": float(row["ceramic.flow_stress_GPa"])})
+        assert ballistic_limit(case).ballistic_limit_m_s == limit
+    (folder / "c.csv").write_text("\n".join((header, *rows, "AD85,5.2,6061-T7,7.62 mm AP")))
+    [line] = cli.fails(2, "sweep", WILKINS, "--cases", "c.csv", "-o", "u.csv")
+    assert line.startswith('c.csv: line 5: armour.backing: must name a metal of the library, found "6061-T7"; did you')
+
+
+def test_a_bare_plate_gets_a_ceramic_by_name(cli, folder: Path):
+    (folder / "c.csv").write_text(f"armour.ceramic,{CERAMIC},ceramic.flow_stress_GPa\nAD85,6,5\nSiC,6,9\n")
+    result = cli("sweep", "bare_plate", "--cases", "c.csv", "-o", "t.csv")
+    assert result.exit_code == 0, result.stderr
+
+
+def test_the_end_of_a_range_that_is_no_step_is_told(cli, folder: Path):
+    told = cli("sweep", WILKINS, "--over", f"{CERAMIC}=6:7:0.7", "-o", "t.csv").stderr
+    assert told.startswith(f"warning: --over {CERAMIC}: the last value is 6.7, since 7 is no whole number of steps")
+    assert (folder / "t.csv").read_text().count("\n") == 3
 
 
 def test_a_wrong_row_of_cases_has_its_line(cli, folder: Path):

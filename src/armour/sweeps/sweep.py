@@ -120,7 +120,7 @@ def _check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) 
         problems.append(Problem("sweep", "--over", "must not name a key twice"))
     refuse(problems)
     first = next(source.chunks(1))
-    check_keys(scenario, {key: float(values[0]) for key, values in first.items()}, quantities, "sweep")
+    check_keys(scenario, {key: values[0].item() for key, values in first.items()}, quantities, "sweep")
 
 
 def _check_rows(scenario: Scenario, source: Grid | Cases) -> None:
