@@ -53,13 +53,13 @@ def test_csv_and_plot(cli, small: Path, folder: Path):
     assert len(lines) == 5
 
 
-def test_files_are_written_although_the_reader_stops_reading(folder: Path):
-    command = [sys.executable, "-m", "armour", "optimise", str(CATALOGUE), "--csv", "f.csv", "--plot", "p.svg"]
+def test_files_are_written_although_the_reader_stops_reading(small: Path, folder: Path):
+    command = [sys.executable, "-m", "armour", "optimise", str(small), "--csv", "f.csv", "--plot", "p.svg"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=folder) as done:
         assert done.stdout is not None
         done.stdout.close()
         assert done.wait() == 0
-    assert (folder / "f.csv").read_text().startswith("ceramic,backing,")
+    assert (folder / "f.csv").read_text().startswith("ceramic_thickness_mm,")
     assert "</svg>" in (folder / "p.svg").read_text()
 
 

@@ -93,6 +93,8 @@ def test_a_long_tail_is_left_out():
     slow = simulate(scenario(ceramic_mm=12.0, velocity=300.0), history=True)
     chart = charts.impact_chart(slow, "")
     assert chart.title == "defeated at 300 m/s"
+    assert chart.panels[0].x.text(12.3456) == "12.35 µs"
+    assert chart.panels[2].y.text(0.0018156) == "0.00 mm"
     for panel in chart.panels:
         assert panel.x.limits is not None
         assert panel.x.limits[1] < 0.3 * slow.duration_us
@@ -295,7 +297,7 @@ def test_a_calibration_to_many_tests_shows_the_largest_deviations():
 
 
 def test_a_sensitivity_is_ordered_by_the_largest_elasticity_of_any_answer():
-    def item(name: str, limit: float, areal: float | None) -> Elasticity:
+    def item(name: str, limit: float | None, areal: float | None) -> Elasticity:
         return Elasticity(name, 1.0, {"ballistic_limit_m_s": limit, "residual_velocity_m_s": None, LEAST: areal})
 
     found = SensitivityResult(
@@ -304,6 +306,7 @@ def test_a_sensitivity_is_ordered_by_the_largest_elasticity_of_any_answer():
             item("ceramic.flow_stress_GPa", 0.5, -0.4),
             item("impact.velocity_m_s", 0.0, 1.7),
             item(CERAMIC, -0.6, None),
+            item(BACKING, None, None),
         ),
     )
     chart = charts.sensitivity_chart(found, "T")

@@ -108,7 +108,7 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
         "target W": history.target_velocity_m_s,
     }
     depths = {"depth Z": history.depth_mm, "bulge h": history.bulge_height_mm}
-    x = Axis("time since impact", "µs", limits=(0.0, max(shown, 1e-9)))
+    x = Axis("time since impact", "µs", limits=(0.0, max(shown, 1e-9)), spec=".2f")
     stages = [stage for stage in result.stages if stage.start_us < shown]
     words = (f"stage {s.stage}: {STAGES[s.stage]}\n{s.start_us:.4g} to {s.end_us:.4g} µs" for s in stages)
     ends = [min(stage.end_us, shown) for stage in stages]
@@ -117,9 +117,9 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
     panels: list[Panel] = []
     colours = iter((BLUE, ORANGE, GREEN, INK, PURPLE, VERMILION))
     for y, height, curves in (
-        (Axis("velocity", "m/s"), 1.1, velocities),
-        (Axis("rod length", "mm", from_zero=True), 0.65, {"rod length L": history.length_mm}),
-        (Axis("depth, bulge", "mm"), 0.75, depths),
+        (Axis("velocity", "m/s", spec=".1f"), 1.1, velocities),
+        (Axis("rod length", "mm", from_zero=True, spec=".2f"), 0.65, {"rod length L": history.length_mm}),
+        (Axis("depth, bulge", "mm", spec=".2f"), 0.75, depths),
     ):
         lines = (
             Line(time, values[seen].tolist(), style, label=label, colour=next(colours))
@@ -417,6 +417,8 @@ def sensitivity_chart(result: "SensitivityResult", title: str) -> Chart:
     answers = [name for name, value in result.answers.items() if value is not None]
     largest = [max((abs(item.elasticities[name] or 0.0) for name in answers), default=0.0) for item in result.inputs]
     inputs = [result.inputs[index] for index in np.argsort(-np.array(largest), kind="stable")]
+    # Without an elasticity an input, such as the velocity for the ballistic limit, has no row.
+    inputs = [item for item in inputs if any(item.elasticities[answer] is not None for answer in answers)]
     names = tuple(quantity_axis(item.input).label for item in inputs)
     values = {quantity_axis(answer).label: [item.elasticities[answer] for item in inputs] for answer in answers}
     x = Axis("change per % of the input", "%", spec="+.3f")
@@ -494,7 +496,12 @@ def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Char
     ]
     uncertain = [velocity for velocity, value, *_ in points if SHOWN_PROBABILITY < value < 1.0 - SHOWN_PROBABILITY]
     changed = [limit for index in result.inputs for limit in index.limits_m_s]
-    x = Axis("velocity", "m/s", limits=_span([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *changed]))
+    x = Axis(
+        "velocity",
+        "m/s",
+        spec=".1f",
+        limits=_span([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *changed]),
+    )
     panels = [Panel(x, Axis("probability of perforation", limits=(0.0, 1.0)), tuple(series))]
     if result.inputs:
         names = tuple(quantity_axis(index.input).label for index in result.inputs)
