@@ -25,7 +25,7 @@ def test_a_grid_as_csv_with_a_map(cli, folder: Path):
     assert result.stderr.splitlines() == ["wrote t.csv: 8 rows", "wrote t.svg"]
     with (folder / "t.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert [row[CERAMIC] for row in rows] == [str(c) for c in (5, 5, 6, 6, 7, 7, 8, 8)]
+    assert [row[CERAMIC] for row in rows] == [str(float(c)) for c in (5, 5, 6, 6, 7, 7, 8, 8)]
     limits = [float(row["ballistic_limit_m_s"]) for row in rows]
     assert limits == sorted(limits[::2] + limits[1::2], key=limits.index)
     svg = (folder / "t.svg").read_text()
@@ -48,7 +48,7 @@ def test_cases_from_a_file(cli, folder: Path):
     (folder / "cases.csv").write_text(f"{CERAMIC},impact.velocity_m_s\n6.35,800\n12,800\n")
     result = cli("sweep", WILKINS, "--cases", "cases.csv", "--quantities", "outcome", "-o", "t.csv")
     assert result.exit_code == 0
-    assert (folder / "t.csv").read_text().splitlines()[1:] == ['6.35,800,"perforated"', '12,800,"defeated"']
+    assert (folder / "t.csv").read_text().splitlines()[1:] == ["6.35,800.0,perforated", "12.0,800.0,defeated"]
 
 
 @pytest.mark.usefixtures("folder")

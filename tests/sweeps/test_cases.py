@@ -11,6 +11,7 @@ from tests.helpers.cases import csv_file, sweep_grid
 
 def test_axes():
     assert axis_of("armour.ceramic_thickness_mm=4:5:0.5") == Axis("armour.ceramic_thickness_mm", (4.0, 4.5, 5.0))
+    assert axis_of("ceramic.flow_stress_backing_slope=-0.5:0.1:0.2").values == (-0.5, -0.3, -0.1, 0.1)
     assert axis_of('library.metal."a=b".x = 1, 2.5') == Axis('library.metal."a=b".x', (1.0, 2.5))
 
 

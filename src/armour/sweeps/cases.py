@@ -211,7 +211,9 @@ def axis_of(text: str) -> Axis:
             raise ValueError
         if ":" in values:
             low, high, step = (float(part) for part in values.split(":"))
-            found = Range.model_validate({"min": low, "max": high, "step": step}).values()
+            # A range is one of thicknesses, which a value of another key may lie below.
+            above_low = Range.model_validate({"min": 0.0, "max": high - low, "step": step}).values()
+            found = tuple(round(low + value, 9) for value in above_low)
         else:
             found = tuple(float(part) for part in values.split(","))
         if len(found) <= MAX_VALUES:

@@ -100,7 +100,7 @@ def sweep(
                 with suppress(DamagedError):
                     rows = store.finish(count, source.count)
                     for limit, number in outside.items():
-                        tell(f"warning: {limit}; {number:,} of {computed:,} rows lie outside")
+                        tell(f"warning: {limit}; this concerns {number:,} of {computed:,} rows")
                     return rows
                 on_chunk = ignore_progress  # each was, in the first pass
         except KeyboardInterrupt:
