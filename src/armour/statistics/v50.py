@@ -67,7 +67,7 @@ class MeanV50:
     rule: Rule  # "no usual rule": other numbers of shots than 2, 3 and 5
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FiringResult(Result):
     """V50 estimated from firing results.
 
@@ -113,6 +113,10 @@ class FiringResult(Result):
     model_ballistic_limit_m_s: float | None
     model_interval_m_s: tuple[float, float] | None = None
     warnings: tuple[str, ...] = ()
+
+    def _words(self) -> str:
+        fit = self.recommended or self.fits[0]
+        return f"V50 {fit.v50_m_s:.1f} m/s by {fit.method}, {self.shots} shots"
 
 
 def read_shots(path: str | PathLike[str]) -> Shots:
