@@ -30,20 +30,15 @@ def report(
 
     One self-contained file with the answer, its uncertainty, charts (in HTML) and the sources of all values.
     """
+    from armour.reporting.report_file import ENDINGS, report_text
+
     check_outputs(output)
-    refuse(wrong_ending(output, (".html", ".md")))
+    refuse(wrong_ending(output, ENDINGS))
     options = [word for change in changes or () for word in ("--set", change)]
     command = shlex.join(["armour", "report", str(source), "--output", str(output), *options])
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
     made = (_suite_report if is_suite else _scenario_report)(source, changes or [], command)
-    if output.suffix.lower() == ".md":
-        from armour.reporting.markdown import markdown_report
-
-        write({output: markdown_report(made)})
-    else:
-        from armour.reporting.html import html_report
-
-        write({output: html_report(made)})
+    write({output: report_text(made, output)})
 
 
 def _scenario_report(source: Path, changes: list[str], command: str) -> "Report":
