@@ -11,7 +11,7 @@ class Result:
     """Result of a computation."""
 
     # Makes the tables of a result as HTML.  They belong to a layer above; `armour/__init__.py` sets this.
-    in_html: ClassVar[Callable[["Result"], str] | None] = None
+    _in_html: ClassVar[Callable[["Result"], str] | None] = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data."""
@@ -26,7 +26,7 @@ class Result:
 
     def _repr_html_(self) -> str | None:
         """Return the tables that the command prints, for a notebook; None, for the line alone, without them."""
-        return None if Result.in_html is None else Result.in_html(self)
+        return None if Result._in_html is None else Result._in_html(self)
 
 
 @dataclass(frozen=True, repr=False)
@@ -34,7 +34,11 @@ class TableResult(Result):
     """Result with rows."""
 
     def to_dataframe(self) -> Any:
-        """Return the rows as a data frame of pandas, or else of polars."""
+        """Return the rows as a data frame of pandas, or else of polars.
+
+        They are the instants of a history, the residuals of a calibration, the inputs of a sensitivity, the points of
+        the curve of an uncertainty, the checks of a suite or the rows of a sweep.
+        """
         return data_frame(self._columns())
 
     def _columns(self) -> Mapping[str, Any]:

@@ -127,6 +127,10 @@ def read_shots(path: str | PathLike[str]) -> Shots:
     path : path-like
         File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete") and, optionally, ``shot``.
 
+    Returns
+    -------
+    Shots
+
     Raises
     ------
     InputError

@@ -187,6 +187,10 @@ def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
     on_check : callable, optional
         Called after each case with its check and the number of cases.
 
+    Returns
+    -------
+    SuiteResult
+
     Raises
     ------
     InputError
