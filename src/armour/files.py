@@ -13,7 +13,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from armour.errors import ArmourError, InputError, Problem, refuse
+from armour.errors import ArmourError, InputError, Problem, refuse, suggestion
 
 # Longer than any scenario or library; a device such as /dev/zero has no end.
 MAX_BYTES = 10_000_000
@@ -30,6 +30,28 @@ def shipped(folder: str) -> Path:
     """Return a folder of shipped data ("configs", ...): in the installed package, or at the top of a checkout."""
     installed = _PACKAGE / folder
     return installed if installed.is_dir() else _CHECKOUT / folder
+
+
+def shipped_files(folder: str, ending: str) -> dict[str, Path]:
+    """Return the files in a folder of shipped data and those below it, by name: its path there without the ending."""
+    top = shipped(folder)
+    return {path.relative_to(top).as_posix().removesuffix(ending): path for path in sorted(top.rglob(f"*{ending}"))}
+
+
+def located(path: Path, known: Mapping[str, Path], listed: str = "") -> Path:
+    """Return the file at a path or, where there is none, the one that is known by this name.
+
+    Raise an InputError with the closest name, and with where the names are listed, if there is neither.
+    """
+    name = path.as_posix()
+    try:
+        if not (stat.S_ISDIR(os.stat(path).st_mode) and name in known):
+            return path
+    except (OSError, ValueError) as error:
+        if name not in known:
+            hint = suggestion(path.with_suffix("").as_posix(), [*known]) or suggestion(path.stem, [*known])
+            raise InputError([Problem(str(path), "", f"cannot be read: {reason(error)}{hint}{listed}")]) from None
+    return known[name]
 
 
 def reason(error: OSError | ValueError) -> str:

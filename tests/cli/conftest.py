@@ -10,8 +10,8 @@ from armour.engine.cache import kernel
 class Cli:
     """Runs commands in this process and keeps stdout and stderr apart."""
 
-    def __call__(self, *args: object) -> Result:
-        return CliRunner().invoke(app, [str(arg) for arg in args])
+    def __call__(self, *args: object, stdin: str | None = None) -> Result:
+        return CliRunner().invoke(app, [str(arg) for arg in args], input=stdin)
 
     def fails(self, code: int, *args: object) -> list[str]:
         """Run a command that must end with the exit code, without a traceback; the lines on stderr."""

@@ -50,7 +50,7 @@ def test_all_crossings_are_shown(cli, folder: Path):
     result = cli("ballistic-limit", path)
     assert result.exit_code == 0
     assert "not monotonic" in result.stderr
-    assert [line.split()[-1] for line in result.stdout.splitlines()[-3:]] == ["perforated", "defeated", "perforated"]
+    assert [line.split()[-1] for line in result.stdout.splitlines()[-4:-1]] == ["perforated", "defeated", "perforated"]
     data = json.loads(cli("ballistic-limit", path, "--json").stdout)
     assert not data["monotonic"]
     assert len(data["crossings"]) == 3

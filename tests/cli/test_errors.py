@@ -12,7 +12,9 @@ COMMANDS = ["simulate", "ballistic-limit", "optimise"]
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_missing_file(cli, command: str):
-    assert cli.fails(2, command, "nothing.toml") == ["nothing.toml: cannot be read: no such file or directory"]
+    assert cli.fails(2, command, "nothing.toml") == [
+        "nothing.toml: cannot be read: no such file or directory; `armour init --list` lists the shipped scenarios"
+    ]
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -13,6 +13,7 @@ import jsonschema
 import pytest
 
 from armour.cli.app import COMMANDS, app
+from tests.cli.test_docs import PAGES, sessions
 from tests.helpers.cases import SCENARIOS
 
 REPOSITORY = SCENARIOS.parent
@@ -20,7 +21,23 @@ WILKINS = SCENARIOS / "wilkins.toml"
 TAKE_A_SCENARIO = ("simulate", "ballistic-limit", "optimise", "sensitivity", "compare", "uncertainty")
 
 
-@pytest.mark.parametrize("example", [example for examples in COMMANDS.values() for example in examples])
+EXAMPLES = [example for examples in COMMANDS.values() for example in examples]
+# Commands of the documentation, which tests/cli/test_docs.py runs.
+SHOWN = [command for page in PAGES for session in sessions(page) for command, _ in session]
+DOCUMENTED = [command.removeprefix("armour ") for command in SHOWN if command.startswith("armour ")]
+
+
+def words_of(command: str) -> set[str]:
+    return set(shlex.split(command.replace(" -o ", " --output ").replace(".png", ".svg")))
+
+
+def is_part_of_another(example: str) -> bool:
+    """Whether a longer example, or a command of the documentation, holds all words of an example."""
+    words = words_of(example)
+    return any(words < words_of(other) for other in EXAMPLES) or any(words <= words_of(other) for other in DOCUMENTED)
+
+
+@pytest.mark.parametrize("example", [example for example in EXAMPLES if not is_part_of_another(example)])
 def test_the_examples_of_the_help_run(cli, folder: Path, example: str):
     for name in ("scenarios", "suites"):
         (folder / name).symlink_to(REPOSITORY / name)
@@ -62,18 +79,18 @@ def test_a_change_counts(cli):
     assert found[1] > found[0] + 30.0
 
 
-def process(*args: object, text: str = "", **environment: str) -> subprocess.CompletedProcess[str]:
+def process(*args: object, **environment: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "armour", *(str(arg) for arg in args)]
-    return subprocess.run(command, input=text, capture_output=True, text=True, env={**os.environ, **environment})
+    return subprocess.run(command, capture_output=True, text=True, env={**os.environ, **environment})
 
 
-def test_standard_input():
-    piped = process("ballistic-limit", "-", "--json", text=WILKINS.read_text())
-    assert json.loads(piped.stdout) == json.loads(process("ballistic-limit", WILKINS, "--json").stdout)
-    wrong = process("simulate", "-", text="[impact]\nvelocity_m_s = -1.0\n")
-    assert wrong.returncode == 2
+def test_standard_input(cli):
+    piped = cli("ballistic-limit", "-", "--json", stdin=WILKINS.read_text())
+    assert json.loads(piped.stdout) == json.loads(cli("ballistic-limit", WILKINS, "--json").stdout)
+    wrong = cli("simulate", "-", stdin="[impact]\nvelocity_m_s = -1.0\n")
+    assert wrong.exit_code == 2
     assert "standard input: impact.velocity_m_s: must be greater than 0, found -1" in wrong.stderr
-    assert process("simulate", "-", text="= 3").stderr.startswith("standard input: must be valid TOML")
+    assert cli("simulate", "-", stdin="= 3").stderr.startswith("standard input: must be valid TOML")
 
 
 def test_bytes_that_are_no_text():
@@ -99,9 +116,9 @@ def test_mistakes_are_told_with_their_lines(cli, folder: Path):
 
 
 def test_no_colour_where_none_is_wanted():
-    coloured = process("simulate", WILKINS, FORCE_COLOR="1", NO_COLOR="")
+    coloured = process("library", FORCE_COLOR="1", NO_COLOR="")
     assert "\x1b[1m" in coloured.stdout
-    plain = process("simulate", WILKINS, NO_COLOR="1")
+    plain = process("library", NO_COLOR="1")
     assert "\x1b" not in plain.stdout
 
 
@@ -171,6 +188,14 @@ def test_the_schema_takes_a_number_or_a_table(schema):
         (
             ["--set", "armour.ceramic.density_kg_m3=9"],
             "--set armour.ceramic.density_kg_m3: must not go below armour.cer",
+        ),
+        (
+            ["--set", "ceramic.flow_stress_GPa=0"],
+            "--set ceramic.flow_stress_GPa: must be at least 0.001, found 0",
+        ),
+        (
+            ["--set", "ceramic.flow_stress=7"],
+            "--set ceramic.flow_stress: must name an input of the scenario, found",
         ),
         (
             ["--set", "optimise.ceramic_thickness_mm.step=1e-9"],

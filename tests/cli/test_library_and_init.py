@@ -1,6 +1,8 @@
 import json
 from pathlib import Path
 
+import pytest
+
 from armour import load_scenario
 from tests.helpers.cases import SCENARIOS
 
@@ -80,3 +82,36 @@ def test_init_names_what_there_is(cli, folder: Path):
     [line] = cli.fails(2, "init", "--from", "wilkin")
     assert 'did you mean "wilkins"?' in line
     assert list(folder.iterdir()) == []
+
+
+def test_shipped_scenarios_and_tables_have_names(cli, folder: Path):
+    assert cli("simulate", "wilkins").stdout == cli("simulate", SCENARIOS / "wilkins.toml").stdout
+    shots = SCENARIOS / "tests" / "shots.csv"
+    assert cli("v50", "shots.csv", "wilkins", "--json").stdout == cli("v50", shots, "wilkins", "--json").stdout
+    assert load_scenario("paper/fig9_4mm") == load_scenario(SCENARIOS / "paper" / "fig9_4mm.toml")
+    assert cli("report", "wilkins", "-o", "w.md").exit_code == 0
+    assert "armour report wilkins --output w.md" in (folder / "w.md").read_text()
+
+
+def test_a_file_of_the_same_name_wins(cli, folder: Path):
+    (folder / "wilkins").mkdir()
+    assert cli("ballistic-limit", "wilkins").exit_code == 0
+    (folder / "wilkins").rmdir()
+    (folder / "wilkins").write_text("[armour]\n")
+    assert cli.fails(2, "ballistic-limit", "wilkins")[0].startswith("wilkins: impact: is missing")
+
+
+@pytest.mark.usefixtures("folder")
+@pytest.mark.parametrize(
+    ("args", "hint"),
+    [
+        (["simulate", "willkins"], '"wilkins"?; `armour init --list` lists the shipped scenarios'),
+        (["simulate", "scenarios/wilkins.toml"], '"wilkins"?; `armour init --list` lists the shipped scenarios'),
+        (["report", "plate"], '"plates"?; `armour init --list` lists the shipped scenarios'),
+        (["v50", "shot.csv"], '"shots.csv"?; shipped are shots.csv, wilkins.csv'),
+        (["calibrate", "wilkin.csv", "wilkins"], '"wilkins.csv"?; shipped are shots.csv, wilkins.csv'),
+    ],
+)
+def test_a_name_close_to_a_shipped_one(cli, args: list[str], hint: str):
+    [line] = cli.fails(2, *args)
+    assert line.endswith(f"cannot be read: no such file or directory; did you mean {hint}")

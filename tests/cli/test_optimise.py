@@ -79,7 +79,9 @@ def test_a_design_outside_the_data_is_warned_of(cli, folder: Path):
 def test_a_confidence_is_designed_for(cli, small: Path):
     plain = cli("optimise", small)
     assert "probability of defeating the threat  5" in plain.stdout
-    assert "a design without a margin is as likely perforated as not; --confidence 0.95 designs for" in plain.stdout
+    assert "a design without a margin is perforated with a probability of 50 %; --confidence 0.95 d" in plain.stdout
+    left_out = cli("optimise", small, "--set", "uncertainty.model.included=false").stdout.splitlines()
+    assert left_out[-1] == "the error of the model is not known for such an armour, or not included"
     args = ("optimise", small, "--set", "optimise.ceramic_thickness_mm.max=20")
     best = json.loads(cli(*args, "--confidence", 0.95, "--json").stdout)["best"]
     [probability] = best["probabilities_of_defeat"].values()

@@ -10,7 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.quantities import QUANTITIES
+from armour.scenario.loading import load_scenario
 from tests.helpers.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
@@ -25,7 +27,7 @@ def test_a_grid_as_csv_with_a_map(cli, folder: Path):
     assert result.stderr.splitlines() == ["wrote t.csv: 8 rows", "wrote t.svg"]
     with (folder / "t.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert [row[CERAMIC] for row in rows] == [str(c) for c in (5, 5, 6, 6, 7, 7, 8, 8)]
+    assert [row[CERAMIC] for row in rows] == [str(float(c)) for c in (5, 5, 6, 6, 7, 7, 8, 8)]
     limits = [float(row["ballistic_limit_m_s"]) for row in rows]
     assert limits == sorted(limits[::2] + limits[1::2], key=limits.index)
     svg = (folder / "t.svg").read_text()
@@ -48,7 +50,7 @@ def test_cases_from_a_file(cli, folder: Path):
     (folder / "cases.csv").write_text(f"{CERAMIC},impact.velocity_m_s\n6.35,800\n12,800\n")
     result = cli("sweep", WILKINS, "--cases", "cases.csv", "--quantities", "outcome", "-o", "t.csv")
     assert result.exit_code == 0
-    assert (folder / "t.csv").read_text().splitlines()[1:] == ['6.35,800,"perforated"', '12,800,"defeated"']
+    assert (folder / "t.csv").read_text().splitlines()[1:] == ["6.35,800.0,perforated", "12.0,800.0,defeated"]
 
 
 @pytest.mark.usefixtures("folder")
@@ -132,7 +134,7 @@ def test_a_table_that_is_there_is_not_written_over(cli, folder: Path):
 
 
 def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
-    over = ["--over", f"{CERAMIC}=2:12:0.005", "--over", "impact.velocity_m_s=600:900:2.5"]
+    over = ["--over", f"{CERAMIC}=2:12:0.01", "--over", "impact.velocity_m_s=600:900:2.5"]
     command = ["sweep", str(WILKINS), *over, "--quantities", "residual_velocity_m_s"]
     process = subprocess.Popen([sys.executable, "-m", "armour", *command, "-o", "t.csv"], stderr=subprocess.DEVNULL)
     deadline = time.monotonic() + 60.0
@@ -147,7 +149,41 @@ def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
     assert cli(*command, "-o", "t.csv").exit_code == 0
     assert cli(*command, "-o", "whole.csv").exit_code == 0
     assert (folder / "t.csv").read_bytes() == (folder / "whole.csv").read_bytes()
-    assert (folder / "t.csv").read_bytes().count(b"\n") == 2001 * 121 + 1
+    assert (folder / "t.csv").read_bytes().count(b"\n") == 1001 * 121 + 1
+
+
+def test_materials_and_projectiles_by_name(cli, folder: Path):
+    header, rows = (
+        "armour.ceramic,ceramic.flow_stress_GPa,armour.backing,impact.projectile",
+        (
+            "AD85,5.2,6061-T6,7.62 mm AP",
+            "AD99.5,5.9,5083-H3,7.62 mm APM2",
+            "AD85,5.3,6061-T6,7.62 mm AP",
+        ),
+    )
+    (folder / "c.csv").write_text("\n".join((header, *rows)))
+    assert cli("sweep", WILKINS, "--cases", "c.csv", "-o", "t.csv").exit_code == 0
+    with (folder / "t.csv").open() as file:
+        found = list(csv.DictReader(file))
+    for row in found:
+        limit = float(row.pop("ballistic_limit_m_s"))
+        case = load_scenario(WILKINS, {**row, "ceramic.flow_stress_GPa": float(row["ceramic.flow_stress_GPa"])})
+        assert ballistic_limit(case).ballistic_limit_m_s == limit
+    (folder / "c.csv").write_text("\n".join((header, *rows, "AD85,5.2,6061-T7,7.62 mm AP")))
+    [line] = cli.fails(2, "sweep", WILKINS, "--cases", "c.csv", "-o", "u.csv")
+    assert line.startswith('c.csv: line 5: armour.backing: must name a metal of the library, found "6061-T7"; did you')
+
+
+def test_a_bare_plate_gets_a_ceramic_by_name(cli, folder: Path):
+    (folder / "c.csv").write_text(f"armour.ceramic,{CERAMIC},ceramic.flow_stress_GPa\nAD85,6,5\nSiC,6,9\n")
+    result = cli("sweep", "bare_plate", "--cases", "c.csv", "-o", "t.csv")
+    assert result.exit_code == 0, result.stderr
+
+
+def test_the_end_of_a_range_that_is_no_step_is_told(cli, folder: Path):
+    told = cli("sweep", WILKINS, "--over", f"{CERAMIC}=6:7:0.7", "-o", "t.csv").stderr
+    assert told.startswith(f"warning: --over {CERAMIC}: the last value is 6.7, since 7 is no whole number of steps")
+    assert (folder / "t.csv").read_text().count("\n") == 3
 
 
 def test_a_wrong_row_of_cases_has_its_line(cli, folder: Path):

@@ -86,9 +86,16 @@ def test_values_are_toml_or_plain_words(cli, suite: Path, assignment: str):
     assert data["cases"][0]["computed"] == pytest.approx(538.8, abs=0.1)
 
 
-def test_an_entry_of_the_library_is_changed_by_an_entry_of_its_name(cli, suite: Path):
-    entry = 'library.projectile."7.62 mm AP"={based_on="7.62 mm AP", penetrator_diameter_mm=6.2}'
-    data = json.loads(cli("validate", suite, "--only", "limit", "--set", entry, "--json").stdout)
+@pytest.mark.parametrize(
+    "assignment",
+    [
+        'library.projectile."7.62 mm AP"={based_on="7.62 mm AP", penetrator_diameter_mm=6.2}',
+        'library.projectile."7.62 mm AP".penetrator_diameter_mm=6.2',
+        "projectile.penetrator_diameter_mm=6.2",
+    ],
+)
+def test_an_entry_of_the_library_is_changed_by_its_name_or_its_role(cli, suite: Path, assignment: str):
+    data = json.loads(cli("validate", suite, "--only", "limit", "--set", assignment, "--json").stdout)
     assert data["cases"][0]["computed"] < 710.0
 
 

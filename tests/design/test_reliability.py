@@ -66,27 +66,31 @@ def test_the_error_of_the_model_needs_more_armour():
 
 def test_without_uncertain_inputs_the_bound_is_that_of_the_models_error():
     threat = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
-    steps = {"ceramic": [{"material": "AD85", "thickness_mm": {"min": 4.0, "max": 16.0, "step": 0.5}}]}
+    steps = {"ceramic": [{"material": "AD85", "thickness_mm": {"min": 4.0, "max": 16.0, "step": 1.0}}]}
     best = optimise(catalogue([threat], confidence=0.9, **steps)).best
     bound = optimise(catalogue([{**threat, "probability_of_perforation": 0.1}], **steps)).best
     assert best == bound
-    # Brute force over plain ballistic limits.
+    # Brute force over plain ballistic limits: of the designs that are no heavier, only the best passes.
     offered = catalogue([threat], **steps)
-    passing = []
-    for pair, hc, hb in ((p, hc, hb) for (*p, hc, hb), _ in designs(offered, lambda *_: True)):
+    passing, lighter = [], 0
+    for (ceramic, backing, hc, hb), values in designs(offered, lambda *_: True):
+        if values["areal_density_kg_m2"] > best.areal_density_kg_m2 + 1e-6:
+            continue
         case = offered.replaced(
             {
-                "armour.ceramic": pair[0],
-                "armour.backing": pair[1],
+                "armour.ceramic": ceramic,
+                "armour.backing": backing,
                 "armour.ceramic_thickness_mm": hc,
                 "armour.backing_thickness_mm": hb,
                 "impact": {"velocity_m_s": 700.0},
             }
         )
+        lighter += 1
         probability = confidence(case).probability_of_defeat
         if probability is not None and probability >= 0.9:
-            passing.append(case.areal_density_kg_m2())
-    assert min(passing) == pytest.approx(best.areal_density_kg_m2, abs=1e-6)
+            passing.append((ceramic, backing, hc, hb))
+    assert passing == [(best.ceramic, best.backing, best.ceramic_thickness_mm, best.backing_thickness_mm)]
+    assert lighter > 20
 
 
 def test_free_thicknesses_reach_a_confidence():
@@ -100,6 +104,13 @@ def test_free_thicknesses_reach_a_confidence():
     assert probability == pytest.approx(0.9, abs=1e-4)
 
 
+def test_the_thickness_of_an_absent_ceramic_does_not_vary():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 300.0, "probability_of_perforation": 0.05}
+    varying = {**UNCERTAIN, "armour": {"ceramic_thickness_mm": {"distribution": "normal", "standard_deviation": 0.05}}}
+    bare = {"ceramic": [{"material": "AD85", "thickness_mm": [0.0, 20.0]}]}
+    assert optimise(catalogue([threat], varying, **bare)).best.ceramic_thickness_mm == 0.0
+
+
 def test_a_pair_whose_error_is_not_known_is_left_out():
     threat = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
     found = optimise(catalogue([threat], confidence=0.6))
@@ -107,8 +118,20 @@ def test_a_pair_whose_error_is_not_known_is_left_out():
     assert reasons["AD99.5", "6061-T6"] == (
         "the error of the model is not known for AD99.5 on 6061-T6; [uncertainty.model] can give it"
     )
+    sampled = optimise(catalogue([threat], {**UNCERTAIN, "model": None}, confidence=0.6))
+    unknown = {(pair.ceramic, pair.backing) for pair in sampled.pairs if "is not known" in pair.reason}
+    assert unknown == {pair for pair, reason in reasons.items() if "is not known" in reason}
     given = catalogue([threat], {"model": {"scale_percent": 5.0}}, confidence=0.6)
     assert all(pair.best is not None for pair in optimise(given).pairs)
+
+
+def test_an_error_that_is_not_known_against_one_threat():
+    threats = [
+        {"projectile": "7.62 mm AP", "velocity_m_s": 700.0},
+        {"projectile": "30 mm APDS", "velocity_m_s": 100.0, "name": "the APDS"},
+    ]
+    with pytest.raises(NoDesignError, match="AD85 on 6061-T6 against the APDS; "):
+        optimise(catalogue(threats, confidence=0.6))
 
 
 def test_the_pareto_front_keeps_to_the_bound():
@@ -188,6 +211,9 @@ def test_a_design_that_is_refined_is_not_sampled():
     threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "probability_of_perforation": 0.05}
     with pytest.raises(InputError, match="must be left out where the design is refined"):
         optimise(catalogue([threat], UNCERTAIN), refine=True)
+    del threat["probability_of_perforation"]
+    with pytest.raises(InputError, match=r"design\.confidence: must be left out"):
+        optimise(catalogue([threat], UNCERTAIN, confidence=0.95), refine=True)
 
 
 def test_no_design_within_the_bound():

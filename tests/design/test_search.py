@@ -70,16 +70,16 @@ def test_without_a_catalogue_it_is_the_grid():
 
 
 def test_a_big_catalogue_is_exact():
-    """6 ceramics, 6 metals, 20 by 20 thicknesses and 3 threats against all 14,400 at once."""
+    """4 ceramics, 4 metals, 20 by 20 thicknesses and 3 threats against all 6,400 at once."""
     thick = {"min": 2.0, "max": 21.0, "step": 1.0}
     library = {
         "ceramic": {
             f"C{i}": {"based_on": "AD85", "density_kg_m3": 3300.0 + 97.0 * i, "flow_stress_GPa": 4.5 + 0.3 * i}
-            for i in range(6)
+            for i in range(4)
         },
         "metal": {
             f"M{i}": {"based_on": "6061-T6", "density_kg_m3": 2650.0 + 61.0 * i, "flow_stress_GPa": 0.8 + 0.1 * i}
-            for i in range(6)
+            for i in range(4)
         },
     }
     threats = [*THREATS, {"projectile": "7.62 mm AP", "velocity_m_s": 700.0, "margin_m_s": 130.0, "name": "slow"}]
@@ -92,7 +92,7 @@ def test_a_big_catalogue_is_exact():
         },
     )
     result = optimise(case)
-    assert result.designs == 14_400
+    assert result.designs == 6_400
     hc, hb = (values.ravel() for values in np.meshgrid(*[2.0 + np.arange(20)] * 2))
     least = np.inf
     for ceramic in library["ceramic"]:

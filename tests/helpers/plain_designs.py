@@ -7,11 +7,10 @@ import numpy as np
 
 from armour.analysis.ballistic_limit import bisect
 from armour.core.search import scan
-from armour.core.state import Outcome
+from armour.core.state import Outcome, Parameters
 from armour.engine import batch
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import with_inputs
-from tests.helpers.cases import perforates
 
 CRITERIA = ["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
 
@@ -31,9 +30,15 @@ def posed(case: Scenario, ceramic: Any, backing: Any, hc: float, hb: float, proj
     return with_inputs(own, {name: value for name, value in densities.items() if value is not None})
 
 
+def perforates(armour: Parameters, *velocities: float) -> bool:
+    """Whether the projectile perforates an armour at any of the impact velocities, m/s, by the engine row by row."""
+    rows = np.tile(batch.packed([armour]), (len(velocities), 1))
+    return bool((batch.impacts(rows, np.array(velocities)).outcome == Outcome.PERFORATED).any())
+
+
 def defeats(own: Scenario, required: float) -> bool:
-    """Whether an armour defeats an impact, by a plain run."""
-    return not perforates(own, own.core_armour(), required)
+    """Whether an armour defeats an impact."""
+    return not perforates(own.core_armour(), required)
 
 
 def passes(own: Scenario, required: float) -> bool:
@@ -41,21 +46,19 @@ def passes(own: Scenario, required: float) -> bool:
     section, armour = own.ballistic_limit, own.core_armour()
     velocities = scan(section.velocity_min_m_s, section.velocity_max_m_s)
     below = [velocity for velocity in velocities if velocity < required]
-    if not all(defeats(own, velocity) for velocity in [required, *below]):
+    if perforates(armour, required, *below):
         return False
     above = velocities[len(below)]
-    if not defeats(own, above):
-        limit = bisect(lambda v: perforates(own, armour, v), below[-1], above, section.tolerance_m_s)[1]
+    if perforates(armour, above):
+        limit = bisect(lambda v: perforates(armour, v), below[-1], above, section.tolerance_m_s)[1]
         if limit < required:
             return False
     return withstands_below(own, required, 513)
 
 
 def withstands_below(own: Scenario, required: float, count: int) -> bool:
-    """Whether an armour is perforated at no velocity from 20 m/s to the one required, by the engine row by row."""
-    velocities = np.geomspace(20.0, required, count)[:-1]
-    rows = np.tile(batch.packed([own.core_armour()]), (len(velocities), 1))
-    return bool((batch.impacts(rows, velocities).outcome == Outcome.DEFEATED).all())
+    """Whether an armour is perforated at no velocity from 20 m/s to the one required."""
+    return not perforates(own.core_armour(), *np.geomspace(20.0, required, count)[:-1])
 
 
 def designs(

@@ -2,13 +2,22 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import bisect
-from armour.core.state import Parameters
+from armour.core.state import Outcome, Parameters
+from armour.core.stepping import default_time_step
+from armour.engine import batch
 from armour.scenario.loading import load_scenario
 from tests.helpers.cases import SCENARIOS
-from tests.helpers.runs import perforates, random_designs
+from tests.helpers.runs import random_designs
+
+
+def perforates(p: Parameters, velocity: float, part: float = 1.0) -> bool:
+    """Whether an impact perforates, by the engine with a part of the default time step."""
+    options = batch.SolverOptions(time_step=part * default_time_step(p, velocity), max_steps=5_000_000)
+    return bool(batch.impacts(batch.packed([p]), np.array([velocity]), options).outcome[0] == Outcome.PERFORATED)
 
 
 def is_near(p: Parameters, part: float, distance: float) -> bool:

@@ -72,5 +72,5 @@ def test_a_distribution_about_another_value_than_the_designs_is_left_out():
 
 def test_a_distribution_about_the_answers_value_is_propagated():
     thickness = {"distribution": "normal", "standard_deviation_percent": 1.0}
-    case = scenario(uncertainty={"armour": {"ceramic_thickness_mm": thickness}})
+    case = scenario(uncertainty={"samples": 128, "armour": {"ceramic_thickness_mm": thickness}})
     assert contents_of(case).uncertainty is not None

@@ -30,6 +30,11 @@ def page(found: Contents) -> str:
     return html_report(scenario_report(found, "armour report case.toml")).replace(NO_BREAK, " ")
 
 
+@cache
+def page_of(name: str) -> str:
+    return page(contents(name))
+
+
 def headings(content: str) -> list[str]:
     return re.findall(r"<h2>(.*?)</h2>", content)
 
@@ -56,7 +61,7 @@ class Nesting(HTMLParser):
 
 @pytest.mark.parametrize("name", ["wilkins", "bare_plate", "paper/optimum_7.62mm_AP", "catalogue"])
 def test_a_page_is_one_file_without_scripts_and_links(name: str):
-    content = page(contents(name))
+    content = page_of(name)
     assert len(content.encode()) < 400_000
     assert "<script" not in content
     assert not re.findall(r" (?:src|href)=|https?://(?!www\.w3\.org)|@import|url\((?!#chart)", content)
@@ -100,7 +105,7 @@ def test_a_design_and_an_uncertainty_are_shown():
 
 
 def test_numbers_are_aligned_to_the_right():
-    content = page(contents("wilkins"))
+    content = page_of("wilkins")
     assert '<th scope="col" class="number">energy lost, J</th>' in content
     assert re.search(r'<td data-label="energy lost, J" class="number">\d+\.\d</td>', content)
     assert '<td data-label="description" class="prose">intact ceramic, penetrated; rod erodes</td>' in content
@@ -117,7 +122,7 @@ def test_no_line_ends_between_a_number_and_its_unit():
 
 
 def test_charts_stand_in_two_columns_of_nearly_the_same_height():
-    content = page(contents("catalogue"))
+    content = page_of("catalogue")
     columns = content.split('<div class="column">')[1:]
     heights = [sum(map(float, re.findall(r'viewBox="0 0 \S+ (\S+)"', column))) for column in columns]
     assert len(heights) == 2

@@ -5,6 +5,7 @@ from functools import cache
 
 import pytest
 
+from armour.analysis.confidence import NO_TEST, ConfidenceResult
 from armour.reporting.contents import Contents, contents_of
 from armour.reporting.markdown import markdown_report
 from armour.reporting.report import Report
@@ -77,10 +78,21 @@ def test_the_answer_with_a_design():
 
 
 def test_the_answer_with_distributions():
-    found = statements(replace(wilkins(), uncertainty=uncertainty_result()))
+    sampled = uncertainty_result()
+    error = wilkins().confidence.model_error
+    found = statements(replace(wilkins(), uncertainty=replace(sampled, model_error=error)))
     statement, detail = found["Probability of defeating the threat"]
     assert statement == "79 %"
-    assert detail.startswith("95 % interval 78.0 to 80.0 %, from the given distributions")
+    with_error = "95 % interval 78.0 to 80.0 %, from the given distributions and the error of the model; "
+    assert detail.startswith(f"{with_error}error of the model: ± 7.0 %")
+    # Without an error of the model the distributions alone tell no probability of defeat, unless the scenario says so.
+    unknown = ConfidenceResult(None, 700.0, None, NO_TEST)
+    found = statements(replace(wilkins(), uncertainty=sampled, confidence=unknown))
+    assert found["Probability of defeating the threat"][0] == "unknown"
+    left_out = scenario(uncertainty={"model": {"included": False}})
+    found = statements(replace(wilkins(), uncertainty=sampled, scenario=left_out))
+    without = "95 % interval 78.0 to 80.0 %, from the given distributions, without the error of the model"
+    assert found["Probability of defeating the threat"] == ("79 %", without)
 
 
 def test_the_answer_without_a_limit():

@@ -5,6 +5,7 @@ from armour.design.optimise import DesignResult, Pair
 from armour.reporting.table import Table, csv_text
 from armour.reporting.tables.design import (
     best_table,
+    confidence_notes,
     design_tables,
     frontier_table,
     margin_table,
@@ -12,6 +13,7 @@ from armour.reporting.tables.design import (
     pareto_table,
     required_margins,
 )
+from armour.scenario.evidence import ModelError
 from tests.helpers.cases import THREATS, catalogue
 from tests.helpers.results import OTHER, THREAT, best_design, design, design_result, quantities
 
@@ -118,3 +120,18 @@ def test_a_pareto_front_begins_with_the_ceramic():
     front = pareto_table(replace(without, pareto=(best_design(),)))
     assert front.texts()[0][-1] == "+20.0"
     assert csv_text(front).startswith("ceramic,backing,ceramic_thickness_mm,backing_thickness_mm,")
+
+
+def test_the_note_gives_the_probability_without_a_margin():
+    steel = replace(
+        best_design(), model_error=ModelError(-10.3, 11.6, 11.0, "39 tests"), probabilities_of_defeat={THREAT: 0.2}
+    )
+    assert confidence_notes(steel) == [
+        "error of the model: -10.3 % ± 11.6 %, from 39 tests",
+        "a design without a margin is perforated with a probability of 80 %; --confidence 0.95 designs for a "
+        "probability of 95 %",
+    ]
+    # Samples without the error of the model give a probability all the same.
+    assert confidence_notes(replace(steel, model_error=None)) == [
+        "the error of the model is not known for such an armour, or not included"
+    ]

@@ -175,7 +175,8 @@ def test_indices(uncertainty: UncertaintyResult):
         ["ceramic.flow_stress_GPa", "0.972", "0.890 to 1.054", "0.974", "0.914 to 1.037", "678.0", "769.1"],
         ["projectile.penetrator_mass_g", "0.020", "0.010 to 0.030", "", "", "700.0", "740.0"],
     ]
-    *tables, note = uncertainty_tables(uncertainty)
+    *tables, error, note = uncertainty_tables(uncertainty)
     assert all(isinstance(table, Table) for table in tables)
+    assert error == "the error of the model is not known for such an armour, or not included"
     assert isinstance(note, str)
     assert "their sum may exceed 1; total indices are not given" in note

@@ -138,6 +138,7 @@ def test_the_error_is_that_of_tests_of_such_armours():
         {"ceramic": "law", "library": LAW},
         {"backing": "Ti-6Al-4V"},
         {"projectile": "20 mm FSP"},
+        {"projectile": "25 mm APDS", "ceramic_mm": 30.0, "backing_mm": 20.0},
         {"projectile": "heavy", "library": HEAVY},
     ],
 )

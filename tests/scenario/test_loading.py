@@ -233,6 +233,51 @@ def test_values_can_be_replaced():
         scenario().replaced({"impact.velocity_m_s": -1.0})
 
 
+STRESS = "ceramic.flow_stress_GPa"
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {STRESS: 7, "armour.ceramic": "AD99.5"},
+        {"ceramic": {"flow_stress_GPa": 7.0}, "armour": {"ceramic": "AD99.5"}},
+        {'library.ceramic."AD99.5".flow_stress_GPa': 7.0, "armour.ceramic": "AD99.5"},
+    ],
+)
+def test_an_input_is_replaced_by_role_or_by_name(changes: dict[str, object]):
+    found, named = scenario().replaced(changes).core_armour(), scenario(ceramic="AD99.5").core_armour()
+    assert found == named._replace(Yc0=7e9)
+    wilkins = load_scenario(SCENARIOS / "wilkins.toml", changes)
+    assert wilkins.core_armour().Yc0 == 7e9
+
+
+def test_an_input_changes_an_entry_of_the_scenario():
+    own = scenario(ceramic="mine", library={"ceramic": {"mine": {"based_on": "AD85", "density_kg_m3": 3000.0}}})
+    for key in (STRESS, "library.ceramic.mine.flow_stress_GPa"):
+        assert own.replaced({key: 7.0}).core_armour() == own.core_armour()._replace(Yc0=7e9)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({STRESS: -7.0}, f"{STRESS}: must be at least 0.001, found -7"),
+        ({STRESS: "hard"}, f'{STRESS}: must be a number, found the text "hard"'),
+        ({"projectile.penetrator_diameter_mm": 90.0}, "projectile.penetrator_diameter_mm: must make a rod"),
+        ({"cermic.flow_stress_GPa": 7.0}, f'must name an input of the scenario, .*; did you mean "{STRESS}"'),
+        ({"ceramic.flow_stress_ceramic_slope": 0.1}, "must name an input of the scenario"),
+        ({"backing.dynamic_yield_strength_MPa": 400.0, "armour.backing": "x"}, 'must name a metal .*, found "x"'),
+        ({STRESS: 7.0, 'ceramic."flow_stress_GPa"': 8.0}, f"{STRESS}: must be given once, found 7.0 and 8.0"),
+        (
+            {STRESS: 7.0, "library": {"ceramic": {"AD85": {"based_on": "AD85", "flow_stress_GPa": 7.0}}}},
+            f"{STRESS}: must not be given with library.ceramic.AD85.flow_stress_GPa, which sets the same",
+        ),
+    ],
+)
+def test_an_input_that_is_refused(changes: dict[str, object], message: str):
+    with pytest.raises(InputError, match=f"scenario: .*{message}"):
+        scenario().replaced(changes)
+
+
 def test_a_scenario_does_not_change():
     with pytest.raises(ValueError, match="frozen"):
         scenario().impact.velocity_m_s = 3.0  # type: ignore[misc]

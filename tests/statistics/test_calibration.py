@@ -207,6 +207,7 @@ def test_outcomes_alone_bound_where_their_uncertainty_is_given(tmp_path: Path, w
     both = calibrate(read_tests(csv_file(tmp_path / "a.csv", header, *rows), wilkins), wilkins)
     assert both.residuals[0].computed == pytest.approx(720.0, abs=0.1)
     assert (both.p_value, both.mean_error_percent) == (None, None)
+    assert both.degrees_of_freedom == 0.0
     assert interval(both.coefficients[0])[0] < 5.2 < interval(both.coefficients[0])[1]
     one = calibrate(read_tests(csv_file(tmp_path / "b.csv", header, *rows[:2]), wilkins), wilkins)
     found = one.coefficients[0]

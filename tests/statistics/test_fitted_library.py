@@ -13,6 +13,7 @@ from armour.statistics.fitted_library import library_text, scenario_text
 from armour.statistics.flow_stress_laws import with_ceramic
 from armour.statistics.test_data import read_tests
 from tests.helpers.cases import TESTS, csv_file, scenario, shipped_scenario
+from tests.helpers.fits import wilkins_fit
 
 C, B = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 
@@ -21,7 +22,7 @@ def test_a_library_holds_the_tests(tmp_path: Path):
     wilkins = shipped_scenario("wilkins")
     tests = read_tests(TESTS, wilkins)
     path = tmp_path / "lib.toml"
-    path.write_text(library_text(calibrate(tests, wilkins), tests, wilkins))
+    path.write_text(library_text(wilkins_fit(), tests, wilkins))
     entry = read_library(path, shipped_library()).entries["ceramic"]["AD85, calibrated"]
     value = entry.values["flow_stress_GPa"]
     assert value.value == pytest.approx(5.20935, abs=2e-5)
@@ -43,7 +44,7 @@ def test_a_library_holds_the_tests(tmp_path: Path):
 def test_a_law_is_written_as_keys_that_other_thicknesses_follow(tmp_path: Path):
     wilkins = shipped_scenario("wilkins")
     tests = read_tests(TESTS, wilkins)
-    result = calibrate(tests, wilkins, law="backing")
+    result = wilkins_fit("backing")
     (tmp_path / "lib.toml").write_text(library_text(result, tests, wilkins))
     (tmp_path / "case.toml").write_text(
         wilkins.to_toml().replace('"AD85"', '"AD85, calibrated"') + '[library]\nfiles = ["lib.toml"]\n'
@@ -56,7 +57,7 @@ def test_a_law_is_written_as_keys_that_other_thicknesses_follow(tmp_path: Path):
 def test_other_laws_of_the_entry_are_not_written():
     own = with_ceramic(shipped_scenario("wilkins"), {"flow_stress_product_exponent": 0.3})
     tests = read_tests(TESTS, own)
-    text = library_text(calibrate(tests, own, law="constant"), tests, own)
+    text = library_text(wilkins_fit("constant"), tests, own)
     entry = tomllib.loads(text)["ceramic"]["AD85, calibrated"]
     assert entry["flow_stress_product_exponent"] == 0.0
     assert len(entry["flow_stress_GPa"]["tests"]) == 13
@@ -81,7 +82,7 @@ coefficient = 0.2
     )
     case = load_scenario(tmp_path / "case.toml")
     tests = read_tests(TESTS, case)
-    result = calibrate(tests, case, law="backing")
+    result = wilkins_fit("backing")
     made = tmp_path / "libs/made.toml"
     made.write_text(scenario_text(result, tests, case, made))
     found: Scenario = load_scenario(made)
@@ -128,7 +129,7 @@ def test_an_entry_of_the_scenario_is_written_whole(tmp_path: Path):
     for name in ("mine", "AD85"):
         case = scenario(ceramic=name, library={"ceramic": {name: entry}})
         tests = read_tests(TESTS, case)
-        (tmp_path / "lib.toml").write_text(library_text(calibrate(tests, case), tests, case))
+        (tmp_path / "lib.toml").write_text(library_text(wilkins_fit(), tests, case))
         written = read_library(tmp_path / "lib.toml", shipped_library()).entries["ceramic"][f"{name}, calibrated"]
         assert written["density_kg_m3"] == 3500.0
         assert written["youngs_modulus_GPa"] == 267.0

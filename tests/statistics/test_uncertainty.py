@@ -51,9 +51,9 @@ def independent_samples(samples: int, seed: int) -> dict[str, np.ndarray]:
 
 @pytest.fixture(scope="module")
 def sampled(uncertain: Scenario) -> tuple[int, np.ndarray]:
-    """Perforations of 65,536 independent samples, and ballistic limits of 16,384 of them."""
-    samples = variants_of(uncertain, independent_samples(65_536, 1), 65_536)
-    return int(perforated(samples).sum()), sample_limits(Samples(samples.at(np.arange(16_384)), 1.0))
+    """Perforations of 32,768 independent samples, and ballistic limits of 8,192 of them."""
+    samples = variants_of(uncertain, independent_samples(32_768, 1), 32_768)
+    return int(perforated(samples).sum()), sample_limits(Samples(samples.at(np.arange(8_192)), 1.0))
 
 
 @pytest.mark.parametrize("method", ["sobol", "latin hypercube"])
@@ -62,7 +62,7 @@ def test_independent_samples_agree_within_the_interval(
 ):
     result = uncertainty(uncertain.replaced({"uncertainty.method": method}))
     hits, limits = sampled
-    chance: Any = stats.binomtest(hits, 65_536).proportion_ci()
+    chance: Any = stats.binomtest(hits, 32_768).proportion_ci()
     assert result.probability_of_perforation.low < chance.high
     assert result.probability_of_perforation.high > chance.low
     for name, part in (("V05", 0.05), ("V50", 0.5), ("V95", 0.95)):
@@ -74,7 +74,7 @@ def test_independent_samples_agree_within_the_interval(
 
 
 def test_the_same_seed_gives_the_same_numbers(uncertain: Scenario):
-    few = uncertain.replaced({"uncertainty.samples": 256})
+    few = uncertain.replaced({"uncertainty.samples": 128})
     assert uncertainty(few) == uncertainty(few)
     assert uncertainty(few) != uncertainty(few.replaced({"uncertainty.seed": 2}))
 
@@ -301,7 +301,7 @@ def test_the_section_is_checked_with_the_scenario():
 
 def test_samples_are_computed_in_portions(monkeypatch: pytest.MonkeyPatch):
     normal = {"distribution": "normal", "standard_deviation_percent": 2.0}
-    case = with_section(ceramic={"flow_stress_GPa": normal}, armour={"backing_thickness_mm": normal}, samples=256)
+    case = with_section(ceramic={"flow_stress_GPa": normal}, armour={"backing_thickness_mm": normal}, samples=128)
     whole = uncertainty(case)
     sizes, done = [], []
 

@@ -11,6 +11,9 @@ from tests.helpers.cases import csv_file, sweep_grid
 
 def test_axes():
     assert axis_of("armour.ceramic_thickness_mm=4:5:0.5") == Axis("armour.ceramic_thickness_mm", (4.0, 4.5, 5.0))
+    assert axis_of("a=3:5:0.7") == Axis("a", (3.0, 3.7, 4.4), omitted=5.0)
+    assert axis_of("a=0:1:0.3333333").omitted is None
+    assert axis_of("ceramic.flow_stress_backing_slope=-0.5:0.1:0.2").values == (-0.5, -0.3, -0.1, 0.1)
     assert axis_of('library.metal."a=b".x = 1, 2.5') == Axis('library.metal."a=b".x', (1.0, 2.5))
 
 
@@ -95,6 +98,33 @@ def test_a_table_that_changes_between_passes(tmp_path: Path):
         csv_file(path, *lines)
         with pytest.raises(InputError, match=message):
             list(source.chunks(2))
+
+
+def test_names_stand_beside_numbers(tmp_path: Path):
+    lines = ('AD85, 1,"6061-T6"', '"AD99.5",2.5, 5083-H3', "B4C,3,6061-T6")
+    source = Cases(csv_file(tmp_path / "cases.csv", "armour.ceramic,a,armour.backing", *lines))
+    found = [{key: column.tolist() for key, column in chunk.items()} for chunk in source.chunks(2)]
+    assert found == [
+        {"armour.ceramic": ["AD85", "AD99.5"], "a": [1.0, 2.5], "armour.backing": ["6061-T6", "5083-H3"]},
+        {"armour.ceramic": ["B4C"], "a": [3.0], "armour.backing": ["6061-T6"]},
+    ]
+    only = Cases(csv_file(tmp_path / "names.csv", "armour.ceramic", "AD85", "B4C"))
+    assert (only.keys, only.count) == (("armour.ceramic",), 2)
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        (",1", 'line 3: armour.ceramic: must be a name, found ""'),
+        ("x" * 300 + ",1", "line 3: armour.ceramic: must be a name, found"),
+        ("AD85,AD85", 'line 3: a: must be a number, found "AD85"'),
+        ("AD85", "line 3: must have 2 cells as the header has, found 1"),
+        ("AD85,1,2", "line 3: must have 2 cells as the header has, found 3"),
+    ],
+)
+def test_wrong_lines_with_names(tmp_path: Path, line: str, message: str):
+    with pytest.raises(InputError, match=message):
+        Cases(csv_file(tmp_path / "cases.csv", "armour.ceramic,a", "AD85,1", line))
 
 
 @pytest.mark.parametrize(("name", "message"), [("cases.csv", "cannot be read"), (".", "must be a file")])

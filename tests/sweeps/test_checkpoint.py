@@ -65,7 +65,7 @@ def test_chunks_in_any_order_make_the_table(output: Path):
     assert not output.exists()
     assert finished(output) == 9
     if output.suffix == ".csv":
-        assert output.read_text().splitlines()[2] == '0.1,,""'
+        assert output.read_text().splitlines()[2] == "0.1,,"
     table = read_table(output)
     assert table["armour.x_mm"].tolist() == [i / 10 for i in range(9)]
     np.testing.assert_array_equal(table["limit_m_s"], [1 / 3, np.nan, 1e300] * 3)

@@ -21,9 +21,9 @@ QUANTITIES = ("ballistic_limit_m_s", "residual_velocity_m_s", "outcome")
 
 
 def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path: Path):
-    source = sweep_grid("armour.ceramic_thickness_mm=2:12:0.2", "impact.velocity_m_s=700:900:20")
+    source = sweep_grid("armour.ceramic_thickness_mm=2:12:1", "impact.velocity_m_s=700:900:20")
     case = sweep_scenario()
-    sweep(case, source, QUANTITIES, tmp_path / "here.csv", size=25)
+    sweep(case, source, QUANTITIES, tmp_path / "here.csv", size=10)
     killed: list[int] = []
     with (
         LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster,
@@ -36,7 +36,7 @@ def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path: Path):
                 os.kill(killed[0], signal.SIGKILL)
 
         compute = on_cluster(client)
-        rows = sweep(case, source, QUANTITIES, tmp_path / "there.csv", compute=compute, size=25, on_chunk=kill)
+        rows = sweep(case, source, QUANTITIES, tmp_path / "there.csv", compute=compute, size=10, on_chunk=kill)
     assert killed
     assert rows == source.count
     assert (tmp_path / "there.csv").read_bytes() == (tmp_path / "here.csv").read_bytes()

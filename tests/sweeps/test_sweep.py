@@ -66,7 +66,7 @@ def test_a_question_without_an_answer_leaves_its_field_empty(tmp_path: Path):
     quantities = ["required_ceramic_thickness_mm", "required_backing_thickness_mm", "required_total_thickness_mm"]
     sweep(sweep_scenario(), source, quantities, tmp_path / "a.csv", size=1)
     lines = (tmp_path / "a.csv").read_text().splitlines()
-    assert lines[2] == "9000,,,"
+    assert lines[2] == "9000.0,,,"
     assert all(lines[1].split(","))
     sweep(sweep_scenario(), source, quantities, tmp_path / "a.parquet", size=1)
     assert np.isnan(read_table(tmp_path / "a.parquet")[quantities[0]][1])

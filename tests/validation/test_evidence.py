@@ -1,7 +1,6 @@
 """The errors and ranges of armour.scenario.evidence, from the tests that they are estimated from."""
 
 from collections.abc import Callable, Mapping
-from functools import cache
 from math import pi, sqrt
 from typing import Any
 
@@ -12,12 +11,12 @@ from scipy import stats
 from armour.scenario.applicability import model_error
 from armour.scenario.evidence import BACKING_RATIO, BACKING_STRENGTH, CERAMIC_RATIO, EVIDENCE, SLENDERNESS, Evidence
 from armour.scenario.library import shipped_library
-from armour.statistics.calibration import CalibrationResult, calibrate, left_out_errors
+from armour.statistics.calibration import left_out_errors
 from armour.statistics.flow_stress_laws import Law
-from armour.statistics.test_data import read_tests
 from armour.validation.suite import load_suite
 from armour.validation.validate import SuiteResult, suite_file, validate
 from tests.helpers.cases import TESTS, scenario
+from tests.helpers.fits import wilkins_fit
 
 TILES, BACKING_LAW, PRODUCT_LAW, *_PLATES = EVIDENCE
 CORES_ON_ALUMINIUM, CORES_ON_STEEL, FRAGMENTS_ON_ALUMINIUM, FRAGMENTS_ON_STEEL = _PLATES
@@ -56,18 +55,12 @@ LAWS: list[tuple[Law, Evidence, str]] = [
 ]
 
 
-@cache
-def calibrated(law: Law) -> CalibrationResult:
-    case = scenario()
-    return calibrate(read_tests(TESTS, case), case, law=law)
-
-
 @pytest.mark.parametrize(("law", "evidence", "ceramic"), LAWS, ids=lambda item: str(item)[:12])
 def test_tiles_have_the_error_of_tests_left_out(law: Law, evidence: Evidence, ceramic: str):
-    errors = 100.0 * np.array(left_out_errors(calibrated(law)).errors)
+    errors = 100.0 * np.array(left_out_errors(wilkins_fit(law)).errors)
     mean, scale, freedom = evidence.error
     assert len(errors) == 13
-    assert freedom == 13 - len(calibrated(law).coefficients)
+    assert freedom == 13 - len(wilkins_fit(law).coefficients)
     # The mean does not differ from 0 by its standard error, and the scale is the root mean square.
     assert abs(np.mean(errors) - mean) < np.std(errors, ddof=1) / sqrt(13)
     assert np.sqrt(np.mean(np.square(errors))) == pytest.approx(scale, abs=0.05)
@@ -80,7 +73,7 @@ def test_tiles_have_the_error_of_tests_left_out(law: Law, evidence: Evidence, ce
 def test_the_library_has_the_laws_as_calibrated(law: Law, evidence: Evidence, ceramic: str):
     assert evidence.title.endswith(f"{law} law")
     entry = shipped_library().entries["ceramic"][ceramic]
-    for coefficient in calibrated(law).coefficients:
+    for coefficient in wilkins_fit(law).coefficients:
         assert entry[coefficient.name.split(".")[1]] == pytest.approx(coefficient.estimate, abs=6e-4)
         assert coefficient.interval is not None
         low, high = coefficient.interval
@@ -90,7 +83,7 @@ def test_the_library_has_the_laws_as_calibrated(law: Law, evidence: Evidence, ce
 
 @pytest.mark.parametrize(("law", "evidence", "ceramic"), LAWS, ids=lambda item: str(item)[:12])
 def test_tiles_left_out_one_by_one_lie_within_the_interval_of_the_others(law: Law, evidence: Evidence, ceramic: str):
-    errors = 100.0 * np.array(left_out_errors(calibrated(law)).errors)
+    errors = 100.0 * np.array(left_out_errors(wilkins_fit(law)).errors)
     others = np.array([np.sqrt(np.mean(np.square(np.delete(errors, i)))) for i in range(13)])
     within = abs(errors) <= stats.t.ppf(0.975, evidence.error[2] - 1.0) * others
     assert within.sum() == {"AD85": 12, "AD85 backing law": 11, "AD85 product law": 13}[ceramic]

@@ -8,14 +8,12 @@ from scipy.optimize import least_squares
 from scipy.stats import linregress, t
 
 from armour.analysis.closed_forms import fit_areal_density_rule
-from armour.scenario.loading import load_scenario
-from armour.statistics.calibration import calibrate
-from armour.statistics.test_data import read_tests
 from armour.validation.comparison import TESTS
 from armour.validation.rivals import Error
 from armour.validation.suite import load_suite
 from armour.validation.validate import SuiteResult, paper_suite, validate
 from tests.helpers.cases import SCENARIOS
+from tests.helpers.fits import wilkins_fit
 from tests.helpers.suites import TABLE, result
 
 CERAMIC, PLATE, LIMIT = np.loadtxt(SCENARIOS / "tests" / "wilkins.csv", delimiter=",", skiprows=1).T
@@ -78,8 +76,7 @@ def test_a_power_of_0_8_as_docs_howto_compare_md_has_it():
 
 
 def test_the_refitted_flow_stress_is_that_of_a_calibration(errors: dict[str, Error]):
-    scenario = load_scenario(SCENARIOS / "wilkins.toml")
-    found = calibrate(read_tests(SCENARIOS / "tests" / "wilkins.csv", scenario), scenario)
+    found = wilkins_fit()
     assert errors[NAMES[0]].mean_percent == pytest.approx(found.mean_error_percent)
     assert errors[NAMES[0]].left_out_percent == pytest.approx(found.left_out_error_percent)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.results import Result
 from armour.errors import NoLimitError
-from armour.scenario.applicability import is_excluded, model_error
+from armour.scenario.applicability import is_excluded, model_error, warnings_of
 from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
 
@@ -27,12 +27,15 @@ class ConfidenceResult(Result):
         Relative error of the ballistic limit by the model.
     reason : str
         Why the probability is not known.
+    warnings : tuple of str
+        Ways in which the scenario is unlike what the model was compared with.
     """
 
     probability_of_defeat: float | None
     ballistic_limit_m_s: float | None
     model_error: ModelError | None
     reason: str = ""
+    warnings: tuple[str, ...] = ()
 
     def _words(self) -> str:
         if self.probability_of_defeat is None:
@@ -62,14 +65,15 @@ def confidence(scenario: Scenario) -> ConfidenceResult:
     try:
         limit = ballistic_limit(scenario).ballistic_limit_m_s
     except NoLimitError as error:
-        return ConfidenceResult(None, None, model_error(scenario), str(error))
+        warnings = warnings_of(scenario, scenario.impact.velocity_m_s)
+        return ConfidenceResult(None, None, model_error(scenario), str(error), warnings)
     return of_limit(scenario, limit, scenario.impact.velocity_m_s)
 
 
 def of_limit(scenario: Scenario, limit_m_s: float, velocity_m_s: float) -> ConfidenceResult:
     """Return the confidence that a scenario's armour defeats a velocity, given its ballistic limit by the model."""
-    error = model_error(scenario)
+    error, warnings = model_error(scenario), warnings_of(scenario, velocity_m_s)
     if error is None:
-        return ConfidenceResult(None, limit_m_s, None, EXCLUDED if is_excluded(scenario) else NO_TEST)
+        return ConfidenceResult(None, limit_m_s, None, EXCLUDED if is_excluded(scenario) else NO_TEST, warnings)
     probability = float(error.probability_of_defeat(limit_m_s, velocity_m_s))
-    return ConfidenceResult(probability, limit_m_s, error)
+    return ConfidenceResult(probability, limit_m_s, error, warnings=warnings)

@@ -69,14 +69,14 @@ def _checked(columns: Mapping[str, Floats]) -> dict[str, Floats]:
     return {key: values.astype(np.float64) for key, values in found.items()}
 
 
-def check_keys(scenario: Scenario, row: Mapping[str, float], quantities: Sequence[str], file: str) -> None:
+def check_keys(scenario: Scenario, row: Mapping[str, float | str], quantities: Sequence[str], file: str) -> None:
     """Check that the keys of a table, of which a row is given, are known and that each counts for the quantities."""
     row = dict(zip(canonical(row, file), row.values(), strict=True))
-    check_known(scenario, row, file)
     try:
         made = scenario.replaced({key: value for key, value in row.items() if key not in INPUTS})
     except InputError:
         made = scenario  # the check of the rows reports it
+    check_known(made, row, file)
     check_reach(made, list(row), reads_of(quantities), file)
 
 
@@ -106,12 +106,13 @@ def scenarios_of(
         check_rows(scenario, inputs, place)
         yield np.arange(count), scenario
         return
-    table = np.column_stack([columns[key] for key in others])
+    # Places in the sorted values, as these may be numbers in one column and names in another.
+    table = np.column_stack([np.unique(columns[key], return_inverse=True)[1] for key in others])
     _, first, which = np.unique(table, axis=0, return_index=True, return_inverse=True)
     for index in np.argsort(first):
         row = int(first[index])
         try:
-            made = scenario.replaced(dict(zip(others, table[row].tolist(), strict=True)))
+            made = scenario.replaced({key: columns[key][row].item() for key in others})
         except InputError as error:
             raise InputError([place(row, problem) for problem in error.problems]) from None
         where = np.flatnonzero(which.reshape(-1) == index)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from armour.scenario.distributions import ERROR
+from armour.scenario.evidence import ERROR
 from armour.units import words_and_unit
 
 DEFEAT = "probability of defeating the threat"

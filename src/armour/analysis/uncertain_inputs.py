@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 from armour.analysis.variants import Floats, Variants, variants_of
 from armour.errors import InputError, Problem, refuse
 from armour.scenario.applicability import model_error
-from armour.scenario.distributions import ERROR, ErrorDistribution, Uncertainty
+from armour.scenario.distributions import ErrorDistribution, Uncertainty
+from armour.scenario.evidence import ERROR
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import check_names, inputs_of, wrong_rows
 from armour.scenario.sampling import truncation_problem

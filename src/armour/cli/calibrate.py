@@ -5,17 +5,24 @@ from typing import Annotated, Literal
 
 import typer
 
+from armour.cli import completion
 from armour.cli.console import progress
-from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, argument, option
+from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, argument, option, table_file
 from armour.cli.runner import check_new, check_outputs, read_scenario, respond, say_if_compiling
 
 
 def calibrate(
-    tests: Annotated[Path, argument("TESTS", "CSV file of tests: inputs and measured values.")],
+    tests: Annotated[
+        Path, argument("TESTS", "CSV file of tests: inputs and measured values.", autocompletion=completion.tables)
+    ],
     scenario: ScenarioFile,
     fit: Annotated[
         list[str] | None,
-        option("Input to fit; may be given several times. By default the ceramic's flow stress.", metavar="INPUT"),
+        option(
+            "Input to fit; may be given several times. By default the ceramic's flow stress.",
+            metavar="INPUT",
+            autocompletion=completion.inputs,
+        ),
     ] = None,
     law: Annotated[
         Literal["constant", "ceramic", "backing", "product", "linear", "all"] | None,
@@ -51,7 +58,7 @@ def calibrate(
     check_outputs(library, fitted, plot=plot)
     check_new(library, fitted, force=force)
     loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
-    read = read_tests(tests, loaded)
+    read = read_tests(table_file(tests), loaded)
     say_if_compiling()
     with progress("tests") as count:
         result = calibration.calibrate(read, loaded, fit or [FLOW_STRESS], law, on_progress=count)

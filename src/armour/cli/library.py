@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from armour.cli import completion
 from armour.cli.options import AsJson, argument
 from armour.cli.runner import Command, Reporting, respond
 from armour.errors import InputError, Problem
@@ -24,7 +25,10 @@ def list_library(ctx: typer.Context, as_json: AsJson = False) -> None:
 
 
 @app.command(cls=Command)
-def show(name: Annotated[str, argument("NAME", "Name of the entry.")], as_json: AsJson = False) -> None:
+def show(
+    name: Annotated[str, argument("NAME", "Name of the entry.", autocompletion=completion.entries)],
+    as_json: AsJson = False,
+) -> None:
     """Show an entry with the source of every value."""
     from armour.reporting.tables.library import entry_tables
     from armour.scenario.library import shipped_library

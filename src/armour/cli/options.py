@@ -5,10 +5,13 @@ from typing import Annotated, Any
 
 import typer
 
+from armour.cli import completion
+from armour.files import located, shipped_files
 
-def argument(metavar: str, description: str) -> Any:
+
+def argument(metavar: str, description: str, **settings: Any) -> Any:
     """Make an argument whose default, if any, the help does not show."""
-    return typer.Argument(metavar=metavar, help=description, show_default=False)
+    return typer.Argument(metavar=metavar, help=description, show_default=False, **settings)
 
 
 def option(description: str, *names: str, **settings: Any) -> Any:
@@ -16,10 +19,28 @@ def option(description: str, *names: str, **settings: Any) -> Any:
     return typer.Option(*names, help=description, show_default=False, **settings)
 
 
-ScenarioFile = Annotated[Path, argument("SCENARIO", "Scenario file (TOML); - for standard input.")]
+def table_file(path: Path) -> Path:
+    """Return the file of a path or, where there is none, of the shipped table of tests or shots of that name."""
+    known = {found.name: found for found in shipped_files("scenarios/tests", ".csv").values()}
+    return located(path, known, f"; shipped are {', '.join(known)}")
+
+
+ScenarioFile = Annotated[
+    Path,
+    argument(
+        "SCENARIO",
+        "Scenario file (TOML), or name of a shipped scenario; - for standard input.",
+        autocompletion=completion.scenarios,
+    ),
+]
 Changes = Annotated[
     list[str] | None,
-    option("Change a value of the scenario; may be given several times.", "--set", metavar="KEY=VALUE"),
+    option(
+        "Change a value of the scenario; may be given several times.",
+        "--set",
+        metavar="KEY=VALUE",
+        autocompletion=completion.assignments,
+    ),
 ]
 PlotFile = Annotated[Path | None, option("Draw to a .png, .svg or .pdf file.", "--plot", metavar="FILE")]
 AsJson = Annotated[bool, option("Print one JSON object and nothing else.", "--json")]

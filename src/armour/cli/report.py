@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from armour.cli import completion
 from armour.cli.console import progress
 from armour.cli.options import Changes, argument
 from armour.cli.runner import check_outputs, read_scenario, say_if_compiling, write
@@ -19,7 +20,12 @@ if TYPE_CHECKING:
 
 def report(
     source: Annotated[
-        Path, argument("SCENARIO|SUITE", "Scenario or suite file (TOML); - for a scenario on standard input.")
+        Path,
+        argument(
+            "SCENARIO|SUITE",
+            "Scenario or suite file (TOML), or name of a shipped one; - for a scenario on standard input.",
+            autocompletion=completion.scenarios,
+        ),
     ],
     output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write, .html or .md.")] = Path(
         "report.html"
@@ -31,11 +37,15 @@ def report(
     One self-contained file with the answer, its uncertainty, charts (in HTML) and the sources of all values.
     """
     from armour.reporting.report_file import ENDINGS, report_text
+    from armour.scenario.loading import scenario_file
+    from armour.validation.validate import SUITES, suite_file
 
     check_outputs(output)
     refuse(wrong_ending(output, ENDINGS))
     options = [word for change in changes or () for word in ("--set", change)]
     command = shlex.join(["armour", "report", str(source), "--output", str(output), *options])
+    if str(source) != "-":
+        source = scenario_file(source, {name: suite_file(name) for name in SUITES})
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
     made = (_suite_report if is_suite else _scenario_report)(source, changes or [], command)
     write({output: report_text(made, output)})

@@ -60,14 +60,14 @@ def read_scenario(
     reads: Collection[str],
     more: Mapping[str, tuple[str, float | None]] | None = None,
 ) -> "Scenario":
-    """Read the scenario of a file, or of standard input where it is "-".
+    """Read the scenario of a file, of a shipped one by its name, or of standard input where it is "-".
 
     ``assignments`` are those of ``--set``, which must set keys below those that the command ``reads``; ``more`` are the
     keys and values of other options, None where one is not given.  A wrong value of an option is a problem of the
     command line, whatever the file holds.
     """
-    from armour.scenario.assignments import changed, changes_of
-    from armour.scenario.loading import parse_scenario
+    from armour.scenario.assignments import changes_of
+    from armour.scenario.loading import parse_changed, parse_scenario, scenario_file
     from armour.scenario.reach import check_read, check_used, read_of
 
     changes = changes_of(assignments or ())
@@ -78,13 +78,14 @@ def read_scenario(
                 raise InputError([Problem("command line", option, f"must not be given with {options[key]}")])
             changes[key], options[key] = value, option
     standard = str(path) == "-"
+    path = path if standard else scenario_file(path)
     file, folder = (STANDARD_INPUT, Path()) if standard else (str(path), path.parent)
     if standard:
         with suppress(OSError):  # a stream that is no file
             check_unreserved(sys.stdin.fileno())
     data = parse_toml(decoded(sys.stdin.buffer, file) if standard else read_text(path), file)
     try:
-        loaded = parse_scenario(changed(data, changes, file), file=file, folder=folder)
+        loaded = parse_changed(data, changes, file=file, folder=folder)
     except InputError as error:
         own: Sequence[Problem] = ()
         try:

@@ -5,24 +5,26 @@ from typing import Annotated
 
 import typer
 
+from armour.cli import completion
 from armour.cli.console import say, show, show_json
 from armour.cli.options import option
 from armour.cli.runner import check_new, check_outputs, write
 from armour.errors import InputError, Problem, suggestion
-from armour.files import shipped
+from armour.files import shipped_files
 
 
 def init(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write the scenario to.")] = Path(
         "scenario.toml"
     ),
-    source: Annotated[str, option("Copy a shipped scenario.", "--from", metavar="NAME")] = "template",
+    source: Annotated[
+        str, option("Copy a shipped scenario.", "--from", metavar="NAME", autocompletion=completion.shipped_names)
+    ] = "template",
     names: Annotated[bool, option("List the shipped scenarios.", "--list")] = False,
     force: Annotated[bool, option("Replace an existing file.", "--force")] = False,
 ) -> None:
     """Write a scenario to start from."""
-    folder = shipped("scenarios")
-    known = {path.relative_to(folder).with_suffix("").as_posix(): path for path in sorted(folder.rglob("*.toml"))}
+    known = shipped_files("scenarios", ".toml")
     if names:
         show(*known)
         return

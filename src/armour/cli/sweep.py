@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from armour.analysis.quantities import QUANTITIES, reads_of
+from armour.cli import completion
 from armour.cli.console import progress, say
 from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, option
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
@@ -28,13 +29,19 @@ def sweep(
         option(
             "Key of the scenario and its values, as MIN:MAX:STEP or V,V,...; repeat it to span a grid.",
             metavar="KEY=VALUES",
+            autocompletion=completion.numbers,
         ),
     ] = None,
     cases: Annotated[
         Path | None, option("CSV file of cases, instead of --over; its header names the keys.", metavar="FILE")
     ] = None,
     quantities: Annotated[
-        str, option("Quantities to compute, of those listed below; ballistic limit by default.", metavar="NAME,...")
+        str,
+        option(
+            "Quantities to compute, of those listed below; ballistic limit by default.",
+            metavar="NAME,...",
+            autocompletion=completion.quantities,
+        ),
     ] = "ballistic_limit_m_s",
     plot: PlotFile = None,
     threads: Annotated[int | None, option("Threads, at least 1; by default one per core.", min=1)] = None,
@@ -85,7 +92,14 @@ def _source(over: list[str], cases: Path | None) -> "Grid | Cases":
 
     if (cases is None) == (not over):
         raise InputError([Problem("sweep", "", "give either --over or --cases")])
-    return Grid(tuple(axis_of(text) for text in over)) if cases is None else Cases(cases)
+    if cases is not None:
+        return Cases(cases)
+    axes = tuple(axis_of(text) for text in over)
+    for axis in axes:
+        if axis.omitted is not None:
+            last = f"the last value is {axis.values[-1]:g}, since {axis.omitted:g} is no whole number of steps away"
+            say(f"warning: --over {axis.key}: {last}")
+    return Grid(axes)
 
 
 def _approve(plan: "Plan", yes: bool) -> None:

@@ -5,8 +5,9 @@ from typing import Annotated
 
 import typer
 
+from armour.cli import completion
 from armour.cli.console import progress
-from armour.cli.options import AsJson, Changes, PlotFile, argument, option
+from armour.cli.options import AsJson, Changes, PlotFile, argument, option, table_file
 from armour.cli.runner import check_outputs, read_scenario, respond, warnings_of
 from armour.cli.scenario_commands import LIMIT
 from armour.errors import InputError, Problem
@@ -14,10 +15,18 @@ from armour.errors import InputError, Problem
 
 def v50(
     shots: Annotated[
-        Path, argument("SHOTS", 'CSV file with the columns velocity_m_s and result ("partial" or "complete").')
+        Path,
+        argument(
+            "SHOTS",
+            'CSV file with the columns velocity_m_s and result ("partial" or "complete").',
+            autocompletion=completion.tables,
+        ),
     ],
     scenario: Annotated[
-        Path | None, argument("SCENARIO", "Scenario of the same armour, for the model's limit.")
+        Path | None,
+        argument(
+            "SCENARIO", "Scenario of the same armour, for the model's limit.", autocompletion=completion.scenarios
+        ),
     ] = None,
     pairs: Annotated[
         int | None, option("Shots of each kind in the mean, at least 1; by default 5, else 3, else 2.")
@@ -41,7 +50,7 @@ def v50(
     if changes and scenario is None:
         raise InputError([Problem("v50", "--set", "changes a scenario, which is not given")])
     check_outputs(plot=plot)
-    read = statistics.read_shots(shots)
+    read = statistics.read_shots(table_file(shots))
     loaded = None if scenario is None else read_scenario(scenario, changes, LIMIT)
     with progress("fits", first="fitting"):
         result = statistics.v50(read, loaded, pairs=pairs, span_m_s=span_m_s, confidence=confidence)

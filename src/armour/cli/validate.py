@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from armour.cli import completion
 from armour.cli.console import progress, say, show
 from armour.cli.options import AsJson, argument, option
 from armour.cli.runner import CHECK_FAILED, check_outputs, respond, say_if_compiling
@@ -24,7 +25,12 @@ def validate(
     only: Annotated[str, option("Check only cases whose name contains the text.", metavar="TEXT")] = "",
     changes: Annotated[
         list[str] | None,
-        option("Change a value of every scenario; may be given several times.", "--set", metavar="KEY=VALUE"),
+        option(
+            "Change a value of every scenario; may be given several times.",
+            "--set",
+            metavar="KEY=VALUE",
+            autocompletion=completion.assignments,
+        ),
     ] = None,
     update: Annotated[
         bool, option("Write the computed values in place of the suite's regression values.", "--update")

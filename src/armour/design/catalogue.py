@@ -115,6 +115,14 @@ class Catalogue:
                 required = np.maximum(required, rows.velocities / (1.0 + relative))
         return required + self.more_margin_m_s
 
+    def unknown_errors(self, candidates: Candidates) -> Bools:
+        """Return whether a probability is bounded and the error of the model is not known, (designs, threats)."""
+        unknown = np.zeros((len(candidates.pair), len(self.threats)), dtype=bool)
+        if not is_excluded(self.scenario):
+            for i in np.flatnonzero(self.bounds < NO_BOUND).tolist():
+                unknown[:, i] = np.isnan(self._at_threat(candidates, i).errors.scale_percent)
+        return unknown
+
     def probabilities_of_defeat(self, candidates: Candidates, limits: Floats) -> Floats:
         """Return the probabilities that limits, (designs, threats), exceed the threats' velocities; NaN if unknown."""
         found = np.empty_like(limits)

@@ -209,7 +209,9 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         message = (
             "must be left out where the design is refined, as designs between the given thicknesses are not sampled"
         )
-        problems.append(Problem(scenario.file, "threat.probability_of_perforation", message))
+        of_threats = any(threat.probability_of_perforation is not None for threat in catalogue.threats)
+        key = "threat.probability_of_perforation" if of_threats else "design.confidence"
+        problems.append(Problem(scenario.file, key, message))
     if refine and not any(layer.free_range(refine=True) for offer in catalogue.offers for layer in offer[:2]):
         problems.append(Problem(scenario.file, "--refine", "needs a thickness given as a range"))
     refuse(problems)
@@ -412,10 +414,13 @@ def _why_none_of(search: Search, pair: int) -> str:
     catalogue, own = search.catalogue, search.of_pair(pair)
     if not len(own):
         return "no design meets the constraints"
-    if np.isinf(catalogue.required_m_s(search.candidates.at(own))).any(axis=1).all():
+    unknown = catalogue.unknown_errors(search.candidates.at(own))
+    if unknown.any(axis=1).all():
         offer = catalogue.offers[pair]
         armour = f"{offer.ceramic.material} on {offer.backing.material}" if offer.ceramic.material else "bare plates"
-        return f"{NO_ERROR} for {armour}; [uncertainty.model] can give it"
+        threats = np.array(catalogue.titles)[unknown.any(axis=0)]
+        against = "" if len(threats) == len(catalogue.titles) else f" against {' or '.join(threats)}"
+        return f"{NO_ERROR} for {armour}{against}; [uncertainty.model] can give it"
     good = own[search.defeating[own]]
     if len(good) and catalogue.sampled:
         return f"no design within {catalogue.section.runners_up_percent:g} % of the best"

@@ -63,7 +63,10 @@ class Reliability:
         hits, start, end = 0, 0, FIRST_SAMPLES
         while start < len(points):
             part = points[start:end]
-            hits += int(perforated(sampled(design, columns_of(section, own, part), len(part)).variants).sum())
+            columns = columns_of(section, own, part)
+            if ceramic_mm == 0.0:
+                columns.pop(CERAMIC, None)  # a layer that is absent has no thickness that varies
+            hits += int(perforated(sampled(design, columns, len(part)).variants).sum())
             estimate = proportion(hits, len(points))
             self.on_progress(len(part), None)
             if estimate.high > bound or bdtrc(hits - 1, end, bound) < SURE:

@@ -23,6 +23,7 @@ from armour.reporting.tables.design import (
 from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT, energy_table, stage_table
 from armour.reporting.tables.library import entry_table
 from armour.reporting.tables.statistics import elasticity_table, estimate_table
+from armour.scenario.applicability import is_excluded
 from armour.units import MM
 
 
@@ -91,17 +92,20 @@ def _outcome(contents: Contents) -> Card:
 
 
 def _reliability(contents: Contents) -> Card:
-    """Return the probability of defeating the threat, and what it rests on."""
-    sure = contents.confidence
-    note = sure.reason if sure.model_error is None else from_tests(sure.model_error)
-    if contents.uncertainty is None:
-        return Card(DEFEAT.label.capitalize(), chance(sure.probability_of_defeat), note)
-    p = contents.uncertainty.probability_of_perforation
-    given = "the given distributions"
-    if contents.uncertainty.model_error is not None:
-        given = f"{given} and the error of the model"
-    interval = f"95 % interval {100.0 * (1.0 - p.high):.1f} to {100.0 * (1.0 - p.low):.1f} %, from {given}"
-    return Card(DEFEAT.label.capitalize(), chance(1.0 - p.value), f"{interval}; {note}")
+    """Return the probability of defeating the threat, and what it rests on; none without the error of the model.
+
+    If a scenario says not to include that, the probability is that of its distributions.
+    """
+    subject, sure, sampled = DEFEAT.label.capitalize(), contents.confidence, contents.uncertainty
+    if sampled is None or (sampled.model_error is None and not is_excluded(contents.scenario)):
+        note = sure.reason or (from_tests(sure.model_error) if sure.model_error else "")
+        return Card(subject, chance(sure.probability_of_defeat), note)
+    p = sampled.probability_of_perforation
+    given = ", without the error of the model"
+    if sampled.model_error is not None:
+        given = f" and the error of the model; {from_tests(sampled.model_error)}"
+    interval = f"95 % interval {100.0 * (1.0 - p.high):.1f} to {100.0 * (1.0 - p.low):.1f} %"
+    return Card(subject, chance(1.0 - p.value), f"{interval}, from the given distributions{given}")
 
 
 def _extrapolated(contents: Contents) -> list[str]:

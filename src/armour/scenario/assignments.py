@@ -9,9 +9,8 @@ from typing import Any
 
 from armour.errors import InputError, Problem, refuse, suggestion
 from armour.files import parse_toml
-from armour.scenario.library import KINDS
 from armour.scenario.messages import describe, key_name
-from armour.scenario.parameters import NAMES, ROLES
+from armour.scenario.parameters import INPUTS, NAMES
 
 Parts = tuple[str, ...]
 # More parts than any key of a scenario has; deeper tables exhaust the stack.
@@ -110,7 +109,7 @@ def _put_at(data: dict[str, Any], parts: Parts, value: object) -> str:
         there = table.get(part, {})
         if not isinstance(there, dict):
             found = f"must not go below {key_name(parts[:i])}, which is {describe(there)}"
-            return found + _hint(data, parts, i, there)
+            return found + _hint(data, parts, i)
         table[part] = table = dict(there)
     _put(table, parts[-1], value)
     return ""
@@ -126,15 +125,11 @@ def _put(table: dict[str, Any], key: str, value: object) -> None:
         table[key] = deepcopy(value)
 
 
-def _hint(data: Mapping[str, Any], parts: Parts, length: int, there: object) -> str:
+def _hint(data: Mapping[str, Any], parts: Parts, length: int) -> str:
     """Return a hint at the key that is meant by one that goes below the value at its first parts."""
-    [role] = [role for role, key in NAMES.items() if key == key_name(parts[:length])] or [""]
-    if not role or not isinstance(there, str):
-        return suggestion(key_name(parts), [key_name(leaf) for leaf, _ in leaves(data)])
-    entry = ("library", ROLES[role], there)
-    keys = [key_name([*entry, key]) for key in KINDS[ROLES[role]].model_fields]
-    base = "" if any(leaf[:3] == entry for leaf, _ in leaves(data)) else f" It needs based_on = {json.dumps(there)}."
-    return suggestion(key_name([*entry, parts[length]]), keys) + base
+    roles = [role for role, key in NAMES.items() if key == key_name(parts[:length])]
+    known = [key_name(leaf) for leaf, _ in leaves(data)]
+    return suggestion(key_name([*roles, *parts[length:]] if roles else parts), INPUTS if roles else known)
 
 
 def _not_a_key(file: str, key: str) -> Problem:

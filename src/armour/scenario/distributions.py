@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
+from armour.scenario.evidence import ERROR
 from armour.scenario.messages import Section, above
 
 # Wide bounds that keep the arithmetic from overflowing.
@@ -20,8 +21,6 @@ MAX_CORRELATIONS = 153
 # Fewer samples give no confidence interval for the 5 % quantile.
 MIN_SAMPLES = 128
 
-# The error of the ballistic limit by the model, as an input.
-ERROR = "model.limit_error_percent"
 # Standard deviations within which the scenario's own value is near a given mean.
 NEAR = 3.0
 

@@ -55,6 +55,8 @@ class ModelError:
         return stdtr(self.degrees_of_freedom, (self.mean_percent - error) / self.scale_percent)
 
 
+# The error of the model as an input.
+ERROR = "model.limit_error_percent"
 # An error that is not known.
 UNKNOWN = ModelError(nan, nan, nan)
 
@@ -157,7 +159,7 @@ CERAMICS = (
 
 _STEEL_ROD = DataRange(ROD_DENSITY, 7700.0, 8000.0)
 _ROD = DataRange(ROD_DENSITY, 7700.0, 15000.0)
-_CORE, _FRAGMENT = DataRange(SLENDERNESS, 2.0, 10.0), DataRange(SLENDERNESS, 0.9, 1.3)
+_CORE, _FRAGMENT = DataRange(SLENDERNESS, 2.0, 5.0), DataRange(SLENDERNESS, 0.9, 1.3)
 _ALUMINIUM = DataRange(BACKING_DENSITY, 2600.0, 2900.0)
 _STEEL = DataRange(BACKING_DENSITY, 7700.0, 8000.0)
 _FLOW_STRESS = DataRange(ROD_STRENGTH, 2.3, 2.4)

@@ -1,6 +1,6 @@
 """Scenarios: reading, validation and conversion to the core's parameters."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from os import PathLike
 from pathlib import Path
@@ -10,9 +10,9 @@ import tomli_w
 from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
-from armour.errors import InputError, Problem, refuse
-from armour.files import read_toml, write_atomic
-from armour.scenario.assignments import changed
+from armour.errors import InputError, Problem, refuse, suggestion
+from armour.files import located, read_toml, shipped_files, write_atomic
+from armour.scenario.assignments import Parts, changed, leaves, parts_of
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.library import (
     KINDS,
@@ -24,7 +24,8 @@ from armour.scenario.library import (
     shipped_library,
 )
 from armour.scenario.messages import Section, key_name, problems_of
-from armour.scenario.parameters import FIELDS, inputs_of
+from armour.scenario.parameters import FIELDS, ROLES, entry_of, inputs_of, with_inputs
+from armour.scenario.reach import check_not_twice
 from armour.scenario.schema import (
     SHEAR_LAWS,
     ArmourSection,
@@ -96,10 +97,11 @@ class Scenario(Section):
     def replaced(self, changes: Mapping[str, object]) -> "Scenario":
         """Return the scenario with other values by dotted key, such as ``{"impact.velocity_m_s": 900.0}``.
 
-        A table is merged into an existing one.  The scenario is validated again; an InputError lists every mistake.
+        A key may also be an input, such as ``"ceramic.flow_stress_GPa"``.  A table is merged into an existing one.  The
+        scenario is validated again; an InputError lists every mistake.
         """
         data, file, folder = self._source
-        return parse_scenario(changed(data, changes, file), file=file, folder=folder)
+        return parse_changed(data, changes, file=file, folder=folder)
 
     def to_toml(self) -> str:
         """Return the scenario as the text of a TOML file."""
@@ -112,10 +114,11 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
     Parameters
     ----------
     path : path-like
-        Paths of library files in the scenario are relative to the folder of this file.
+        Where there is no such file, a shipped scenario of this name, such as ``"wilkins"``, is read.  Paths of library
+        files in the scenario are relative to the folder of the file.
     changes : mapping of str to object, optional
-        Values by dotted key, such as ``{"impact.velocity_m_s": 900.0}``, in place of the file's; a table is merged
-        into an existing one.
+        Values by dotted key, such as ``{"impact.velocity_m_s": 900.0}``, or by input, such as
+        ``{"ceramic.flow_stress_GPa": 4.5}``, in place of the file's; a table is merged into an existing one.
 
     Returns
     -------
@@ -126,9 +129,14 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
     InputError
         With every mistake in the file and in the library files that it names.
     """
-    path = Path(path)
-    data = changed(read_toml(path), changes or {}, str(path))
-    return parse_scenario(data, file=str(path), folder=path.parent)
+    path = scenario_file(Path(path))
+    return parse_changed(read_toml(path), changes or {}, file=str(path), folder=path.parent)
+
+
+def scenario_file(path: Path, others: Mapping[str, Path] | None = None) -> Path:
+    """Return the file at a path or, where there is none, the shipped scenario, or other file, of that name."""
+    known = {**shipped_files("scenarios", ".toml"), **(others or {})}
+    return located(path, known, "; `armour init --list` lists the shipped scenarios")
 
 
 def save_scenario(scenario: Scenario, path: str | PathLike[str]) -> None:
@@ -178,6 +186,65 @@ def parse_scenario(data: Mapping[str, Any], *, file: str = "scenario", folder: s
     scenario._entries = library
     scenario._source = source
     return scenario
+
+
+def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file: str, folder: Path) -> Scenario:
+    """Make a scenario from plain data with other values by dotted key or input, one mapping after the other.
+
+    Inputs are those of the scenario with all other changes, whatever their order.
+    """
+    inputs: dict[str, Any] = {}
+    others: list[Parts] = []
+    for group in filter(None, changes):
+        by_role = {key: value for key, value in group.items() if _names_a_role(key)}
+        inputs |= {key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}
+        rest = {key: value for key, value in group.items() if key not in by_role}
+        data = _based(changed(data, rest, file), data, rest, file, folder)
+        others += (leaf for key, value in rest.items() for leaf, _ in leaves(value, parts_of(key)))
+    made = parse_scenario(data, file=file, folder=folder)
+    if not inputs:
+        return made
+    check_not_twice(made, inputs, others)
+    try:
+        return with_inputs(made, inputs)
+    except InputError as error:
+        raise InputError([_told_of(made, inputs, problem) for problem in error.problems]) from None
+
+
+def _told_of(scenario: Scenario, inputs: Iterable[str], problem: Problem) -> Problem:
+    """Return a problem in an entry of the scenario as one with the input that sets its key or, if none, another one."""
+    table, _, key = problem.key.rpartition(".")
+    for role in ROLES:
+        entry = entry_of(scenario, role)
+        own = [name for name in inputs if name.startswith(f"{role}.")]
+        if own and entry is not None and table == key_name(["library", entry.kind, entry.name]):
+            return problem._replace(key=f"{role}.{key}" if f"{role}.{key}" in own else own[0])
+    return problem
+
+
+def _names_a_role(key: str) -> bool:
+    """Return whether a key is an input by role, or meant to be."""
+    try:
+        section = parts_of(key)[0]
+    except ValueError:
+        return False
+    return section not in Scenario.model_fields and bool(suggestion(section, list(ROLES)))
+
+
+def _based(
+    data: dict[str, Any], before: Mapping[str, Any], keys: Iterable[str], file: str, folder: Path
+) -> dict[str, Any]:
+    """Return changed data where an entry of which keys set single values, new to the data, is based on its namesake."""
+    bases: dict[str, object] = {}
+    for section, *entry in map(parts_of, keys):
+        if section == "library" and len(entry) > 2:
+            kind, name, *_ = entry
+            is_new = name not in _table(_table(before, "library"), kind)
+            if is_new and "based_on" not in _table(_table(_table(data, "library"), kind), name):
+                library, _, _ = _library_of(_Source(dict(before), file, folder))
+                if any(kind == known and name in entries for known, entries in library.entries.items()):
+                    bases[key_name(["library", kind, name, "based_on"])] = name
+    return changed(data, bases, file)
 
 
 def scenario_schema() -> dict[str, Any]:

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from armour.errors import Problem, choices, refuse, suggestion
-from armour.scenario.assignments import leaves, parts_of
+from armour.scenario.assignments import Parts, leaves, parts_of
 from armour.scenario.library import UNUSED, Kind
 from armour.scenario.messages import key_name
 from armour.scenario.parameters import CERAMIC, INPUTS, NAMES, ROLES, bases_of, inputs_of, name_of
@@ -42,10 +42,17 @@ def check_known(scenario: "Scenario", keys: Iterable[str], file: str) -> None:
 
 
 def check_read(changes: Mapping[str, object], reads: Collection[str]) -> None:
-    """Check that a command reads what options set, but for the library, see `check_used`, and the title."""
+    """Check that a command reads what options set, but for the library, see `check_used`, and the title.
+
+    It reads an input of a role where it reads the name in that role.
+    """
     read = {*ALWAYS, *reads, "title", "library"}
-    keys = [key_name(leaf) for key, value in changes.items() for leaf, _ in leaves(value, parts_of(key))]
-    refuse([Problem("command line", f"--set {key}", NO_EFFECT) for key in keys if read.isdisjoint(upwards(key))])
+    keys = [leaf for key, value in changes.items() for leaf, _ in leaves(value, parts_of(key))]
+    refuse(
+        Problem("command line", f"--set {key_name(key)}", NO_EFFECT)
+        for key in keys
+        if read.isdisjoint(upwards(NAMES.get(key[0]) or key_name(key)))
+    )
 
 
 def read_of(scenario: "Scenario", reads: Collection[str]) -> set[str]:
@@ -72,7 +79,7 @@ def check_reach(
     bare = scenario.armour.ceramic_thickness_mm == 0.0 and CERAMIC not in keys and "optimise" not in reads
     for key in keys:
         section, *rest = parts_of(key)
-        name = key if key in INPUTS else _input_of(scenario, rest) if section == "library" else ""
+        name = key if key in INPUTS else _input_of(scenario, (*rest,)) if section == "library" else ""
         counts = name.split(".")[0] in ROLES or not read.isdisjoint(upwards(key))
         if not counts and not (closed_forms and {*rest} & {*UNUSED}):
             used = ", ".join(f'{role} "{name_of(scenario, role)}"' for role in ROLES if name_of(scenario, role))
@@ -85,12 +92,22 @@ def check_reach(
     refuse(problems)
 
 
-def _input_of(scenario: "Scenario", parts: Sequence[str]) -> str:
+def check_not_twice(scenario: "Scenario", inputs: Iterable[str], keys: Iterable[Parts]) -> None:
+    """Check that none of the keys that change sets the value of an input that changes, too."""
+    givers = {_input_of(scenario, key[1:]): key_name(key) for key in keys if key[0] == "library"}
+    refuse(
+        Problem(scenario.file, name, f"must not be given with {givers[name]}, which sets the same")
+        for name in inputs
+        if name in givers
+    )
+
+
+def _input_of(scenario: "Scenario", parts: Parts) -> str:
     """Return the input that takes its value from a key of the section [library]; "" if none."""
     inputs = inputs_of(scenario)
     for role, kind in ROLES.items():
         name = name_of(scenario, role)
-        if name is None or parts[:1] != [kind] or len(parts) < 3 or f"{role}.{parts[2]}" not in inputs:
+        if name is None or parts[:1] != (kind,) or len(parts) < 3 or f"{role}.{parts[2]}" not in inputs:
             continue
         chain = bases_of(scenario, kind, name)
         own = getattr(scenario.library, kind)

@@ -263,7 +263,7 @@ def _unlike(tests: Tests) -> Iterator[str]:
     for group in tests.groups:
         rows = variants_of(group.scenario, group.columns, len(group.where))
         found.update(dict(outside_limits(rows, velocities=False)))
-    return (f"{limit}; {count} of {len(tests.names)} tests lie outside" for limit, count in found.items())
+    return (f"{limit}; this concerns {count} of {len(tests.names)} tests" for limit, count in found.items())
 
 
 def _bad_fit(done: Fit) -> tuple[str, ...]:

@@ -38,6 +38,8 @@ SCATTERS, SCATTER_TOLERANCE = (1e-6, 1.0), 1e-3
 MIN_P_VALUE = 0.05
 # Fewer degrees of freedom give no p value.
 MIN_FREEDOM = 0.5
+# Decimals of these that rounding errors do not reach.
+FREEDOM_DIGITS = 9
 # First step and accuracy of the ends of an interval, in standard errors.
 FIRST_STEP, END_TOLERANCE = 1.8, 1e-3
 
@@ -271,6 +273,7 @@ def _judged(likelihood: Likelihood, best: Point, starts: int, agreeing: int) -> 
     else:
         # Less what the measured values, and not the outcomes, determine of the inputs.
         freedom = float(exact.sum() - count + (rows * inverse.T)[~exact].sum())
+        freedom = round(freedom, FREEDOM_DIGITS) + 0.0  # outcomes alone leave none, but for rounding
         p_value = float(chi2.sf(chi_squared, freedom)) if freedom > MIN_FREEDOM else None
         threshold = float(norm.ppf(tail)) ** 2
         if p_value is not None and p_value < MIN_P_VALUE:

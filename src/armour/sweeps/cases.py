@@ -4,11 +4,12 @@ import csv
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from hashlib import sha256
 from itertools import islice
 from math import prod
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from armour.errors import InputError, Problem
 from armour.files import check_unreserved, reason
 from armour.scenario.assignments import parts_of
 from armour.scenario.messages import key_name
+from armour.scenario.parameters import NAMES
 from armour.scenario.schema import MAX_VALUES, Range
 from armour.statistics.csv_table import finite_number
 
@@ -25,6 +27,8 @@ from armour.statistics.csv_table import finite_number
 MAX_ROWS = 10**12
 # Longer than any line of numbers.
 MAX_LINE_BYTES = 100_000
+# Longer than any name of a projectile or material.
+MAX_NAME = 200
 # Lines of a file that are read at a time where nothing else is asked for.
 BLOCK = 10_000
 
@@ -37,6 +41,7 @@ class Axis:
 
     key: str
     values: tuple[float, ...]
+    omitted: float | None = None  # end of a range that is no whole number of steps from its start
 
 
 @dataclass(frozen=True)
@@ -88,7 +93,7 @@ class Grid:
 
 
 class Cases:
-    """Rows of a CSV file of numbers whose header names keys of the scenario.
+    """Rows of a CSV file whose header names keys of the scenario: numbers, and names of projectiles and materials.
 
     The file is read from its start for each pass; a pass that does not find what the first one found raises an error.
     """
@@ -98,18 +103,13 @@ class Cases:
         self.keys: tuple[str, ...] = ()
         self.count = 0
         self.digest = ""
-        for keys, columns in self._blocks(BLOCK):
-            self.keys = keys
-            self.count += len(columns)
+        for columns in self.chunks(BLOCK):
+            self.keys = tuple(columns)
+            self.count += len(columns[self.keys[0]])
         if not self.count:
-            raise self._error("", "must have a header of keys and at least one row of numbers")
+            raise self._error("", "must have a header of keys and at least one row")
 
-    def chunks(self, size: int) -> Iterator[dict[str, Floats]]:
-        """Yield the rows as columns by key, ``size`` rows at a time."""
-        for keys, columns in self._blocks(size):
-            yield dict(zip(keys, columns.T, strict=True))
-
-    def sample(self, size: int) -> dict[str, Floats]:
+    def sample(self, size: int) -> dict[str, Any]:
         """Return some rows as columns by key."""
         return next(self.chunks(size))
 
@@ -118,8 +118,8 @@ class Cases:
         number, _ = next(islice(self._lines(len), start + row + 1, None))
         return Problem(str(self.path), f"line {number}", f"{problem.key}: {problem.message}")
 
-    def _blocks(self, size: int) -> Iterator[tuple[tuple[str, ...], Floats]]:
-        """Yield keys and rows of the file, (n, keys), and notice at its end if it is another than before."""
+    def chunks(self, size: int) -> Iterator[dict[str, Any]]:
+        """Yield the rows as columns by key, ``size`` rows at a time; notice at the end if the file has changed."""
         found = sha256()
         count = 0
         lines = self._lines(found.update)
@@ -130,7 +130,7 @@ class Cases:
                 raise self._error("", "must not change during the sweep, found another header")
             while block := list(islice(lines, size)):
                 count += len(block)
-                yield keys, self._numbers(block, keys)
+                yield self._columns(block, keys)
         if self.digest and (self.digest, self.count) != (found.hexdigest(), count):
             raise self._error("", f"must not change during the sweep: it had {self.count:,} rows, and has {count:,}")
         self.digest = found.hexdigest()
@@ -171,25 +171,34 @@ class Cases:
             raise self._error(f"line {number}: {twice[0]}", "must be the name of one column, found several")
         return keys
 
-    def _numbers(self, block: Sequence[tuple[int, str]], keys: Sequence[str]) -> Floats:
-        """Return the numbers in lines, (n, keys)."""
+    def _columns(self, block: Sequence[tuple[int, str]], keys: Sequence[str]) -> dict[str, Any]:
+        """Return the numbers and names in lines as columns by key, (n,)."""
+        lines = [line for _, line in block]
+        numeric = [i for i, key in enumerate(keys) if key not in NAMES.values()]
         try:
-            numbers = np.loadtxt([line for _, line in block], delimiter=",", quotechar='"', comments=None, ndmin=2)
-            if numbers.shape == (len(block), len(keys)) and np.isfinite(numbers).all():
-                return numbers
+            names = {} if len(numeric) == len(keys) else _names(lines, keys)
+            # Without names all columns are read, so that a line with more of them is noticed.
+            read = partial(np.loadtxt, delimiter=",", quotechar='"', comments=None, ndmin=2)
+            numbers = read(lines, usecols=numeric if names else None) if numeric else np.empty((len(lines), 0))
+            if numbers.shape == (len(lines), len(numeric)) and np.isfinite(numbers).all():
+                found = names | {keys[i]: column for i, column in zip(numeric, numbers.T, strict=True)}
+                return {key: found[key] for key in keys}
         except ValueError:
             pass
         raise self._wrong_line(block, keys)
 
     def _wrong_line(self, block: Sequence[tuple[int, str]], keys: Sequence[str]) -> InputError:
-        """Return the error of the first line that does not hold a number for each key."""
+        """Return the error of the first line that does not hold a number or a name for each key."""
         for number, line in block:
             cells = _cells(line)
             if len(cells) != len(keys):
                 message = f"must have {len(keys)} cells as the header has, found {len(cells)}"
                 return self._error(f"line {number}", message)
             for key, cell in zip(keys, cells, strict=True):
-                if finite_number(cell) is None or "_" in cell or not cell.isascii():
+                if key in NAMES.values():
+                    if not _is_name(cell):
+                        return self._error(f"line {number}: {key}", f'must be a name, found "{cell[:40]}"')
+                elif finite_number(cell) is None or "_" in cell or not cell.isascii():
                     return self._error(f"line {number}: {key}", f'must be a number, found "{cell[:40]}"')
         return self._error(f"line {block[0][0]}", "must be a table of numbers from here")
 
@@ -202,20 +211,38 @@ def _cells(line: str) -> list[str]:
     return next(csv.reader([line]))
 
 
+def _is_name(cell: str) -> bool:
+    return 0 < len(cell.strip()) <= MAX_NAME
+
+
+def _names(lines: Sequence[str], keys: Sequence[str]) -> dict[str, Any]:
+    """Return the names in lines as columns by key, (n,); raise a ValueError if a line does not have them."""
+    rows = [_cells(line) for line in lines]
+    found = {key: [row[i].strip() for row in rows if len(row) == len(keys)] for i, key in enumerate(keys)}
+    names = {key: cells for key, cells in found.items() if key in NAMES.values()}
+    if not all(len(cells) == len(lines) and all(map(_is_name, cells)) for cells in names.values()):
+        raise ValueError
+    return {key: np.array(cells) for key, cells in names.items()}
+
+
 def axis_of(text: str) -> Axis:
     """Parse an axis from ``KEY=MIN:MAX:STEP`` or ``KEY=VALUE,VALUE,...``."""
     key, _, values = text.rpartition("=")
+    omitted = None
     try:
         key = key_name(parts_of(key))
         if "_" in values or not values.isascii():
             raise ValueError
         if ":" in values:
             low, high, step = (float(part) for part in values.split(":"))
-            found = Range.model_validate({"min": low, "max": high, "step": step}).values()
+            # A range is one of thicknesses, which a value of another key may lie below.
+            above_low = Range.model_validate({"min": 0.0, "max": high - low, "step": step}).values()
+            found = tuple(round(low + value, 9) for value in above_low)
+            omitted = high if high - found[-1] > 1e-3 * step else None
         else:
             found = tuple(float(part) for part in values.split(","))
         if len(found) <= MAX_VALUES:
-            return Axis(key, found)
+            return Axis(key, found, omitted)
     except ValueError:
         pass
     message = f'must be KEY=MIN:MAX:STEP or KEY=VALUE,VALUE,... of at most {MAX_VALUES} numbers, found "{text}"'

@@ -51,13 +51,14 @@ class Store:
 
     def __init__(self, output: Path, job: Job) -> None:
         self.output, self.folder = output, output.with_name(output.name + ".parts")
+        refuse(wrong_ending(output, (".csv", ".parquet")))
         self.is_csv = is_csv(output)
         self.job = {**job, "format": "CSV" if self.is_csv else "Parquet"}
         self.size: int | None = None
         self.finished: int | None = None
 
     def __enter__(self) -> "Store":
-        refuse(wrong_ending(self.output, (".csv", ".parquet")) or unwritable(self.output))
+        refuse(unwritable(self.output))
         with self._disk():
             lock = locked(self.folder)
             if lock is None:

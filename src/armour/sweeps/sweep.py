@@ -100,7 +100,7 @@ def sweep(
                 with suppress(DamagedError):
                     rows = store.finish(count, source.count)
                     for limit, number in outside.items():
-                        tell(f"warning: {limit}; {number:,} of {computed:,} rows lie outside")
+                        tell(f"warning: {limit}; this concerns {number:,} of {computed:,} rows")
                     return rows
                 on_chunk = ignore_progress  # each was, in the first pass
         except KeyboardInterrupt:
@@ -120,7 +120,7 @@ def _check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) 
         problems.append(Problem("sweep", "--over", "must not name a key twice"))
     refuse(problems)
     first = next(source.chunks(1))
-    check_keys(scenario, {key: float(values[0]) for key, values in first.items()}, quantities, "sweep")
+    check_keys(scenario, {key: values[0].item() for key, values in first.items()}, quantities, "sweep")
 
 
 def _check_rows(scenario: Scenario, source: Grid | Cases) -> None:

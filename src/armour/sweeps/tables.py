@@ -1,47 +1,84 @@
 """Tables of sweeps as CSV and Parquet: in pieces, joined, counted and read."""
 
+import csv
 from collections.abc import Iterable, Mapping
-from io import BytesIO
+from io import BytesIO, StringIO
 from itertools import chain
 from pathlib import Path
 from typing import Any, BinaryIO
 
-import pyarrow as pa
-from pyarrow import csv, parquet
+import numpy as np
+
+from armour.errors import InputError, Problem
 
 # Rows of a row group of Parquet, whatever the size of a piece.
 ROW_GROUP = 100_000
 
 
 def is_csv(path: Path) -> bool:
-    """Return whether a table is CSV; otherwise it is Parquet."""
-    return path.suffix.lower() == ".csv"
+    """Return whether a table is CSV; otherwise it is Parquet, which needs pyarrow."""
+    if path.suffix.lower() == ".csv":
+        return True
+    try:
+        import pyarrow.parquet  # noqa: F401
+    except ImportError:
+        message = "needs pyarrow; pip install 'armour[parquet]', or write .csv"
+        raise InputError([Problem("sweep", str(path), message)]) from None
+    return False
 
 
 def encoded(columns: Mapping[str, Any], *, as_csv: bool, header: bool = False) -> bytes:
     """Return columns as CSV, with or without header, where NaN is an empty field, or as Parquet."""
-    table = pa.table({name: pa.array(values, from_pandas=as_csv) for name, values in columns.items()})
-    content = BytesIO()
     if as_csv:
-        csv.write_csv(table, content, csv.WriteOptions(include_header=header, quoting_style="needed"))
-    else:
-        parquet.write_table(table, content)
+        text = StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        if header:
+            writer.writerow(columns)
+        writer.writerows(zip(*map(_cells, columns.values()), strict=True))
+        return text.getvalue().encode()
+    # Imported here because it is not installed with the program by default.
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    content = BytesIO()
+    parquet.write_table(pa.table({name: pa.array(values) for name, values in columns.items()}), content)
     return content.getvalue()
+
+
+def _cells(values: Any) -> list[Any]:
+    """Return the values of a column as cells of CSV: None, which gives an empty field, for NaN."""
+    column = np.asarray(values)
+    cells: list[Any] = column.tolist()
+    if column.dtype.kind == "f" and np.isnan(column).any():
+        return [None if cell != cell else cell for cell in cells]
+    return cells
 
 
 def read_table(path: Path) -> dict[str, Any]:
     """Read the columns of a table as arrays; empty fields are NaN."""
-    table = csv.read_csv(path) if is_csv(path) else parquet.read_table(path)
-    columns = {name: table.column(name) for name in table.column_names}
-    return {
-        name: (column.cast(pa.float64()) if pa.types.is_null(column.type) else column).to_numpy()
-        for name, column in columns.items()
-    }
+    if not is_csv(path):
+        from pyarrow import parquet
+
+        table = parquet.read_table(path)
+        return {name: table.column(name).to_numpy() for name in table.column_names}
+    with path.open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    return {name: _column(cells) for name, cells in zip(header, zip(*rows, strict=True), strict=True)}
+
+
+def _column(cells: Iterable[str]) -> Any:
+    """Return cells of CSV as an array of numbers or, where one is a text, of texts."""
+    try:
+        return np.array([float(cell) if cell else np.nan for cell in cells])
+    except ValueError:
+        return np.array(cells)
 
 
 def count_rows(path: Path, *, as_csv: bool) -> int:
     """Count the rows of a table."""
     if not as_csv:
+        from pyarrow import parquet
+
         return int(parquet.read_metadata(path).num_rows)
     with path.open("rb") as file:
         return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 20), b"")) - 1
@@ -57,6 +94,9 @@ def join(file: BinaryIO, pieces: Iterable[bytes], *, as_csv: bool) -> None:
 
 
 def _join_parquet(file: BinaryIO, pieces: Iterable[bytes]) -> None:
+    import pyarrow as pa
+    from pyarrow import parquet
+
     tables = (parquet.read_table(BytesIO(piece)) for piece in pieces)
     first = next(tables)
     kept = first.slice(0, 0)

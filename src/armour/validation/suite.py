@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache, partial, reduce
+from functools import cache
 from itertools import compress
 from os import PathLike
 from pathlib import Path
@@ -12,8 +12,8 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from armour.errors import MAX_PROBLEMS, InputError, Problem, refuse, suggestion
 from armour.files import read_toml
-from armour.scenario.assignments import canonical, changed, leaves, parts_of
-from armour.scenario.loading import Scenario, parse_scenario
+from armour.scenario.assignments import canonical, leaves, parts_of
+from armour.scenario.loading import Scenario, parse_changed
 from armour.scenario.messages import Section, SectionT, describe, key_name, validated
 from armour.scenario.reach import check_reach, check_read, check_used
 from armour.statistics.test_data import MEASURED
@@ -449,8 +449,7 @@ def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) 
 
 def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenario:
     """Return the scenario of a file with changes, one after the other."""
-    data = reduce(partial(changed, file=str(file)), filter(None, changes), read(file))
-    return parse_scenario(data, file=str(file), folder=file.parent)
+    return parse_changed(read(file), *changes, file=str(file), folder=file.parent)
 
 
 def _in_words(key: str, value: float) -> str:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 DEFEAT = Column("probability of defeating the threat", prose=True)
 
-NO_ERROR = "the error of the model is not known for such an armour, nor is the probability of defeating the threat"
+NO_ERROR = "the error of the model is not known for such an armour, or not included"
 
 
 def chance(probability: float | None) -> str:
@@ -22,8 +22,10 @@ def chance(probability: float | None) -> str:
     return "above 99.5 %" if probability > 0.995 else f"{100.0 * probability:.0f} %"
 
 
-def error_note(error: "ModelError") -> str:
+def error_note(error: "ModelError | None") -> str:
     """Return what the error of the model is and rests on, in a sentence."""
+    if error is None:
+        return NO_ERROR
     return "; ".join([from_tests(error), *extrapolation(error)])
 
 

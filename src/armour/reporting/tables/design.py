@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from armour.reporting.table import Column, Source, Table, column_of, listing, record
-from armour.reporting.tables.confidence import DEFEAT, NO_ERROR, chance, error_note
+from armour.reporting.tables.confidence import DEFEAT, chance, error_note
 from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT
 from armour.reporting.text import interval, number
 
@@ -168,10 +168,9 @@ def design_tables(result: "DesignResult", required: Mapping[str, float]) -> list
 
 def confidence_notes(best: "BestDesign") -> list[str]:
     """Return what the probability of defeating the threat rests on, and how to ask for more."""
-    if best.model_error is None:
-        return [NO_ERROR]
-    notes = [error_note(best.model_error)]
+    error, notes = best.model_error, [error_note(best.model_error)]
     least = min((p for p in best.probabilities_of_defeat.values() if p is not None), default=1.0)
-    if least < LOW:
-        notes.append(f"a design without a margin is as likely perforated as not; {ASK}")
+    if error is not None and least < LOW:
+        perforated = chance(1.0 - error.probability_of_defeat(1.0, 1.0))
+        notes.append(f"a design without a margin is perforated with a probability of {perforated}; {ASK}")
     return notes

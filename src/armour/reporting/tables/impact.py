@@ -125,12 +125,12 @@ def limit_tables(result: "LimitResult") -> list[Table | str]:
     """Return all tables of a ballistic limit, and what was looked at; the changes of the outcome only where several."""
     low, high = result.scanned_range_m_s
     scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
-    error = [] if result.model_error is None else [error_note(result.model_error)]
+    error = error_note(result.model_error)
     if result.monotonic:
-        return [limit_table(result), f"{scanned}; all above the ballistic limit perforate", *error]
+        return [limit_table(result), f"{scanned}; all above the ballistic limit perforate", error]
     return [
         limit_table(result),
         f"{scanned}; the outcome changes {len(result.crossings)} times",
         crossing_table(result),
-        *error,
+        error,
     ]

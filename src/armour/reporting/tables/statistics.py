@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from armour.reporting.table import Cell, Column, Source, Table, column_of, listing, record
+from armour.reporting.tables.confidence import error_note
 from armour.reporting.text import interval, percent
 from armour.units import words_and_unit
 
@@ -305,6 +306,7 @@ def index_table(result: "UncertaintyResult") -> Table:
 def uncertainty_tables(result: "UncertaintyResult") -> list[Table | str]:
     """Return all tables of a propagated uncertainty."""
     found: list[Table | str] = [uncertainty_table(result), estimate_table(result), index_table(result)]
+    found.append(error_note(result.model_error))
     if any(index.first and not index.total for index in result.inputs):
         found.append(
             "inputs are correlated: a first-order index includes what an input shares with those that it is correlated "
