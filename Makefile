@@ -35,6 +35,8 @@ format: $(VENV)/developing
 docs: $(VENV)/installed
 	$(BIN)/armour validate --markdown docs/validation.md
 	$(BIN)/armour validate plates --markdown docs/plates.md
+	$(BIN)/python docs/api.py docs/api.md
+	$(BIN)/python docs/notebook.py docs/study.ipynb
 	$(BIN)/armour figures docs/figures
 	rm docs/figures/*.csv
 	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine --plot docs/images/optimum.png

@@ -4,12 +4,14 @@ import ast
 import pkgutil
 import subprocess
 import sys
+import tomllib
 import types
 from pathlib import Path
 
 import pytest
 
 import armour
+from tests.helpers.cases import SCENARIOS
 
 STUB = Path(armour.__file__).with_suffix(".pyi")
 
@@ -60,3 +62,33 @@ def test_importing_armour_is_light():
     code = "import sys, armour; print([name for name in ('numpy', 'scipy', 'pydantic') if name in sys.modules])"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout == "[]\n"
+
+
+def test_a_notebook_shows_a_result_as_its_tables():
+    found = armour.confidence(armour.load_scenario(SCENARIOS / "wilkins.toml"))
+    assert "<table" in (found._repr_html_() or "")
+
+
+@pytest.mark.parametrize("kind", [str, Path])
+def test_a_path_is_a_text_or_a_path(kind: type, tmp_path: Path):
+    scenario = armour.load_scenario(kind(SCENARIOS / "wilkins.toml"))
+    armour.save_scenario(scenario, kind(tmp_path / "saved.toml"))
+    assert armour.parse_scenario(tomllib.loads(scenario.to_toml()), folder=kind(tmp_path)).title == scenario.title
+    (tmp_path / "library.toml").write_text("")
+    armour.read_library(kind(tmp_path / "library.toml"), armour.shipped_library())
+    assert armour.read_tests(kind(SCENARIOS / "tests" / "wilkins.csv"), scenario).names
+    assert armour.read_shots(kind(SCENARIOS / "tests" / "shots.csv")).velocities_m_s
+    assert armour.load_suite(kind(Path(__file__).parent / "validation" / "regression.toml")).cases
+    assert armour.sweep(scenario, kind(_cases(tmp_path)), "areal_density_kg_m2", kind(tmp_path / "out.csv")).rows == 1
+
+
+def _cases(folder: Path) -> Path:
+    path = folder / "cases.csv"
+    path.write_text("armour.backing_thickness_mm\n7\n")
+    return path
+
+
+def test_the_names_of_modules_are_not_those_of_functions():
+    code = "import armour.sweeps.sweep, armour.reporting.report; from armour import sweep, report; print(sweep, report)"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.count("<function") == 2

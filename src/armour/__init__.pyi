@@ -20,6 +20,8 @@ from .errors import NoAnswerError as NoAnswerError
 from .errors import NoDesignError as NoDesignError
 from .errors import NoLimitError as NoLimitError
 from .errors import Problem as Problem
+from .reporting.figures import plot as plot
+from .reporting.report_file import report as report
 from .scenario.evidence import ModelError as ModelError
 from .scenario.library import Library as Library
 from .scenario.library import LibraryEntry as LibraryEntry
@@ -41,6 +43,8 @@ from .statistics.v50 import FiringResult as FiringResult
 from .statistics.v50 import Shots as Shots
 from .statistics.v50 import read_shots as read_shots
 from .statistics.v50 import v50 as v50
+from .sweeps.columns import SweepResult as SweepResult
+from .sweeps.columns import sweep as sweep
 from .validation.comparison import Comparison as Comparison
 from .validation.comparison import compare as compare
 from .validation.suite import Case as Case

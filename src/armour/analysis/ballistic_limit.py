@@ -32,7 +32,7 @@ class Crossing:
     above: Literal["perforated", "defeated"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LimitResult(Result):
     """Ballistic limit of an armour.
 
@@ -73,6 +73,9 @@ class LimitResult(Result):
     warnings: tuple[str, ...]
     model_error: ModelError | None = None
     interval_m_s: tuple[float, float] | None = None
+
+    def _words(self) -> str:
+        return f"{self.ballistic_limit_m_s:.2f} m/s{'' if self.monotonic else ', not monotonic'}"
 
 
 def ballistic_limit(scenario: Scenario) -> LimitResult:

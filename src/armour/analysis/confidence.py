@@ -13,7 +13,7 @@ NO_TEST = "the model was compared with no test of such an armour"
 EXCLUDED = "uncertainty.model says not to include the error of the model"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ConfidenceResult(Result):
     """Probability that an armour defeats its threat.
 
@@ -36,6 +36,11 @@ class ConfidenceResult(Result):
     model_error: ModelError | None
     reason: str = ""
     warnings: tuple[str, ...] = ()
+
+    def _words(self) -> str:
+        if self.probability_of_defeat is None:
+            return "probability of defeat not known"
+        return f"probability of defeat {self.probability_of_defeat:.3f}"
 
 
 def confidence(scenario: Scenario) -> ConfidenceResult:

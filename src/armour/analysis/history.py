@@ -2,18 +2,20 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from armour.analysis.results import TableResult
 from armour.core import stages
 from armour.core.run import Instant
 from armour.core.state import Parameters
 from armour.units import KN, MM, US
 
 
-@dataclass(frozen=True)
-class History:
+@dataclass(frozen=True, repr=False)
+class History(TableResult):
     """Quantities of an impact over time, one array each, all of the same length.
 
     A change of stage gives two entries at the same time, one before and one after the change.
@@ -52,6 +54,12 @@ class History:
     interface_force_kN: NDArray[np.float64]
     shear_force_kN: NDArray[np.float64]
     stage: NDArray[np.str_]
+
+    def _words(self) -> str:
+        return f"{len(self.time_us)} instants from 0 to {self.time_us[-1]:.2f} µs"
+
+    def _columns(self) -> dict[str, Any]:
+        return vars(self)
 
 
 def history_of(trace: Sequence[Instant], armour: Parameters) -> History:

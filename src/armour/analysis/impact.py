@@ -47,7 +47,7 @@ class StageRecord:
     energy_lost_J: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ImpactResult(Result):
     """Result of an impact.
 
@@ -100,6 +100,10 @@ class ImpactResult(Result):
         data = super().to_dict()
         del data["history"]
         return data
+
+    def _words(self) -> str:
+        residual = f", residual velocity {self.residual_velocity_m_s:.1f} m/s" if self.residual_velocity_m_s else ""
+        return f"{self.outcome} at {self.impact_velocity_m_s:g} m/s{residual}"
 
 
 def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:

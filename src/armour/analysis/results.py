@@ -1,13 +1,63 @@
-"""Base class of results."""
+"""Base classes of results: as plain data, in a line, as tables in a notebook and as data frames."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from importlib import import_module
+from typing import Any, ClassVar
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """Result of a computation."""
+
+    # Makes the tables of a result as HTML.  They belong to a layer above; `armour/__init__.py` sets this.
+    _in_html: ClassVar[Callable[["Result"], str] | None] = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data."""
         return asdict(self)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self._words()}>"
+
+    def _words(self) -> str:
+        """Return the result in a line."""
+        raise NotImplementedError
+
+    def _repr_html_(self) -> str | None:
+        """Return the tables that the command prints, for a notebook; None, for the line alone, without them."""
+        return None if Result._in_html is None else Result._in_html(self)
+
+
+@dataclass(frozen=True, repr=False)
+class TableResult(Result):
+    """Result with rows."""
+
+    def to_dataframe(self) -> Any:
+        """Return the rows as a data frame of pandas, or else of polars.
+
+        They are the instants of a history, the residuals of a calibration, the inputs of a sensitivity, the points of
+        the curve of an uncertainty, the checks of a suite or the rows of a sweep.
+        """
+        return data_frame(self._columns())
+
+    def _columns(self) -> Mapping[str, Any]:
+        """Return the rows as columns."""
+        raise NotImplementedError
+
+
+def data_frame(columns: Mapping[str, Any]) -> Any:
+    """Return columns as a data frame of pandas, or else of polars."""
+    for name in ("pandas", "polars"):
+        try:
+            return import_module(name).DataFrame(dict(columns))
+        except ModuleNotFoundError as error:
+            if error.name != name:
+                raise
+    raise ModuleNotFoundError("a data frame needs pandas or polars; install one of them")
+
+
+def by_column(rows: Any) -> dict[str, list[Any]]:
+    """Return rows, mappings with the same keys, as columns."""
+    rows = list(rows)
+    return {key: [row[key] for row in rows] for key in (rows[0] if rows else ())}

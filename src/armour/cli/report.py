@@ -43,11 +43,12 @@ def report(
 
     One self-contained file with the answer, its uncertainty, charts (in HTML) and the sources of all values.
     """
+    from armour.reporting.report_file import ENDINGS, report_text
     from armour.scenario.loading import scenario_file
     from armour.validation.validate import SUITES, suite_file
 
     check_outputs(output)
-    refuse(wrong_ending(output, (".html", ".md")))
+    refuse(wrong_ending(output, ENDINGS))
     options = ["--as-is"] * as_is + [word for change in changes or () for word in ("--set", change)]
     command = shlex.join(["armour", "report", str(source), "--output", str(output), *options])
     if str(source) != "-":
@@ -59,14 +60,7 @@ def report(
         made = _suite_report(source, changes or [], command)
     else:
         made = _scenario_report(source, changes or [], command, as_is=as_is)
-    if output.suffix.lower() == ".md":
-        from armour.reporting.markdown import markdown_report
-
-        write({output: markdown_report(made)})
-    else:
-        from armour.reporting.html import html_report
-
-        write({output: html_report(made)})
+    write({output: report_text(made, output)})
 
 
 def _scenario_report(source: Path, changes: list[str], command: str, *, as_is: bool) -> "Report":

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from itertools import chain
 from math import inf, isnan
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from armour.analysis.results import Result
+from armour.analysis.results import Result, by_column, data_frame
 from armour.analysis.variants import Ints, OnProgress, grid_of, ignore_progress
 from armour.design.candidates import candidates_of
 from armour.design.catalogue import MARGIN, Catalogue, catalogue_of
@@ -105,7 +105,7 @@ class Pair:
     reason: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class DesignResult(Result):
     """Result of a design optimisation.
 
@@ -162,6 +162,16 @@ class DesignResult(Result):
         if self.refined is None:
             del data["refined"]
         return data
+
+    def to_dataframe(self, designs: Literal["frontier", "pareto"] = "frontier") -> Any:
+        """Return the frontier, or the Pareto front, as a data frame of pandas, or else of polars."""
+        return data_frame(by_column(vars(design) for design in getattr(self, designs)))
+
+    def _words(self) -> str:
+        best = self.best
+        ceramic = f"{best.ceramic_thickness_mm:g} mm {best.ceramic} on " if best.ceramic else ""
+        armour = f"{ceramic}{best.backing_thickness_mm:g} mm {best.backing}"
+        return f"{armour}, {best.areal_density_kg_m2:.2f} kg/m², against {' and '.join(self.threats)}"
 
 
 def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgress = ignore_progress) -> DesignResult:

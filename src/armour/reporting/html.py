@@ -1,5 +1,6 @@
 """Reports as one self-contained HTML file, without scripts."""
 
+from collections.abc import Iterable
 from itertools import product
 from operator import mul
 from pathlib import Path
@@ -11,6 +12,7 @@ from markupsafe import Markup
 from armour.reporting.chart import Chart
 from armour.reporting.inline_svg import inline_svg
 from armour.reporting.report import Report
+from armour.reporting.table import Table
 from armour.reporting.text import printable_lines, unbroken
 
 # Heights of a heading and of a character of a note, in the points of a chart.
@@ -19,6 +21,16 @@ HEADING_POINTS, NOTE_POINTS = 40.0, 0.2
 
 def html_report(report: Report) -> str:
     """Format a report as HTML."""
+    drawn = [_drawn(chart, number) for number, chart in enumerate(report.charts, start=1) if chart.panels]
+    return _rendered("report.html", report=report, columns=_columns(drawn))
+
+
+def html_tables(tables: Iterable[Table | str]) -> str:
+    """Format tables and notes as HTML, which is a part of a page."""
+    return _rendered("notebook.html", tables=list(tables))
+
+
+def _rendered(template: str, **context: Any) -> str:
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
         autoescape=True,
@@ -29,8 +41,7 @@ def html_report(report: Report) -> str:
         lstrip_blocks=True,
     )
     environment.filters |= {"zip": zip, "printable": printable_lines}
-    drawn = [_drawn(chart, number) for number, chart in enumerate(report.charts, start=1) if chart.panels]
-    return environment.get_template("report.html").render(report=report, columns=_columns(drawn)) + "\n"
+    return environment.get_template(template).render(context) + "\n"
 
 
 def _drawn(chart: Chart, number: int) -> dict[str, Any]:

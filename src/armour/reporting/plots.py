@@ -66,6 +66,15 @@ CHARACTER, CATEGORY_CHARACTERS = 0.56, 22
 SIDE_INCHES = 0.8
 # Weight of the distance between labels of contours, which are longer than lines are wide; points of a contour compared.
 LABEL_WEIGHT, CONTOUR_POINTS = 0.4, 200
+# Resolution in notebooks, points per inch.
+NOTEBOOK_DPI = 100
+
+
+class NotebookFigure(Figure):
+    """A figure that a notebook shows."""
+
+    def _repr_png_(self) -> bytes:
+        return saved(self, ".png", dpi=NOTEBOOK_DPI)
 
 
 def draw(chart: Chart, width: float | None = None) -> Figure:
@@ -79,7 +88,7 @@ def draw(chart: Chart, width: float | None = None) -> Figure:
     heights = [_height(panel, width) for panel in chart.panels]
     texts = title.count("\n") + note.count("\n") + 2 * bool(title) + bool(note) + -(-len(labels) // columns)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(width, sum(heights) + LINE_INCHES * texts))
+        figure = NotebookFigure(figsize=(width, sum(heights) + LINE_INCHES * texts))
         panels = figure.subplots(len(chart.panels), 1, squeeze=False, height_ratios=heights)[:, 0].tolist()
         for index, (axes, panel) in enumerate(zip(panels, chart.panels, strict=True)):
             if panel.shares_x:

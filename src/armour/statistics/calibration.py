@@ -3,13 +3,13 @@
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 
 from armour.analysis.estimates import CONFIDENCE
-from armour.analysis.results import Result
+from armour.analysis.results import TableResult, by_column
 from armour.analysis.variants import Floats, OnProgress, ignore_progress, outside_limits, variants_of
 from armour.errors import InputError, Problem, choices
 from armour.scenario.loading import Scenario
@@ -59,8 +59,8 @@ class LawFit:
     aicc: float | None
 
 
-@dataclass(frozen=True)
-class CalibrationResult(Result):
+@dataclass(frozen=True, repr=False)
+class CalibrationResult(TableResult):
     """Inputs fitted to tests.
 
     Attributes
@@ -117,6 +117,16 @@ class CalibrationResult(Result):
     aicc: float | None = None
     laws: tuple[LawFit, ...] = ()
     warnings: tuple[str, ...] = ()
+
+    def _words(self) -> str:
+        fitted = (
+            f"{c.name} {'not identified' if c.estimate is None else f'{c.estimate:.4g}'}" for c in self.coefficients
+        )
+        error = "" if self.mean_error_percent is None else f", mean error {self.mean_error_percent:.2f} %"
+        return f"{', '.join(fitted)}{error}"
+
+    def _columns(self) -> dict[str, Any]:
+        return by_column(asdict(residual) for residual in self.residuals)
 
 
 @dataclass(frozen=True)

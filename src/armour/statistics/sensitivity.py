@@ -3,11 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isnan, log
+from typing import Any
 
 import numpy as np
 
 from armour.analysis.answers import Answers
-from armour.analysis.results import Result
+from armour.analysis.results import TableResult, by_column
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import (
     Floats,
@@ -43,8 +44,8 @@ class Elasticity:
     elasticities: Mapping[str, float | None]  # None where the answer does not depend on the input or has no value
 
 
-@dataclass(frozen=True)
-class SensitivityResult(Result):
+@dataclass(frozen=True, repr=False)
+class SensitivityResult(TableResult):
     """Elasticities of a scenario's answers.
 
     Attributes
@@ -61,6 +62,12 @@ class SensitivityResult(Result):
     answers: Mapping[str, float | None]
     inputs: tuple[Elasticity, ...]
     warnings: tuple[str, ...] = ()
+
+    def _words(self) -> str:
+        return f"{len(self.inputs)} inputs, of which {self.inputs[0].input} changes the ballistic limit most"
+
+    def _columns(self) -> dict[str, Any]:
+        return by_column({"input": item.input, "value": item.value, **item.elasticities} for item in self.inputs)
 
 
 def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> SensitivityResult:

@@ -74,6 +74,10 @@ def read_tests(path: str | PathLike[str], scenario: Scenario, notes: Sequence[st
     notes : sequence of str, optional
         Further columns, which are kept as text.
 
+    Returns
+    -------
+    Tests
+
     Raises
     ------
     InputError

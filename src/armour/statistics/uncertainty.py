@@ -1,13 +1,14 @@
 """Propagation of input uncertainty to the outcome and the ballistic limit."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import log2
+from typing import Any
 
 import numpy as np
 
 from armour.analysis.estimates import CONFIDENCE, Estimate, mean_of_replicates, proportion_of_replicates
-from armour.analysis.results import Result
+from armour.analysis.results import TableResult
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.uncertain_inputs import Samples, own_values, sampled, section_of
 from armour.analysis.variants import (
@@ -61,8 +62,8 @@ class ProbabilityCurve:
     high: tuple[float, ...]
 
 
-@dataclass(frozen=True)
-class UncertaintyResult(Result):
+@dataclass(frozen=True, repr=False)
+class UncertaintyResult(TableResult):
     """Input uncertainty propagated to the outcome and the ballistic limit.
 
     Attributes
@@ -106,6 +107,13 @@ class UncertaintyResult(Result):
     inputs: tuple[Index, ...]
     warnings: tuple[str, ...]
     model_error: ModelError | None = None
+
+    def _words(self) -> str:
+        p = self.probability_of_perforation
+        return f"probability of perforation {p.value:.3f}, {p.low:.3f} to {p.high:.3f}, {self.samples} samples"
+
+    def _columns(self) -> dict[str, Any]:
+        return asdict(self.curve)
 
 
 def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> UncertaintyResult:

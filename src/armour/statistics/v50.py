@@ -67,7 +67,7 @@ class MeanV50:
     rule: Rule  # "no usual rule": other numbers of shots than 2, 3 and 5
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FiringResult(Result):
     """V50 estimated from firing results.
 
@@ -114,6 +114,10 @@ class FiringResult(Result):
     model_interval_m_s: tuple[float, float] | None = None
     warnings: tuple[str, ...] = ()
 
+    def _words(self) -> str:
+        fit = self.recommended or self.fits[0]
+        return f"V50 {fit.v50_m_s:.1f} m/s by {fit.method}, {self.shots} shots"
+
 
 def read_shots(path: str | PathLike[str]) -> Shots:
     """Read firing results from a CSV file.
@@ -122,6 +126,10 @@ def read_shots(path: str | PathLike[str]) -> Shots:
     ----------
     path : path-like
         File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete") and, optionally, ``shot``.
+
+    Returns
+    -------
+    Shots
 
     Raises
     ------

@@ -14,6 +14,7 @@ from armour.analysis.closed_forms import (
 )
 from armour.analysis.florence import FlorenceResult, bodies_of, florence_result, missing_for_florence
 from armour.analysis.impact import ImpactResult
+from armour.analysis.results import Result
 from armour.errors import NoAnswerError, refuse
 from armour.scenario.library import LibraryEntry
 from armour.scenario.loading import Scenario
@@ -36,8 +37,8 @@ class RuleResult:
     ballistic_limit_m_s: float
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, repr=False)
+class Comparison(Result):
     """Ballistic limit and residual velocities by the model and by closed forms.
 
     Attributes
@@ -85,6 +86,11 @@ class Comparison:
             "errors": [asdict(error) for error in self.errors],
             "warnings": self.limit.warnings,
         }
+
+    def _words(self) -> str:
+        limits = [*(f.ballistic_limit_m_s for f in self.florence), *(rule.ballistic_limit_m_s for rule in self.rules)]
+        others = ", ".join(f"{limit:.1f}" for limit in limits)
+        return f"ballistic limit {self.limit.ballistic_limit_m_s:.1f} m/s, by formulas {others} m/s"
 
 
 def compare(scenario: Scenario) -> Comparison:

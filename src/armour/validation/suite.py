@@ -287,10 +287,14 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
 
     Parameters
     ----------
-    path : path
+    path : path-like
         A TOML file; the scenarios that it names are relative to its folder.
     changes : mapping of str to object, optional
         Values that replace those of every scenario, by dotted key; tables are merged.
+
+    Returns
+    -------
+    Suite
 
     Raises
     ------

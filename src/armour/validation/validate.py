@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from armour.analysis.evaluate import evaluate_groups, groups_of
+from armour.analysis.results import TableResult, by_column
 from armour.errors import NoAnswerError
 from armour.files import shipped
 from armour.scenario.messages import TINY
@@ -107,8 +108,8 @@ class Summary:
         return f"{self.name}: {self.group}" if self.group else self.name
 
 
-@dataclass(frozen=True)
-class SuiteResult:
+@dataclass(frozen=True, repr=False)
+class SuiteResult(TableResult):
     """Result of a suite.
 
     Attributes
@@ -151,6 +152,13 @@ class SuiteResult:
             "errors": [vars(error) for error in self.errors],
         }
 
+    def _words(self) -> str:
+        scored = self.count("within", "outside", "no answer")
+        return f"{self.count('within')} of {scored} within their bands"
+
+    def _columns(self) -> dict[str, Any]:
+        return by_column(check.to_dict() for check in self.checks)
+
 
 OnCheck = Callable[[Check, int], None]
 
@@ -178,6 +186,10 @@ def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
     suite : Suite
     on_check : callable, optional
         Called after each case with its check and the number of cases.
+
+    Returns
+    -------
+    SuiteResult
 
     Raises
     ------

@@ -1,0 +1,81 @@
+"""Figures of results in Python."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from armour.analysis.ballistic_limit import Crossing, LimitResult
+from armour.analysis.history import History
+from armour.analysis.impact import simulate
+from armour.errors import InputError
+from armour.reporting import figures
+from armour.reporting.figures import plot
+from armour.statistics.calibration import CalibrationResult, Residual
+from armour.statistics.sensitivity import Elasticity, SensitivityResult
+from armour.statistics.v50 import Shots, v50
+from armour.sweeps.columns import sweep
+from armour.validation.comparison import Comparison
+from tests.helpers.cases import scenario
+from tests.helpers.results import design_result, impact, uncertainty_result
+from tests.helpers.suites import case
+from tests.helpers.suites import result as suite_result
+
+SHOTS = Shots((700.0, 710.0, 720.0, 730.0), (False, True, False, True))
+LIMIT = "ballistic_limit_m_s"
+
+
+def results(folder: Path) -> dict[str, tuple[Any, dict[str, Any]]]:
+    """A result of each kind, with what its chart needs beside it."""
+    residual = Residual("1", LIMIT, 700.0, 710.0, 712.0, "")
+    calibrated = CalibrationResult("t.csv", "", "relative", (), (), (residual,), 1.0, 2.0, 1.0, 1.0, 1, 1, 0.95)
+    limit = LimitResult(
+        723.8, (723.7, 723.8), 50, 43.6, True, (Crossing((723.7, 723.8), "perforated"),), 33, (1, 2), ()
+    )
+    item = Elasticity("ceramic.flow_stress_GPa", 5.0, {LIMIT: 0.6})
+    found: list[tuple[Any, dict[str, Any]]] = [
+        (calibrated, {}),
+        (Comparison(43.6, limit, (), (), (700.0, 800.0), (impact(),), "", (), ()), {}),
+        (design_result(), {}),
+        (v50(SHOTS), {"shots": SHOTS}),
+        (impact(), {}),
+        (limit, {"scenario": scenario()}),
+        (SensitivityResult({LIMIT: 723.0}, (item,)), {}),
+        (suite_result(folder, case("a", 720.0, "band = 5.0")), {}),
+        (sweep(scenario(), {"armour.ceramic_thickness_mm": [6.0, 7.0]}, "areal_density_kg_m2"), {}),
+        (uncertainty_result(), {"scenario": scenario()}),
+    ]
+    return {type(result).__name__: (result, rest) for result, rest in found}
+
+
+def test_every_result_is_drawn_with_its_title(folder: Path):
+    found = results(folder)
+    assert found.keys() == figures.CHARTS.keys()
+    for result, rest in found.values():
+        figure = plot(result, **rest, title="mine")
+        assert figure.axes
+        assert figure.get_suptitle() == "mine"
+
+
+def test_a_scenario_gives_the_title():
+    titled = scenario(title="Wilkins")
+    assert plot(simulate(titled, history=True), titled).get_suptitle().startswith("Wilkins\nperforated at 800")
+
+
+def test_a_notebook_shows_a_figure():
+    assert plot(impact())._repr_png_().startswith(b"\x89PNG")  # type: ignore[attr-defined]
+
+
+def test_what_cannot_be_drawn(folder: Path):
+    with pytest.raises(InputError, match="history=True"):
+        plot(simulate(scenario()))
+    history = impact().history
+    assert isinstance(history, History)
+    with pytest.raises(InputError, match=r"must be one of CalibrationResult, .* found History"):
+        plot(history)
+    for result, rest in results(folder).values():
+        for key in rest:
+            with pytest.raises(InputError, match=f"plot: {key}: must be given"):
+                plot(result)
+    with pytest.raises(InputError, match="numbers over one or two keys"):
+        plot(sweep(scenario(), {"impact.velocity_m_s": [700.0, 800.0]}, "outcome"))

@@ -1,0 +1,87 @@
+"""Sweeps in Python."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.errors import InputError
+from armour.sweeps import columns
+from armour.sweeps.columns import Values, sweep
+from tests.helpers.cases import csv_file, scenario
+
+CERAMIC, BACKING = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
+OVER: dict[str, Values] = {CERAMIC: {"min": 4.0, "max": 8.0, "step": 2.0}, BACKING: np.array([5.0, 6.0])}
+
+
+def test_a_grid_in_memory():
+    found = sweep(scenario(), OVER, ["areal_density_kg_m2", "outcome"])
+    assert (found.keys, found.quantities, found.rows) == ((CERAMIC, BACKING), ("areal_density_kg_m2", "outcome"), 6)
+    assert found[CERAMIC].tolist() == [4.0, 4.0, 6.0, 6.0, 8.0, 8.0]
+    assert found[BACKING].tolist() == [5.0, 6.0] * 3
+    armour = scenario(ceramic_mm=8.0, backing_mm=5.0)
+    assert found["areal_density_kg_m2"][4] == pytest.approx(armour.areal_density_kg_m2())
+    assert found.to_dict()["outcome"] == found["outcome"].tolist()
+
+
+def test_the_ballistic_limit_by_default():
+    found = sweep(scenario(), {CERAMIC: range(5, 7)})
+    assert found["ballistic_limit_m_s"][1] == pytest.approx(
+        ballistic_limit(scenario(ceramic_mm=6.0)).ballistic_limit_m_s, abs=0.02
+    )
+
+
+@pytest.mark.parametrize("ending", [".csv", ".parquet"])
+def test_a_grid_in_a_file(tmp_path: Path, ending: str):
+    output, counted = tmp_path / f"table{ending}", list[int]()
+    kept = sweep(scenario(), OVER, "duration_us")
+    found = sweep(scenario(), OVER, "duration_us", str(output), on_progress=lambda n, _total: counted.append(n))
+    assert (found.output, found.rows, sum(counted)) == (output, 6, 6)
+    assert list(found.columns) == list(kept.columns)
+    assert all(np.array_equal(found[name], kept[name]) for name in kept.columns)
+    assert len(found.warnings) == len(kept.warnings)
+    with pytest.raises(InputError, match="exists already"):
+        sweep(scenario(), OVER, "duration_us", output)
+
+
+def test_a_table_of_cases(tmp_path: Path):
+    cases = csv_file(tmp_path / "cases.csv", f"{CERAMIC},{BACKING}", "4,7", "9,3")
+    assert sweep(scenario(), str(cases), "areal_density_kg_m2")[BACKING].tolist() == [7.0, 3.0]
+
+
+def test_rows_outside_what_the_model_was_compared_with():
+    [warning] = sweep(scenario(), {BACKING: [6.0, 60.0]}, "areal_density_kg_m2").warnings
+    assert BACKING in warning
+    assert "1 rows" in warning
+
+
+@pytest.mark.parametrize(
+    ("values", "found"),
+    [
+        ([], "[]"),
+        ("4:8:2", "4:8:2"),
+        ([[4.0]], "[[4.0]]"),
+        ([4.0, np.nan], "[4.0, nan]"),
+        (6.0, "6.0"),
+        ({"min": 4.0}, "max"),
+    ],
+)
+def test_wrong_values(values, found: str):
+    with pytest.raises(InputError, match=CERAMIC) as error:
+        sweep(scenario(), {CERAMIC: values})
+    assert found in str(error.value)
+
+
+def test_wrong_questions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    with pytest.raises(InputError, match="at least one key"):
+        sweep(scenario(), {})
+    with pytest.raises(InputError, match="at least one quantity"):
+        sweep(scenario(), OVER, [])
+    with pytest.raises(InputError, match="ceramic_thickness_mm"):
+        sweep(scenario(), {"armour.ceramic_thicknes_mm": [5.0]})
+    with pytest.raises(InputError, match=r"\.csv or \.parquet"):
+        sweep(scenario(), OVER, "duration_us", tmp_path / "table.txt")
+    monkeypatch.setattr(columns, "MAX_ROWS", 5)
+    with pytest.raises(InputError, match="output: must be given for more than 5 rows, found 6"):
+        sweep(scenario(), OVER)
