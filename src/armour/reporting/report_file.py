@@ -17,7 +17,11 @@ ENDINGS = (".html", ".md")
 
 
 def report(
-    subject: "Scenario | SuiteResult", path: str | PathLike[str], *, on_progress: OnProgress = ignore_progress
+    subject: "Scenario | SuiteResult",
+    path: str | PathLike[str],
+    *,
+    as_is: bool = False,
+    on_progress: OnProgress = ignore_progress,
 ) -> None:
     """Write a report on a scenario, or on the result of a suite.
 
@@ -27,6 +31,8 @@ def report(
         The report on a scenario has its answer, with uncertainty, sensitivity and the sources of all values.
     path : path-like
         File to write: one self-contained .html file with charts, or .md for Markdown without them.
+    as_is : bool, default False
+        Whether to report on the scenario's own armour, also where the scenario asks for a design.
     on_progress : callable, optional
         Called with the number of armours computed since the last call, and None, as their total is not known.
 
@@ -43,7 +49,7 @@ def report(
         from armour.reporting.contents import contents_of
         from armour.reporting.scenario_report import scenario_report
 
-        made = scenario_report(contents_of(subject, on_progress), f'armour.report(scenario, "{path}")')
+        made = scenario_report(contents_of(subject, on_progress, as_is=as_is), f'armour.report(scenario, "{path}")')
     else:
         from armour.reporting.suite_report import suite_report
 
