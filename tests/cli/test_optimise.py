@@ -1,4 +1,6 @@
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -49,6 +51,16 @@ def test_csv_and_plot(cli, small: Path, folder: Path):
     lines = (folder / "f.csv").read_text().splitlines()
     assert lines[0].startswith("ceramic_thickness_mm,backing_thickness_mm,areal_density_kg_m2")
     assert len(lines) == 5
+
+
+def test_files_are_written_although_the_reader_stops_reading(small: Path, folder: Path):
+    command = [sys.executable, "-m", "armour", "optimise", str(small), "--csv", "f.csv", "--plot", "p.svg"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=folder) as done:
+        assert done.stdout is not None
+        done.stdout.close()
+        assert done.wait() == 0
+    assert (folder / "f.csv").read_text().startswith("ceramic_thickness_mm,")
+    assert "</svg>" in (folder / "p.svg").read_text()
 
 
 def test_no_design_is_exit_code_1(cli, small: Path):

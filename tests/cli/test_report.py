@@ -45,6 +45,18 @@ def test_markdown(cli, folder: Path):
     assert "2 of 3 within their bands" in (folder / "s.md").read_text()
 
 
+def test_the_armour_as_it_is(cli, folder: Path):
+    assert cli("report", OPTIMUM, "--as-is", "-o", "r.md", "--set", "author=A. Smith").exit_code == 0
+    page = (folder / "r.md").read_text()
+    assert "* Armour: **10.3 mm AD85 on 7 mm 5083-H3**" in page
+    assert "author: A. Smith, revision: armour " in page
+    assert "--output r.md --as-is --set 'author=A. Smith'" in page
+    [line] = cli.fails(2, "report", SCENARIOS.parent / "suites" / "paper.toml", "--as-is")
+    assert line == "command line: --as-is: must be given with a scenario, found a suite"
+    [line] = cli.fails(2, "report", OPTIMUM, "--as-is", "--set", "design.thickness_max_mm=20")
+    assert "--set design.thickness_max_mm: " in line
+
+
 def test_another_ending(cli):
     assert cli.fails(2, "report", OPTIMUM, "-o", "r.docx") == ["r.docx: must end in .html or .md, found .docx"]
 

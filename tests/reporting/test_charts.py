@@ -93,6 +93,8 @@ def test_a_long_tail_is_left_out():
     slow = simulate(scenario(ceramic_mm=12.0, velocity=300.0), history=True)
     chart = charts.impact_chart(slow, "")
     assert chart.title == "defeated at 300 m/s"
+    assert chart.panels[0].x.text(12.3456) == "12.35 µs"
+    assert chart.panels[2].y.text(0.0018156) == "0.00 mm"
     for panel in chart.panels:
         assert panel.x.limits is not None
         assert panel.x.limits[1] < 0.3 * slow.duration_us
@@ -162,7 +164,7 @@ def test_designs_of_several_pairs_against_several_threats():
     assert some(areal, Line)[0].text[0].endswith("\ngoverned by M2")
     assert (front.x.heading, front.y.heading) == ("areal density, kg/m²", "cost per m²")
     # The legend is that of the first panel, whose marks are those of the front.
-    assert labels(front) == []
+    assert labels(front) == ["Pareto front"]
     assert some(areal, Line)[0].marker == some(front, Points)[0].marker
     looks: dict[str, Any] = {item.text[0].split("\n")[0]: (item.colour, item.marker) for item in some(front, Points)}
     assert looks.keys() == {"AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"}
@@ -179,7 +181,15 @@ def test_the_least_ceramic_of_a_range_is_noted():
 
 def test_a_pareto_front_of_its_own_names_its_pairs():
     [panel] = charts.pareto_chart(design_result(pareto=True), "Pareto front").panels
-    assert labels(panel) == ["AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"]
+    assert labels(panel) == ["Pareto front", "AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"]
+    [front] = some(panel, Line)
+    assert (front.x, front.y) == ([43.6, 48.0], [100.0, 80.0])
+
+
+def test_a_front_of_three_criteria_is_no_line():
+    found = replace(design_result(pareto=True), criteria=("areal_density_kg_m2", "cost_per_m2", "thickness_mm"))
+    [panel] = charts.pareto_chart(found, "").panels
+    assert some(panel, Line) == []
 
 
 def figure() -> Figure:
@@ -263,6 +273,22 @@ def test_a_calibration():
     assert_matched(chart)
 
 
+def test_a_calibration_to_tests_with_uncertainties_has_error_bars():
+    found = calibrated()
+    assert charts.calibration_chart(found).note == ""
+    first, *others = found.residuals
+    known = replace(found, residuals=(replace(first, uncertainty=30.0), *others))
+    chart = charts.calibration_chart(known)
+    parity = chart.panels[0]
+    tests, bound = some(parity, Points)
+    assert tests.x_ends == ((670.0, 730.0), (710.0, 710.0), (720.0, 720.0))
+    assert bound.x_ends == ()
+    assert tests.text[0] == "test 0\nmeasured 700 m/s ± 30 m/s, computed 705 m/s"
+    assert parity.x.limits is not None
+    assert parity.x.limits[0] < 670.0
+    assert "one standard deviation" in chart.note
+
+
 def test_a_calibration_to_many_tests_shows_the_largest_deviations():
     _, deviations = charts.calibration_chart(calibrated(60)).panels
     assert len(deviations.y.categories) == charts.MAX_ROWS
@@ -271,7 +297,7 @@ def test_a_calibration_to_many_tests_shows_the_largest_deviations():
 
 
 def test_a_sensitivity_is_ordered_by_the_largest_elasticity_of_any_answer():
-    def item(name: str, limit: float, areal: float | None) -> Elasticity:
+    def item(name: str, limit: float | None, areal: float | None) -> Elasticity:
         return Elasticity(name, 1.0, {"ballistic_limit_m_s": limit, "residual_velocity_m_s": None, LEAST: areal})
 
     found = SensitivityResult(
@@ -280,6 +306,7 @@ def test_a_sensitivity_is_ordered_by_the_largest_elasticity_of_any_answer():
             item("ceramic.flow_stress_GPa", 0.5, -0.4),
             item("impact.velocity_m_s", 0.0, 1.7),
             item(CERAMIC, -0.6, None),
+            item(BACKING, None, None),
         ),
     )
     chart = charts.sensitivity_chart(found, "T")
@@ -311,6 +338,7 @@ def test_a_v50():
     [band] = some(panel, Band)
     [curve] = some(panel, Line)
     assert all(low <= y <= high for low, y, high in zip(band.low, curve.y, band.high, strict=True))  # type: ignore[operator]
+    assert chart.note == "The bar at one half is the 95 % interval of V50, not bounded."
     bars = [item for item in some(panel, Points) if item.x_ends]
     assert all(low <= item.x[0] <= high for item in bars for low, high in item.x_ends)  # type: ignore[operator]
 
@@ -343,7 +371,9 @@ def test_an_uncertainty():
 
 def test_an_energy_balance():
     energy = EnergyBalance(100.0, (StageEnergy("i", 20.0, 30.0), StageEnergy("iii.4", 0.0, 40.0)), 10.0)
-    [panel] = charts.energy_chart(energy).panels
+    chart = charts.energy_chart(energy)
+    [panel] = chart.panels
+    assert chart.note.startswith("Stages: i, intact ceramic, penetrated, rod erodes; iii.4, plate carried along")
     assert panel.y.categories == ("1. stage i", "2. stage iii.4", "remaining")
     eroded, braked, left = some(panel, Bars)
     assert [eroded.label, braked.label] == [column.label for column in energy_table(energy).columns[1:3]]

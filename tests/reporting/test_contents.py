@@ -5,6 +5,7 @@ from functools import cache
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.confidence import confidence
 from armour.design.optimise import optimise
 from armour.reporting.contents import Contents, contents_of
 from armour.scenario.loading import load_scenario
@@ -39,6 +40,30 @@ def test_a_scenario_without_a_design_is_its_own_answer():
     assert found.answer == found.scenario
     assert [entry.name for entry in found.entries] == ["7.62 mm AP", "AD85", "6061-T6"]
     assert abs(found.energy.difference) < 1e-6 * found.energy.before
+
+
+def test_the_own_armour_faces_every_threat():
+    found = contents_of(load_scenario(SCENARIOS / "catalogue.toml"), as_is=True)
+    assert found.design is None
+    assert found.answer.armour == found.scenario.armour
+    for threat, against in zip(found.scenario.threat, found.threats, strict=True):
+        impact = {"impact.projectile": threat.projectile, "impact.velocity_m_s": threat.velocity_m_s}
+        sure = confidence(found.scenario.replaced(impact))
+        assert sure.ballistic_limit_m_s == pytest.approx(threat.velocity_m_s + (against.margin_m_s or 0.0))
+        assert (against.threat, against.required_margin_m_s) == (threat.title, threat.margin_m_s)
+        assert against.probability_of_defeat == sure.probability_of_defeat
+    # Its margin falls short of the required one by more.
+    assert found.governing == "7.62 mm APM2 at 830 m/s"
+    assert found.answer.impact.projectile == "7.62 mm APM2"
+
+
+def test_a_limit_outside_the_range_governs_where_the_armour_is_perforated():
+    threats = [{"projectile": "7.62 mm AP", "velocity_m_s": velocity} for velocity in (30.0, 900.0)]
+    for high, governing in ((100.0, 1), (1000.0, 1)):
+        search = {"velocity_max_m_s": high}
+        found = contents_of(scenario(threat=threats, ballistic_limit=search), as_is=True)
+        assert found.governing == found.threats[governing].threat
+        assert [against.defeated for against in found.threats] == [True, False]
 
 
 def test_a_density_on_offer_is_the_answers():

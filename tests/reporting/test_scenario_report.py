@@ -5,19 +5,29 @@ from functools import cache
 
 import pytest
 
+from armour import __version__
 from armour.analysis.confidence import NO_TEST, ConfidenceResult
-from armour.reporting.contents import Contents, contents_of
+from armour.design.optimise import DesignResult
+from armour.reporting.contents import AgainstThreat, Contents, contents_of
 from armour.reporting.markdown import markdown_report
-from armour.reporting.report import Report
+from armour.reporting.report import Report, filled
 from armour.reporting.scenario_report import scenario_report
+from armour.reporting.table import Column, Table
 from armour.reporting.tables.design import frontier_table
-from tests.helpers.cases import scenario
+from tests.helpers.cases import RANGE, THREATS, scenario
 from tests.helpers.results import OTHER, THREAT, design_result, uncertainty_result
 
 
 @cache
 def wilkins() -> Contents:
     return contents_of(scenario(title="A title"))
+
+
+def designed(result: DesignResult) -> Contents:
+    """The contents for a best design."""
+    best = result.best
+    threats = (AgainstThreat(name, True, 20.0, 10.0 * n, 0.6 + 0.1 * n) for n, name in enumerate(result.threats))
+    return replace(wilkins(), design=result, threats=tuple(threats), governing=best.governing)
 
 
 def report(contents: Contents, command: str = "armour report x.toml") -> Report:
@@ -37,11 +47,11 @@ def test_the_title_is_the_scenarios_or_its_file():
 def test_questions():
     impact = wilkins().scenario.impact
     assert report(wilkins()).lead == f"Does this armour defeat the 7.62 mm AP at {impact.velocity_m_s:g} m/s?"
-    one = report(replace(wilkins(), design=design_result())).lead
+    one = report(designed(design_result())).lead
     assert one == "Which AD85 on 6061-T6 is the lightest that defeats the 7.62 mm AP at 800 m/s?"
-    several = report(replace(wilkins(), design=design_result(threats=(THREAT, OTHER), pareto=True))).lead
+    several = report(designed(design_result(threats=(THREAT, OTHER), pareto=True))).lead
     assert several == "Which available armour is the lightest that defeats the 7.62 mm AP at 800 m/s and the M2?"
-    bare = report(replace(wilkins(), design=design_result(ceramic=""))).lead
+    bare = report(designed(design_result(ceramic=""))).lead
     assert bare.startswith("Which 6061-T6 is the lightest that defeats")
 
 
@@ -66,15 +76,27 @@ def test_no_figure_where_nothing_was_tested():
 
 
 def test_the_answer_with_a_design():
-    one = statements(replace(wilkins(), design=design_result()))
+    one = statements(designed(design_result()))
     assert "Best design" in one
     assert one["Areal density"] == ("43.60 kg/m²", "cost 100.00 per m²")
     # The table's digits.
     _, best, _ = frontier_table(design_result()).texts()
     assert one["Areal density"][0] == f"{best[2]} kg/m²"
-    several = statements(replace(wilkins(), design=design_result(threats=(THREAT, OTHER))))
-    assert several["Defeats"][0] == f"{THREAT} and {OTHER}"
-    assert several["Defeats"][1].startswith(f"governed by {THREAT}: ballistic limit")
+    several = statements(designed(design_result(threats=(THREAT, OTHER))))
+    statement, detail = several["Defeats"]
+    assert statement == f"{THREAT} and {OTHER}"
+    assert f"{THREAT}: margin +20.0 m/s, probability of defeat 60 %" in detail
+    assert f"{OTHER}: margin +20.0 m/s (+10.0 m/s required), probability of defeat 70 %" in detail
+    assert f"Probability of defeating the threat that governs, {THREAT}" in several
+
+
+def test_the_armour_is_said_to_be_the_best_design_or_the_scenarios_own():
+    assert report(wilkins()).remarks == ()
+    [remark] = report(designed(design_result())).remarks
+    assert remark == (
+        "The armour is the best design found. "
+        "With --as-is, the report is on the scenario's own, 6.35 mm AD85 on 6.35 mm 6061-T6."
+    )
 
 
 def test_the_answer_with_distributions():
@@ -134,7 +156,7 @@ def test_charts_follow_the_results():
     def titles(contents: Contents) -> list[str]:
         return [chart.title.partition("\n")[0] for chart in report(contents).charts]
 
-    last = ["Sensitivity to the inputs", "Impact of the 7.62 mm AP", "Where the projectile's energy went"]
+    last = ["Sensitivity to the inputs", "Where the projectile's energy went", "Impact of the 7.62 mm AP"]
     assert titles(wilkins()) == last
     full = replace(wilkins(), design=design_result(pareto=True), uncertainty=uncertainty_result())
     first = ["Required ceramic for each back plate", "Pareto front", "Probability of perforation"]
@@ -164,3 +186,47 @@ def test_markdown_says_the_same():
 def test_a_fence_is_longer_than_any_in_the_scenario():
     fenced = replace(wilkins(), scenario=wilkins().scenario.replaced({"title": "a ```` b"}))
     assert "`````toml\n" in markdown_report(report(fenced, ""))
+
+
+@cache
+def as_is(velocity: float) -> Contents:
+    """An armour of one's own against two threats, of a scenario that asks for a design."""
+    grid = {"ceramic_thickness_mm": RANGE, "backing_thickness_mm": RANGE}
+    threats = [{**threat, "velocity_m_s": velocity} for threat in THREATS]
+    return contents_of(scenario(ceramic_mm=8.0, threat=threats, optimise=grid), as_is=True)
+
+
+def test_the_scenarios_own_armour_where_a_design_is_asked_for():
+    found = report(as_is(780.0))
+    assert found.lead == "Does this armour defeat the 7.62 mm AP at 780 m/s and the M2?"
+    assert found.remarks == ("The armour is the scenario's own. Without --as-is, the report is on the best design.",)
+    cards = statements(as_is(780.0))
+    assert cards["Armour"][0] == "8 mm AD85 on 6.35 mm 6061-T6"
+    [table] = next(section.tables for section in found.sections if section.heading == "Margins against the threats")
+    assert [row[0] for row in table.texts()] == ["7.62 mm AP at 780 m/s", "M2"]
+    assert [column.label for column in table.columns][:4] == ["threat", "outcome", "margin", "required margin"]
+    assert [row[-1] for row in table.texts()].count("governs") == 1
+
+
+def test_threats_that_perforate_are_named_alone():
+    statement, detail = statements(as_is(830.0))["Perforated by"]
+    perforating = [found.threat for found in as_is(830.0).threats if not found.defeated]
+    assert statement == " and ".join(perforating)
+    assert all(f"{name}: perforates; margin -" in detail for name in perforating)
+    assert all(found.threat in detail for found in as_is(830.0).threats)
+
+
+def test_author_project_and_date_are_shown_where_given():
+    assert report(wilkins()).byline == (("revision", f"armour {__version__}"),)
+    keys = {"author": "A. Smith", "date": "2026-01-31", "project": "Door"}
+    named = report(replace(wilkins(), scenario=wilkins().scenario.replaced(keys)))
+    assert named.byline[:3] == (("project", "Door"), ("author", "A. Smith"), ("date", "2026-01-31"))
+    assert "project: Door, author: A. Smith, date: 2026-01-31, revision: armour " in markdown_report(named)
+
+
+def test_a_column_without_a_value_is_left_out():
+    table = Table((Column("a"), Column("b"), Column("c", spec=".1f")), (("x", "", None), ("", "", 1.0)))
+    assert filled(table).headings() == ["a", "c"]
+    assert filled(table).texts() == [["x", ""], ["", "1.0"]]
+    empty = Table(table.columns, ())
+    assert filled(empty) == empty

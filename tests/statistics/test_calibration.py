@@ -166,6 +166,7 @@ def test_uncertainties_weigh(tmp_path: Path, wilkins: Scenario):
     rows = [f"6.35,6.35,{low:.3f},2", f"6.35,6.35,{high:.3f},20"]
     result = calibrate(read_tests(csv_file(tmp_path / "t.csv", header, *rows), wilkins), wilkins)
     assert result.weights == "uncertainties"
+    assert [residual.uncertainty for residual in result.residuals] == [2.0, 20.0]
     assert result.coefficients[0].estimate == pytest.approx(4.804, abs=0.005)
     low_end, high_end = interval(result.coefficients[0])
     slope = (limit(wilkins, y=4.85) - limit(wilkins, y=4.75)) / 0.1

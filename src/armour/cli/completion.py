@@ -1,6 +1,7 @@
 """What the shell offers to complete a word, of which typer keeps what starts like it.
 
-Nothing here needs numpy, so that it comes at once.
+Nothing here needs numpy, so that it comes at once. What it needs of scenarios is imported where a word is asked for,
+since every command imports this module.
 """
 
 import os
@@ -10,9 +11,6 @@ from typing import Any, get_origin
 
 from armour.analysis.quantities import QUANTITIES
 from armour.files import shipped_files
-from armour.scenario.library import shipped_library
-from armour.scenario.messages import model_in
-from armour.scenario.parameters import INPUTS, NAMES, ROLES
 
 
 def shipped_names() -> list[str]:
@@ -32,6 +30,8 @@ def tables(incomplete: str) -> list[str]:
 
 def entries() -> list[str]:
     """Return the names in the library."""
+    from armour.scenario.library import shipped_library
+
     # bash takes a word as it is; the scripts of other shells quote it.
     space = "\\ " if os.environ.get("_ARMOUR_COMPLETE") == "complete_bash" else " "
     return [name.replace(" ", space) for names in shipped_library().entries.values() for name in names]
@@ -39,6 +39,8 @@ def entries() -> list[str]:
 
 def inputs() -> list[str]:
     """Return the names of inputs."""
+    from armour.scenario.parameters import INPUTS
+
     return list(INPUTS)
 
 
@@ -50,17 +52,20 @@ def quantities(incomplete: str) -> list[str]:
 
 def numbers(incomplete: str) -> list[str]:
     """Return the keys that a sweep can vary, each with a sign of equality."""
+    from armour.scenario.parameters import NAMES
+
     return [word for word in assignments(incomplete) if word.rstrip("=") not in ("title", *NAMES.values())]
 
 
 def assignments(incomplete: str) -> list[str]:
     """Return inputs and keys, each with a sign of equality or, after the key of a name, the names."""
+    from armour.scenario.library import shipped_library
+    from armour.scenario.loading import Scenario
+    from armour.scenario.parameters import INPUTS, NAMES, ROLES
+
     for role, key in NAMES.items():
         if incomplete.startswith(f"{key}="):
             return [f"{key}={name}" for name in shipped_library().names(ROLES[role])]
-    # Imported here because only these words need the sections of a scenario.
-    from armour.scenario.loading import Scenario
-
     # The many keys of distributions are only of use where one is begun.
     depth = 4 if incomplete.startswith("uncertainty.") else 3
     keys = [key for key in _keys(Scenario) if len(key.split(".")) <= depth]
@@ -69,6 +74,8 @@ def assignments(incomplete: str) -> list[str]:
 
 def _keys(model: Any, prefix: str = "") -> Iterator[str]:
     """Yield the dotted keys of a section and of those within it, but for lists and tables of any name."""
+    from armour.scenario.messages import model_in
+
     for name, field in model.model_fields.items():
         inner = model_in(field.annotation)
         if inner is None:

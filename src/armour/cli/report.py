@@ -8,14 +8,18 @@ import typer
 
 from armour.cli import completion
 from armour.cli.console import progress
-from armour.cli.options import Changes, argument
+from armour.cli.options import Changes, argument, option
 from armour.cli.runner import check_outputs, read_scenario, say_if_compiling, write
 from armour.cli.scenario_commands import DESIGNS
-from armour.errors import refuse
+from armour.errors import InputError, Problem, refuse
 from armour.files import read_toml, wrong_ending
 
 if TYPE_CHECKING:
     from armour.reporting.report import Report
+
+# What a report reads: keys that it shows, and what the results for the scenario's own armour depend on.
+BYLINE = ("author", "project", "date")
+AS_IS = ("impact", "threat", "ballistic_limit", "uncertainty", "optimise")
 
 
 def report(
@@ -30,6 +34,9 @@ def report(
     output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write, .html or .md.")] = Path(
         "report.html"
     ),
+    as_is: Annotated[
+        bool, option("Report on the scenario's own armour, also where the scenario asks for a design.", "--as-is")
+    ] = False,
     changes: Changes = None,
 ) -> None:
     """Write a report.
@@ -42,23 +49,28 @@ def report(
 
     check_outputs(output)
     refuse(wrong_ending(output, ENDINGS))
-    options = [word for change in changes or () for word in ("--set", change)]
+    options = ["--as-is"] * as_is + [word for change in changes or () for word in ("--set", change)]
     command = shlex.join(["armour", "report", str(source), "--output", str(output), *options])
     if str(source) != "-":
         source = scenario_file(source, {name: suite_file(name) for name in SUITES})
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
-    made = (_suite_report if is_suite else _scenario_report)(source, changes or [], command)
+    if is_suite and as_is:
+        raise InputError([Problem("command line", "--as-is", "must be given with a scenario, found a suite")])
+    if is_suite:
+        made = _suite_report(source, changes or [], command)
+    else:
+        made = _scenario_report(source, changes or [], command, as_is=as_is)
     write({output: report_text(made, output)})
 
 
-def _scenario_report(source: Path, changes: list[str], command: str) -> "Report":
+def _scenario_report(source: Path, changes: list[str], command: str, *, as_is: bool) -> "Report":
     from armour.reporting.contents import contents_of
     from armour.reporting.scenario_report import scenario_report
 
-    loaded = read_scenario(source, changes, ("armour", *DESIGNS))
+    loaded = read_scenario(source, changes, (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS)))
     say_if_compiling()
     with progress("armours") as count:
-        contents = contents_of(loaded, count)
+        contents = contents_of(loaded, count, as_is=as_is)
     return scenario_report(contents, command)
 
 

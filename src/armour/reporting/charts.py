@@ -108,7 +108,7 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
         "target W": history.target_velocity_m_s,
     }
     depths = {"depth Z": history.depth_mm, "bulge h": history.bulge_height_mm}
-    x = Axis("time since impact", "µs", limits=(0.0, max(shown, 1e-9)))
+    x = Axis("time since impact", "µs", limits=(0.0, max(shown, 1e-9)), spec=".2f")
     stages = [stage for stage in result.stages if stage.start_us < shown]
     words = (f"stage {s.stage}: {STAGES[s.stage]}\n{s.start_us:.4g} to {s.end_us:.4g} µs" for s in stages)
     ends = [min(stage.end_us, shown) for stage in stages]
@@ -117,9 +117,9 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
     panels: list[Panel] = []
     colours = iter((BLUE, ORANGE, GREEN, INK, PURPLE, VERMILION))
     for y, height, curves in (
-        (Axis("velocity", "m/s"), 1.1, velocities),
-        (Axis("rod length", "mm", from_zero=True), 0.65, {"rod length L": history.length_mm}),
-        (Axis("depth, bulge", "mm"), 0.75, depths),
+        (Axis("velocity", "m/s", spec=".1f"), 1.1, velocities),
+        (Axis("rod length", "mm", from_zero=True, spec=".2f"), 0.65, {"rod length L": history.length_mm}),
+        (Axis("depth, bulge", "mm", spec=".2f"), 0.75, depths),
     ):
         lines = (
             Line(time, values[seen].tolist(), style, label=label, colour=next(colours))
@@ -132,8 +132,13 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
     if result.outcome == "perforated":
         outcome += f", residual velocity {result.residual_velocity_m_s:.1f} m/s"
     # The caption names every stage: some are too narrow for a name above the panel, or start after the time shown.
-    parts = (f"{s.stage} from {s.start_us:.3g} µs, {STAGES[s.stage].replace(';', ',')}" for s in result.stages)
+    parts = (f"{s.stage} from {s.start_us:.3g} µs, {_stage_words(s.stage)}" for s in result.stages)
     return Chart(f"{title}\n{outcome}".strip(), tuple(panels), f"Stages: {'; '.join(parts)}.", width=6.0)
+
+
+def _stage_words(stage: str) -> str:
+    """Return what a stage is, as a part of a list."""
+    return STAGES[stage].replace(";", ",")
 
 
 def limit_chart(limit: "LimitResult", curve: Sequence["ImpactResult"], title: str) -> Chart:
@@ -228,14 +233,22 @@ def pareto_chart(result: "DesignResult", title: str) -> Chart:
     looks = _looks(result)
     x, y = result.criteria[:2]
     series: list[Series] = []
+    if len(result.criteria) == 2:
+        # The points on it have the words.
+        front = sorted(result.pareto, key=lambda design: getattr(design, x))
+        series.append(Line(*_at(front, x, y), ":", 1.0, label="Pareto front", colour=INK, text=("",) * len(front)))
     for name, designs in _grouped(result.pareto, _pair).items():
         text = tuple(f"{name}\n{_design_text(design, *result.criteria)}" for design in designs)
-        xs, ys = ([getattr(design, key) for design in designs] for key in (x, y))
-        series.append(Points(xs, ys, filled=False, label=name, text=text, **looks[name]))
-    best = [getattr(result.best, x)], [getattr(result.best, y)]
+        series.append(Points(*_at(designs, x, y), filled=False, label=name, text=text, **looks[name]))
     words = (f"best\n{_design_text(result.best, *result.criteria)}",)
-    series.append(Points(*best, label="best", text=words, **BEST))
+    series.append(Points(*_at([result.best], x, y), label="best", text=words, **BEST))
     return Chart(title, (Panel(CRITERIA[x], CRITERIA[y], tuple(series)),))
+
+
+def _at(designs: Iterable["Design"], x: str, y: str) -> tuple[list[float], list[float]]:
+    """Return two quantities of designs."""
+    places = [(getattr(design, x), getattr(design, y)) for design in designs]
+    return [place[0] for place in places], [place[1] for place in places]
 
 
 def _pair(item: Any) -> str:
@@ -283,7 +296,9 @@ def parity_chart(result: "SuiteResult") -> Chart:
     panels = []
     for quantity, same in _grouped(checks, lambda check: check.case.quantity).items():
         groups = {
-            group or "cases": [(check.case.name, "expected", check.case.expected, check.computed) for check in found]
+            group or "cases": [
+                (check.case.name, "expected", check.case.expected, check.computed, 0.0) for check in found
+            ]
             for group, found in _grouped(same, lambda check: check.case.group).items()
         }
         panels.append(_agreement_panel(quantity, "expected", groups, 0.1))
@@ -291,25 +306,30 @@ def parity_chart(result: "SuiteResult") -> Chart:
 
 
 def _agreement_panel(
-    quantity: str, word: str, groups: Mapping[str, Sequence[tuple[str, str, float, float]]], part: float = 0.0
+    quantity: str, word: str, groups: Mapping[str, Sequence[tuple[str, str, float, float, float]]], part: float = 0.0
 ) -> Panel:
     """Describe computed over known values, with lines of agreement and, on request, a part away from it.
 
-    Each group has points of a name, the word for the known value, this value and the computed one.
+    Each group has points of a name, the word for the known value, this value, the computed one, and the standard
+    deviation of the known value, 0 where none is given.
     """
     axis = quantity_axis(quantity)
     series: list[Series] = []
     for index, (group, points) in enumerate(groups.items()):
-        text = tuple(f"{n}\n{w} {axis.text(k)}, computed {axis.text(c)}" for n, w, k, c in points)
+        text = tuple(
+            f"{n}\n{w} {axis.text(k)}{f' ± {axis.text(s)}' if s else ''}, computed {axis.text(c)}"
+            for n, w, k, c, s in points
+        )
         known, computed = [point[2] for point in points], [point[3] for point in points]
-        series.append(Points(known, computed, filled=False, label=group, text=text, **_look(index)))
-    span = _span(value for points in groups.values() for point in points for value in point[2:])
+        ends = tuple((k - s, k + s) for *_, k, _, s in points) if any(point[4] for point in points) else ()
+        series.append(Points(known, computed, filled=False, x_ends=ends, label=group, text=text, **_look(index)))
+    span = _span(end for points in groups.values() for *_, k, c, s in points for end in (k - s, k + s, c))
     lines = [(1.0, "agreement", "-")]
     if part:
         lines += [(1.0 - part, f"± {percent(part)}", ":"), (1.0 + part, "", ":")]
     for factor, label, style in lines:
-        ends = [factor * end for end in span]
-        series.append(Line(span, ends, style, 0.8, label=label, colour=INK, text=("", "")))
+        across = [factor * end for end in span]
+        series.append(Line(span, across, style, 0.8, label=label, colour=INK, text=("", "")))
     x, y = (replace(axis, label=f"{prefix} {axis.label}", limits=span) for prefix in (word, "computed"))
     return Panel(x, y, tuple(series), square=True)
 
@@ -352,7 +372,8 @@ def calibration_chart(result: "CalibrationResult") -> Chart:
         by_bound = _grouped(residuals, lambda residual: residual.bound)
         groups = {
             words[bound] if bound else "tests": [
-                (residual.test, words[bound], residual.measured, residual.computed) for residual in by_bound[bound]
+                (residual.test, words[bound], residual.measured, residual.computed, residual.uncertainty or 0.0)
+                for residual in by_bound[bound]
             ]
             for bound in words
             if bound in by_bound
@@ -360,7 +381,9 @@ def calibration_chart(result: "CalibrationResult") -> Chart:
         panels.append(_agreement_panel(quantity, "measured", groups))
         if "" in by_bound:
             panels.append(_deviation_panel(quantity, by_bound[""]))
-    return Chart(f"Calibration to {Path(result.tests).name}", tuple(panels))
+    given = any(residual.uncertainty for residual in result.residuals)
+    note = "Error bars are one standard deviation of the measured value to either side." if given else ""
+    return Chart(f"Calibration to {Path(result.tests).name}", tuple(panels), note)
 
 
 def _deviation_panel(quantity: str, residuals: Sequence["Residual"]) -> Panel:
@@ -394,10 +417,12 @@ def sensitivity_chart(result: "SensitivityResult", title: str) -> Chart:
     answers = [name for name, value in result.answers.items() if value is not None]
     largest = [max((abs(item.elasticities[name] or 0.0) for name in answers), default=0.0) for item in result.inputs]
     inputs = [result.inputs[index] for index in np.argsort(-np.array(largest), kind="stable")]
+    # Without an elasticity an input, such as the velocity for the ballistic limit, has no row.
+    inputs = [item for item in inputs if any(item.elasticities[answer] is not None for answer in answers)]
     names = tuple(quantity_axis(item.input).label for item in inputs)
     values = {quantity_axis(answer).label: [item.elasticities[answer] for item in inputs] for answer in answers}
     x = Axis("change per % of the input", "%", spec="+.3f")
-    return Chart(title, (_bars_panel(x, names, values),))
+    return Chart(title, (_bars_panel(x, names, values),), "Inputs are in the order of their longest bars.")
 
 
 def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
@@ -417,6 +442,9 @@ def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
     model, mean, between = result.model_ballistic_limit_m_s, result.mean, f"{percent(result.confidence)} interval"
     fit = result.recommended or result.fits[0]
     ends = [fit.v50_m_s, *fit.v50_interval_m_s, model]
+    between_ends = interval(fit.v50_interval_m_s, ".1f")
+    if fit.v50_interval_m_s != (None, None):
+        between_ends = f"{between_ends} m/s"
     wanted = [slowest, fastest, *(end for end in ends if end is not None)]
     low, high = max(slowest - reach, min(wanted) - margin), min(fastest + reach, max(wanted) + margin)
     x = np.linspace(low, high, 400).tolist()
@@ -428,12 +456,12 @@ def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
     series.append(Line(x, [fit.probability(v) for v in x], label=label))
     if low <= fit.v50_m_s <= high:
         start, end = (edge if e is None else e for e, edge in zip(fit.v50_interval_m_s, (low, high), strict=True))
-        words = (f"V50 {fit.v50_m_s:.1f} m/s\n{between} {interval(fit.v50_interval_m_s, '.1f')} m/s",)
+        words = (f"V50 {fit.v50_m_s:.1f} m/s\n{between} {between_ends}",)
         series.append(Points([fit.v50_m_s], [0.5], x_ends=((start, end),), text=words))
     if mean is not None:
         name = "mean of shots" if mean.rule == "no usual rule" else "MIL-STD-662F"
         series.append(_velocity_rule(f"{name}: V50", mean.v50_m_s, SOFT))
-    notes = [f"The bar at one half is the {between} of V50."]
+    notes = [f"The bar at one half is the {between} of V50, {between_ends}."]
     if model is not None and low <= model <= high:
         series.append(_velocity_rule("this model: ballistic limit", model, INK, ":"))
     elif model is not None:
@@ -468,7 +496,12 @@ def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Char
     ]
     uncertain = [velocity for velocity, value, *_ in points if SHOWN_PROBABILITY < value < 1.0 - SHOWN_PROBABILITY]
     changed = [limit for index in result.inputs for limit in index.limits_m_s]
-    x = Axis("velocity", "m/s", limits=_span([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *changed]))
+    x = Axis(
+        "velocity",
+        "m/s",
+        spec=".1f",
+        limits=_span([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *changed]),
+    )
     panels = [Panel(x, Axis("probability of perforation", limits=(0.0, 1.0)), tuple(series))]
     if result.inputs:
         names = tuple(quantity_axis(index.input).label for index in result.inputs)
@@ -495,7 +528,9 @@ def energy_chart(energy: "EnergyBalance") -> Chart:
         text = tuple(f"{name}: {label}\n{value:.2f} J, {share * value:.1f} %" for name, value in shown)
         series.append(Bars((ends - values).tolist(), ends.tolist(), label=label, colour=colour, text=text))
     x = Axis("kinetic energy", "J", from_zero=True)
-    return Chart("Where the projectile's energy went", (Panel(x, Axis(categories=categories), tuple(series)),))
+    panel = Panel(x, Axis(categories=categories), tuple(series))
+    codes = dict.fromkeys(f"{row.stage}, {_stage_words(row.stage)}" for row in energy.rows)
+    return Chart("Where the projectile's energy went", (panel,), f"Stages: {'; '.join(codes)}.")
 
 
 def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, scenario: "Scenario") -> Chart:

@@ -2,6 +2,8 @@
 
 from contextlib import suppress
 from dataclasses import dataclass
+from math import inf
+from typing import NamedTuple
 
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, not_monotonic
 from armour.analysis.confidence import ConfidenceResult, of_limit
@@ -14,17 +16,30 @@ from armour.scenario.applicability import model_error
 from armour.scenario.library import LibraryEntry
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, ROLES, VELOCITY, entry_of, inputs_of, with_inputs
+from armour.scenario.schema import Threat
 from armour.statistics.sensitivity import SensitivityResult, sensitivity
 from armour.statistics.uncertainty import UncertaintyResult, uncertainty
 
 
+class AgainstThreat(NamedTuple):
+    """The armour of a report against one threat."""
+
+    threat: str  # projectile and velocity, or its name
+    defeated: bool
+    margin_m_s: float | None  # None where the ballistic limit is outside the range searched
+    required_margin_m_s: float
+    probability_of_defeat: float | None  # None where it is not known
+
+
 @dataclass(frozen=True)
 class Contents:
-    """Results of a scenario as it was read, and of its answer: the best design against the threat that governs it."""
+    """Results of a scenario as it was read, and of its answer: the armour against the threat that governs it."""
 
     scenario: Scenario
     answer: Scenario
-    design: DesignResult | None  # None where the scenario asks for no design
+    design: DesignResult | None  # None for the scenario's own armour
+    threats: tuple[AgainstThreat, ...]
+    governing: str  # threat that the margin exceeds the least
     impact: ImpactResult  # with its history
     limit: LimitResult | None  # None where it is outside the range searched
     confidence: ConfidenceResult
@@ -35,26 +50,35 @@ class Contents:
     warnings: tuple[str, ...]
 
 
-def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress) -> Contents:
-    """Answer a scenario and gather the results that a report shows."""
+def asks_for_design(scenario: Scenario) -> bool:
+    """Return whether a scenario asks for the best design."""
+    return scenario.optimise is not None or scenario.design is not None or bool(scenario.threat)
+
+
+def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *, as_is: bool = False) -> Contents:
+    """Answer a scenario and gather the results that a report shows.
+
+    The armour is the best design where the scenario asks for one, unless it is to be reported as it is.
+    """
 
     def on_part(done: int, _total: int | None) -> None:
         on_progress(done, None)
 
-    asked = scenario.optimise is not None or scenario.design is not None or bool(scenario.threat)
-    design = optimise(scenario, on_progress=on_part) if asked else None
-    answer = scenario if design is None else _with_best(scenario, design)
-    impact, limit = simulate(answer, history=True), None
-    sure = ConfidenceResult(None, None, model_error(answer), "there is no ballistic limit in the range searched")
-    with suppress(NoLimitError):
-        limit = ballistic_limit(answer)
-        sure = of_limit(answer, limit.ballistic_limit_m_s, answer.impact.velocity_m_s)
+    design = optimise(scenario, on_progress=on_part) if asks_for_design(scenario) and not as_is else None
+    if design is None:
+        answer, threats, governing = _own(scenario)
+    else:
+        answer, threats, governing = _with_best(scenario, design), _of_design(scenario, design), design.best.governing
+    impact = simulate(answer, history=True)
+    limit, sure = _limit(answer)
     sampled = scenario.uncertainty is not None and scenario.uncertainty.inputs()
     misplaced = _misplaced(scenario, answer)
     return Contents(
         scenario=scenario,
         answer=answer,
         design=design,
+        threats=threats,
+        governing=governing,
         impact=impact,
         limit=limit,
         confidence=sure,
@@ -68,6 +92,54 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress) -
             *misplaced,
         ),
     )
+
+
+def _limit(scenario: Scenario) -> tuple[LimitResult | None, ConfidenceResult]:
+    """Return the ballistic limit, None outside the range searched, and the confidence in the armour."""
+    with suppress(NoLimitError):
+        limit = ballistic_limit(scenario)
+        return limit, of_limit(scenario, limit.ballistic_limit_m_s, scenario.impact.velocity_m_s)
+    reason = "there is no ballistic limit in the range searched"
+    return None, ConfidenceResult(None, None, model_error(scenario), reason)
+
+
+def _own(scenario: Scenario) -> tuple[Scenario, tuple[AgainstThreat, ...], str]:
+    """Return the scenario with the threat that governs its own armour, this against all threats, and the threat."""
+    impact = scenario.impact
+    threats = scenario.threat or [Threat(projectile=impact.projectile, velocity_m_s=impact.velocity_m_s)]
+    faced = [scenario.replaced(_impact_of(threat)) if scenario.threat else scenario for threat in threats]
+    found = tuple(map(_against, faced, threats))
+    governing = min(range(len(found)), key=lambda index: _excess(found[index]))
+    return faced[governing], found, found[governing].threat
+
+
+def _against(scenario: Scenario, threat: Threat) -> AgainstThreat:
+    limit, sure = _limit(scenario)
+    margin = None if limit is None else limit.ballistic_limit_m_s - threat.velocity_m_s
+    defeated = simulate(scenario).outcome == "defeated"
+    return AgainstThreat(threat.title, defeated, margin, threat.margin_m_s, sure.probability_of_defeat)
+
+
+def _excess(found: AgainstThreat) -> float:
+    """Return by how much the margin against a threat exceeds the one required, m/s."""
+    if found.margin_m_s is None:
+        return inf if found.defeated else -inf
+    return found.margin_m_s - found.required_margin_m_s
+
+
+def _of_design(scenario: Scenario, design: DesignResult) -> tuple[AgainstThreat, ...]:
+    """Return the best design against every threat."""
+    best = design.best
+    required = {threat.title: threat.margin_m_s for threat in scenario.threat}
+    return tuple(
+        AgainstThreat(name, True, margin, required.get(name, 0.0), best.probabilities_of_defeat[name])
+        for name, margin in best.margins_m_s.items()
+    )
+
+
+def _impact_of(threat: Threat) -> dict[str, object]:
+    """Return a threat as changes of a scenario."""
+    return {"impact.projectile": threat.projectile, VELOCITY: threat.velocity_m_s}
 
 
 def _with_best(scenario: Scenario, result: DesignResult) -> Scenario:
@@ -84,7 +156,7 @@ def _with_best(scenario: Scenario, result: DesignResult) -> Scenario:
         densities["ceramic.density_kg_m3"] = best.ceramic_density_kg_m3
     for threat in scenario.threat:
         if threat.title == best.governing:
-            changes |= {"impact.projectile": threat.projectile, VELOCITY: threat.velocity_m_s}
+            changes |= _impact_of(threat)
     answer = scenario.replaced(changes)
     own = inputs_of(answer)
     different = {name: value for name, value in densities.items() if value != own[name]}

@@ -29,7 +29,10 @@ def markdown_text(text: str) -> str:
 
 def markdown_report(report: "Report") -> str:
     """Format a report as Markdown, without its charts."""
-    parts = [f"# {markdown_text(report.title)}", markdown_text(report.lead)]
+    parts = [f"# {markdown_text(report.title)}"]
+    if report.byline:
+        parts.append(", ".join(markdown_text(f"{name}: {text}") for name, text in report.byline))
+    parts += (markdown_text(words) for words in (report.lead, *report.remarks))
     if report.cards:
         cards = ([markdown_text(text) for text in card] for card in report.cards)
         parts.append(

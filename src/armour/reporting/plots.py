@@ -233,7 +233,7 @@ def _(item: Spans, axes: Axes) -> None:
 def _(item: Map, axes: Axes) -> None:
     z = np.ma.masked_invalid([_floats(row) for row in item.z])
     # The light part of the scale alone, on which lines and labels are legible.
-    colours = ListedColormap(mpl.colormaps["Blues"](np.linspace(0.05, 0.65, 256)))
+    colours = ListedColormap(mpl.colormaps["Blues"](np.linspace(0.02, 0.5, 256)))
     axes.grid(visible=False)
     drawn = axes.pcolormesh(item.x, item.y, z, cmap=colours, shading="nearest", rasterized=True)
     axes.figure.colorbar(drawn, ax=axes, label=item.heading)

@@ -3,15 +3,17 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
+from armour import __version__
 from armour.reporting import charts
 from armour.reporting.chart import Chart
-from armour.reporting.contents import Contents
-from armour.reporting.report import Card, CrossSection, Report, Section, origin_section
-from armour.reporting.table import Table
+from armour.reporting.contents import AgainstThreat, Contents, asks_for_design
+from armour.reporting.report import Card, CrossSection, Report, Section, filled, origin_section
+from armour.reporting.table import Column, Table, listing
 from armour.reporting.tables.confidence import DEFEAT, chance, extrapolation, from_tests
 from armour.reporting.tables.design import (
     COST,
     MARGIN,
+    REQUIRED,
     SUPERLATIVES,
     best_table,
     frontier_table,
@@ -24,6 +26,7 @@ from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT, energ
 from armour.reporting.tables.library import entry_table
 from armour.reporting.tables.statistics import elasticity_table, estimate_table
 from armour.scenario.applicability import is_excluded
+from armour.scenario.schema import ArmourSection
 from armour.units import MM
 
 
@@ -33,9 +36,11 @@ def scenario_report(contents: Contents, command: str) -> Report:
     return Report(
         title=scenario.title or scenario.file,
         lead=_question(contents),
+        byline=_byline(contents),
+        remarks=_remarks(contents),
         sections=(
             _energy(contents),
-            *(Section(heading, tables=(table,)) for heading, table in _tables(contents)),
+            *(Section(heading, tables=(filled(table),)) for heading, table in _tables(contents)),
             Section("Scenario", code=scenario.to_toml(), language="toml"),
             origin_section(command),
         ),
@@ -48,22 +53,43 @@ def scenario_report(contents: Contents, command: str) -> Report:
 
 def _question(contents: Contents) -> str:
     """Return the question that the scenario asks."""
-    design, impact = contents.design, contents.scenario.impact
+    design, threats = contents.design, " and ".join(f"the {found.threat}" for found in contents.threats)
     if design is None:
-        return f"Does this armour defeat the {impact.projectile} at {impact.velocity_m_s:g} m/s?"
+        return f"Does this armour defeat {threats}?"
     armour, best = "available armour", design.best
     if len(design.pairs) == 1:
         armour = f"{best.ceramic} on {best.backing}" if best.ceramic else best.backing
-    threats = " and ".join(f"the {threat}" for threat in design.threats)
     return f"Which {armour} is the {SUPERLATIVES[design.minimised]} that defeats {threats}?"
+
+
+def _byline(contents: Contents) -> tuple[tuple[str, str], ...]:
+    """Return project, author and date, where the scenario names them, and the version of the program."""
+    scenario = contents.scenario
+    given = (("project", scenario.project), ("author", scenario.author), ("date", scenario.date))
+    return (*((name, text) for name, text in given if text), ("revision", f"armour {__version__}"))
+
+
+def _remarks(contents: Contents) -> tuple[str, ...]:
+    """Return which armour is reported where the scenario asks for a design, and how to get the other."""
+    if contents.design is not None:
+        own = _layers(contents.scenario.armour)
+        return (f"The armour is the best design found. With --as-is, the report is on the scenario's own, {own}.",)
+    if asks_for_design(contents.scenario):
+        return ("The armour is the scenario's own. Without --as-is, the report is on the best design.",)
+    return ()
+
+
+def _layers(armour: ArmourSection) -> str:
+    """Return the materials of an armour with their thicknesses."""
+    layers = f"{round(armour.backing_thickness_mm, 3):g} mm {armour.backing}"
+    if armour.ceramic is None or armour.ceramic_thickness_mm == 0.0:
+        return layers
+    return f"{round(armour.ceramic_thickness_mm, 3):g} mm {armour.ceramic} on {layers}"
 
 
 def _armour(contents: Contents) -> tuple[Card, Card]:
     """Return the armour and its areal density, with the digits of their tables."""
     armour, design = contents.answer.armour, contents.design
-    layers = f"{round(armour.backing_thickness_mm, 3):g} mm {armour.backing}"
-    if armour.ceramic is not None and armour.ceramic_thickness_mm > 0.0:
-        layers = f"{round(armour.ceramic_thickness_mm, 3):g} mm {armour.ceramic} on {layers}"
     subject, cost = "Armour", ""
     areal_density = contents.impact.areal_density_kg_m2
     thickness = armour.ceramic_thickness_mm + armour.backing_thickness_mm
@@ -71,12 +97,19 @@ def _armour(contents: Contents) -> tuple[Card, Card]:
         subject = "Best design"
         areal_density, thickness = design.best.areal_density_kg_m2, design.best.thickness_mm
         cost = f"cost {COST.text(design.best.cost_per_m2)} per m²" if design.best.cost_per_m2 > 0.0 else ""
-    card = Card(subject, layers, f"{round(thickness, 3):g} mm thick")
+    card = Card(subject, _layers(armour), f"{round(thickness, 3):g} mm thick")
     return card, Card("Areal density", f"{AREAL_DENSITY.text(areal_density)} kg/m²", cost)
 
 
 def _outcome(contents: Contents) -> Card:
     impact, design = contents.answer.impact, contents.design
+    if len(contents.threats) > 1:
+        perforating = [found for found in contents.threats if not found.defeated]
+        subject = "Perforated by" if perforating else "Defeats"
+        named = (found.threat for found in perforating or contents.threats)
+        # Distributions count for the governing threat alone, unless the design was asked for a reliability.
+        exact = contents.uncertainty is not None and (design is None or not design.best.probabilities)
+        return Card(subject, " and ".join(named), "; ".join(_against(found, exact=exact) for found in contents.threats))
     against = f"{impact.projectile} at {impact.velocity_m_s:g} m/s"
     limit = "ballistic limit outside the range searched"
     if contents.limit is not None:
@@ -86,9 +119,21 @@ def _outcome(contents: Contents) -> Card:
     if design is None:
         outcome = {"defeated": "projectile defeated", "perforated": "armour perforated"}[contents.impact.outcome]
         return Card("Outcome", outcome, f"{against}; {limit}")
-    if len(design.threats) > 1:
-        return Card("Defeats", " and ".join(design.threats), f"governed by {design.best.governing}: {limit}")
     return Card("Defeats", against, limit)
+
+
+def _against(found: AgainstThreat, *, exact: bool) -> str:
+    """Return the outcome against one of several threats, with its margin and probability."""
+    outcome = "" if found.defeated else "perforates; "
+    margin = "limit outside the range searched"
+    if found.margin_m_s is not None:
+        margin = f"margin {MARGIN.text(found.margin_m_s)} m/s"
+    if found.required_margin_m_s:
+        margin = f"{margin} ({MARGIN.text(found.required_margin_m_s)} m/s required)"
+    probability = f"probability of defeat {chance(found.probability_of_defeat)}"
+    if exact and found.probability_of_defeat is not None:
+        probability += " with exact inputs"
+    return f"{found.threat}: {outcome}{margin}, {probability}"
 
 
 def _reliability(contents: Contents) -> Card:
@@ -97,6 +142,8 @@ def _reliability(contents: Contents) -> Card:
     If a scenario says not to include that, the probability is that of its distributions.
     """
     subject, sure, sampled = DEFEAT.label.capitalize(), contents.confidence, contents.uncertainty
+    if len(contents.threats) > 1:
+        subject = f"{subject} that governs, {contents.governing}"
     if sampled is None or (sampled.model_error is None and not is_excluded(contents.scenario)):
         note = sure.reason or (from_tests(sure.model_error) if sure.model_error else "")
         return Card(subject, chance(sure.probability_of_defeat), note)
@@ -138,12 +185,27 @@ def _tables(contents: Contents) -> Iterator[tuple[str, Table]]:
             yield "Required ceramic for each back plate", frontier_table(design)
         if design.pareto:
             yield "Pareto front", pareto_table(design)
+    elif len(contents.threats) > 1:
+        yield "Margins against the threats", _margins(contents)
     yield "Stages of the impact", stage_table(contents.impact)
     if contents.uncertainty is not None:
         yield "Results under uncertain inputs", estimate_table(contents.uncertainty)
     yield "Sensitivity to the inputs", elasticity_table(contents.sensitivity)
     for entry in contents.entries:
         yield f"{entry.kind.capitalize()}: {entry.name}", entry_table(entry)
+
+
+def _margins(contents: Contents) -> Table:
+    """Return the margins of the scenario's own armour."""
+    return listing(
+        contents.threats,
+        (Column("threat", prose=True), lambda found: found.threat),
+        (Column("outcome"), lambda found: "defeated" if found.defeated else "perforates"),
+        MARGIN,
+        (REQUIRED, lambda found: found.required_margin_m_s or None),
+        (DEFEAT, lambda found: chance(found.probability_of_defeat)),
+        (Column("note"), lambda found: "governs" if found.threat == contents.governing else ""),
+    )
 
 
 def _charts(contents: Contents) -> Iterator[Chart]:
@@ -155,8 +217,9 @@ def _charts(contents: Contents) -> Iterator[Chart]:
         chart = charts.uncertainty_chart(contents.uncertainty, contents.answer)
         yield replace(chart, title="Probability of perforation")
     yield charts.sensitivity_chart(contents.sensitivity, "Sensitivity to the inputs")
-    yield charts.impact_chart(contents.impact, f"Impact of the {contents.answer.impact.projectile}")
+    # The low chart before the high one, so that the first printed page has room for it.
     yield charts.energy_chart(contents.energy)
+    yield charts.impact_chart(contents.impact, f"Impact of the {contents.answer.impact.projectile}")
 
 
 def _cross_section(contents: Contents) -> CrossSection:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from armour import __version__
 from armour.reporting.charts import parity_chart
-from armour.reporting.report import Report, Section, origin_section
+from armour.reporting.report import Report, Section, filled, origin_section
 from armour.reporting.tables.validation import check_groups, note_rows, suite_tables, verdict
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ def suite_report(result: "SuiteResult", command: str = "") -> Report:
     """Report the outcome of a suite: verdict, tables, and the reasons for the bands; with a command, its origin."""
     sources = {name: _source(checks) for name, checks in check_groups(result).items()}
     sections = [
-        Section(table.title[:1].upper() + table.title[1:], sources.get(table.title, ()), tables=(table,))
+        Section(table.title[:1].upper() + table.title[1:], sources.get(table.title, ()), tables=(filled(table),))
         for table in suite_tables(result)
     ]
     own = [check for check in result.checks if check.status != "not scored" and not check.case.group]

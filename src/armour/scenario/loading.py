@@ -55,6 +55,9 @@ class Scenario(Section):
     """
 
     title: Line = ""
+    author: Line = ""
+    project: Line = ""
+    date: Line = ""
     impact: Impact
     armour: ArmourSection
     model: Model = Model()

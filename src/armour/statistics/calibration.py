@@ -31,6 +31,7 @@ class Residual:
     computed: float
     left_out: float | None  # computed with coefficients fitted to the other tests; None where these are too few
     bound: str  # "at least" or "at most": bound on the ballistic limit that the outcome of a test gives
+    uncertainty: float | None = None  # standard deviation of the measured value, where it is given
 
     @property
     def met(self) -> bool:
@@ -230,6 +231,7 @@ def _with_one_law(
             computed=float(computed[i]),
             left_out=None if np.isnan(left_out[i]) else float(left_out[i]),
             bound=("", "at least", "at most")[m.side],
+            uncertainty=m.uncertainty,
         )
         for i, m in enumerate(tests.measurements)
     )
