@@ -1,7 +1,9 @@
 """The public names."""
 
 import ast
+import doctest
 import pkgutil
+import re
 import subprocess
 import sys
 import tomllib
@@ -92,3 +94,15 @@ def test_the_names_of_modules_are_not_those_of_functions():
     code = "import armour.sweeps.sweep, armour.reporting.report; from armour import sweep, report; print(sweep, report)"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.count("<function") == 2
+
+
+def test_a_suite_and_a_library_are_shown_in_a_line():
+    assert repr(armour.load_suite(armour.paper_suite())).endswith("cases of paper.toml>")
+    assert re.fullmatch(r"<Library: \d+ projectiles, \d+ ceramics, \d+ metals>", repr(armour.shipped_library()))
+
+
+def test_the_examples_of_the_docstrings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    for name in dir(armour):
+        test = doctest.DocTestParser().get_doctest(getattr(armour, name).__doc__, {}, name, None, None)
+        assert doctest.DocTestRunner().run(test).failed == 0

@@ -19,9 +19,10 @@ def test_every_public_name_has_its_entry():
 
 
 def test_every_parameter_of_a_public_function_is_described():
+    text = PAGE.read_text()
     for name in dir(armour):
         thing = getattr(armour, name)
         if inspect.isfunction(thing):
-            entry = page().partition(f"### {name}\n")[2].partition("\n### ")[0]
+            entry = text.partition(f"### {name}\n")[2].partition("\n### ")[0]
             for parameter in inspect.signature(thing).parameters:
                 assert f"* `{parameter}`" in entry, f"{name}: {parameter}"

@@ -35,6 +35,12 @@ def test_rows_of_results():
     assert design_result().to_dataframe("pareto") == {}
 
 
+def test_numbers_and_texts_in_a_column(library: str):
+    found = data_frame({"a": [1.5, "defeated", None], "b": [1.5, 2.5, None]})
+    mixed = [1.5, "defeated", None] if library == "pandas" else ["1.5", "defeated", None]
+    assert found == {"a": mixed, "b": [1.5, 2.5, None]}
+
+
 def test_without_a_library(monkeypatch: pytest.MonkeyPatch):
     for name in ("pandas", "polars"):
         monkeypatch.setitem(sys.modules, name, None)

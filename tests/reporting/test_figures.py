@@ -79,3 +79,5 @@ def test_what_cannot_be_drawn(folder: Path):
                 plot(result)
     with pytest.raises(InputError, match="numbers over one or two keys"):
         plot(sweep(scenario(), {"impact.velocity_m_s": [700.0, 800.0]}, "outcome"))
+    with pytest.raises(InputError, match="numbers over one or two keys"):
+        plot(sweep(scenario(), {"armour.backing": ["6061-T6", "5083-H3"]}, "areal_density_kg_m2"))

@@ -1,8 +1,13 @@
 """Results as HTML for a notebook."""
 
+import sys
 from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
 
 from armour.analysis.confidence import confidence
+from armour.analysis.results import TableResult
 from armour.reporting import notebook
 from tests.helpers.cases import scenario
 from tests.helpers.results import impact
@@ -18,6 +23,22 @@ def test_every_result_has_its_tables_and_its_line(folder: Path):
         assert html.count("<table") >= 1
         assert "\n" not in repr(result)
         assert len(repr(result)) < 200
+
+
+def test_rows_are_columns_of_equal_lengths(folder: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=dict))
+    framed = {name: found for name, (found, _) in results(folder).items() if isinstance(found, TableResult)}
+    assert framed.keys() == {
+        "CalibrationResult",
+        "SensitivityResult",
+        "SuiteResult",
+        "SweepResult",
+        "UncertaintyResult",
+    }
+    for found in framed.values():
+        lengths = {len(values) for values in found.to_dataframe().values()}
+        assert len(lengths) == 1
+        assert lengths != {0}
 
 
 def test_the_tables_are_those_of_the_command():

@@ -50,10 +50,37 @@ def test_a_table_of_cases(tmp_path: Path):
     assert sweep(scenario(), str(cases), "areal_density_kg_m2")[BACKING].tolist() == [7.0, 3.0]
 
 
+@pytest.mark.parametrize("output", [None, "table.csv"])
+def test_names_of_materials(tmp_path: Path, output: str | None):
+    over: dict[str, Values] = {"armour.backing": ["5083-H3", "6061-T6"], BACKING: [5.0, 7.0]}
+    found = sweep(scenario(), over, "areal_density_kg_m2", output and tmp_path / output)
+    assert found["armour.backing"].tolist() == ["5083-H3"] * 2 + ["6061-T6"] * 2
+    assert found["areal_density_kg_m2"][1] == pytest.approx(
+        scenario(backing="5083-H3", backing_mm=7.0).areal_density_kg_m2()
+    )
+
+
+def test_a_wrong_name_says_where_it_is():
+    with pytest.raises(InputError, match=r'armour.backing.*"6061"'):
+        sweep(scenario(), {"armour.backing": ["6061"]}, "areal_density_kg_m2")
+
+
+def test_names_in_a_table_of_cases(tmp_path: Path):
+    cases = csv_file(tmp_path / "cases.csv", f"armour.backing,{BACKING}", "5083-H3,7", "6061-T6,5")
+    found = sweep(scenario(), cases, "areal_density_kg_m2")
+    assert found["armour.backing"].tolist() == ["5083-H3", "6061-T6"]
+
+
+def test_a_range_whose_end_is_omitted():
+    found = sweep(scenario(), {"impact.velocity_m_s": {"min": 700.0, "max": 750.0, "step": 20.0}}, "duration_us")
+    assert found["impact.velocity_m_s"].tolist() == [700.0, 720.0, 740.0]
+    assert "the last value is 740, since 750" in found.warnings[0]
+
+
 def test_rows_outside_what_the_model_was_compared_with():
     [warning] = sweep(scenario(), {BACKING: [6.0, 60.0]}, "areal_density_kg_m2").warnings
     assert BACKING in warning
-    assert "1 rows" in warning
+    assert "1 of 2 rows" in warning
 
 
 @pytest.mark.parametrize(

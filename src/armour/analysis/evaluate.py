@@ -16,7 +16,7 @@ from armour.analysis.variants import Floats, Ints, Variants, grid_of, variants_o
 from armour.errors import InputError, Problem, choices, refuse
 from armour.scenario.assignments import canonical
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import INPUTS, Place, check_rows, in_row
+from armour.scenario.parameters import INPUTS, NAMES, Place, check_rows, in_row
 from armour.scenario.reach import check_known, check_reach
 
 
@@ -28,7 +28,7 @@ class Group(NamedTuple):
 
 
 def evaluate(
-    scenario: Scenario, columns: Mapping[str, Floats], quantities: Sequence[str], threads: int | None = None
+    scenario: Scenario, columns: Mapping[str, Any], quantities: Sequence[str], threads: int | None = None
 ) -> dict[str, Any]:
     """Return quantities by name, each an array, (n,), for n rows of values by key of the scenario or name of input.
 
@@ -37,7 +37,7 @@ def evaluate(
     """
     check_quantities(scenario, quantities, "evaluate", "quantities")
     columns = _checked(columns)
-    check_keys(scenario, {key: float(values[0]) for key, values in columns.items()}, quantities, "evaluate")
+    check_keys(scenario, {key: values[0].item() for key, values in columns.items()}, quantities, "evaluate")
     return evaluate_groups(groups_of(scenario, columns), quantities, threads)
 
 
@@ -53,20 +53,22 @@ def check_quantities(scenario: Scenario, quantities: Sequence[str], file: str, k
     refuse(problems)
 
 
-def _checked(columns: Mapping[str, Floats]) -> dict[str, Floats]:
-    """Return columns as arrays of numbers, (n,), with n of at least 1."""
+def _checked(columns: Mapping[str, Any]) -> dict[str, Any]:
+    """Return columns as arrays of numbers, or of names of projectiles and materials, (n,), with n of at least 1."""
     found = {key: np.asarray(values) for key, values in columns.items()}
     problems = []
     for key, values in found.items():
-        if values.ndim != 1 or values.dtype.kind not in "iuf" or not len(values):
+        allowed = "U" if key in NAMES.values() else "iuf"
+        if values.ndim != 1 or values.dtype.kind not in allowed or not len(values):
             shape = f"an array of shape {values.shape} of {values.dtype}"
-            problems.append(Problem("evaluate", key, f"must be a column of at least one number, found {shape}"))
+            what = "name" if allowed == "U" else "number"
+            problems.append(Problem("evaluate", key, f"must be a column of at least one {what}, found {shape}"))
     counts = {key: len(values) for key, values in found.items() if values.ndim == 1}
     if len(set(counts.values())) > 1:
         listed = ", ".join(f"{key} {count}" for key, count in counts.items())
         problems.append(Problem("evaluate", "columns", f"must be of equal lengths, found {listed}"))
     refuse(problems)
-    return {key: values.astype(np.float64) for key, values in found.items()}
+    return {key: values if key in NAMES.values() else values.astype(np.float64) for key, values in found.items()}
 
 
 def check_keys(scenario: Scenario, row: Mapping[str, float | str], quantities: Sequence[str], file: str) -> None:

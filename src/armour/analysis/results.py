@@ -48,13 +48,22 @@ class TableResult(Result):
 
 def data_frame(columns: Mapping[str, Any]) -> Any:
     """Return columns as a data frame of pandas, or else of polars."""
-    for name in ("pandas", "polars"):
+    for name, made in (("pandas", dict), ("polars", _uniform)):
         try:
-            return import_module(name).DataFrame(dict(columns))
+            return import_module(name).DataFrame(made(columns))
         except ModuleNotFoundError as error:
             if error.name != name:
                 raise
     raise ModuleNotFoundError("a data frame needs pandas or polars; install one of them")
+
+
+def _uniform(columns: Mapping[str, Any]) -> dict[str, Any]:
+    """Return columns with those of numbers and texts as texts, since those of polars have one type."""
+    mixed = {key for key, values in columns.items() if {float, str} <= set(map(type, values))}
+    return {
+        key: [None if value is None else str(value) for value in values] if key in mixed else values
+        for key, values in columns.items()
+    }
 
 
 def by_column(rows: Any) -> dict[str, list[Any]]:

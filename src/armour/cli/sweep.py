@@ -88,7 +88,7 @@ def sweep(
 
 def _source(over: list[str], cases: Path | None) -> "Grid | Cases":
     """Return the rows to compute."""
-    from armour.sweeps.cases import Cases, Grid, axis_of
+    from armour.sweeps.cases import Cases, Grid, axis_of, omission
 
     if (cases is None) == (not over):
         raise InputError([Problem("sweep", "", "give either --over or --cases")])
@@ -97,8 +97,7 @@ def _source(over: list[str], cases: Path | None) -> "Grid | Cases":
     axes = tuple(axis_of(text) for text in over)
     for axis in axes:
         if axis.omitted is not None:
-            last = f"the last value is {axis.values[-1]:g}, since {axis.omitted:g} is no whole number of steps away"
-            say(f"warning: --over {axis.key}: {last}")
+            say(f"warning: --over {axis.key}: {omission(axis)}")
     return Grid(axes)
 
 

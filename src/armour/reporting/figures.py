@@ -63,7 +63,7 @@ CalibrationResult, FiringResult, SuiteResult or SweepResult
     Examples
     --------
     >>> import armour
-    >>> scenario = armour.load_scenario("scenarios/wilkins.toml")
+    >>> scenario = armour.load_scenario("wilkins")
     >>> figure = armour.plot(armour.simulate(scenario, history=True), scenario)
     >>> figure.savefig("impact.png")
     """
@@ -95,7 +95,8 @@ def _v50(result: "FiringResult", source: _Source) -> Chart:
 
 
 def _sweep(result: "SweepResult", source: _Source) -> Chart:
-    if len(result.keys) > 2 or result.quantities[0] == "outcome":
+    drawn = [result[name] for name in (*result.keys, result.quantities[0])]
+    if len(result.keys) > 2 or any(values.dtype.kind not in "iuf" for values in drawn):
         raise _missing("result", "must be a sweep of numbers over one or two keys")
     return charts.sweep_chart(result.columns, result.keys, result.quantities[0], source.scenario or result.scenario)
 

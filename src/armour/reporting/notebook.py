@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from armour.reporting.html import html_tables
-from armour.reporting.table import Column, Table, column_of
+from armour.reporting.table import Table, column_of
 from armour.reporting.tables.comparison import comparison_tables
 from armour.reporting.tables.confidence import confidence_note
 from armour.reporting.tables.design import design_tables
@@ -32,7 +32,7 @@ def sweep_tables(result: "SweepResult") -> list[Table | str]:
     """Return the first rows of a sweep."""
     columns = result.columns
     shown = tuple(zip(*(values[:SWEEP_ROWS].tolist() for values in columns.values()), strict=True))
-    headings: list[Column] = [column_of(name, "" if name == "outcome" else ".6g") for name in columns]
+    headings = [column_of(name, ".6g" if values.dtype.kind in "iuf" else "") for name, values in columns.items()]
     notes = [f"the first {SWEEP_ROWS} of {result.rows:,} rows"] if result.rows > SWEEP_ROWS else []
     return [Table(tuple(headings), shown), *notes]
 

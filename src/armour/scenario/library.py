@@ -192,7 +192,7 @@ def is_rod(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
     return (SLENDERNESS[0] * unit_g <= mass_g) & (mass_g <= SLENDERNESS[1] * unit_g)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Library:
     """Library of projectiles and materials.
 
@@ -203,6 +203,9 @@ class Library:
     """
 
     entries: Mapping[Kind, Mapping[str, LibraryEntry]] = field(default_factory=lambda: {kind: {} for kind in KINDS})
+
+    def __repr__(self) -> str:
+        return f"<Library: {', '.join(f'{len(names)} {kind}s' for kind, names in self.entries.items())}>"
 
     def names(self, kind: Kind) -> list[str]:
         """Return the names of a kind, in the order of the files."""

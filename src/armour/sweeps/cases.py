@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from armour.analysis.variants import Floats
 from armour.errors import InputError, Problem
 from armour.files import check_unreserved, reason
 from armour.scenario.assignments import parts_of
@@ -37,10 +36,10 @@ _CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f]")
 
 @dataclass(frozen=True)
 class Axis:
-    """A key and its values."""
+    """A key and its values: numbers, or names of projectiles or materials."""
 
     key: str
-    values: tuple[float, ...]
+    values: tuple[float, ...] | tuple[str, ...]
     omitted: float | None = None  # end of a range that is no whole number of steps from its start
 
 
@@ -70,16 +69,16 @@ class Grid:
         """A hash of keys and values."""
         return sha256(repr(self.axes).encode()).hexdigest()
 
-    def chunks(self, size: int) -> Iterator[dict[str, Floats]]:
+    def chunks(self, size: int) -> Iterator[dict[str, Any]]:
         """Yield the combinations as columns by key, ``size`` rows at a time."""
         for start in range(0, self.count, size):
             yield self._rows(np.arange(start, min(start + size, self.count)))
 
-    def sample(self, size: int) -> dict[str, Floats]:
+    def sample(self, size: int) -> dict[str, Any]:
         """Return some rows spread over the grid, as columns by key."""
         return self._rows(np.linspace(0, self.count - 1, min(size, self.count)).astype(np.int64))
 
-    def _rows(self, places: NDArray[np.int64]) -> dict[str, Floats]:
+    def _rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
         indices = np.unravel_index(places, [len(axis.values) for axis in self.axes])
         return {axis.key: np.array(axis.values)[i] for axis, i in zip(self.axes, indices, strict=True)}
 
@@ -88,7 +87,8 @@ class Grid:
         if problem.key in self.keys:
             return Problem("command line", f"--over {problem.key}", problem.message)
         indices = np.unravel_index(start + row, [len(axis.values) for axis in self.axes])
-        values = (f"{axis.key}={axis.values[i]:g}" for axis, i in zip(self.axes, indices, strict=True))
+        found = ((axis.key, axis.values[i]) for axis, i in zip(self.axes, indices, strict=True))
+        values = (f"{key}={value}" if isinstance(value, str) else f"{key}={value:g}" for key, value in found)
         return Problem("command line", f"--over {', '.join(values)}", f"{problem.key}: {problem.message}")
 
 
@@ -225,24 +225,32 @@ def _names(lines: Sequence[str], keys: Sequence[str]) -> dict[str, Any]:
     return {key: np.array(cells) for key, cells in names.items()}
 
 
+def range_axis(key: str, low: float, high: float, step: float) -> Axis:
+    """Return the axis of evenly spaced values; raise a ValueError if they are none, or too many."""
+    # A range is one of thicknesses, which a value of another key may lie below.
+    above_low = Range.model_validate({"min": 0.0, "max": high - low, "step": step}).values()
+    values = tuple(round(low + value, 9) for value in above_low)
+    return Axis(key, values, high if high - values[-1] > 1e-3 * step else None)
+
+
+def omission(axis: Axis) -> str:
+    """Return which end of a range is omitted."""
+    return f"the last value is {axis.values[-1]:g}, since {axis.omitted:g} is no whole number of steps away"
+
+
 def axis_of(text: str) -> Axis:
     """Parse an axis from ``KEY=MIN:MAX:STEP`` or ``KEY=VALUE,VALUE,...``."""
     key, _, values = text.rpartition("=")
-    omitted = None
     try:
         key = key_name(parts_of(key))
         if "_" in values or not values.isascii():
             raise ValueError
         if ":" in values:
             low, high, step = (float(part) for part in values.split(":"))
-            # A range is one of thicknesses, which a value of another key may lie below.
-            above_low = Range.model_validate({"min": 0.0, "max": high - low, "step": step}).values()
-            found = tuple(round(low + value, 9) for value in above_low)
-            omitted = high if high - found[-1] > 1e-3 * step else None
-        else:
-            found = tuple(float(part) for part in values.split(","))
+            return range_axis(key, low, high, step)
+        found = tuple(float(part) for part in values.split(","))
         if len(found) <= MAX_VALUES:
-            return Axis(key, found, omitted)
+            return Axis(key, found)
     except ValueError:
         pass
     message = f'must be KEY=MIN:MAX:STEP or KEY=VALUE,VALUE,... of at most {MAX_VALUES} numbers, found "{text}"'

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
@@ -16,10 +17,11 @@ from armour.analysis.results import TableResult
 from armour.analysis.variants import Floats, OnProgress, ignore_progress, outside_limits
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
-from armour.scenario.messages import describe, validated
-from armour.scenario.schema import Range
+from armour.scenario.messages import Section, describe, validated
+from armour.scenario.parameters import NAMES
+from armour.scenario.schema import MAX_VALUES
 from armour.sweeps import sweep as in_chunks
-from armour.sweeps.cases import Axis, Cases, Grid
+from armour.sweeps.cases import Axis, Cases, Grid, omission, range_axis
 from armour.sweeps.tables import read_table
 
 # Rows that are kept in memory; more go to a file.
@@ -27,8 +29,16 @@ MAX_ROWS = 10_000_000
 # Characters of a wrong value in a message.
 MAX_SHOWN = 60
 
-# Values of a key: numbers, or a range with min, max and step.
-Values = Sequence[float] | Floats | Mapping[str, float]
+# Values of a key: numbers or names, or a range with min, max and step.
+Values = Sequence[float] | Sequence[str] | Floats | Mapping[str, float]
+
+
+class _Range(Section):
+    """Evenly spaced values."""
+
+    min: float
+    max: float
+    step: float
 
 
 @dataclass(frozen=True, repr=False)
@@ -46,7 +56,7 @@ class SweepResult(TableResult):
     output : Path or None
         File of the table; None where it is kept in memory.
     warnings : tuple of str
-        Limits of what the model was compared with that rows lie outside of.
+        Limits of what the model was compared with that rows lie outside of, and ends of ranges that are omitted.
     columns : dict of str to array
         Column by name, read from the file when it is first used.  A question without an answer gives NaN.
     """
@@ -95,8 +105,8 @@ def sweep(
     scenario : Scenario
     over : mapping of str to values, or path-like
         Values by dotted key; every combination is computed, and the last key changes fastest.  Values are a sequence
-        or an array of numbers, or a range, ``{"min": 4.0, "max": 12.0, "step": 0.5}``.  A path is that of a CSV file
-        whose header names keys, with a case on each line.
+        or an array of numbers, or a range, ``{"min": 4.0, "max": 12.0, "step": 0.5}``; for the projectile and the
+        materials names.  A path is that of a CSV file whose header names keys, with a case on each line.
     quantities : str or sequence of str, default "ballistic_limit_m_s"
         Names of quantities; ``armour sweep --help`` lists them.
     output : path-like, optional
@@ -120,7 +130,7 @@ def sweep(
     Examples
     --------
     >>> import armour
-    >>> scenario = armour.load_scenario("scenarios/wilkins.toml")
+    >>> scenario = armour.load_scenario("wilkins")
     >>> found = armour.sweep(scenario, {"armour.ceramic_thickness_mm": [4.0, 6.0, 8.0, 10.0]})
     >>> found["ballistic_limit_m_s"].round(1)
     array([607.7, 711. , 778.2, 841.8])
@@ -129,7 +139,8 @@ def sweep(
     if not names:
         raise InputError([Problem("sweep", "quantities", "must name at least one quantity, found none")])
     source = _source(over)
-    warnings: list[str] = []
+    axes = source.axes if isinstance(source, Grid) else ()
+    warnings = [f"{axis.key}: {omission(axis)}" for axis in axes if axis.omitted is not None]
     computed: Mapping[str, Any] = {}
     if output is None:
         if source.count > MAX_ROWS:
@@ -159,20 +170,25 @@ def _source(over: Mapping[str, Values] | str | PathLike[str]) -> Grid | Cases:
         return Cases(Path(over))
     if not over:
         raise InputError([Problem("sweep", "over", "must hold at least one key with its values, found none")])
-    return Grid(tuple(Axis(key, _numbers(key, values)) for key, values in over.items()))
+    return Grid(tuple(_axis(key, values) for key, values in over.items()))
 
 
-def _numbers(key: str, values: Values) -> tuple[float, ...]:
-    """Return the values of a key."""
+def _axis(key: str, values: Values) -> Axis:
+    """Return a key with its values."""
     if isinstance(values, Mapping):
-        return validated(Range, dict(values), f"sweep: {key}").values()
+        section = validated(_Range, dict(values), f"sweep: {key}")
+        with suppress(ValueError):
+            return range_axis(key, section.min, section.max, section.step)
     found = np.asarray(values)
-    if found.ndim != 1 or not found.size or found.dtype.kind not in "iuf" or not np.isfinite(found).all():
-        shown = describe(values) if isinstance(values, str) else repr(values)[:MAX_SHOWN]
-        message = f"must be numbers, or a range with min, max and step, found {shown}"
-        raise InputError([Problem("sweep", key, message)])
-    numbers: list[float] = found.astype(np.float64).tolist()
-    return tuple(numbers)
+    is_name = key in NAMES.values()
+    if found.ndim == 1 and found.size and found.dtype.kind in ("U" if is_name else "iuf"):
+        if is_name:
+            return Axis(key, tuple(found.tolist()))
+        if np.isfinite(found).all():
+            return Axis(key, tuple(found.astype(np.float64).tolist()))
+    must = "names" if is_name else f"numbers, or a range with min, max and step of at most {MAX_VALUES:,} values"
+    shown = describe(values) if isinstance(values, str) else repr(values)[:MAX_SHOWN]
+    raise InputError([Problem("sweep", key, f"must be {must}, found {shown}")])
 
 
 def _outside(scenario: Scenario, columns: Mapping[str, Floats], quantities: Sequence[str]) -> list[str]:
@@ -180,4 +196,5 @@ def _outside(scenario: Scenario, columns: Mapping[str, Floats], quantities: Sequ
     outside: Counter[str] = Counter()
     for group in groups_of(scenario, columns):
         outside.update(dict(outside_limits(group.variants, velocities="impact" in reads_of(quantities))))
-    return [f"{limit}; {number:,} rows lie outside" for limit, number in outside.items()]
+    rows = len(next(iter(columns.values())))
+    return [f"{limit}; this concerns {number:,} of {rows:,} rows" for limit, number in outside.items()]

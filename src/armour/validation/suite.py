@@ -243,7 +243,7 @@ class Case:
         return f"{self.group}: {self.name}" if self.group else self.name
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Suite:
     """Cases, and the tables to which they belong.
 
@@ -261,6 +261,9 @@ class Suite:
     cases: tuple[Case, ...]
     tables: tuple[TableSection, ...]
     description: str = ""
+
+    def __repr__(self) -> str:
+        return f"<Suite: {len(self.cases)} cases of {self.file.name}>"
 
     def only(self, text: str) -> "Suite":
         """Return the suite with only the cases whose name contains the text; raise InputError if there is none."""
