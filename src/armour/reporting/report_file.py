@@ -49,7 +49,9 @@ def report(
         from armour.reporting.contents import contents_of
         from armour.reporting.scenario_report import scenario_report
 
-        made = scenario_report(contents_of(subject, on_progress, as_is=as_is), f'armour.report(scenario, "{path}")')
+        option = ", as_is=True" if as_is else ""
+        contents = contents_of(subject, on_progress, as_is=as_is)
+        made = scenario_report(contents, f'armour.report(scenario, "{path}"{option})')
     else:
         from armour.reporting.suite_report import suite_report
 
