@@ -45,11 +45,10 @@ EXAMPLES = [
 
 
 @pytest.fixture
-def repository(folder: Path) -> Path:
-    """A folder laid out as the repository, to run its examples in."""
-    for name in ("docs", "scenarios", "suites", "tests"):
-        (folder / name).symlink_to(REPOSITORY / name)
-    return folder
+def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder to run the examples in, as a newcomer does who has installed the program."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
 
 
 def plain(line: str) -> str:
@@ -57,7 +56,7 @@ def plain(line: str) -> str:
 
 
 @pytest.mark.parametrize("commands", SESSIONS)
-@pytest.mark.usefixtures("repository")
+@pytest.mark.usefixtures("empty")
 def test_a_session_prints_what_it_shows(cli, commands: list[tuple[str, list[str]]]):
     for command, lines in commands:
         result = cli(*shlex.split(re.split("  #| > ", command)[0])[1:])
@@ -69,7 +68,7 @@ def test_a_session_prints_what_it_shows(cli, commands: list[tuple[str, list[str]
 
 
 @pytest.mark.parametrize("code", EXAMPLES)
-@pytest.mark.usefixtures("repository")
+@pytest.mark.usefixtures("empty")
 def test_a_python_example_prints_what_its_comments_show(code: str):
     printed = io.StringIO()
     with redirect_stdout(printed):

@@ -16,7 +16,6 @@ from armour.cli.app import COMMANDS, app
 from tests.cli.test_docs import PAGES, sessions
 from tests.helpers.cases import SCENARIOS
 
-REPOSITORY = SCENARIOS.parent
 WILKINS = SCENARIOS / "wilkins.toml"
 TAKE_A_SCENARIO = ("simulate", "ballistic-limit", "optimise", "sensitivity", "compare", "uncertainty")
 
@@ -39,8 +38,6 @@ def is_part_of_another(example: str) -> bool:
 
 @pytest.mark.parametrize("example", [example for example in EXAMPLES if not is_part_of_another(example)])
 def test_the_examples_of_the_help_run(cli, folder: Path, example: str):
-    for name in ("scenarios", "suites"):
-        (folder / name).symlink_to(REPOSITORY / name)
     if "--force" in example:
         (folder / "mine.toml").touch()
     result = cli(*shlex.split(example))

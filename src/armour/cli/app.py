@@ -46,27 +46,27 @@ def _armour(
     """
 
 
-W, P = "scenarios/wilkins.toml", "scenarios/paper"
+W, P = "wilkins", "paper"
 
 # Each command with examples, which the tests run.
 COMMANDS: dict[Callable[..., None], tuple[str, ...]] = {
     simulate: (f"simulate {W}", f"simulate {W} --velocity 900 --history run.csv --plot run.svg"),
     ballistic_limit: (f"ballistic-limit {W}", f"ballistic-limit {W} --set armour.ceramic_thickness_mm=8 --json"),
     optimise: (
-        f"optimise {P}/optimum_7.62mm_AP.toml --refine --plot optimum.svg",
-        "optimise scenarios/catalogue.toml --csv front.csv",
+        f"optimise {P}/optimum_7.62mm_AP --refine --plot optimum.svg",
+        "optimise catalogue --csv front.csv",
     ),
     sweep: (f"sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",),
     calibrate: (
-        f"calibrate scenarios/tests/wilkins.csv {W} --write calibrated.toml --plot fit.svg",
-        f"calibrate scenarios/tests/wilkins.csv {W} --law backing --write-scenario fitted.toml",
+        f"calibrate wilkins.csv {W} --write calibrated.toml --plot fit.svg",
+        f"calibrate wilkins.csv {W} --law backing --write-scenario fitted.toml",
     ),
-    uncertainty: ("uncertainty scenarios/uncertain.toml --plot uncertainty.svg",),
+    uncertainty: ("uncertainty uncertain --plot uncertainty.svg",),
     sensitivity: (f"sensitivity {W} --plot sensitivity.svg",),
-    v50: (f"v50 scenarios/tests/shots.csv {W} --plot v50.svg",),
-    report: (f"report {P}/optimum_7.62mm_AP.toml -o report.html", "report suites/paper.toml -o suite.html"),
+    v50: (f"v50 shots.csv {W} --plot v50.svg",),
+    report: (f"report {P}/optimum_7.62mm_AP -o report.html", "report paper -o suite.html"),
     compare: (f"compare {W}",),
-    validate: ("validate", "validate suites/paper.toml --junit junit.xml"),
+    validate: ("validate", "validate paper --junit junit.xml"),
     figures: ("figures . --only fig09",),
     init: ("init mine.toml", "init mine.toml --from paper/fig9_4mm --force"),
     schema: ("schema",),
