@@ -87,8 +87,15 @@ def test_what_costs_nothing():
 
 
 def test_nothing_on_offer():
-    with pytest.raises(NoDesignError, match=r"^no design in the catalogue meets the constraints of \[design\]$"):
+    thinnest = optimise(catalogue(minimise="thickness_mm")).best.thickness_mm
+    least = f"the thinnest design that defeats every threat has {thinnest:.4g} mm, at most 5 mm is allowed"
+    with pytest.raises(NoDesignError, match=rf"^design\.thickness_max_mm: {least}$"):
         optimise(catalogue(thickness_max_mm=5.0))
+    lightest, cheapest = optimise(catalogue()).best, optimise(catalogue(minimise="cost_per_m2")).best
+    apart = {"cost_max_per_m2": cheapest.cost_per_m2, "areal_density_max_kg_m2": lightest.areal_density_kg_m2}
+    assert lightest.cost_per_m2 > cheapest.cost_per_m2
+    with pytest.raises(NoDesignError, match=r"; no design keeps to all of them at once$"):
+        optimise(catalogue(**apart))
     fast = [{"projectile": "7.62 mm AP", "velocity_m_s": 2500.0}]
     with pytest.raises(NoDesignError, match=r"^no design defeats 7.62 mm AP at 2500 m/s; offer thicker layers"):
         optimise(catalogue(fast))

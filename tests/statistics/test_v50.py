@@ -78,7 +78,7 @@ def test_the_models_limit_beside_it():
     [
         ("700,partial", "result: must have at least one partial and one complete penetration, found only partial ones"),
         ("700,complete\n710,complete", "found only complete ones"),
-        ("700,part\n710,complete", 'line 2: result: must be "partial" or "complete", found "part"'),
+        ("700,part\n710,complete", 'line 2: result: must be "partial" or "complete", or P or C, found "part"'),
         (",partial\n710,complete", 'line 2: velocity_m_s: must be at least 1 and at most 10000, found ""'),
         ("-700,partial\n710,complete", 'line 2: velocity_m_s: must be at least 1 and at most 10000, found "-700"'),
     ],
@@ -135,3 +135,9 @@ def test_settings_out_of_range(settings: dict[str, Any], message: str):
 def test_shots_that_are_none(shots: Shots, message: str):
     with pytest.raises(InputError, match=message):
         v50(shots)
+
+
+def test_results_in_other_spellings(tmp_path: Path):
+    path = tmp_path / "shots.csv"
+    path.write_text("velocity_m_s,result\n700,P\n710,Partial\n715,COMPLETE\n720,c\n")
+    assert read_shots(path).complete == (False, False, True, True)

@@ -25,6 +25,14 @@ if TYPE_CHECKING:
 
 NO_ERROR = "the error of the model is not known"
 SMALLER = {"areal_density_kg_m2": "lighter", "thickness_mm": "thinner", "cost_per_m2": "cheaper"}
+# Keys of [design] that bound a quantity, its unit, and what a design with the least of it is called.
+CONSTRAINTS = {
+    "areal_density_kg_m2": "areal_density_max_kg_m2",
+    "thickness_mm": "thickness_max_mm",
+    "cost_per_m2": "cost_max_per_m2",
+}
+UNITS = {"areal_density_kg_m2": " kg/m²", "thickness_mm": " mm", "cost_per_m2": " per m²"}
+SUPERLATIVES = {"areal_density_kg_m2": "lightest", "thickness_mm": "thinnest", "cost_per_m2": "cheapest"}
 COMPARATIVES = {"areal_density_kg_m2": "heavier", "thickness_mm": "thicker", "cost_per_m2": "dearer"}
 
 
@@ -387,8 +395,9 @@ def _excess(search: Search, place: int, least: float) -> tuple[float | None, str
 def _why_none(search: Search) -> str:
     """Return why no design passes."""
     catalogue, scenario = search.catalogue, search.catalogue.scenario
-    if not len(search.values):
-        return "no design in the catalogue meets the constraints of [design]"
+    bound = _bound_by_constraints(search)
+    if bound or not len(search.values):
+        return bound or "no design in the catalogue meets the constraints of [design]"
     defeating = search.defeating.any()
     if scenario.design is None and not scenario.threat and not defeating:
         grid = grid_of(scenario)
@@ -407,6 +416,35 @@ def _why_none(search: Search) -> str:
     reasons = dict.fromkeys(_why_none_of(search, pair) for pair in range(len(catalogue.offers)))
     known = not all(reason.startswith(NO_ERROR) for reason in reasons)
     return "; ".join(reasons) + ("; offer thicker layers in [design] or [optimise]" if known else "")
+
+
+def _bound_by_constraints(search: Search) -> str:
+    """Return which constraints keep every design out that defeats the threats, and by how much; "" if none does.
+
+    Where inputs are sampled too, this is not searched for.
+    """
+    section, scenario = search.catalogue.section, search.catalogue.scenario
+    given = {name: most for name, key in CONSTRAINTS.items() if (most := getattr(section, key)) is not None}
+    if not given or search.catalogue.sampled:
+        return ""
+    alone = {f"design.{CONSTRAINTS[name]}": None for name in given}
+    needed = {}
+    for name in given:
+        relaxed = scenario.replaced({**alone, "design.minimise": name, "design.pareto": None})
+        requirement = Requirement(catalogue_of(relaxed))
+        free = Search(requirement, candidates_of(requirement))
+        first = free.first(np.arange(len(free.values)))
+        if first is None:
+            return ""
+        needed[name] = float(free.values[first])
+    missed = {name: value for name, value in needed.items() if value > given[name]} or needed
+    parts = (
+        f"design.{CONSTRAINTS[name]}: the {SUPERLATIVES[name]} design that defeats every threat has "
+        f"{value:.4g}{UNITS[name]}, at most {given[name]:g}{UNITS[name]} is allowed"
+        for name, value in missed.items()
+    )
+    both = "; no design keeps to all of them at once" if missed is needed else ""
+    return "; ".join(parts) + both
 
 
 def _why_none_of(search: Search, pair: int) -> str:

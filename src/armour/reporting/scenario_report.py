@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from armour import __version__
+from armour.design.optimise import SUPERLATIVES
 from armour.reporting import charts
 from armour.reporting.chart import Chart
 from armour.reporting.contents import AgainstThreat, Contents, asks_for_design
@@ -14,7 +15,6 @@ from armour.reporting.tables.design import (
     COST,
     MARGIN,
     REQUIRED,
-    SUPERLATIVES,
     best_table,
     frontier_table,
     margin_table,

@@ -18,6 +18,8 @@ from armour.statistics.csv_table import read_rows
 from armour.statistics.penalised_curve import fit_penalised
 from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
 
+# Results of shots by their words in lower case.
+RESULTS = {"partial": "partial", "p": "partial", "complete": "complete", "c": "complete"}
 # Number of shots of each kind in the mean, and the span of their velocities that is usual with it, m/s: 125, 90 and
 # 60 ft/s.  MIL-STD-662F leaves the span to the specification.
 SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
@@ -125,7 +127,8 @@ def read_shots(path: str | PathLike[str]) -> Shots:
     Parameters
     ----------
     path : path-like
-        File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete") and, optionally, ``shot``.
+        File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete", also P or C, in letters of any
+        case) and, optionally, ``shot``.
 
     Returns
     -------
@@ -140,14 +143,15 @@ def read_shots(path: str | PathLike[str]) -> Shots:
     path = Path(path)
     rows, problems = read_rows(path, numbers=names[:1], texts=("shot", "result"), needed=names)
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
-    results = [row.texts.get("result", "") for row in rows]
-    for row, velocity, result in zip(rows, velocities, results, strict=True):
+    given = [row.texts.get("result", "") for row in rows]
+    results = [RESULTS.get(text.lower(), "") for text in given]
+    for row, velocity, result, text in zip(rows, velocities, results, given, strict=True):
         found = row.texts.get("velocity_m_s", "")
         if not found or not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
             message = f'must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found "{found}"'
             problems.append(Problem(str(path), f"{row.place}: velocity_m_s", message))
-        if result not in ("partial", "complete"):
-            message = f'must be "partial" or "complete", found "{result}"'
+        if not result:
+            message = f'must be "partial" or "complete", or P or C, found "{text}"'
             problems.append(Problem(str(path), f"{row.place}: result", message))
     if not problems and len(set(results)) == 1:
         message = f"must have at least one partial and one complete penetration, found only {results[0]} ones"

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from armour.design.optimise import SUPERLATIVES
 from armour.reporting.table import Column, Source, Table, column_of, listing, record
 from armour.reporting.tables.confidence import DEFEAT, chance, error_note
 from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 # Probability of defeat below which the notes say how to ask for more.
 LOW = 0.75
 ASK = "--confidence 0.95 designs for a probability of 95 %"
-SUPERLATIVES = {"areal_density_kg_m2": "lightest", "thickness_mm": "thinnest", "cost_per_m2": "cheapest"}
 CERAMIC, BACKING = column_of("ceramic"), column_of("backing")
 # Thicknesses are shown with at most 3 decimals, and with no more than those of a table need.
 CERAMIC_THICKNESS = column_of("ceramic_thickness_mm", ".3f")
