@@ -230,3 +230,9 @@ def test_a_column_without_a_value_is_left_out():
     assert filled(table).texts() == [["x", ""], ["", "1.0"]]
     empty = Table(table.columns, ())
     assert filled(empty) == empty
+
+
+def test_inputs_are_in_words():
+    [section] = [section for section in report(wilkins()).sections if section.heading == "Sensitivity to the inputs"]
+    names = [row[0] for row in section.tables[0].rows]
+    assert {"back plate thickness, mm", "ceramic flow stress, GPa", "penetrator mass, g"} <= set(names)

@@ -190,7 +190,7 @@ def _tables(contents: Contents) -> Iterator[tuple[str, Table]]:
     yield "Stages of the impact", stage_table(contents.impact)
     if contents.uncertainty is not None:
         yield "Results under uncertain inputs", estimate_table(contents.uncertainty)
-    yield "Sensitivity to the inputs", elasticity_table(contents.sensitivity)
+    yield "Sensitivity to the inputs", _in_words(elasticity_table(contents.sensitivity))
     for entry in contents.entries:
         yield f"{entry.kind.capitalize()}: {entry.name}", entry_table(entry)
 
@@ -206,6 +206,11 @@ def _margins(contents: Contents) -> Table:
         (DEFEAT, lambda found: chance(found.probability_of_defeat)),
         (Column("note"), lambda found: "governs" if found.threat == contents.governing else ""),
     )
+
+
+def _in_words(table: Table) -> Table:
+    """Return a table of inputs, the first column, with their words and units in place of their names."""
+    return replace(table, rows=tuple((charts.quantity_axis(str(name)).heading, *rest) for name, *rest in table.rows))
 
 
 def _charts(contents: Contents) -> Iterator[Chart]:
