@@ -10,15 +10,15 @@ import numpy as np
 
 from armour.analysis.results import Result, by_column, data_frame
 from armour.analysis.variants import Ints, OnProgress, grid_of, ignore_progress
+from armour.core.state import Parameters
 from armour.design.candidates import candidates_of
 from armour.design.catalogue import MARGIN, Catalogue, catalogue_of
 from armour.design.requirement import Requirement
 from armour.design.search import Search
 from armour.errors import NoDesignError, Problem, refuse
-from armour.scenario.applicability import model_error, warnings_of
+from armour.scenario.applicability import armour_warnings, error_on_tests, given_error, is_excluded
 from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import BACKING, CERAMIC
 
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
@@ -265,8 +265,12 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
 
 def _outside(search: Search, place: int) -> list[str]:
     """Return the ways in which a design and its threats are unlike what the model was compared with."""
-    threats = search.catalogue.threats
-    found = (warnings_of(_against(search, place, i), threat.velocity_m_s) for i, threat in enumerate(threats))
+    catalogue = search.catalogue
+    ceramic = catalogue.offers[search.candidates.pair[place]].ceramic.material or None
+    found = (
+        armour_warnings(_armour(search, place, i), ceramic, threat.velocity_m_s)
+        for i, threat in enumerate(catalogue.threats)
+    )
     return list(dict.fromkeys(chain.from_iterable(found)))
 
 
@@ -345,7 +349,7 @@ def _best(search: Search, place: int) -> BestDesign:
         governing=catalogue.titles[governing],
         probabilities=sampled,
         probabilities_of_defeat=_of_defeat(search, place, sampled),
-        model_error=model_error(_against(search, place, governing)),
+        model_error=_model_error(search, place, governing),
     )
 
 
@@ -357,11 +361,18 @@ def _of_defeat(search: Search, place: int, sampled: "dict[str, Estimate]") -> di
     return own | {title: 1.0 - estimate.value for title, estimate in sampled.items()}
 
 
-def _against(search: Search, place: int, threat: int) -> Scenario:
-    """Return the scenario of a design against a threat."""
-    candidates = search.candidates
-    thicknesses = {CERAMIC: float(candidates.ceramic_mm[place]), BACKING: float(candidates.backing_mm[place])}
-    return search.catalogue.against(int(candidates.pair[place]), threat).replaced(thicknesses)
+def _model_error(search: Search, place: int, threat: int) -> ModelError | None:
+    """Return the error of the model for a design against a threat."""
+    scenario = search.catalogue.scenario
+    if is_excluded(scenario):
+        return None
+    return given_error(scenario) or error_on_tests(_armour(search, place, threat))
+
+
+def _armour(search: Search, place: int, threat: int) -> Parameters:
+    """Return a design and the projectile of a threat as parameters of the core."""
+    [row] = search.catalogue.variants(search.candidates.at(np.array([place])), threat).parameters.tolist()
+    return Parameters(*row)
 
 
 def _pairs(search: Search, best: int) -> tuple[Pair, ...]:

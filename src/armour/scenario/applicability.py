@@ -33,7 +33,11 @@ def model_error(scenario: "Scenario") -> ModelError | None:
     given = given_error(scenario)
     if given is not None:
         return given
-    armour = scenario.core_armour()
+    return error_on_tests(scenario.core_armour())
+
+
+def error_on_tests(armour: Parameters) -> ModelError | None:
+    """Return the error of the ballistic limit on tests of such armours; None if there are none."""
     evidence = closest(armour)
     if any(limits.fails(armour) for limits in evidence.kind):
         return None
@@ -67,14 +71,18 @@ def warnings_of(scenario: "Scenario", velocity: float) -> tuple[str, ...]:
 
     `velocity` is the impact velocity or the ballistic limit, m/s.
     """
-    armour = scenario.core_armour()
+    return armour_warnings(scenario.core_armour(), scenario.armour.ceramic, velocity)
+
+
+def armour_warnings(armour: Parameters, ceramic: str | None, velocity: float) -> tuple[str, ...]:
+    """Return the warnings of `warnings_of` on an armour, given the name of its ceramic."""
     limits = limits_of(closest(armour), armour, velocity)
-    return tuple(f"{limit.key}: {limit.words}, found {_found(scenario, limit)}" for limit in limits if limit.outside)
+    return tuple(f"{limit.key}: {limit.words}, found {_found(ceramic, limit)}" for limit in limits if limit.outside)
 
 
-def _found(scenario: "Scenario", limit: Limit) -> str:
+def _found(ceramic: str | None, limit: Limit) -> str:
     if limit.value is None:
-        return f'"{scenario.armour.ceramic}"'
+        return f'"{ceramic}"'
     return f"{limit.value:.0f}" if limit.value >= 100.0 else f"{limit.value:.3g}"
 
 
