@@ -203,7 +203,7 @@ def _plates(
     error: _Error,
     *slenderness: float,
 ) -> Evidence:
-    """Return the evidence of tests of bare plates, by ends of the ranges; fragments have the slenderness of the kind."""
+    """Return the evidence of tests of bare plates, by ends of the ranges; fragments have no range of slenderness."""
     measured = [DataRange(BACKING_RATIO, *ratios), DataRange(BACKING_STRENGTH, *strengths_GPa)]
     if slenderness:
         measured.append(DataRange(SLENDERNESS, *slenderness))
