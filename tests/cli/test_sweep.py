@@ -129,7 +129,7 @@ def test_the_help_lists_every_quantity(cli):
 def test_a_table_that_is_there_is_not_written_over(cli, folder: Path):
     (folder / "t.csv").write_text("mine")
     [line] = cli.fails(2, "sweep", WILKINS, *OVER, "-o", "t.csv")
-    assert line == "t.csv: exists already; choose another name, or remove it"
+    assert line == "t.csv: exists already; choose another name, or --force"
     assert (folder / "t.csv").read_text() == "mine"
 
 

@@ -8,7 +8,7 @@ import typer
 
 from armour.cli import completion
 from armour.cli.console import progress
-from armour.cli.options import Changes, argument, option
+from armour.cli.options import Changes, Force, argument, option
 from armour.cli.runner import check_outputs, read_scenario, say_if_compiling, write
 from armour.cli.scenario_commands import DESIGNS
 from armour.errors import InputError, Problem, refuse
@@ -37,6 +37,7 @@ def report(
     as_is: Annotated[
         bool, option("Report on the scenario's own armour, also where the scenario asks for a design.", "--as-is")
     ] = False,
+    force: Force = False,
     changes: Changes = None,
 ) -> None:
     """Write a report.
@@ -47,7 +48,7 @@ def report(
     from armour.scenario.loading import scenario_file
     from armour.validation.validate import SUITES, suite_file
 
-    check_outputs(output)
+    check_outputs(output, force=force)
     refuse(wrong_ending(output, ENDINGS))
     options = ["--as-is"] * as_is + [word for change in changes or () for word in ("--set", change)]
     command = shlex.join(["armour", "report", str(source), "--output", str(output), *options])

@@ -9,7 +9,7 @@ import typer
 from armour.analysis.quantities import QUANTITIES, reads_of
 from armour.cli import completion
 from armour.cli.console import progress, say
-from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, option
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, option
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
 from armour.errors import InputError, Problem
 
@@ -44,6 +44,7 @@ def sweep(
         ),
     ] = "ballistic_limit_m_s",
     plot: PlotFile = None,
+    force: Force = False,
     threads: Annotated[int | None, option("Threads, at least 1; by default one per core.", min=1)] = None,
     scheduler: Annotated[
         str, option('Compute on the Dask cluster at this address; "local" starts one.', metavar="ADDRESS")
@@ -54,10 +55,12 @@ def sweep(
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
     from armour.sweeps import sweep as sweeps
+    from armour.sweeps.checkpoint import parts_of
     from armour.sweeps.dask import connected, on_cluster
     from armour.sweeps.tables import read_table
 
-    check_outputs(output, plot=plot)
+    begun = parts_of(output).exists()
+    check_outputs(None if begun else output, plot=plot, updated=output if begun else None, force=force)
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
     loaded = read_scenario(scenario, changes, ("impact.projectile", "armour", *reads))
@@ -71,6 +74,7 @@ def sweep(
             source,
             names,
             output,
+            replace=force,
             compute=sweeps.in_process(threads) if client is None else on_cluster(client),
             on_chunk=lambda n, _stored: count(n),
             approve=lambda plan: _approve(plan, yes),

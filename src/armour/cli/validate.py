@@ -8,7 +8,7 @@ import typer
 
 from armour.cli import completion
 from armour.cli.console import progress, say, show
-from armour.cli.options import AsJson, argument, option
+from armour.cli.options import AsJson, Force, argument, option
 from armour.cli.runner import CHECK_FAILED, check_outputs, respond, say_if_compiling
 from armour.errors import Problem, refuse
 
@@ -37,6 +37,7 @@ def validate(
     ] = False,
     markdown: Annotated[Path | None, option("Write the result as Markdown.", "--markdown", metavar="FILE")] = None,
     junit: Annotated[Path | None, option("Write the result as JUnit XML.", "--junit", metavar="FILE")] = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Check the model against a suite of cases.
@@ -56,7 +57,7 @@ def validate(
     if update:
         _check_update(suite if path == suite else None, changes)
     updated = suite if update else None
-    check_outputs(markdown, junit, updated=updated)
+    check_outputs(markdown, junit, updated=updated, force=force)
     chosen = load_suite(path, changes_of(changes or ())).only(only)
     if update and not any(case.regression for case in chosen.cases):
         message = "must be true for the suite, or a case or table without source, to be updated; other values stay"

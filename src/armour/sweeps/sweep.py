@@ -43,6 +43,7 @@ def sweep(
     *,
     compute: Compute | None = None,
     size: int | None = None,
+    replace: bool = False,
     on_chunk: OnChunk = ignore_progress,
     approve: Callable[[Plan], None] = lambda _plan: None,
     tell: Callable[[str], None] = lambda _line: None,
@@ -52,11 +53,12 @@ def sweep(
     Each chunk is written when it is computed: the same call resumes an interrupted sweep.  A question without an answer
     gives an empty field in CSV and NaN in Parquet.  Without a size of chunks, some rows are measured; ``approve`` gets
     what all of them take and raises an error to stop.  ``tell`` gets a line for each chunk that is damaged on disk, and
-    at the end one for each limit of what the model was compared with that rows lie outside of.
+    at the end one for each limit of what the model was compared with that rows lie outside of.  ``replace`` allows the
+    output to take the place of an older file.
     """
     _check(scenario, source, quantities)
     compute = compute or in_process()
-    with Store(output, job_of(scenario, source, quantities)) as store:
+    with Store(output, job_of(scenario, source, quantities), replace=replace) as store:
         if store.finished is not None:
             return store.finished
         if size is None:
