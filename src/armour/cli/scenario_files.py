@@ -20,13 +20,15 @@ def init(
     source: Annotated[
         str, option("Copy a shipped scenario.", "--from", metavar="NAME", autocompletion=completion.shipped_names)
     ] = "template",
-    names: Annotated[bool, option("List the shipped scenarios.", "--list")] = False,
+    names: Annotated[bool, option("List the shipped scenarios, suites and tables of tests.", "--list")] = False,
     force: Force = False,
 ) -> None:
     """Write a scenario to start from."""
     known = shipped_files("scenarios", ".toml")
     if names:
-        show(*known)
+        from armour.reporting.tables.library import shipped_tables
+
+        show(*shipped_tables())
         return
     if source not in known:
         hint = suggestion(source, list(known)) or f"; there are {', '.join(known)}"

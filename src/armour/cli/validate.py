@@ -11,6 +11,7 @@ from armour.cli.console import progress, say, show
 from armour.cli.options import AsJson, Force, argument, option
 from armour.cli.runner import CHECK_FAILED, check_outputs, respond, say_if_compiling
 from armour.errors import Problem, refuse
+from armour.files import located, shipped_suites
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -20,7 +21,12 @@ if TYPE_CHECKING:
 
 def validate(
     suite: Annotated[
-        Path | None, argument("SUITE", "Suite file (TOML), or a shipped suite: paper, the default, or plates.")
+        Path | None,
+        argument(
+            "SUITE",
+            "Suite file (TOML), or a shipped suite: paper, the default, or plates.",
+            autocompletion=completion.suites,
+        ),
     ] = None,
     only: Annotated[str, option("Check only cases whose name contains the text.", metavar="TEXT")] = "",
     changes: Annotated[
@@ -51,9 +57,9 @@ def validate(
     from armour.scenario.assignments import changes_of
     from armour.validation.suite import load_suite
     from armour.validation.update import kept_by_update
-    from armour.validation.validate import suite_file
 
-    path = suite_file(str(suite or "paper"))
+    known = shipped_suites()
+    path = known["paper"] if suite is None else located(suite, known, f"; shipped are {', '.join(known)}")
     if update:
         _check_update(suite if path == suite else None, changes)
     updated = suite if update else None
