@@ -58,8 +58,11 @@ def test_cases_from_a_file(cli, folder: Path):
     ("args", "message"),
     [
         ([], "sweep: give either --over or --cases"),
-        (["--over", "a"], "sweep: --over: must be KEY=MIN:MAX:STEP"),
-        (["--over", "impact.velocity_m_s=800", "--quantities", "speed"], "sweep: --quantities: unknown quantity"),
+        (["--over", "a"], "command line: --over: must be KEY=MIN:MAX:STEP"),
+        (
+            ["--over", "impact.velocity_m_s=800", "--quantities", "speed"],
+            "command line: --quantities: unknown quantity",
+        ),
         (
             ["--over", "armour.backing_thickness_mm=8,-1"],
             "command line: --over armour.backing_thickness_mm: must be greater than 0",
@@ -75,7 +78,10 @@ def test_cases_from_a_file(cli, folder: Path):
         ),
         (["--cases", "missing.csv"], "missing.csv: cannot be read"),
         ([*OVER, "--scheduler", "nowhere:x"], "sweep: --scheduler: must be"),
-        (["--over", *",--over,".join(f"{k}=1:4:1e-4" for k in "abcde").split(",")], "sweep: --over: must span at most"),
+        (
+            ["--over", *",--over,".join(f"{k}=1:4:1e-4" for k in "abcde").split(",")],
+            "command line: --over: must span at most",
+        ),
     ],
 )
 def test_what_is_wrong(cli, args: list[str], message: str):
@@ -197,7 +203,7 @@ def test_a_wrong_row_of_cases_has_its_line(cli, folder: Path):
 
 def test_one_key_in_two_spellings(cli):
     over = ["--over", "armour.ceramic_thickness_mm=5,6", "--over", ' armour."ceramic_thickness_mm" = 7,8']
-    assert cli.fails(2, "sweep", WILKINS, *over, "-o", "t.csv") == ["sweep: --over: must not name a key twice"]
+    assert cli.fails(2, "sweep", WILKINS, *over, "-o", "t.csv") == ["command line: --over: must not name a key twice"]
 
 
 def test_a_wrong_combination_names_the_axes(cli):

@@ -1,6 +1,7 @@
 """``armour sweep``."""
 
-from contextlib import nullcontext
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -64,11 +65,16 @@ def sweep(
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
     loaded = read_scenario(scenario, changes, ("impact.projectile", "armour", *reads))
-    source = _source(over or [], cases)
+    with _named_as_options():
+        source = _source(over or [], cases)
     if plot is not None:
         _check_plot(source, names)
     say_if_compiling()
-    with connected(scheduler) if scheduler else nullcontext() as client, progress("rows", source.count) as count:
+    with (
+        connected(scheduler) if scheduler else nullcontext() as client,
+        progress("rows", source.count) as count,
+        _named_as_options(),
+    ):
         rows = sweeps.sweep(
             loaded,
             source,
@@ -88,6 +94,20 @@ def sweep(
         plot=plot,
         chart=lambda charts: charts.sweep_chart(read_table(output), source.keys, names[0], loaded),
     )
+
+
+@contextmanager
+def _named_as_options() -> Iterator[None]:
+    """Name the arguments of a sweep, in the messages on them, as the options that give them."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError([_named_as_option(problem) for problem in error.problems]) from None
+
+
+def _named_as_option(problem: Problem) -> Problem:
+    is_argument = problem.file == "sweep" and problem.key.split(" ")[0] in ("over", "quantities")
+    return Problem("command line", f"--{problem.key}", problem.message) if is_argument else problem
 
 
 def _source(over: list[str], cases: Path | None) -> "Grid | Cases":

@@ -56,7 +56,7 @@ def sweep(
     at the end one for each limit of what the model was compared with that rows lie outside of.  ``replace`` allows the
     output to take the place of an older file.
     """
-    _check(scenario, source, quantities)
+    check(scenario, source, quantities)
     compute = compute or in_process()
     with Store(output, job_of(scenario, source, quantities), replace=replace) as store:
         if store.finished is not None:
@@ -65,11 +65,11 @@ def sweep(
             try:
                 plan = plan_of(scenario, source, quantities, output, threads=compute.threads, workers=compute.workers)
             except InputError:
-                _check_rows(scenario, source)  # says which row is wrong
+                check_rows(scenario, source)  # says which row is wrong
                 raise
             approve(plan)
             size = plan.chunk_rows
-        _check_rows(scenario, source)
+        check_rows(scenario, source)
         size = store.begin(size)
         count = -(-source.count // size)
         pending: dict[int, Mapping[str, Floats]] = {}
@@ -111,21 +111,21 @@ def sweep(
     raise InputError([Problem(f"chunks of {output}", "", message)])
 
 
-def _check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
+def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
     """Check the question, and that every key counts."""
     problems: list[Problem] = []
     try:
-        check_quantities(scenario, quantities, "sweep", "--quantities")
+        check_quantities(scenario, quantities, "sweep", "quantities")
     except InputError as error:
         problems += error.problems
     if len(set(source.keys)) != len(source.keys):
-        problems.append(Problem("sweep", "--over", "must not name a key twice"))
+        problems.append(Problem("sweep", "over", "must not name a key twice"))
     refuse(problems)
     first = next(source.chunks(1))
     check_keys(scenario, {key: values[0].item() for key, values in first.items()}, quantities, "sweep")
 
 
-def _check_rows(scenario: Scenario, source: Grid | Cases) -> None:
+def check_rows(scenario: Scenario, source: Grid | Cases) -> None:
     """Check all rows before the first chunk is computed."""
     start = 0
     for chunk in source.chunks(BLOCK):
