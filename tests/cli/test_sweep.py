@@ -58,6 +58,10 @@ def test_cases_from_a_file(cli, folder: Path):
     ("args", "message"),
     [
         ([], "sweep: give either --over or --cases"),
+        (
+            ["--over", "armour.ceramic=B4C"],
+            "command line: --over armour.ceramic: must be a key of numbers; names are given",
+        ),
         (["--over", "a"], "command line: --over: must be KEY=MIN:MAX:STEP"),
         (
             ["--over", "impact.velocity_m_s=800", "--quantities", "speed"],

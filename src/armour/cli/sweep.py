@@ -46,7 +46,9 @@ def sweep(
     ] = "ballistic_limit_m_s",
     plot: PlotFile = None,
     force: Force = False,
-    threads: Annotated[int | None, option("Threads, at least 1; by default one per core.", min=1)] = None,
+    threads: Annotated[
+        int | None, option("Threads, at least 1; by default one per core.", min=1, metavar="NUMBER")
+    ] = None,
     scheduler: Annotated[
         str, option('Compute on the Dask cluster at this address; "local" starts one.', metavar="ADDRESS")
     ] = "",

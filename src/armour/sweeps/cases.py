@@ -243,6 +243,8 @@ def axis_of(text: str) -> Axis:
     key, _, values = text.rpartition("=")
     try:
         key = key_name(parts_of(key))
+        if key in NAMES.values():
+            raise InputError([Problem("sweep", f"over {key}", "must be a key of numbers; names are given by --cases")])
         if "_" in values or not values.isascii():
             raise ValueError
         if ":" in values:

@@ -51,16 +51,17 @@ def sweep(
     """Compute quantities of a scenario for every row of a source, write them to a table and return the number of rows.
 
     Each chunk is written when it is computed: the same call resumes an interrupted sweep.  A question without an answer
-    gives an empty field in CSV and NaN in Parquet.  Without a size of chunks, some rows are measured; ``approve`` gets
-    what all of them take and raises an error to stop.  ``tell`` gets a line for each chunk that is damaged on disk, and
-    at the end one for each limit of what the model was compared with that rows lie outside of.  ``replace`` allows the
-    output to take the place of an older file.
+    gives an empty field in CSV and NaN in Parquet.  Without a size of chunks, a new sweep measures some rows;
+    ``approve`` gets what all of them take and raises an error to stop.  ``tell`` gets a line for each chunk that is
+    damaged on disk, and at the end one for each limit of what the model was compared with that rows lie outside of.
+    ``replace`` allows the output to take the place of an older file.
     """
     check(scenario, source, quantities)
     compute = compute or in_process()
     with Store(output, job_of(scenario, source, quantities), replace=replace) as store:
         if store.finished is not None:
             return store.finished
+        size = store.size or size
         if size is None:
             try:
                 plan = plan_of(scenario, source, quantities, output, threads=compute.threads, workers=compute.workers)
