@@ -168,7 +168,9 @@ def test_every_mistake_of_a_suite(cli, suite: Path):
 
 @pytest.mark.usefixtures("folder")
 def test_a_suite_that_is_not_there(cli):
-    assert cli.fails(2, "validate", "missing.toml") == ["missing.toml: cannot be read: no such file or directory"]
+    assert cli.fails(2, "validate", "missing.toml") == [
+        "missing.toml: cannot be read: no such file or directory; shipped are paper, plates"
+    ]
 
 
 def test_interrupted_it_shows_what_it_has(cli, suite: Path, monkeypatch: pytest.MonkeyPatch):
