@@ -420,6 +420,12 @@ def test_a_sweep_over_other_keys_has_no_areal_densities():
     assert chart.title == "Ballistic limit over ceramic flow stress and ceramic thickness"
 
 
+def test_words_that_both_keys_end_in_stand_once():
+    keys = ("ceramic.flow_stress_GPa", "backing.flow_stress_GPa")
+    chart = charts.sweep_chart(table(*keys), keys, "ballistic_limit_m_s", scenario())
+    assert chart.title == "Ballistic limit over ceramic and back plate flow stress"
+
+
 def test_a_key_of_a_library_entry_names_it():
     keys = ["library.ceramic.Mine.flow_stress_GPa"]
     columns = {keys[0]: np.array([4.0, 6.0]), "residual_velocity_m_s": np.array([500.0, 300.0])}

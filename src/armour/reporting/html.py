@@ -1,5 +1,6 @@
 """Reports as one self-contained HTML file, without scripts."""
 
+import re
 from collections.abc import Iterable
 from itertools import product
 from operator import mul
@@ -7,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from armour.reporting.chart import Chart
 from armour.reporting.inline_svg import inline_svg
@@ -17,6 +18,8 @@ from armour.reporting.text import printable_lines, unbroken
 
 # Heights of a heading and of a character of a note, in the points of a chart.
 HEADING_POINTS, NOTE_POINTS = 40.0, 0.2
+# An option of the command line, at whose hyphens no line may end.
+OPTION = re.compile(r"(?<![\w-])--[a-z]+(-[a-z]+)*(?![\w-])")
 
 
 def html_report(report: Report) -> str:
@@ -35,13 +38,22 @@ def _rendered(template: str, **context: Any) -> str:
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
         autoescape=True,
         # Control characters are escaped, and no line of a text ends between a number and its unit.
-        finalize=lambda value: unbroken(printable_lines(value)) if type(value) is str else value,
+        finalize=lambda value: _text(value) if type(value) is str else value,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"zip": zip, "printable": printable_lines}
+    environment.filters |= {"zip": zip, "options": _options}
     return environment.get_template(template).render(context) + "\n"
+
+
+def _text(text: str) -> str:
+    return unbroken(printable_lines(text))
+
+
+def _options(text: str) -> Markup:
+    """Return a text with the options of the command line marked as code."""
+    return Markup(OPTION.sub(r"<code>\g<0></code>", escape(_text(text))))
 
 
 def _drawn(chart: Chart, number: int) -> dict[str, Any]:
