@@ -121,6 +121,13 @@ def test_no_line_ends_between_a_number_and_its_unit():
     assert "title = &#34;6.35 mm AD85&#34;" in code
 
 
+def test_no_line_ends_within_an_option():
+    content = html_report(Report("T", "", (), (), remarks=("With --as-is <b>", "a --- b")))
+    assert "<p>With <code>--as-is</code> &lt;b&gt;</p>" in content
+    assert "<p>a --- b</p>" in content
+    assert re.search(r"^code { white-space: nowrap", content, re.MULTILINE)
+
+
 def test_charts_stand_in_two_columns_of_nearly_the_same_height():
     content = page_of("catalogue")
     columns = content.split('<div class="column">')[1:]

@@ -38,22 +38,18 @@ def _rendered(template: str, **context: Any) -> str:
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
         autoescape=True,
         # Control characters are escaped, and no line of a text ends between a number and its unit.
-        finalize=lambda value: _text(value) if type(value) is str else value,
+        finalize=lambda value: unbroken(printable_lines(value)) if type(value) is str else value,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"zip": zip, "options": _options}
+    environment.filters |= {"zip": zip, "options": _options, "unbroken": unbroken}
     return environment.get_template(template).render(context) + "\n"
-
-
-def _text(text: str) -> str:
-    return unbroken(printable_lines(text))
 
 
 def _options(text: str) -> Markup:
     """Return a text with the options of the command line marked as code."""
-    return Markup(OPTION.sub(r"<code>\g<0></code>", escape(_text(text))))
+    return Markup(OPTION.sub(r"<code>\g<0></code>", str(escape(printable_lines(text)))))
 
 
 def _drawn(chart: Chart, number: int) -> dict[str, Any]:
