@@ -53,13 +53,17 @@ def scenario_report(contents: Contents, command: str) -> Report:
 
 def _question(contents: Contents) -> str:
     """Return the question that the scenario asks."""
-    design, threats = contents.design, " and ".join(f"the {found.threat}" for found in contents.threats)
+    design, threats = contents.design, " and ".join(map(_the, contents.threats))
     if design is None:
         return f"Does this armour defeat {threats}?"
     armour, best = "available armour", design.best
     if len(design.pairs) == 1:
         armour = f"{best.ceramic} on {best.backing}" if best.ceramic else best.backing
     return f"Which {armour} is the {SUPERLATIVES[design.minimised]} that defeats {threats}?"
+
+
+def _the(found: AgainstThreat) -> str:
+    return found.threat if found.threat.startswith("the ") else f"the {found.threat}"
 
 
 def _byline(contents: Contents) -> tuple[tuple[str, str], ...]:

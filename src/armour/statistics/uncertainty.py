@@ -225,10 +225,8 @@ def _other_threats(scenario: Scenario) -> tuple[str, ...]:
     if not scenario.threat:
         return ()
     impact = scenario.impact
-    against = f"{impact.projectile} at {impact.velocity_m_s:g} m/s"
-    return (
-        f"threat: is not read; the results are against the {against} of [impact], a report has those of every threat",
-    )
+    against = f"the {impact.projectile} at {impact.velocity_m_s:g} m/s of [impact]"
+    return (f"threat: is not used: the results are against {against}; a report has the probability of every threat",)
 
 
 def _in_portions(scenario: Scenario, section: Uncertainty, points: Floats) -> Iterator[tuple[slice, Samples]]:
