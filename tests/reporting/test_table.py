@@ -1,12 +1,10 @@
 import csv
 from io import StringIO
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
-from armour.reporting.table import Column, Table, column_of, csv_text, in_words, listing, record
-from armour.scenario.parameters import INPUTS
+from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
 
 LENGTH = Column("length", "mm", ".2f", key="length_mm")
 NAME = Column("name", key="name")
@@ -84,23 +82,3 @@ def test_a_number_that_is_not_finite_is_left_out():
     table = Table((NAME, LENGTH), (("a", float("nan")), ("b", float("inf"))))
     assert csv_text(table) == "name,length_mm\na,\nb,\n"
     assert table.texts() == [["a", ""], ["b", ""]]
-
-
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("ceramic.flow_stress_GPa", "ceramic flow stress, GPa"),
-        ("armour.backing_thickness_mm", "back plate thickness, mm"),
-        ("model.limit_error_percent", "error of the model, %"),
-        ('library.projectile."7.62 mm AP".penetrator_mass_g', "7.62 mm AP penetrator mass, g"),
-    ],
-)
-def test_inputs_and_keys_in_words(name: str, words: str):
-    assert in_words(name) == words
-
-
-def test_the_page_of_names_has_every_input_with_its_words():
-    page = Path(__file__).parents[2].joinpath("docs/howto/sensitivity.md").read_text(encoding="utf-8")
-    assert [line for line in page.splitlines() if line.startswith("| `")] == [
-        f"| `{name}` | {in_words(name)} |" for name in INPUTS
-    ]

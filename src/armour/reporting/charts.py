@@ -34,11 +34,11 @@ from armour.reporting.chart import (
     Spans,
     Style,
 )
-from armour.reporting.table import words_of
 from armour.reporting.tables.design import COST, MARGIN, THICKNESS
 from armour.reporting.tables.impact import AREAL_DENSITY, STAGES, energy_table
 from armour.reporting.tables.statistics import deviation_percent
 from armour.reporting.text import interval, percent
+from armour.reporting.words import words_of
 from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY
 from armour.units import MM
 

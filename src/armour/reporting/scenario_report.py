@@ -9,7 +9,7 @@ from armour.reporting import charts
 from armour.reporting.chart import Chart
 from armour.reporting.contents import AgainstThreat, Contents, asks_for_design
 from armour.reporting.report import Card, CrossSection, Report, Section, filled, origin_section
-from armour.reporting.table import Column, Table, in_words, listing
+from armour.reporting.table import Column, Table, listing
 from armour.reporting.tables.confidence import DEFEAT, chance, extrapolation, from_tests
 from armour.reporting.tables.design import (
     COST,
@@ -25,6 +25,7 @@ from armour.reporting.tables.design import (
 from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT, energy_table, stage_table
 from armour.reporting.tables.library import entry_table
 from armour.reporting.tables.statistics import elasticity_table, estimate_table
+from armour.reporting.words import in_words
 from armour.scenario.applicability import is_excluded
 from armour.scenario.schema import ArmourSection
 from armour.units import MM

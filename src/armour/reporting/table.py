@@ -7,10 +7,7 @@ from io import StringIO
 from math import isfinite
 from typing import Any
 
-from armour.analysis.quantities import label_and_unit
 from armour.reporting.text import number, printable, spelt
-from armour.scenario.assignments import parts_of
-from armour.scenario.parameters import ROLES
 from armour.units import words_and_unit
 
 Cell = float | int | str | None
@@ -67,27 +64,6 @@ def column_of(key: str, spec: str = "", label: str = "", *, prose: bool = False)
     """Return the column of an attribute or key, with label, unless given, and unit from its name."""
     words, unit = words_and_unit(key)
     return Column(label or spelt(words), unit, spec, prose, key)
-
-
-def words_of(name: str) -> tuple[str, str]:
-    """Return label and unit of a quantity, an input or a key of a scenario as people read them.
-
-    Tables, reports and plots for people show these words; JSON, CSV and data frames have the name itself.
-    """
-    words, unit = label_and_unit(name)
-    words = spelt(words)
-    *sections, _ = parts_of(name)
-    if len(sections) > 1:
-        # A value of the library has the name of its entry.
-        words = f"{sections[-1]} {words}"
-    elif {*sections} & {"impact", *ROLES} and not words.startswith(("penetrator", "projectile")):
-        words = f"{spelt(sections[0])} {words}"
-    return words, unit
-
-
-def in_words(name: str) -> str:
-    """Return label and unit of a quantity, an input or a key, as the heading of a column has them."""
-    return Column(*words_of(name)).heading
 
 
 def listing(items: Iterable[Any], *sources: Source, title: str = "") -> Table:

@@ -2,9 +2,10 @@
 
 from typing import TYPE_CHECKING, Any
 
-from armour.reporting.table import Cell, Column, Source, Table, column_of, in_words, listing, record, words_of
+from armour.reporting.table import Cell, Column, Source, Table, column_of, listing, record
 from armour.reporting.tables.confidence import error_note
 from armour.reporting.text import interval, percent
+from armour.reporting.words import in_words, words_of
 
 if TYPE_CHECKING:
     from armour.statistics.calibration import CalibrationResult
