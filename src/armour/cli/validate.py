@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from time import perf_counter
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -69,7 +70,9 @@ def validate(
         message = "must be true for the suite, or a case or table without source, to be updated; other values stay"
         refuse([Problem(str(chosen.file), "regression", message)])
     say_if_compiling()
+    start = perf_counter()
     result = _computed(chosen, quiet=as_json)
+    seconds = perf_counter() - start
     respond(
         result.to_dict(),
         _tables(result),
@@ -77,7 +80,7 @@ def validate(
         title="values before the update" if update else "",
         files=[
             (markdown, lambda: markdown_report(suite_report(result))),
-            (junit, lambda: suite_junit(result)),
+            (junit, lambda: suite_junit(result, seconds)),
             (updated, lambda: _updated(chosen.file, result)),
         ],
     )
