@@ -61,7 +61,7 @@ def quick(table: Table, monkeypatch: pytest.MonkeyPatch) -> None:
 def all_laws(table: Table, wilkins: Scenario) -> CalibrationResult:
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(likelihood_fit.MODELS, LIMIT, table)
-        counted = Mock(wraps=calibration.intervals)
+        counted = Mock(wraps=likelihood_fit.intervals)
         patch.setattr(calibration, "intervals", counted)
         result = calibrate(read_tests(TESTS, wilkins), wilkins, law="all")
         assert counted.call_count == 1  # of the law reported alone
