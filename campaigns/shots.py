@@ -35,7 +35,7 @@ DEVIATIONS, SCATTERS_M_S = (0.0, 1.0, 2.0), (15.0, 30.0)
 KNOWN, KNOWN_FACTOR, REQUIRED = "bayesian, scatter known", 1.2, 0.9
 CLASSIC = {"up-and-down": up_and_down, "langlie": langlie, "neyer": neyer}
 # Firings at once; nodes of V50 and scatter of the Bayesian procedure, and its velocities.
-BLOCK, NODES, CANDIDATES = 500, (201, 15), 151
+BLOCK, NODES, CANDIDATES = 500, (301, 15), 201
 # Root of the deviance at the ends of an interval.
 ROOT = 1.959963984540054
 

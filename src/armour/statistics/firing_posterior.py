@@ -32,6 +32,12 @@ DEVIATIONS = 5.0
 NODES, NARROWINGS, DEPTH = (201, 31), 3, 15.0
 
 
+def _normal(probabilities: Floats) -> Floats:
+    """Return quantiles of the normal distribution, all finite."""
+    quantiles: Floats = ndtri(probabilities.clip(1e-15, 1.0 - 1e-15))
+    return quantiles
+
+
 @dataclass(frozen=True)
 class FiringEstimate:
     """V50 and the scatter of a prior or posterior.
@@ -90,8 +96,9 @@ class Grid(NamedTuple):
         """Return quantiles of V50 for each of n distributions of weight over the points, (n, points) -> (n, k)."""
         nodes = self.v50_m_s[:: self.shape[1]]
         parts = weights.reshape(-1, *self.shape).sum(axis=2)
-        middles = np.cumsum(parts, axis=1) - 0.5 * parts
-        return np.array([np.interp(probabilities, each, nodes) for each in middles])
+        # On the scale of the normal distribution a cumulative probability is nearly linear between few nodes.
+        middles = _normal(np.cumsum(parts, axis=1) - 0.5 * parts)
+        return np.array([np.interp(ndtri(probabilities), each, nodes) for each in middles])
 
 
 class Posterior(NamedTuple):
