@@ -3,8 +3,8 @@
     python -m campaigns.shots --firings 2000 --seed 1
 
 The armour is the paper's lightest against the 7.62 mm AP, whose ballistic limit by the model has an error of 7.0 % from
-13 tests.  V50 is 0, 1 or 2 standard deviations of this error from the model's limit, above it in one half of the firings
-and below it in the other; the scatter is 15 or 30 m/s.  A shot misses the velocity that it is aimed at by 5 m/s
+13 tests.  V50 is 0, 1 or 2 standard deviations of this error from the model's limit, above it in one half of the
+firings and below it in the other; the scatter is 15 or 30 m/s.  A shot misses the velocity that it is aimed at by 5 m/s
 (standard deviation), and is measured exactly.  A firing ends when the interval of V50 of 95 % is within +- 15 m/s: of
 the Bayesian procedure that of the posterior, of the others that of the penalised likelihood of `armour v50`.
 "bayesian, scatter known" is told the scatter within a factor of 1.2.
@@ -16,14 +16,16 @@ part of right decisions.
 
 import argparse
 import time
-from math import log, sqrt
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 from scipy.special import log_ndtr
 
+from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.variants import Floats
 from armour.planning.procedures import bayesian, langlie, neyer, up_and_down
+from armour.planning.procedures.bayesian import Booleans
 from armour.planning.procedures.settings import ShotSettings
 from armour.planning.shot_plan import LIMITS_PROBABILITY, limits_of
 from armour.scenario.loading import load_scenario
@@ -44,7 +46,7 @@ class Outcome(NamedTuple):
     """Shots of each firing, and whether its interval held V50; MOST shots where it did not end."""
 
     shots: Floats
-    held: Floats
+    held: Booleans
 
 
 class Intervals:
@@ -57,7 +59,7 @@ class Intervals:
         self.points = np.repeat(self.v50, nodes[1]), np.tile(scales, nodes[0])
         self.log_likelihood, *self.moments = np.zeros((4, count, nodes[0] * nodes[1]))
 
-    def add(self, velocities: Floats, complete: Floats) -> None:
+    def add(self, velocities: Floats, complete: Booleans) -> None:
         """Add a shot to each firing."""
         x = (velocities - self.centre)[:, None]
         z = (x - self.points[0]) / self.points[1]
@@ -84,12 +86,10 @@ class Intervals:
             first, last = inside[0], inside[-1]
             if first > 0 and last < self.nodes[0] - 1:
                 sides = (first, first - 1), (last, last + 1)
-                found[row] = [
-                    np.interp(0.0, roots[row, [near, far]], self.v50[[near, far]]) for near, far in sides
-                ]
+                found[row] = [np.interp(0.0, roots[row, [near, far]], self.v50[[near, far]]) for near, far in sides]
         return found + self.centre
 
-    def keep(self, which: Floats) -> None:
+    def keep(self, which: Booleans) -> None:
         """Keep some of the firings."""
         self.log_likelihood, *self.moments = (array[which] for array in (self.log_likelihood, *self.moments))
 
@@ -104,7 +104,9 @@ def _vertex(value: Floats) -> Floats:
     return np.where(np.maximum(low, high) > top, np.maximum(low, high), top + gain)
 
 
-def classic(procedure: str, settings: ShotSettings, truths: Floats, scatter: float, dice: np.random.Generator) -> Outcome:
+def classic(
+    procedure: str, settings: ShotSettings, truths: Floats, scatter: float, dice: np.random.Generator
+) -> Outcome:
     """Simulate firings of a procedure that knows no prior."""
     rule, count = CLASSIC[procedure], len(truths)
     shots, held = np.full(count, MOST), np.zeros(count, dtype=bool)
@@ -158,7 +160,8 @@ def deviation_percent(prior: FiringPrior) -> float:
 
 def prior_for(procedure: str, scatter: float) -> FiringPrior:
     """Return the prior of a procedure."""
-    prior = prior_of(load_scenario(SCENARIO))
+    scenario = load_scenario(SCENARIO)
+    prior = prior_of(scenario, ballistic_limit(scenario).ballistic_limit_m_s)
     assert prior is not None
     if procedure != KNOWN:
         return prior
@@ -205,7 +208,9 @@ def simulate(procedure: str, deviations: float, scatter: float, firings: int, se
         truths = np.full(min(BLOCK, firings - start), limit * (1.0 + prior.error.mean_percent / 100.0 + offset))
         dice = np.random.default_rng([seed, number, round(10.0 * deviations), round(scatter)])
         known = procedure not in CLASSIC
-        found.append(bayes(settings, truths, scatter, dice) if known else classic(procedure, settings, truths, scatter, dice))
+        found.append(
+            bayes(settings, truths, scatter, dice) if known else classic(procedure, settings, truths, scatter, dice)
+        )
     return Outcome(*(np.concatenate(column) for column in zip(*found, strict=True)))
 
 
@@ -216,7 +221,9 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--procedures", default=";".join(("bayesian", KNOWN, *CLASSIC)))
     given = parser.parse_args()
-    print(f"limits of V50 for langlie and neyer: the interval of the model with a probability of {LIMITS_PROBABILITY:g}")
+    print(
+        f"limits of V50 for langlie and neyer: the interval of the model with a probability of {LIMITS_PROBABILITY:g}"
+    )
     print(f"standard error of a coverage of 95 %: {100.0 * sqrt(0.95 * 0.05 / given.firings):.2f} %")
     print("scatter, m/s | deviations | procedure | mean shots | 10 % | 50 % | 90 % | held, % | not ended | s")
     for scatter in SCATTERS_M_S:

@@ -23,6 +23,7 @@ from armour.statistics.firing_posterior import (
     SCATTER_PERCENT,
     FiringEstimate,
     FiringPrior,
+    Posterior,
     no_prior,
     posterior_of,
     prior_of,
@@ -41,6 +42,7 @@ PROCEDURES: Mapping[str, ModuleType] = {
 HALF_WIDTH_M_S = 15.0
 # Probability of V50 within the limits of Langlie's and Neyer's procedures, unless they are given.
 LIMITS_PROBABILITY = 0.99
+CURVE_POINTS = 201
 # A simulated firing ends here at the latest.
 MAX_SIMULATED = 100
 
@@ -62,6 +64,16 @@ class _Settings(Section):
     true_v50_m_s: _Velocity | None
     true_scatter_m_s: Annotated[float, Field(ge=0.01, le=MAX_VELOCITY_M_S)] | None
     seed: Annotated[int, Field(ge=0)]
+
+
+@dataclass(frozen=True)
+class PlanCurve:
+    """Prior and posterior over velocity, for a chart."""
+
+    velocity_m_s: tuple[float, ...]
+    prior: tuple[float, ...]  # probability density of V50, s/m
+    posterior: tuple[float, ...]
+    probability: tuple[float, ...]  # of complete penetration, by the posterior
 
 
 @dataclass(frozen=True, repr=False)
@@ -101,13 +113,15 @@ class ShotPlan(Result):
     prior_share : float or None
         Variance of V50 by the posterior over that by the prior: the part of the precision that is the prior's.
     recommended : FittedCurve or None
-        Curve that `armour.v50` recommends, from the shots alone, where they have one.
+        Curve that `armour.v50` recommends, from the shots alone, where they have one; None for the Bayesian procedure.
     model_ballistic_limit_m_s : float
         Ballistic limit by the model, m/s.
     model_error : ModelError or None
         Its relative error.
     true_v50_m_s, true_scatter_m_s : float or None
         V50 and scatter that shots were simulated with, m/s.
+    curve : PlanCurve or None
+        Prior and posterior over velocity.
     warnings : tuple of str
         Ways in which the scenario is unlike what the model was compared with.
     """
@@ -133,6 +147,7 @@ class ShotPlan(Result):
     model_error: ModelError | None
     true_v50_m_s: float | None = None
     true_scatter_m_s: float | None = None
+    curve: PlanCurve | None = None
     warnings: tuple[str, ...] = ()
 
     def _words(self) -> str:
@@ -170,8 +185,8 @@ def plan_shots(
     procedure : {"bayesian", "neyer", "langlie", "up-and-down"}
         The Bayesian procedure needs the error of the model: that of tests of such armours or of ``uncertainty.model``.
     half_width_m_s : float, optional
-        Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15, but the up-and-down
-        rule then ends as MIL-STD-662F does, with three shots of each kind within 27.4 m/s.
+        Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15, but the
+        up-and-down rule then ends as MIL-STD-662F does, with three shots of each kind within 27.4 m/s.
     confidence : float
         Confidence level of the interval, and of the requirement, 0.5 to 0.9999.
     requirement_m_s : float, optional
@@ -185,8 +200,8 @@ def plan_shots(
     scatter_factor : float
         Factor by which the scatter may differ from it, 1.01 to 10: one standard deviation of its logarithm.
     limits_m_s : tuple of float, optional
-        Limits of V50 that Langlie's and Neyer's procedures start from, m/s; by default the interval of the model's limit
-        with a probability of 99 %.
+        Limits of V50 that Langlie's and Neyer's procedures start from, m/s; by default the interval of the model's
+        limit with a probability of 99 %.
     simulate : bool
         Whether to simulate the shots until the firing ends, 100 at most.
     true_v50_m_s, true_scatter_m_s : float, optional
@@ -231,7 +246,7 @@ def plan_shots(
     check_shots(fired, one_kind=True)
     _check(asked, simulate)
     limit = ballistic_limit(scenario)
-    prior = prior_of(scenario, scatter_percent, scatter_factor)
+    prior = prior_of(scenario, limit.ballistic_limit_m_s, scatter_percent, scatter_factor)
     if prior is None and procedure == "bayesian":
         raise no_prior(scenario)
     settings = ShotSettings(
@@ -253,9 +268,12 @@ def plan_shots(
     stopped = rule.stopped(fired, settings)
     aim = None if stopped else rule.next_velocity(fired, settings)
     known = None if prior is None else posterior_of(prior, fired.velocities_m_s, fired.complete)
+    alone = None if prior is None else posterior_of(prior, (), ())
+    before_shots = None if alone is None else alone.estimate(confidence)
     estimate = None if known is None else known.estimate(confidence)
-    alone = None if prior is None else posterior_of(prior, (), ()).estimate(confidence)
-    required = known is not None and requirement_m_s is not None
+    met = None
+    if known is not None and requirement_m_s is not None:
+        met = known.probability_above(requirement_m_s, requirement_fraction)
     return ShotPlan(
         procedure=procedure,
         fired=fired,
@@ -268,18 +286,28 @@ def plan_shots(
         half_width_m_s=None if requirement_m_s is not None and procedure == "bayesian" else settings.half_width_m_s,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
-        probability_met=known.probability_above(requirement_m_s, requirement_fraction) if required else None,
+        probability_met=met,
         limits_m_s=settings.limits_m_s,
-        prior=alone,
+        prior=before_shots,
         posterior=estimate,
-        prior_share=None if alone is None or estimate is None else prior_share(alone, estimate),
-        recommended=recommended_fit(fired, confidence),
+        prior_share=None if before_shots is None or estimate is None else prior_share(before_shots, estimate),
+        recommended=None if procedure == "bayesian" else recommended_fit(fired, confidence),
         model_ballistic_limit_m_s=limit.ballistic_limit_m_s,
         model_error=limit.model_error,
         true_v50_m_s=truth and truth[0],
         true_scatter_m_s=truth and truth[1],
+        curve=None if alone is None or known is None else _curve(alone, known, fired),
         warnings=limit.warnings,
     )
+
+
+def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
+    """Return the curves over the velocities where there is something to see."""
+    low, high = prior.grid.v50_quantiles(prior.weights, (0.005, 0.995))[0].tolist()
+    velocities = np.linspace(min(low, low, *fired.velocities_m_s), max(high, high, *fired.velocities_m_s), CURVE_POINTS)
+    density = (each.density(velocities) for each in (prior, posterior))
+    curves = (*density, posterior.weights @ posterior.grid.response(velocities).T)
+    return PlanCurve(tuple(velocities.tolist()), *(tuple(curve.tolist()) for curve in curves))
 
 
 def _check(asked: _Settings, simulate: bool) -> None:
@@ -298,7 +326,9 @@ def _check(asked: _Settings, simulate: bool) -> None:
         problems.append(("requirement_fraction", "must not be given without a requirement"))
     truths = {"true_v50_m_s": asked.true_v50_m_s, "true_scatter_m_s": asked.true_scatter_m_s}
     if not simulate:
-        problems += ((key, "must not be given without simulating") for key, value in truths.items() if value is not None)
+        problems += (
+            (key, "must not be given without simulating") for key, value in truths.items() if value is not None
+        )
     elif len([value for value in truths.values() if value is not None]) == 1:
         problems.append(("true_v50_m_s", "must be given together with true_scatter_m_s"))
     if problems:
@@ -324,9 +354,7 @@ def limits_of(prior: FiringPrior) -> tuple[float, float]:
     return low, high
 
 
-def _truth(
-    asked: _Settings, prior: FiringPrior | None, fired: Shots, dice: np.random.Generator
-) -> tuple[float, float]:
+def _truth(asked: _Settings, prior: FiringPrior | None, fired: Shots, dice: np.random.Generator) -> tuple[float, float]:
     """Return V50 and scatter to simulate shots with, m/s."""
     if asked.true_v50_m_s is not None and asked.true_scatter_m_s is not None:
         return asked.true_v50_m_s, asked.true_scatter_m_s

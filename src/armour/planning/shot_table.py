@@ -17,7 +17,9 @@ def with_shot(path: Path, velocity_m_s: float, result: str) -> str:
     The row has the columns of the file, and its result is spelt as the one before.
     """
     text = read_text(path) if path.exists() else f"{','.join(HEADER)}\n"
-    rows = [[cell.strip() for cell in row] for row in csv.reader(StringIO(text, newline="")) if any(map(str.strip, row))]
+    rows = [
+        [cell.strip() for cell in row] for row in csv.reader(StringIO(text, newline="")) if any(map(str.strip, row))
+    ]
     header, shots = rows[0], rows[1:]
     names = [row[header.index("shot")] for row in shots] if "shot" in header else []
     last = names[-1] if names else "0"

@@ -5,15 +5,16 @@ model's limit with Student's t distribution of its relative error, cut off at 1 
 relative to V50 is log-normal and independent of it.  Both are summed over a grid, so that nothing is random.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import log
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtr, ndtri
 
-from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.confidence import EXCLUDED, NO_TEST
 from armour.analysis.variants import Floats
 from armour.errors import InputError, Problem
@@ -115,11 +116,20 @@ class Posterior(NamedTuple):
         weights = self.weights[order]
         scatter, *scatter_ends = np.interp(ends, np.cumsum(weights) - 0.5 * weights, self.grid.scatter_m_s[order])
         deviation = self.variance(self.grid.v50_m_s) ** 0.5
-        return FiringEstimate(v50, (low, high), deviation, float(scatter), (float(scatter_ends[0]), float(scatter_ends[1])))
+        return FiringEstimate(
+            v50, (low, high), deviation, float(scatter), (float(scatter_ends[0]), float(scatter_ends[1]))
+        )
 
     def variance(self, target: Floats) -> float:
         """Return the variance of a quantity that has values at the points, (points,)."""
         return float(self.weights @ (target - self.weights @ target) ** 2)
+
+    def density(self, velocities_m_s: Floats) -> Floats:
+        """Return the probability density of V50 at velocities, s/m; 0 beyond the grid."""
+        nodes = self.grid.v50_m_s[:: self.grid.shape[1]]
+        parts = self.weights.reshape(self.grid.shape).sum(axis=1)
+        density: Floats = np.interp(velocities_m_s, nodes, parts / (nodes[1] - nodes[0]), left=0.0, right=0.0)
+        return density
 
     def probability_above(self, velocity_m_s: float, fraction: float) -> float:
         """Return the probability that the velocity at which a fraction of shots perforates exceeds a velocity."""
@@ -138,13 +148,14 @@ def is_above(grid: Grid, velocity_m_s: float, fraction: float) -> Floats:
 
 
 def prior_of(
-    scenario: Scenario, scatter_percent: float = SCATTER_PERCENT, scatter_factor: float = SCATTER_FACTOR
+    scenario: Scenario,
+    limit_m_s: float,
+    scatter_percent: float = SCATTER_PERCENT,
+    scatter_factor: float = SCATTER_FACTOR,
 ) -> FiringPrior | None:
-    """Return the prior of V50 of a scenario's armour; None where the error of the model is not known."""
+    """Return the prior of V50 of an armour, given its limit by the model; None where its error is not known."""
     error = model_error(scenario)
-    if error is None:
-        return None
-    return FiringPrior(ballistic_limit(scenario).ballistic_limit_m_s, error, scatter_percent, scatter_factor)
+    return None if error is None else FiringPrior(limit_m_s, error, scatter_percent, scatter_factor)
 
 
 def no_prior(scenario: Scenario) -> InputError:
@@ -158,7 +169,6 @@ def posterior_of(
     velocities_m_s: Sequence[float],
     complete: Sequence[bool],
     nodes: tuple[int, int] = NODES,
-    depth: float = DEPTH,
 ) -> Posterior:
     """Return the posterior given shots, of which there may be none."""
     limit = prior.limit_m_s
@@ -169,26 +179,24 @@ def posterior_of(
     high = max(min(ends[1], MOST * limit), 1.2 * fired[-1])
     reach, middle = DEVIATIONS * log(prior.scatter_factor), log(prior.scatter_percent / 100.0)
     ranges = [(low, high), (middle - reach, middle + reach)]
-    shots, counts = np.unique(np.array([*zip(velocities_m_s, complete, strict=True)]).reshape(-1, 2), axis=0, return_counts=True)
+    shots = Counter(zip(velocities_m_s, complete, strict=True))
     for _ in range(NARROWINGS):
         v50, log_ratio = (np.linspace(*ends, count) for ends, count in zip(ranges, nodes, strict=True))
         points = Grid(np.repeat(v50, nodes[1]), np.outer(v50, np.exp(log_ratio)).ravel(), nodes)
         logarithm = prior.log_density(points.v50_m_s, np.tile(log_ratio, nodes[0]))
-        for (velocity, result), count in zip(shots, counts, strict=True):
-            sign = count and (1.0 if result else -1.0)
+        for (velocity, result), count in shots.items():
+            sign = 1.0 if result else -1.0
             logarithm += count * log_ndtr(sign * (velocity - points.v50_m_s) / points.scatter_m_s)
         logarithm -= logarithm.max()
-        kept = (logarithm > -depth).reshape(nodes)
-        axes = (v50, log_ratio), (kept.any(axis=1), kept.any(axis=0))
-        ranges = [_narrowed(axis, inside) for axis, inside in zip(*axes, strict=True)]
+        kept = (logarithm > -DEPTH).reshape(nodes)
+        ranges = [_narrowed(v50, kept.nonzero()[0]), _narrowed(log_ratio, kept.nonzero()[1])]
     weights = np.exp(logarithm)
     return Posterior(points, weights / weights.sum())
 
 
-def _narrowed(axis: Floats, inside: Floats) -> tuple[float, float]:
-    """Return the range of the nodes that are inside, and one more at each end."""
-    found = np.flatnonzero(inside)
-    return float(axis[max(found[0] - 1, 0)]), float(axis[min(found[-1] + 1, len(axis) - 1)])
+def _narrowed(axis: Floats, kept: NDArray[np.intp]) -> tuple[float, float]:
+    """Return the range of the nodes that are kept, and of one more at each end."""
+    return float(axis[max(kept.min() - 1, 0)]), float(axis[min(kept.max() + 1, len(axis) - 1)])
 
 
 def prior_share(prior: FiringEstimate, posterior: FiringEstimate) -> float:

@@ -225,8 +225,14 @@ def v50(
     curved = not prior or (bool(partial and complete) and sum(complete) * len(partial) > sum(partial) * len(complete))
     fits = tuple(fit_curve(partial, complete, link, confidence) for link in LINKS) if curved else ()
     model = None if scenario is None else ballistic_limit(scenario)
-    penalised = tuple(fit for link in LINKS if (fit := fit_penalised(partial, complete, link, confidence))) if curved else ()
-    before, after = _with_prior(scenario, shots, confidence) if prior and scenario is not None else (None, None)
+    penalised = (
+        tuple(fit for link in LINKS if (fit := fit_penalised(partial, complete, link, confidence))) if curved else ()
+    )
+    before, after = (
+        _with_prior(scenario, model.ballistic_limit_m_s, shots, confidence)
+        if prior and scenario and model
+        else (None, None)
+    )
     return FiringResult(
         shots=len(shots.complete),
         complete=len(complete),
@@ -247,9 +253,11 @@ def v50(
     )
 
 
-def _with_prior(scenario: Scenario, shots: Shots, confidence: float) -> tuple[FiringEstimate, FiringEstimate]:
+def _with_prior(
+    scenario: Scenario, limit_m_s: float, shots: Shots, confidence: float
+) -> tuple[FiringEstimate, FiringEstimate]:
     """Return prior and posterior of V50; raise an InputError where the error of the model is not known."""
-    prior = prior_of(scenario)
+    prior = prior_of(scenario, limit_m_s)
     if prior is None:
         raise no_prior(scenario)
     known = (posterior_of(prior, *given) for given in (((), ()), (shots.velocities_m_s, shots.complete)))

@@ -5,9 +5,8 @@ the required one.  A shot's gain is the expected reduction of the variance of th
 Cov(target, result)^2 / Var(result) over the posterior.
 """
 
-from typing import NamedTuple
-
 import numpy as np
+from numpy.typing import NDArray
 
 from armour.analysis.variants import Floats
 from armour.planning.procedures.settings import Aim, ShotSettings
@@ -15,12 +14,14 @@ from armour.planning.procedures.stopping import narrow_enough
 from armour.statistics.firing_posterior import Grid, Posterior, is_above, posterior_of
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, Shots
 
+Booleans = NDArray[np.bool_]
+
 # Velocities that are examined, and those around the best of them; their range is that of V50 but for a probability at
 # each end, and some scatters more.
 CANDIDATES, TAIL, SCATTERS = 101, 1e-3, 2.0
 # Continuations of the firing that are simulated to tell how many shots are still to be expected, the nodes of their
 # grid, their velocities and the most shots of each.
-FUTURES, FUTURE_NODES, FUTURE_CANDIDATES, MOST_SHOTS = 64, (101, 11), 81, 100
+FUTURES, FUTURE_NODES, FUTURE_CANDIDATES, MOST_SHOTS = 40, (101, 11), 61, 100
 
 
 def posterior(shots: Shots, settings: ShotSettings) -> Posterior:
@@ -46,7 +47,9 @@ def aim(known: Posterior, settings: ShotSettings) -> Aim:
     before = known.variance(wanted)
     after = max(before - float(gained.max()), 0.0)
     if settings.requirement_m_s is None:
-        reason = f"expected to narrow the standard deviation of V50 most, from {before**0.5:.1f} to {after**0.5:.1f} m/s"
+        reason = (
+            f"expected to narrow the standard deviation of V50 most, from {before**0.5:.1f} to {after**0.5:.1f} m/s"
+        )
     else:
         reason = "expected to tell most about whether the requirement is met"
     return Aim(best, reason)
@@ -64,7 +67,8 @@ def ended(known: Posterior, settings: ShotSettings) -> str:
     met = known.probability_above(settings.requirement_m_s, settings.requirement_fraction)
     if 1.0 - settings.confidence < met < settings.confidence:
         return ""
-    return f"the requirement is {'met' if met > 0.5 else 'not met'} with a probability of {settings.confidence:.2%} or more"
+    answer = "met" if met > 0.5 else "not met"
+    return f"the requirement is {answer} with a probability of {100.0 * settings.confidence:g} % or more"
 
 
 def target(grid: Grid, settings: ShotSettings) -> Floats:
@@ -79,11 +83,19 @@ def gains(weights: Floats, target: Floats, response: Floats) -> Floats:
 
     The weights of n distributions, (n, points), and the response at the velocities, (m, points), give (n, m).
     """
-    probability = (weights @ response.T).clip(1e-12, 1.0 - 1e-12)
+    probability = _product(weights, response).clip(1e-12, 1.0 - 1e-12)
     mean = weights @ target
-    covariance = (weights * (target - mean[:, None])) @ response.T
+    covariance = _product(weights * (target - mean[:, None]), response)
     gained: Floats = covariance**2 / (probability * (1.0 - probability))
     return gained
+
+
+def _product(weights: Floats, response: Floats) -> Floats:
+    """Return the sums over the points, (n, m)."""
+    # On a busy machine the threads of the linear algebra cost more than few distributions are worth.
+    few = len(weights) <= FUTURES
+    product: Floats = np.einsum("np,mp->nm", weights, response) if few else weights @ response.T
+    return product
 
 
 def candidates(known: Posterior, count: int) -> Floats:
@@ -108,7 +120,7 @@ class Firings:
         best: Floats = self.velocities[gains(self.weights, self.target, self.response).argmax(axis=1)]
         return best
 
-    def add(self, velocities: Floats, complete: Floats) -> None:
+    def add(self, velocities: Floats, complete: Booleans) -> None:
         """Add a shot to each firing."""
         response = self.grid.response(velocities)
         self.weights *= np.where(complete[:, None], response, 1.0 - response)
@@ -119,15 +131,16 @@ class Firings:
         half = 0.5 * self.settings.confidence
         return self.grid.v50_quantiles(self.weights, (0.5 - half, 0.5 + half))
 
-    def ended(self) -> Floats:
+    def ended(self) -> Booleans:
         """Return whether each firing ends."""
         if self.settings.requirement_m_s is None:
             low, high = self.intervals().T
-            return 0.5 * (high - low) <= self.settings.half_width_m_s
-        met = self.weights @ self.target
-        return (met >= self.settings.confidence) | (met <= 1.0 - self.settings.confidence)
+            half = self.settings.half_width_m_s
+            return np.asarray(0.5 * (high - low) <= (np.inf if half is None else half))
+        met, sure = self.weights @ self.target, self.settings.confidence
+        return np.asarray((met >= sure) | (met <= 1.0 - sure))
 
-    def keep(self, which: Floats) -> None:
+    def keep(self, which: Booleans) -> None:
         """Keep some of the firings."""
         self.weights = self.weights[which]
 

@@ -23,7 +23,9 @@ def next_velocity(shots: Shots, settings: ShotSettings) -> Aim:
     for number in range(len(velocities), 0, -1):
         excess += 1 if shots.complete[number - 1] else -1
         if excess == 0:
-            reason = f"midway between the last shot and shot {number}, from which on half of the penetrations are complete"
+            reason = (
+                f"midway between the last shot and shot {number}, from which on half of the penetrations are complete"
+            )
             return Aim(0.5 * (last + velocities[number - 1]), reason)
     end, name = (lower, "lower") if shots.complete[-1] else (upper, "upper")
     return Aim(0.5 * (last + end), f"midway between the last shot and the {name} limit, {end:.1f} m/s")

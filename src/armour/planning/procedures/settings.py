@@ -11,7 +11,9 @@ class ShotSettings(NamedTuple):
     estimate_m_s: float  # of V50: the model's ballistic limit
     scatter_m_s: float  # guess of the standard deviation of the response curve
     limits_m_s: tuple[float, float] | None = None  # of V50; for Langlie's and Neyer's procedures
-    half_width_m_s: float | None = None  # of the interval of V50 at which the firing ends; None: the procedure's own rule
+    half_width_m_s: float | None = (
+        None  # of the interval of V50 at which the firing ends; None: the procedure's own rule
+    )
     confidence: float = 0.95
     requirement_m_s: float | None = None
     requirement_fraction: float = 0.5  # part of shots that may perforate at the requirement
