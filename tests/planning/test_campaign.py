@@ -8,7 +8,7 @@ from campaigns.shots import Intervals, simulate
 
 
 def test_intervals_on_a_grid_are_those_of_the_program():
-    dice, compared = np.random.default_rng(2), 0
+    dice, errors = np.random.default_rng(2), []
     velocities = 800.0 + dice.normal(0.0, 18.0, (16, 30))
     complete = dice.normal(800.0, 15.0, (16, 30)) < velocities
     intervals = Intervals(30, 800.0)
@@ -20,9 +20,11 @@ def test_intervals_on_a_grid_are_those_of_the_program():
         assert fit is not None
         low, high = fit.v50_interval_m_s
         if low is not None and high is not None and high - low < 40.0:
-            compared += 1
-            assert abs(ends - (low, high)).max() < 0.5
-    assert compared > 8
+            errors.append(abs(ends - (low, high)))
+    # The grids have steps of 3 m/s, and are interpolated.
+    assert len(errors) > 8
+    assert np.max(errors) < 1.0
+    assert np.mean(errors) < 0.3
 
 
 def test_simulated_firings_end_with_intervals_that_hold():

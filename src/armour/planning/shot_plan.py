@@ -204,8 +204,10 @@ def plan_shots(
         limit with a probability of 99 %.
     simulate : bool
         Whether to simulate the shots until the firing ends, 100 at most.
-    true_v50_m_s, true_scatter_m_s : float, optional
-        V50 and scatter to simulate shots with, m/s; by default they are drawn from the posterior.
+    true_v50_m_s : float, optional
+        V50 to simulate shots with, m/s; by default it and the scatter are drawn from the posterior.
+    true_scatter_m_s : float, optional
+        Scatter to simulate them with, m/s.
     seed : int
         Seed of the simulation, at least 0.
 
@@ -225,7 +227,7 @@ def plan_shots(
     --------
     >>> import armour
     >>> armour.plan_shots(armour.load_scenario("wilkins"))
-    <ShotPlan: 0 shots, the next at 723.8 m/s>
+    <ShotPlan: 0 shots, the next at 722.8 m/s>
     """
     given = {
         "procedure": procedure,
