@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from armour.cli.plan import EXAMPLES
+
 NEXT = "next velocity"
 
 
@@ -28,6 +30,12 @@ def test_a_firing_is_recorded_shot_by_shot(cli, folder: Path):
     assert json.loads(again.stdout) == found
     assert "next shot" in (folder / "p.svg").read_text()
     assert len(rows(folder / "f.csv")) == 3
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_the_examples_of_the_help_run(cli, folder: Path, example: str):
+    assert folder.is_dir()
+    assert cli(*example.split()).exit_code == 0
 
 
 def test_tables(cli, folder: Path):

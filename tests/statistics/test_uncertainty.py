@@ -146,6 +146,15 @@ def test_a_distribution_away_from_the_scenarios_value_is_told(distribution: dict
     assert (message in found.warnings) == told
 
 
+def test_threats_of_their_own_are_told():
+    normal = {"distribution": "normal", "standard_deviation": 0.1}
+    case = with_section(samples=128, armour={"ceramic_thickness_mm": normal})
+    case = case.replaced({"threat": [{"projectile": "7.62 mm APM2", "velocity_m_s": 800.0}]})
+    against = f"the {case.impact.projectile} at {case.impact.velocity_m_s:g} m/s of [impact]"
+    [told] = [warning for warning in uncertainty(case).warnings if warning.startswith("threat: ")]
+    assert told.startswith(f"threat: is not used: the results are against {against}")
+
+
 def test_a_mean_that_truncation_moves_is_told():
     section = {"distribution": "normal", "standard_deviation": 0.2, "min": 6.35}
     found = uncertainty(with_section(samples=128, armour={"ceramic_thickness_mm": section}))

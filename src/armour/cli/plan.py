@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import typer
 
 from armour.cli import completion
-from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, argument, option
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, argument, option
 from armour.cli.runner import Command, Reporting, check_outputs, read_scenario, respond, warnings_of
 from armour.cli.scenario_commands import LIMIT
 from armour.errors import InputError, Problem
@@ -74,6 +74,7 @@ def shots(
     true_scatter_m_s: Annotated[float | None, option("Scatter to simulate, m/s.")] = None,
     seed: Annotated[int, typer.Option(help="Seed of the simulation.")] = 0,
     plot: PlotFile = None,
+    force: Force = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
@@ -91,7 +92,7 @@ def shots(
         raise _problem("--velocity-m-s", "is the velocity of the shot of --result, which is not given")
     if (lower_m_s is None) != (upper_m_s is None):
         raise _problem("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
-    check_outputs(plot=plot, updated=updated)
+    check_outputs(plot=plot, updated=updated, force=force)
     loaded = read_scenario(scenario, changes, LIMIT)
     fired = Shots((), (), str(table or "shots"))
     if table is not None and (table.exists() or updated is None):

@@ -7,7 +7,7 @@ import typer
 
 from armour.cli import completion
 from armour.cli.console import progress
-from armour.cli.options import AsJson, Changes, PlotFile, argument, option, table_file
+from armour.cli.options import AsJson, Changes, Force, PlotFile, argument, option, table_file
 from armour.cli.runner import check_outputs, read_scenario, respond, warnings_of
 from armour.cli.scenario_commands import LIMIT
 from armour.errors import InputError, Problem
@@ -43,6 +43,7 @@ def v50(
         bool, option("Add the posterior of V50, whose prior is the model's limit with its error.", "--prior")
     ] = False,
     plot: PlotFile = None,
+    force: Force = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
@@ -54,7 +55,7 @@ def v50(
         raise InputError([Problem("v50", "--set", "changes a scenario, which is not given")])
     if prior and scenario is None:
         raise InputError([Problem("v50", "--prior", "is that of a scenario, which is not given")])
-    check_outputs(plot=plot)
+    check_outputs(plot=plot, force=force)
     read = statistics.read_shots(table_file(shots), one_kind=prior)
     loaded = None if scenario is None else read_scenario(scenario, changes, LIMIT)
     with progress("fits", first="fitting"):
