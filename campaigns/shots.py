@@ -7,7 +7,8 @@ The armour is the paper's lightest against the 7.62 mm AP, whose ballistic limit
 firings and below it in the other; the scatter is 15 or 30 m/s.  A shot misses the velocity that it is aimed at by 5 m/s
 (standard deviation), and is measured exactly.  A firing ends when the interval of V50 of 95 % is within +- 15 m/s: of
 the Bayesian procedure that of the posterior, of the others that of the penalised likelihood of `armour v50`.
-"bayesian, scatter known" is told the scatter within a factor of 1.2.
+"bayesian, scatter known" is told the scatter within a factor of 1.2.  Then each scatter is drawn from the prior, for the
+Bayesian procedure alone.
 
 The last rows ask whether V50 exceeds 90 % of the model's limit, by the Bayesian procedure alone: V50 and scatter are
 those of its prior, or V50 misses the limit as above, and a firing ends with a probability of 95 %.  "held" is then the
@@ -105,7 +106,7 @@ def _vertex(value: Floats) -> Floats:
 
 
 def classic(
-    procedure: str, settings: ShotSettings, truths: Floats, scatter: float, dice: np.random.Generator
+    procedure: str, settings: ShotSettings, truths: Floats, scatters: Floats, dice: np.random.Generator
 ) -> Outcome:
     """Simulate firings of a procedure that knows no prior."""
     rule, count = CLASSIC[procedure], len(truths)
@@ -115,7 +116,7 @@ def classic(
     for number in range(1, MOST + 1):
         aims = np.array([rule.next_velocity(fired[each], settings).velocity_m_s for each in going])
         velocities = dice.normal(aims, MISS_M_S)
-        complete = dice.normal(truths[going], scatter) < velocities
+        complete = dice.normal(truths[going], scatters[going]) < velocities
         for each, velocity, result in zip(going, velocities.tolist(), complete.tolist(), strict=True):
             before = fired[each]
             fired[each] = Shots((*before.velocities_m_s, velocity), (*before.complete, result))
@@ -131,7 +132,7 @@ def classic(
     return Outcome(shots, held)
 
 
-def bayes(settings: ShotSettings, truths: Floats, scatter: float, dice: np.random.Generator) -> Outcome:
+def bayes(settings: ShotSettings, truths: Floats, scatters: Floats, dice: np.random.Generator) -> Outcome:
     """Simulate firings of the Bayesian procedure."""
     assert settings.prior is not None
     known = posterior_of(settings.prior, (), (), NODES)
@@ -140,7 +141,7 @@ def bayes(settings: ShotSettings, truths: Floats, scatter: float, dice: np.rando
     going, firings = np.arange(count), bayesian.Firings(known, settings, count, CANDIDATES)
     for number in range(1, MOST + 1):
         velocities = dice.normal(firings.aims(), MISS_M_S)
-        firings.add(velocities, dice.normal(truths[going], scatter) < velocities)
+        firings.add(velocities, dice.normal(truths[going], scatters[going]) < velocities)
         low, high = firings.intervals().T
         over = 0.5 * (high - low) <= HALF_WIDTH_M_S
         shots[going[over]] = number
@@ -194,9 +195,9 @@ def requirement(deviations: float | None, scatter: float, firings: int, seed: in
     return Outcome(shots, held)
 
 
-def simulate(procedure: str, deviations: float, scatter: float, firings: int, seed: int) -> Outcome:
-    """Simulate firings of a procedure."""
-    prior = prior_for(procedure, scatter)
+def simulate(procedure: str, deviations: float, scatter: float | None, firings: int, seed: int) -> Outcome:
+    """Simulate firings of a procedure; without a scatter, each has one drawn from its prior."""
+    prior = prior_for(procedure, scatter or 0.0)
     limit = prior.limit_m_s
     guess = limit * prior.scatter_percent / 100.0
     settings = ShotSettings(limit, guess, limits_of(prior), HALF_WIDTH_M_S, CONFIDENCE, prior=prior)
@@ -206,10 +207,13 @@ def simulate(procedure: str, deviations: float, scatter: float, firings: int, se
         number = start // BLOCK
         offset = (1.0 if number % 2 == 0 else -1.0) * deviations * deviation_percent(prior) / 100.0
         truths = np.full(min(BLOCK, firings - start), limit * (1.0 + prior.error.mean_percent / 100.0 + offset))
-        dice = np.random.default_rng([seed, number, round(10.0 * deviations), round(scatter)])
+        dice = np.random.default_rng([seed, number, round(10.0 * deviations), round(scatter or 0.0)])
+        scatters = np.full(len(truths), scatter or 0.0)
+        if scatter is None:
+            scatters = prior.scatter_percent / 100.0 * truths * prior.scatter_factor ** dice.normal(size=len(truths))
         known = procedure not in CLASSIC
         found.append(
-            bayes(settings, truths, scatter, dice) if known else classic(procedure, settings, truths, scatter, dice)
+            bayes(settings, truths, scatters, dice) if known else classic(procedure, settings, truths, scatters, dice)
         )
     return Outcome(*(np.concatenate(column) for column in zip(*found, strict=True)))
 
@@ -232,6 +236,10 @@ def main() -> None:
                 start = time.perf_counter()
                 found = simulate(procedure, deviations, scatter, given.firings, given.seed)
                 _show(found, f"{scatter:g} | {deviations:g} | {procedure}", start)
+    for deviations in DEVIATIONS:
+        start = time.perf_counter()
+        found = simulate("bayesian", deviations, None, given.firings, given.seed)
+        _show(found, f"of the prior | {deviations:g} | bayesian", start)
     for case in (None, *DEVIATIONS):
         start = time.perf_counter()
         found = requirement(case, SCATTERS_M_S[0], given.firings, given.seed)
