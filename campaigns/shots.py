@@ -7,8 +7,8 @@ The armour is the paper's lightest against the 7.62 mm AP, whose ballistic limit
 firings and below it in the other; the scatter is 15 or 30 m/s.  A shot misses the velocity that it is aimed at by 5 m/s
 (standard deviation), and is measured exactly.  A firing ends when the interval of V50 of 95 % is within +- 15 m/s: of
 the Bayesian procedure that of the posterior, of the others that of the penalised likelihood of `armour v50`.
-"bayesian, scatter known" is told the scatter within a factor of 1.2.  Then each scatter is drawn from the prior, for the
-Bayesian procedure alone.
+"bayesian, scatter known" is told the scatter within a factor of 1.2.  Then each scatter is drawn from the prior,
+for the Bayesian procedure alone.
 
 The last rows ask whether V50 exceeds 90 % of the model's limit, by the Bayesian procedure alone: V50 and scatter are
 those of its prior, or V50 misses the limit as above, and a firing ends with a probability of 95 %.  "held" is then the
