@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -129,25 +129,6 @@ class CalibrationResult(TableResult):
         return by_column(asdict(residual) for residual in self.residuals)
 
 
-@dataclass(frozen=True)
-class LeftOutErrors:
-    """Errors of ballistic limits that a calibrated model predicts for tests that its fit omits.
-
-    Attributes
-    ----------
-    errors : tuple of float
-        Measured over computed limit, less 1, test by test.
-    number : int
-    mean, standard_deviation : float
-        Of the errors; NaN where there are too few.
-    """
-
-    errors: tuple[float, ...]
-    number: int
-    mean: float
-    standard_deviation: float
-
-
 def calibrate(
     tests: Tests,
     scenario: Scenario,
@@ -197,26 +178,46 @@ def calibrate(
         message = f'must not be given where {FLOW_STRESS} is not fitted, found "{law}"'
         raise InputError([Problem(scenario.file, "--law", message)])
     if law != "all":
-        return _with_one_law(tests, scenario, fit, law, on_progress)
-    results = [_with_one_law(tests, scenario, fit, "constant", on_progress)]
+        return _with_intervals(_with_one_law(tests, scenario, fit, law, on_progress))
+    fits = [_with_one_law(tests, scenario, fit, "constant", on_progress)]
     for other in [*LAWS][1:]:
         # Some laws have more coefficients than there are tests for.
         with suppress(InputError):
-            results.append(_with_one_law(tests, scenario, fit, other, on_progress))
-    best = min(results, key=_rank)
-    rows = (LawFit(r.law, len(r.coefficients), r.mean_error_percent, r.left_out_error_percent, r.aicc) for r in results)
-    return replace(best, laws=tuple(rows))
+            fits.append(_with_one_law(tests, scenario, fit, other, on_progress))
+    rows = [LawFit(f.law, len(f.done.best.x), f.mean_error, f.left_out_error, f.done.aicc) for f in fits]
+    results: list[CalibrationResult] = []
+    for candidate in sorted(fits, key=_rank):
+        results.append(_with_intervals(candidate))
+        if not any(coefficient.estimate is None for coefficient in results[-1].coefficients):
+            return replace(results[-1], laws=tuple(rows))
+    return replace(results[0], laws=tuple(rows))
 
 
-def _rank(result: CalibrationResult) -> tuple[bool, float]:
-    """Return what orders results from the best on: whether a coefficient is not identified, and the left-out error."""
-    error = result.left_out_error_percent
-    return any(c.estimate is None for c in result.coefficients), np.inf if error is None else error
+class _LawFit(NamedTuple):
+    """A fit with one law, and its residuals."""
+
+    tests: Tests
+    law: str
+    done: Fit
+    residuals: tuple[Residual, ...]
+
+    @property
+    def mean_error(self) -> float | None:
+        return _mean_percent([(r.computed, r.measured) for r in self.residuals if not r.bound])
+
+    @property
+    def left_out_error(self) -> float | None:
+        return _mean_percent([(r.left_out, r.measured) for r in self.residuals if not r.bound])
+
+
+def _rank(found: _LawFit) -> float:
+    """Return what orders fits from the best on: the left-out error."""
+    return np.inf if found.left_out_error is None else found.left_out_error
 
 
 def _with_one_law(
     tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law | None, on_progress: OnProgress
-) -> CalibrationResult:
+) -> _LawFit:
     if law is not None:
         groups = [group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups]
         tests, scenario = tests._replace(groups=tuple(groups)), with_law(scenario, law)
@@ -235,18 +236,23 @@ def _with_one_law(
         )
         for i, m in enumerate(tests.measurements)
     )
+    return _LawFit(tests, (law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in inputs else "", done, residuals)
+
+
+def _with_intervals(found: _LawFit) -> CalibrationResult:
+    done, tests = found.done, found.tests
     errors = np.sqrt(np.maximum(np.diag(done.covariance), 1e-300))
     correlation = done.covariance / np.outer(errors, errors)
     np.fill_diagonal(correlation, 1.0)
     return CalibrationResult(
         tests=tests.file,
-        law=(law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in inputs else "",
+        law=found.law,
         weights="uncertainties" if tests.weighted else "relative",
         coefficients=intervals(done),
         correlation=tuple(map(tuple, correlation.tolist())),
-        residuals=residuals,
-        mean_error_percent=_mean_percent([(r.computed, r.measured) for r in residuals if not r.bound]),
-        left_out_error_percent=_mean_percent([(r.left_out, r.measured) for r in residuals if not r.bound]),
+        residuals=found.residuals,
+        mean_error_percent=found.mean_error,
+        left_out_error_percent=found.left_out_error,
         degrees_of_freedom=done.degrees_of_freedom,
         chi_squared=done.chi_squared,
         starts=done.starts,
@@ -280,24 +286,11 @@ def _bad_fit(done: Fit) -> tuple[str, ...]:
     )
 
 
-def left_out_errors(result: CalibrationResult) -> LeftOutErrors:
-    """Return the relative errors of the measured ballistic limits that were predicted without their test.
-
-    Parameters
-    ----------
-    result : CalibrationResult
-
-    Returns
-    -------
-    LeftOutErrors
-    """
-    found = [
+def left_out_errors(result: CalibrationResult) -> list[float]:
+    """Return measured over computed limits, less 1, of the measured ballistic limits predicted without their test."""
+    return [
         r.measured / r.left_out - 1.0 for r in result.residuals if r.quantity == LIMIT and not r.bound and r.left_out
     ]
-    number = len(found)
-    mean = float(np.mean(found)) if number else np.nan
-    deviation = float(np.std(found, ddof=1)) if number > 1 else np.nan
-    return LeftOutErrors(tuple(found), number, mean, deviation)
 
 
 def _left_out(done: Fit) -> Floats:

@@ -62,15 +62,15 @@ def _model_error(result: CalibrationResult, tests: Tests) -> dict[str, Any]:
 
     A fit leaves no mean error; the scale is the root mean square.
     """
-    left_out = left_out_errors(result)
-    freedom = left_out.number - len(result.coefficients)
+    errors = left_out_errors(result)
+    freedom = len(errors) - len(result.coefficients)
     if freedom < 1:
         return {}
-    scale = 100.0 * sqrt(sum(error**2 for error in left_out.errors) / left_out.number)
+    scale = 100.0 * sqrt(sum(error**2 for error in errors) / len(errors))
     return {
         "scale_percent": float(f"{scale:.3g}"),
         "degrees_of_freedom": float(freedom),
-        "source": f"{left_out.number} tests of {Path(tests.file).name}, each left out of the fit",
+        "source": f"{len(errors)} tests of {Path(tests.file).name}, each left out of the fit",
     }
 
 

@@ -9,7 +9,8 @@ from armour.analysis.closed_forms import fit_areal_density_rule
 from armour.analysis.florence import BODIES, bodies_of, florence_ballistic_limit, missing_for_florence
 from armour.analysis.variants import Floats
 from armour.scenario.messages import TINY
-from armour.scenario.parameters import name_of
+from armour.scenario.parameters import inputs_of, name_of
+from armour.statistics.flow_stress_laws import FLOW_STRESS
 from armour.statistics.test_data import LIMIT, MaterialGroup, Measurement, Tests
 from armour.validation.suite import Case
 
@@ -90,27 +91,37 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
     # Imported here for scipy, which a suite without rivals does not need.
     from armour.statistics.calibration import calibrate
 
-    # The rows of a table differ in numbers only.
-    name = name_of(cases[0].scenario, "ceramic")
+    name, scenario = name_of(cases[0].scenario, "ceramic"), cases[0].scenario
     if name is None:
         return
+    # The rows of a table differ in numbers only: in inputs, or in settings.
+    places: dict[str, list[int]] = {}
+    for place, case in enumerate(cases):
+        places.setdefault(repr((case.scenario.solver, case.scenario.ballistic_limit)), []).append(place)
     tests = Tests(
         file=cases[0].group,
         names=tuple(case.name for case in cases),
-        groups=tuple(MaterialGroup(case.scenario, np.array([place]), {}) for place, case in enumerate(cases)),
+        groups=tuple(_together(cases, where) for where in places.values()),
         measurements=tuple(
             Measurement(place, LIMIT, value, None, 0) for place, value in enumerate(measured_limits(cases))
         ),
         weighted=False,
         cells=({},) * len(cases),
     )
-    result = calibrate(tests, cases[0].scenario)
+    result = calibrate(tests, scenario)
     [stress] = result.coefficients
     if stress.estimate is None:
         return
     computed = np.array([[residual.computed, residual.left_out] for residual in result.residuals], dtype=np.float64).T
     fitted = f"flow stress of {name} to these tests: {stress.estimate:.2f} GPa"
     yield _error(cases, "this model, flow stress refitted", *computed, fitted=fitted)
+
+
+def _together(cases: Sequence[Case], where: Sequence[int]) -> MaterialGroup:
+    """Return cases that differ in inputs only, but for the flow stress of the ceramic, as a group of tests."""
+    own = [inputs_of(cases[place].scenario) for place in where]
+    columns = {name: np.array([values[name] for values in own]) for name in own[0] if name != FLOW_STRESS}
+    return MaterialGroup(cases[where[0]].scenario, np.array(where), columns)
 
 
 def _rules(cases: Sequence[Case]) -> Iterator[Error]:
