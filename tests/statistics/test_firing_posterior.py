@@ -1,5 +1,6 @@
 """Prior and posterior of V50, against an independent quadrature."""
 
+from csv import DictReader
 from math import log
 
 import numpy as np
@@ -7,7 +8,8 @@ import pytest
 from scipy.stats import lognorm, norm, t
 
 from armour.scenario.evidence import ModelError
-from armour.statistics.firing_posterior import FiringPrior, posterior_of, prior_share
+from armour.statistics.firing_posterior import SCATTER_FACTOR, SCATTER_PERCENT, FiringPrior, posterior_of, prior_share
+from tests.helpers.cases import SCENARIOS
 
 PRIOR = FiringPrior(720.0, ModelError(-1.0, 7.0, 12.0))
 VELOCITIES, COMPLETE = (722.0, 774.0, 745.0, 760.0, 745.0), (False, True, False, True, True)
@@ -60,6 +62,18 @@ def test_the_probability_of_a_requirement():
     assert found.probability_above(high, 0.5) == pytest.approx(0.05, abs=0.005)
     # Fewer shots may perforate at V05 than at V50.
     assert found.probability_above(low, 0.05) < 0.9
+
+
+def test_the_prior_of_the_scatter_is_wider_than_the_published_scatter_of_plates():
+    with (SCENARIOS.parent / "suites" / "plates" / "v50.csv").open() as file:
+        rows = [(row["standard_deviation_m_s"], row["ballistic_limit_m_s"]) for row in DictReader(file)]
+    percent = np.array([100.0 * float(sd) / float(v50) for sd, v50 in rows if sd and float(sd) > 0.0])
+    assert len(percent) == 525
+    assert np.median(percent) == pytest.approx(1.06, abs=0.01)
+    assert np.exp(np.log(percent).std()) == pytest.approx(1.72, abs=0.01)
+    assert np.quantile(percent, (0.05, 0.95)) == pytest.approx((0.50, 2.67), abs=0.02)
+    assert np.exp(np.log(percent).std()) < SCATTER_FACTOR
+    assert np.median(percent) < SCATTER_PERCENT
 
 
 @pytest.mark.parametrize("velocity", [20.0, 5000.0])
