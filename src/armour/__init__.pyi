@@ -20,6 +20,8 @@ from .errors import NoAnswerError as NoAnswerError
 from .errors import NoDesignError as NoDesignError
 from .errors import NoLimitError as NoLimitError
 from .errors import Problem as Problem
+from .planning.shot_plan import ShotPlan as ShotPlan
+from .planning.shot_plan import plan_shots as plan_shots
 from .reporting.figures import plot as plot
 from .reporting.report_file import report as report
 from .scenario.evidence import ModelError as ModelError
@@ -34,6 +36,7 @@ from .scenario.loading import parse_scenario as parse_scenario
 from .scenario.loading import save_scenario as save_scenario
 from .statistics.calibration import CalibrationResult as CalibrationResult
 from .statistics.calibration import calibrate as calibrate
+from .statistics.firing_posterior import FiringEstimate as FiringEstimate
 from .statistics.sensitivity import SensitivityResult as SensitivityResult
 from .statistics.sensitivity import sensitivity as sensitivity
 from .statistics.test_data import read_tests as read_tests

@@ -70,3 +70,14 @@ def test_the_models_limit_has_its_interval_and_warnings(cli):
     assert plain.stderr == ""
     thin = cli("v50", shots, case, "--set", "armour.backing_thickness_mm=2")
     assert "armour.backing_thickness_mm: the model was compared with results for back plates 0.66 to 3" in thin.stderr
+
+
+def test_a_prior(cli, folder: Path):
+    (folder / "s.csv").write_text("velocity_m_s,result\n700,partial\n")
+    shown = cli("v50", "s.csv", "wilkins", "--prior").stdout
+    assert "of the precision of V50, the inverse of its variance, is that of the prior" in shown
+    assert "the shots alone have no curve" in shown
+    assert json.loads(cli("v50", SHOTS, "wilkins", "--prior", "--json").stdout)["prior_share"] < 0.1
+    assert cli.fails(2, "v50", SHOTS, "--prior") == ["v50: --prior: is that of a scenario, which is not given"]
+    assert "found only partial ones" in cli.fails(2, "v50", "s.csv", "wilkins")[0]
+    assert "these shots have none" in cli("v50", "s.csv", "wilkins", "--prior", "--plot", "p.svg").stderr

@@ -9,6 +9,7 @@ from armour.analysis.ballistic_limit import Crossing, LimitResult
 from armour.analysis.history import History
 from armour.analysis.impact import simulate
 from armour.errors import InputError
+from armour.planning.shot_plan import plan_shots
 from armour.reporting import figures
 from armour.reporting.figures import plot
 from armour.statistics.calibration import CalibrationResult, Residual
@@ -38,6 +39,7 @@ def results(folder: Path) -> dict[str, tuple[Any, dict[str, Any]]]:
         (Comparison(43.6, limit, (), (), (700.0, 800.0), (impact(),), "", (), ()), {}),
         (design_result(), {}),
         (v50(SHOTS), {"shots": SHOTS}),
+        (plan_shots(scenario(), SHOTS), {}),
         (impact(), {}),
         (limit, {"scenario": scenario()}),
         (SensitivityResult({LIMIT: 723.0}, (item,)), {}),

@@ -141,3 +141,32 @@ def test_results_in_other_spellings(tmp_path: Path):
     path = tmp_path / "shots.csv"
     path.write_text("velocity_m_s,result\n700,P\n710,Partial\n715,COMPLETE\n720,c\n")
     assert read_shots(path).complete == (False, False, True, True)
+
+
+def test_a_prior_adds_the_posterior_and_its_part():
+    found = v50(MIXED, scenario(), prior=True)
+    assert found.posterior is not None
+    assert found.prior is not None
+    assert found.prior_share == pytest.approx(
+        (found.posterior.standard_deviation_m_s / found.prior.standard_deviation_m_s) ** 2
+    )
+    assert found.prior_share is not None
+    assert 0.0 < found.prior_share < 0.1
+    assert found.prior.v50_interval_m_s == pytest.approx(found.model_interval_m_s, abs=1.0)
+    low, high = found.posterior.v50_interval_m_s
+    assert 690.0 < low < 720.0 < high < 745.0
+    assert found.recommended == v50(MIXED).recommended
+
+
+def test_shots_without_a_curve_have_a_posterior():
+    for shots in (Shots((700.0, 720.0), (False, False)), Shots((740.0, 700.0), (False, True))):
+        found = v50(shots, scenario(), prior=True)
+        assert (found.fits, found.recommended, found.mean) == ((), None, None)
+        assert repr(found).startswith("<FiringResult: V50 7")
+
+
+def test_a_prior_needs_a_scenario_with_a_known_error():
+    with pytest.raises(InputError, match="v50: prior: must not be asked for without a scenario"):
+        v50(MIXED, prior=True)
+    with pytest.raises(InputError, match="must give scale_percent for a prior"):
+        v50(MIXED, scenario(uncertainty={"model": {"included": False}}), prior=True)

@@ -39,6 +39,9 @@ def v50(
         ),
     ] = None,
     confidence: Annotated[float, typer.Option(help="Confidence of the intervals, 0.5 to 0.9999.")] = 0.95,
+    prior: Annotated[
+        bool, option("Add the posterior of V50, whose prior is the model's limit with its error.", "--prior")
+    ] = False,
     plot: PlotFile = None,
     force: Force = False,
     changes: Changes = None,
@@ -50,11 +53,13 @@ def v50(
 
     if changes and scenario is None:
         raise InputError([Problem("v50", "--set", "changes a scenario, which is not given")])
+    if prior and scenario is None:
+        raise InputError([Problem("v50", "--prior", "is that of a scenario, which is not given")])
     check_outputs(plot=plot, force=force)
-    read = statistics.read_shots(table_file(shots))
+    read = statistics.read_shots(table_file(shots), one_kind=prior)
     loaded = None if scenario is None else read_scenario(scenario, changes, LIMIT)
     with progress("fits", first="fitting"):
-        result = statistics.v50(read, loaded, pairs=pairs, span_m_s=span_m_s, confidence=confidence)
+        result = statistics.v50(read, loaded, pairs=pairs, span_m_s=span_m_s, confidence=confidence, prior=prior)
     respond(
         result.to_dict(),
         v50_tables(result),

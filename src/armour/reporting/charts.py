@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armour.analysis.closed_forms import residual_velocity
+from armour.errors import InputError, Problem
 from armour.reporting.chart import (
     BLUE,
     COLOURS,
@@ -420,6 +421,9 @@ def sensitivity_chart(result: "SensitivityResult", title: str) -> Chart:
 
 def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
     """Describe shots, the recommended curve with its band, V50, and the model's ballistic limit where there is one."""
+    if not result.fits:
+        message = "must have a curve to draw, and these shots have none"
+        raise InputError([Problem(shots.file, "", message)])
     # scipy is slow to import, and no other chart needs it.
     from armour.statistics.penalised_curve import penalised_band
 

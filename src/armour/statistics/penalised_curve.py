@@ -10,7 +10,6 @@ from math import copysign, exp, inf, log, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq, minimize
 from scipy.special import erfcx, log_expit, ndtri
 
@@ -307,6 +306,9 @@ def penalised_band(
     confidence: float = CONFIDENCE,
 ) -> tuple[Floats, Floats]:
     """Return the pointwise confidence interval of the probability at ascending velocities, m/s, from low to high."""
+    # Slow to import, and only charts need it.
+    from scipy.interpolate import PchipInterpolator
+
     mean, deviation, x, signs = standardised(partial, complete)
     shots = _Likelihood(link, x, signs, confidence)
     wanted = (np.array(velocities_m_s) - mean) / deviation

@@ -127,7 +127,7 @@ def fit_curve(
             tied = [int((x[signs == sign] == location).sum()) for sign in (-1.0, 1.0)]
             maximum = sum(n * log(n / sum(tied)) for n in tied)
     else:
-        location, scale, maximum = _maximum_likelihood(link, signs, x)
+        location, scale, maximum = maximum_likelihood(link, signs, x)
         lowest = highest = location
     root = float(ndtri(0.5 + 0.5 * confidence))
 
@@ -167,7 +167,7 @@ def _minimum(function: Callable[[float], float], low: float, high: float) -> flo
     return float(minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-8}).fun)
 
 
-def _maximum_likelihood(link: Link, signs: Floats, x: Floats) -> tuple[float, float, float]:
+def maximum_likelihood(link: Link, signs: Floats, x: Floats) -> tuple[float, float, float]:
     """Return location, scale and logarithm of the maximum likelihood of shots that overlap."""
     log_cdf = LINKS[link]
 

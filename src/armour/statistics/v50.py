@@ -15,6 +15,7 @@ from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import Section, validated
 from armour.statistics.csv_table import read_rows
+from armour.statistics.firing_posterior import FiringEstimate, no_prior, posterior_of, prior_of, prior_share
 from armour.statistics.penalised_curve import fit_penalised
 from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
 
@@ -80,14 +81,14 @@ class FiringResult(Result):
     ----------
     shots, complete : int
         Number of shots and of complete penetrations.
-    highest_partial_m_s, lowest_complete_m_s : float
-        Highest velocity of a partial and lowest velocity of a complete penetration, m/s.
+    highest_partial_m_s, lowest_complete_m_s : float or None
+        Highest velocity of a partial and lowest velocity of a complete penetration, m/s; None where there is none.
     separated : bool
         Whether every complete penetration was faster than every partial one.
     mean : MeanV50 or None
         None where the shots do not meet the rule.
     fits : tuple of FittedCurve
-        Curves of maximum likelihood.
+        Curves of maximum likelihood; with a prior, empty where the shots have none.
     penalised_fits : tuple of FittedCurve
         Curves of Firth's penalised likelihood; without those that do not rise, and empty where none does.
     recommended : FittedCurve or None
@@ -100,12 +101,16 @@ class FiringResult(Result):
         Interval of it with a probability of 95 %, given the error of the model, m/s; None where that is not known.
     warnings : tuple of str
         Ways in which the scenario is unlike what the model was compared with.
+    prior, posterior : FiringEstimate or None
+        V50 and the scatter by the model with its error, without and with the shots; None unless asked for.
+    prior_share : float or None
+        Variance of V50 by the posterior over that by the prior: the part of the precision that is the prior's.
     """
 
     shots: int
     complete: int
-    highest_partial_m_s: float
-    lowest_complete_m_s: float
+    highest_partial_m_s: float | None
+    lowest_complete_m_s: float | None
     separated: bool
     mean: MeanV50 | None
     fits: tuple[FittedCurve, ...]
@@ -115,13 +120,18 @@ class FiringResult(Result):
     model_ballistic_limit_m_s: float | None
     model_interval_m_s: tuple[float, float] | None = None
     warnings: tuple[str, ...] = ()
+    prior: FiringEstimate | None = None
+    posterior: FiringEstimate | None = None
+    prior_share: float | None = None
 
     def _words(self) -> str:
+        if self.posterior is not None:
+            return f"V50 {self.posterior.v50_m_s:.1f} m/s by the posterior, {self.shots} shots"
         fit = self.recommended or self.fits[0]
         return f"V50 {fit.v50_m_s:.1f} m/s by {fit.method}, {self.shots} shots"
 
 
-def read_shots(path: str | PathLike[str]) -> Shots:
+def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     """Read firing results from a CSV file.
 
     Parameters
@@ -129,6 +139,8 @@ def read_shots(path: str | PathLike[str]) -> Shots:
     path : path-like
         File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete", also P or C, in letters of any
         case) and, optionally, ``shot``.
+    one_kind : bool
+        Whether all penetrations may be partial, or all complete: enough for a plan and for a posterior.
 
     Returns
     -------
@@ -153,7 +165,7 @@ def read_shots(path: str | PathLike[str]) -> Shots:
         if not result:
             message = f'must be "partial" or "complete", or P or C, found "{text}"'
             problems.append(Problem(str(path), f"{row.place}: result", message))
-    if not problems and len(set(results)) == 1:
+    if not problems and not one_kind and len(set(results)) == 1:
         message = f"must have at least one partial and one complete penetration, found only {results[0]} ones"
         problems.append(Problem(str(path), "result", message))
     refuse(problems)
@@ -167,13 +179,14 @@ def v50(
     pairs: int | None = None,
     span_m_s: float | None = None,
     confidence: float = CONFIDENCE,
+    prior: bool = False,
 ) -> FiringResult:
     """Estimate V50 from firing results.
 
     Parameters
     ----------
     shots : Shots
-        At least one partial and one complete penetration.
+        At least one partial and one complete penetration, or, with a prior, any.
     scenario : Scenario, optional
         Scenario with the same armour and projectile, for its ballistic limit.
     pairs : int, optional
@@ -184,6 +197,8 @@ def v50(
         kind: 38.1, 27.4 or 18.3 (125, 90 or 60 ft/s).  Other numbers of shots need it.
     confidence : float
         Confidence level of the intervals, 0.5 to 0.9999.
+    prior : bool
+        Whether to add the posterior of V50 whose prior is the scenario's ballistic limit with the error of the model.
 
     Returns
     -------
@@ -192,26 +207,38 @@ def v50(
     Raises
     ------
     InputError
-        If a setting is out of its range, or the shots are not of both kinds.
+        If a setting is out of its range, the shots are not of both kinds, or the error of the model is not known for a
+        prior.
     NoAnswerError
-        If the complete penetrations were no faster on average than the partial ones, or the scenario has no ballistic
-        limit.
+        If the complete penetrations were no faster on average than the partial ones, unless there is a prior, or the
+        scenario has no ballistic limit.
     """
     validated(_Settings, {"pairs": pairs, "span_m_s": span_m_s, "confidence": confidence}, "v50")
     if span_m_s is None and pairs is not None and pairs not in SPANS_M_S:
         message = f"must be given for {pairs} pairs; a span is usual with 2, 3 and 5 only"
         raise InputError([Problem("v50", "span_m_s", message)])
-    _check(shots)
+    check_shots(shots, one_kind=prior)
+    if prior and scenario is None:
+        raise InputError([Problem("v50", "prior", "must not be asked for without a scenario")])
     partial, complete = shots.of(complete=False), shots.of(complete=True)
-    fits = tuple(fit_curve(partial, complete, link, confidence) for link in LINKS)
+    # With a prior, shots that have no curve tell something, too.
+    curved = not prior or (bool(partial and complete) and sum(complete) * len(partial) > sum(partial) * len(complete))
+    fits = tuple(fit_curve(partial, complete, link, confidence) for link in LINKS) if curved else ()
     model = None if scenario is None else ballistic_limit(scenario)
-    penalised = tuple(fit for link in LINKS if (fit := fit_penalised(partial, complete, link, confidence)))
+    penalised = (
+        tuple(fit for link in LINKS if (fit := fit_penalised(partial, complete, link, confidence))) if curved else ()
+    )
+    before, after = (
+        _with_prior(scenario, model.ballistic_limit_m_s, shots, confidence)
+        if prior and scenario and model
+        else (None, None)
+    )
     return FiringResult(
         shots=len(shots.complete),
         complete=len(complete),
-        highest_partial_m_s=partial[-1],
-        lowest_complete_m_s=complete[0],
-        separated=partial[-1] < complete[0],
+        highest_partial_m_s=partial[-1] if partial else None,
+        lowest_complete_m_s=complete[0] if complete else None,
+        separated=not partial or not complete or partial[-1] < complete[0],
         mean=mean_v50(partial, complete, pairs, span_m_s),
         fits=fits,
         penalised_fits=penalised,
@@ -220,10 +247,25 @@ def v50(
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
         model_interval_m_s=None if model is None else model.interval_m_s,
         warnings=() if model is None else model.warnings,
+        prior=before,
+        posterior=after,
+        prior_share=None if before is None or after is None else prior_share(before, after),
     )
 
 
-def _check(shots: Shots) -> None:
+def _with_prior(
+    scenario: Scenario, limit_m_s: float, shots: Shots, confidence: float
+) -> tuple[FiringEstimate, FiringEstimate]:
+    """Return prior and posterior of V50; raise an InputError where the error of the model is not known."""
+    prior = prior_of(scenario, limit_m_s)
+    if prior is None:
+        raise no_prior(scenario)
+    known = (posterior_of(prior, *given) for given in (((), ()), (shots.velocities_m_s, shots.complete)))
+    before, after = (each.estimate(confidence) for each in known)
+    return before, after
+
+
+def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
     """Check shots that are not read from a file."""
     velocities, count = shots.velocities_m_s, len(shots.complete)
     message = ""
@@ -231,7 +273,7 @@ def _check(shots: Shots) -> None:
         message = f"must be as many velocities as results, found {len(velocities)} and {count}"
     elif wrong := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
         message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g} m/s, found {wrong[0]:g}"
-    elif len(set(shots.complete)) != 2:
+    elif not one_kind and len(set(shots.complete)) != 2:
         message = "must have at least one partial and one complete penetration"
     if message:
         raise InputError([Problem(shots.file, "", message)])

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from armour.reporting.table import Cell, Column, Source, Table, column_of, listing, record
 from armour.reporting.tables.confidence import error_note
+from armour.reporting.tables.planning import prior_table, share_note
 from armour.reporting.text import interval, percent
 from armour.reporting.words import in_words, words_of
 
@@ -225,6 +226,13 @@ def v50_tables(result: "FiringResult") -> list[Table | str]:
     found: list[Table | str] = [v50_table(result)]
     if result.mean is not None:
         found.append(MEAN_NOTES[result.mean.rule])
+    if result.prior is not None and result.posterior is not None and result.prior_share is not None:
+        found += [prior_table(result.prior, result.posterior, result.confidence), share_note(result.prior_share)]
+    if not result.fits:
+        return [
+            *found,
+            "the shots alone have no curve: none were complete, none partial, or the complete ones no faster",
+        ]
     if result.recommended is None:
         found.append("no curve is recommended: the penalised likelihood is greatest for a curve that does not rise")
     else:

@@ -1,0 +1,260 @@
+"""Count the shots that each procedure needs to know V50, and how often its interval then holds V50.
+
+    python -m campaigns.shots --firings 2000 --seed 1
+
+The armour is the paper's lightest against the 7.62 mm AP, whose ballistic limit by the model has an error of 7.0 % from
+13 tests.  V50 is 0, 1 or 2 standard deviations of this error from the model's limit, above it in one half of the
+firings and below it in the other; the scatter is 15 or 30 m/s.  A shot misses the velocity that it is aimed at by 5 m/s
+(standard deviation), and is measured exactly.  A firing ends when the interval of V50 of 95 % is within +- 15 m/s: of
+the Bayesian procedure that of the posterior, of the others that of the penalised likelihood of `armour v50`.
+"bayesian, scatter known" is told the scatter within a factor of 1.2.  Then each scatter is drawn from the prior,
+for the Bayesian procedure alone.
+
+The last rows ask whether V50 exceeds 90 % of the model's limit, by the Bayesian procedure alone: V50 and scatter are
+those of its prior, or V50 misses the limit as above, and a firing ends with a probability of 95 %.  "held" is then the
+part of right decisions.
+"""
+
+import argparse
+import time
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import log_ndtr
+
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.variants import Floats
+from armour.planning.procedures import bayesian, langlie, neyer, up_and_down
+from armour.planning.procedures.bayesian import Booleans
+from armour.planning.procedures.settings import ShotSettings
+from armour.planning.shot_plan import LIMITS_PROBABILITY, limits_of
+from armour.scenario.loading import load_scenario
+from armour.statistics.firing_posterior import FiringPrior, posterior_of, prior_of
+from armour.statistics.v50 import Shots
+
+SCENARIO, HALF_WIDTH_M_S, CONFIDENCE, MISS_M_S, MOST = "paper/optimum_7.62mm_AP", 15.0, 0.95, 5.0, 150
+DEVIATIONS, SCATTERS_M_S = (0.0, 1.0, 2.0), (15.0, 30.0)
+KNOWN, KNOWN_FACTOR, REQUIRED = "bayesian, scatter known", 1.2, 0.9
+CLASSIC = {"up-and-down": up_and_down, "langlie": langlie, "neyer": neyer}
+# Firings at once; nodes of V50 and scatter of the Bayesian procedure, and its velocities.
+BLOCK, NODES, CANDIDATES = 500, (301, 15), 201
+# Root of the deviance at the ends of an interval.
+ROOT = 1.959963984540054
+
+
+class Outcome(NamedTuple):
+    """Shots of each firing, and whether its interval held V50; MOST shots where it did not end."""
+
+    shots: Floats
+    held: Booleans
+
+
+class Intervals:
+    """Intervals of V50 by penalised likelihood of many firings, from grids of V50 and scale around a centre."""
+
+    def __init__(self, count: int, centre: float, reach: float = 150.0, nodes: tuple[int, int] = (101, 25)) -> None:
+        self.nodes, self.centre = nodes, centre
+        self.v50 = np.linspace(-reach, reach, nodes[0])
+        scales = np.geomspace(2.0, 2000.0, nodes[1])
+        self.points = np.repeat(self.v50, nodes[1]), np.tile(scales, nodes[0])
+        self.log_likelihood, *self.moments = np.zeros((4, count, nodes[0] * nodes[1]))
+
+    def add(self, velocities: Floats, complete: Booleans) -> None:
+        """Add a shot to each firing."""
+        x = (velocities - self.centre)[:, None]
+        z = (x - self.points[0]) / self.points[1]
+        above, below = log_ndtr(z), log_ndtr(-z)
+        self.log_likelihood += np.where(complete[:, None], above, below)
+        weights = np.exp(-z * z - above - below)
+        for power, moment in enumerate(self.moments):
+            moment += weights * x**power
+
+    def ends(self) -> Floats:
+        """Return the ends of the interval of each firing, (n, 2); not finite where the shots do not bound it."""
+        zero, one, two = self.moments
+        with np.errstate(divide="ignore"):
+            value = self.log_likelihood + 0.5 * np.log(np.maximum(zero * two - one * one, 0.0))
+        value = np.maximum(value, -1e9).reshape(-1, *self.nodes)
+        profile = _vertex(value)
+        found = np.full((len(value), 2), np.nan)
+        peaks = profile.argmax(axis=1)
+        tops = _vertex(profile[:, None])[:, 0]
+        flat = value.max(axis=1).argmax(axis=1) == self.nodes[1] - 1
+        roots = np.sqrt(2.0 * np.maximum(tops[:, None] - profile, 0.0)) - ROOT
+        for row in np.flatnonzero(~flat & (peaks > 0) & (peaks < self.nodes[0] - 1)):
+            inside = np.flatnonzero(roots[row] <= 0.0)
+            first, last = inside[0], inside[-1]
+            if first > 0 and last < self.nodes[0] - 1:
+                sides = (first, first - 1), (last, last + 1)
+                found[row] = [np.interp(0.0, roots[row, [near, far]], self.v50[[near, far]]) for near, far in sides]
+        return found + self.centre
+
+    def keep(self, which: Booleans) -> None:
+        """Keep some of the firings."""
+        self.log_likelihood, *self.moments = (array[which] for array in (self.log_likelihood, *self.moments))
+
+
+def _vertex(value: Floats) -> Floats:
+    """Return the maximum along the last axis, from the parabola through the greatest value and its neighbours."""
+    index = value.argmax(axis=-1)[..., None].clip(1, value.shape[-1] - 2)
+    low, top, high = (np.take_along_axis(value, index + step, -1)[..., 0] for step in (-1, 0, 1))
+    bend = 2.0 * top - low - high
+    with np.errstate(divide="ignore", invalid="ignore"):
+        gain = np.where((bend > 0.0) & (bend < 5.0), (high - low) ** 2 / (8.0 * bend), 0.0)
+    return np.where(np.maximum(low, high) > top, np.maximum(low, high), top + gain)
+
+
+def classic(
+    procedure: str, settings: ShotSettings, truths: Floats, scatters: Floats, dice: np.random.Generator
+) -> Outcome:
+    """Simulate firings of a procedure that knows no prior."""
+    rule, count = CLASSIC[procedure], len(truths)
+    shots, held = np.full(count, MOST), np.zeros(count, dtype=bool)
+    fired = [Shots((), ()) for _ in truths]
+    going, intervals = np.arange(count), Intervals(count, float(truths.mean()))
+    for number in range(1, MOST + 1):
+        aims = np.array([rule.next_velocity(fired[each], settings).velocity_m_s for each in going])
+        velocities = dice.normal(aims, MISS_M_S)
+        complete = dice.normal(truths[going], scatters[going]) < velocities
+        for each, velocity, result in zip(going, velocities.tolist(), complete.tolist(), strict=True):
+            before = fired[each]
+            fired[each] = Shots((*before.velocities_m_s, velocity), (*before.complete, result))
+        intervals.add(velocities, complete)
+        low, high = intervals.ends().T
+        over = 0.5 * (high - low) <= HALF_WIDTH_M_S
+        shots[going[over]] = number
+        held[going[over]] = ((low <= truths[going]) & (truths[going] <= high))[over]
+        going = going[~over]
+        intervals.keep(~over)
+        if not len(going):
+            break
+    return Outcome(shots, held)
+
+
+def bayes(settings: ShotSettings, truths: Floats, scatters: Floats, dice: np.random.Generator) -> Outcome:
+    """Simulate firings of the Bayesian procedure."""
+    assert settings.prior is not None
+    known = posterior_of(settings.prior, (), (), NODES)
+    count = len(truths)
+    shots, held = np.full(count, MOST), np.zeros(count, dtype=bool)
+    going, firings = np.arange(count), bayesian.Firings(known, settings, count, CANDIDATES)
+    for number in range(1, MOST + 1):
+        velocities = dice.normal(firings.aims(), MISS_M_S)
+        firings.add(velocities, dice.normal(truths[going], scatters[going]) < velocities)
+        low, high = firings.intervals().T
+        over = 0.5 * (high - low) <= HALF_WIDTH_M_S
+        shots[going[over]] = number
+        held[going[over]] = ((low <= truths[going]) & (truths[going] <= high))[over]
+        going = going[~over]
+        firings.keep(~over)
+        if not len(going):
+            break
+    return Outcome(shots, held)
+
+
+def deviation_percent(prior: FiringPrior) -> float:
+    """Return the standard deviation of the error of the model, per cent."""
+    df = prior.error.degrees_of_freedom
+    return prior.error.scale_percent * sqrt(df / (df - 2.0))
+
+
+def prior_for(procedure: str, scatter: float) -> FiringPrior:
+    """Return the prior of a procedure."""
+    scenario = load_scenario(SCENARIO)
+    prior = prior_of(scenario, ballistic_limit(scenario).ballistic_limit_m_s)
+    assert prior is not None
+    if procedure != KNOWN:
+        return prior
+    return prior._replace(scatter_percent=100.0 * scatter / prior.limit_m_s, scatter_factor=KNOWN_FACTOR)
+
+
+def requirement(deviations: float | None, scatter: float, firings: int, seed: int) -> Outcome:
+    """Simulate firings that ask whether V50 exceeds a velocity; without deviations V50 and scatter are of the prior."""
+    prior = prior_for("bayesian", scatter)
+    required = REQUIRED * prior.limit_m_s
+    settings = ShotSettings(prior.limit_m_s, 0.0, requirement_m_s=required, prior=prior)
+    known, dice = posterior_of(prior, (), (), NODES), np.random.default_rng([seed, firings])
+    drawn = dice.choice(len(known.weights), firings, p=known.weights)
+    truths, scatters = known.grid.v50_m_s[drawn], known.grid.scatter_m_s[drawn]
+    if deviations is not None:
+        offsets = np.resize([1.0, -1.0], firings) * deviations * deviation_percent(prior) / 100.0
+        truths, scatters = prior.limit_m_s * (1.0 + offsets), np.full(firings, scatter)
+    shots, held = np.full(firings, MOST), np.zeros(firings, dtype=bool)
+    going, many = np.arange(firings), bayesian.Firings(known, settings, firings, CANDIDATES)
+    for number in range(1, MOST + 1):
+        velocities = dice.normal(many.aims(), MISS_M_S)
+        many.add(velocities, dice.normal(truths[going], scatters[going]) < velocities)
+        over, met = many.ended(), many.weights @ many.target > 0.5
+        shots[going[over]] = number
+        held[going[over]] = (met == (truths[going] > required))[over]
+        going = going[~over]
+        many.keep(~over)
+        if not len(going):
+            break
+    return Outcome(shots, held)
+
+
+def simulate(procedure: str, deviations: float, scatter: float | None, firings: int, seed: int) -> Outcome:
+    """Simulate firings of a procedure; without a scatter, each has one drawn from its prior."""
+    prior = prior_for(procedure, scatter or 0.0)
+    limit = prior.limit_m_s
+    guess = limit * prior.scatter_percent / 100.0
+    settings = ShotSettings(limit, guess, limits_of(prior), HALF_WIDTH_M_S, CONFIDENCE, prior=prior)
+    found = []
+    for start in range(0, firings, BLOCK):
+        # Above the limit in one block, below in the next: the grids of a block have one centre.
+        number = start // BLOCK
+        offset = (1.0 if number % 2 == 0 else -1.0) * deviations * deviation_percent(prior) / 100.0
+        truths = np.full(min(BLOCK, firings - start), limit * (1.0 + prior.error.mean_percent / 100.0 + offset))
+        dice = np.random.default_rng([seed, number, round(10.0 * deviations), round(scatter or 0.0)])
+        scatters = np.full(len(truths), scatter or 0.0)
+        if scatter is None:
+            scatters = prior.scatter_percent / 100.0 * truths * prior.scatter_factor ** dice.normal(size=len(truths))
+        known = procedure not in CLASSIC
+        found.append(
+            bayes(settings, truths, scatters, dice) if known else classic(procedure, settings, truths, scatters, dice)
+        )
+    return Outcome(*(np.concatenate(column) for column in zip(*found, strict=True)))
+
+
+def main() -> None:
+    """Print a table of shots and coverage."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--firings", type=int, default=2000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--procedures", default=";".join(("bayesian", KNOWN, *CLASSIC)))
+    given = parser.parse_args()
+    print(
+        f"limits of V50 for langlie and neyer: the interval of the model with a probability of {LIMITS_PROBABILITY:g}"
+    )
+    print(f"standard error of a coverage of 95 %: {100.0 * sqrt(0.95 * 0.05 / given.firings):.2f} %")
+    print("scatter, m/s | deviations | procedure | mean shots | 10 % | 50 % | 90 % | held, % | not ended | s")
+    for scatter in SCATTERS_M_S:
+        for deviations in DEVIATIONS:
+            for procedure in given.procedures.split(";"):
+                start = time.perf_counter()
+                found = simulate(procedure, deviations, scatter, given.firings, given.seed)
+                _show(found, f"{scatter:g} | {deviations:g} | {procedure}", start)
+    for deviations in DEVIATIONS:
+        start = time.perf_counter()
+        found = simulate("bayesian", deviations, None, given.firings, given.seed)
+        _show(found, f"of the prior | {deviations:g} | bayesian", start)
+    for case in (None, *DEVIATIONS):
+        start = time.perf_counter()
+        found = requirement(case, SCATTERS_M_S[0], given.firings, given.seed)
+        of = "of the prior | of the prior" if case is None else f"{SCATTERS_M_S[0]:g} | {case:g}"
+        _show(found, f"{of} | requirement", start)
+
+
+def _show(found: Outcome, case: str, start: float) -> None:
+    """Print a row."""
+    over = found.shots < MOST
+    quantiles = np.quantile(found.shots, (0.1, 0.5, 0.9))
+    cells = [case, f"{found.shots.mean():.1f}", *(f"{value:.0f}" for value in quantiles)]
+    cells += [f"{100.0 * found.held[over].mean():.1f}", str(int((~over).sum())), f"{time.perf_counter() - start:.0f}"]
+    print(" | ".join(cells), flush=True)
+
+
+if __name__ == "__main__":
+    main()

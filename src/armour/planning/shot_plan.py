@@ -1,0 +1,387 @@
+"""Plan of a V50 firing: the velocity of the next shot, or the whole firing simulated."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.estimates import CONFIDENCE
+from armour.analysis.results import Result
+from armour.errors import InputError, Problem
+from armour.planning.procedures import bayesian, langlie, neyer, up_and_down
+from armour.planning.procedures.settings import ShotSettings
+from armour.planning.procedures.stopping import recommended_fit
+from armour.scenario.evidence import ModelError
+from armour.scenario.loading import Scenario
+from armour.scenario.messages import Section, validated
+from armour.statistics.firing_posterior import (
+    SCATTER_FACTOR,
+    SCATTER_PERCENT,
+    FiringEstimate,
+    FiringPrior,
+    Posterior,
+    no_prior,
+    posterior_of,
+    prior_of,
+    prior_share,
+)
+from armour.statistics.response_curve import FittedCurve
+from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, Shots, check_shots
+
+Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
+PROCEDURES: Mapping[str, ModuleType] = {
+    "bayesian": bayesian,
+    "neyer": neyer,
+    "langlie": langlie,
+    "up-and-down": up_and_down,
+}
+HALF_WIDTH_M_S = 15.0
+# Probability of V50 within the limits of Langlie's and Neyer's procedures, unless they are given.
+LIMITS_PROBABILITY = 0.99
+CURVE_POINTS = 201
+# A simulated firing ends here at the latest.
+MAX_SIMULATED = 100
+
+_Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
+
+
+class _Settings(Section):
+    """Settings of a plan, with their bounds."""
+
+    procedure: Procedure
+    half_width_m_s: Annotated[float, Field(ge=0.1, le=MAX_VELOCITY_M_S)] | None
+    confidence: Annotated[float, Field(ge=0.5, le=0.9999)]
+    requirement_m_s: _Velocity | None
+    requirement_fraction: Annotated[float, Field(ge=0.001, le=0.999)]
+    scatter_percent: Annotated[float, Field(ge=0.01, le=50.0)]
+    scatter_factor: Annotated[float, Field(ge=1.01, le=10.0)]
+    lower_m_s: _Velocity | None
+    upper_m_s: _Velocity | None
+    true_v50_m_s: _Velocity | None
+    true_scatter_m_s: Annotated[float, Field(ge=0.01, le=MAX_VELOCITY_M_S)] | None
+    seed: Annotated[int, Field(ge=0)]
+
+
+@dataclass(frozen=True)
+class PlanCurve:
+    """Prior and posterior over velocity, for a chart."""
+
+    velocity_m_s: tuple[float, ...]
+    prior: tuple[float, ...]  # probability density of V50, s/m
+    posterior: tuple[float, ...]
+    probability: tuple[float, ...]  # of complete penetration, by the posterior
+
+
+@dataclass(frozen=True, repr=False)
+class ShotPlan(Result):
+    """Plan of a V50 firing.
+
+    Attributes
+    ----------
+    procedure : {"bayesian", "neyer", "langlie", "up-and-down"}
+    fired : Shots
+        The shots so far, with those that are simulated.
+    simulated : int
+        Number of the shots, the last ones, that are simulated.
+    next_velocity_m_s : float or None
+        Velocity of the next shot, m/s; None where the firing has ended.
+    reason : str
+        Why it has this velocity.
+    stopped : str
+        Why the firing has ended; empty where it goes on.
+    expected_shots : float or None
+        Median number of further shots in simulated continuations by the Bayesian procedure; None where it exceeds 100,
+        and for the other procedures.
+    confidence : float
+        Confidence level of the intervals and of the requirement.
+    half_width_m_s : float or None
+        Half width of the interval of V50 at which the firing ends, m/s.
+    requirement_m_s : float or None
+        Required velocity, m/s.
+    requirement_fraction : float
+        Fraction of shots that may perforate at it.
+    probability_met : float or None
+        Probability that the requirement is met, by the posterior.
+    limits_m_s : tuple of float or None
+        Limits of V50 that Langlie's and Neyer's procedures start from, m/s.
+    prior, posterior : FiringEstimate or None
+        V50 and the scatter without and with the shots; None where the error of the model is not known.
+    prior_share : float or None
+        Variance of V50 by the posterior over that by the prior: the part of the precision that is the prior's.
+    recommended : FittedCurve or None
+        Curve that `armour.v50` recommends, from the shots alone, where they have one; None for the Bayesian procedure.
+    model_ballistic_limit_m_s : float
+        Ballistic limit by the model, m/s.
+    model_error : ModelError or None
+        Its relative error.
+    true_v50_m_s, true_scatter_m_s : float or None
+        V50 and scatter that shots were simulated with, m/s.
+    curve : PlanCurve or None
+        Prior and posterior over velocity.
+    warnings : tuple of str
+        Ways in which the scenario is unlike what the model was compared with.
+    """
+
+    procedure: str
+    fired: Shots
+    simulated: int
+    next_velocity_m_s: float | None
+    reason: str
+    stopped: str
+    expected_shots: float | None
+    confidence: float
+    half_width_m_s: float | None
+    requirement_m_s: float | None
+    requirement_fraction: float
+    probability_met: float | None
+    limits_m_s: tuple[float, float] | None
+    prior: FiringEstimate | None
+    posterior: FiringEstimate | None
+    prior_share: float | None
+    recommended: FittedCurve | None
+    model_ballistic_limit_m_s: float
+    model_error: ModelError | None
+    true_v50_m_s: float | None = None
+    true_scatter_m_s: float | None = None
+    curve: PlanCurve | None = None
+    warnings: tuple[str, ...] = ()
+
+    def _words(self) -> str:
+        count = f"{len(self.fired.complete)} shots"
+        if self.next_velocity_m_s is None:
+            return f"{count}, {self.stopped}"
+        return f"{count}, the next at {self.next_velocity_m_s:.1f} m/s"
+
+
+def plan_shots(
+    scenario: Scenario,
+    shots: Shots | None = None,
+    *,
+    procedure: Procedure = "bayesian",
+    half_width_m_s: float | None = None,
+    confidence: float = CONFIDENCE,
+    requirement_m_s: float | None = None,
+    requirement_fraction: float = 0.5,
+    scatter_percent: float = SCATTER_PERCENT,
+    scatter_factor: float = SCATTER_FACTOR,
+    limits_m_s: tuple[float, float] | None = None,
+    simulate: bool = False,
+    true_v50_m_s: float | None = None,
+    true_scatter_m_s: float | None = None,
+    seed: int = 0,
+) -> ShotPlan:
+    """Plan the next shot of a V50 firing, or simulate all further ones.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Armour and projectile; its ballistic limit by the model, with the error of the model, is the prior of V50.
+    shots : Shots, optional
+        Shots so far, which may all be of one kind.
+    procedure : {"bayesian", "neyer", "langlie", "up-and-down"}
+        The Bayesian procedure needs the error of the model: that of tests of such armours or of ``uncertainty.model``.
+    half_width_m_s : float, optional
+        Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15, but the
+        up-and-down rule then ends as MIL-STD-662F does, with three shots of each kind within 27.4 m/s.
+    confidence : float
+        Confidence level of the interval, and of the requirement, 0.5 to 0.9999.
+    requirement_m_s : float, optional
+        Required velocity, m/s.  The Bayesian procedure then ends when the requirement is met, or not met, with the
+        confidence; the up-and-down rule starts above it.
+    requirement_fraction : float
+        Fraction of shots that may perforate at the required velocity, 0.001 to 0.999: 0.5 requires it of V50.
+    scatter_percent : float
+        Scatter that is expected, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its
+        prior, and the guess of Neyer's procedure.
+    scatter_factor : float
+        Factor by which the scatter may differ from it, 1.01 to 10: one standard deviation of its logarithm.
+    limits_m_s : tuple of float, optional
+        Limits of V50 that Langlie's and Neyer's procedures start from, m/s; by default the interval of the model's
+        limit with a probability of 99 %.
+    simulate : bool
+        Whether to simulate the shots until the firing ends, 100 at most.
+    true_v50_m_s : float, optional
+        V50 to simulate shots with, m/s; by default it and the scatter are drawn from the posterior.
+    true_scatter_m_s : float, optional
+        Scatter to simulate them with, m/s.
+    seed : int
+        Seed of the simulation, at least 0.
+
+    Returns
+    -------
+    ShotPlan
+
+    Raises
+    ------
+    InputError
+        If a setting is out of its range or has no use, or the error of the model is not known and the procedure needs
+        it.
+    NoLimitError
+        If the scenario has no ballistic limit in the range of the search.
+
+    Examples
+    --------
+    >>> import armour
+    >>> armour.plan_shots(armour.load_scenario("wilkins"))
+    <ShotPlan: 0 shots, the next at 722.8 m/s>
+    """
+    given = {
+        "procedure": procedure,
+        "half_width_m_s": half_width_m_s,
+        "confidence": confidence,
+        "requirement_m_s": requirement_m_s,
+        "requirement_fraction": requirement_fraction,
+        "scatter_percent": scatter_percent,
+        "scatter_factor": scatter_factor,
+        "lower_m_s": None if limits_m_s is None else limits_m_s[0],
+        "upper_m_s": None if limits_m_s is None else limits_m_s[1],
+        "true_v50_m_s": true_v50_m_s,
+        "true_scatter_m_s": true_scatter_m_s,
+        "seed": seed,
+    }
+    asked = validated(_Settings, given, "plan shots")
+    fired = Shots((), ()) if shots is None else shots
+    check_shots(fired, one_kind=True)
+    _check(asked, simulate)
+    limit = ballistic_limit(scenario)
+    prior = prior_of(scenario, limit.ballistic_limit_m_s, scatter_percent, scatter_factor)
+    if prior is None and procedure == "bayesian":
+        raise no_prior(scenario)
+    settings = ShotSettings(
+        estimate_m_s=limit.ballistic_limit_m_s,
+        scatter_m_s=limit.ballistic_limit_m_s * scatter_percent / 100.0,
+        limits_m_s=_limits(asked, prior),
+        half_width_m_s=HALF_WIDTH_M_S if half_width_m_s is None and procedure != "up-and-down" else half_width_m_s,
+        confidence=confidence,
+        requirement_m_s=requirement_m_s,
+        requirement_fraction=requirement_fraction,
+        prior=prior,
+    )
+    truth, before = None, len(fired.complete)
+    if simulate:
+        dice = np.random.default_rng(seed)
+        truth = _truth(asked, prior, fired, dice)
+        fired = simulated(procedure, fired, settings, truth, dice)
+    rule = PROCEDURES[procedure]
+    stopped = rule.stopped(fired, settings)
+    aim = None if stopped else rule.next_velocity(fired, settings)
+    known = None if prior is None else posterior_of(prior, fired.velocities_m_s, fired.complete)
+    alone = None if prior is None else posterior_of(prior, (), ())
+    before_shots = None if alone is None else alone.estimate(confidence)
+    estimate = None if known is None else known.estimate(confidence)
+    met = None
+    if known is not None and requirement_m_s is not None:
+        met = known.probability_above(requirement_m_s, requirement_fraction)
+    return ShotPlan(
+        procedure=procedure,
+        fired=fired,
+        simulated=len(fired.complete) - before,
+        next_velocity_m_s=None if aim is None else aimed(aim.velocity_m_s),
+        reason="" if aim is None else aim.why,
+        stopped=stopped,
+        expected_shots=bayesian.expected_shots(fired, settings) if procedure == "bayesian" and aim else None,
+        confidence=confidence,
+        half_width_m_s=None if requirement_m_s is not None and procedure == "bayesian" else settings.half_width_m_s,
+        requirement_m_s=requirement_m_s,
+        requirement_fraction=requirement_fraction,
+        probability_met=met,
+        limits_m_s=settings.limits_m_s,
+        prior=before_shots,
+        posterior=estimate,
+        prior_share=None if before_shots is None or estimate is None else prior_share(before_shots, estimate),
+        recommended=None if procedure == "bayesian" else recommended_fit(fired, confidence),
+        model_ballistic_limit_m_s=limit.ballistic_limit_m_s,
+        model_error=limit.model_error,
+        true_v50_m_s=truth and truth[0],
+        true_scatter_m_s=truth and truth[1],
+        curve=None if alone is None or known is None else _curve(alone, known, fired),
+        warnings=limit.warnings,
+    )
+
+
+def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
+    """Return the curves over the velocities where there is something to see."""
+    low, high = prior.grid.v50_quantiles(prior.weights, (0.005, 0.995))[0].tolist()
+    velocities = np.linspace(min(low, low, *fired.velocities_m_s), max(high, high, *fired.velocities_m_s), CURVE_POINTS)
+    density = (each.density(velocities) for each in (prior, posterior))
+    curves = (*density, posterior.weights @ posterior.grid.response(velocities).T)
+    return PlanCurve(tuple(velocities.tolist()), *(tuple(curve.tolist()) for curve in curves))
+
+
+def _check(asked: _Settings, simulate: bool) -> None:
+    """Refuse settings that have no use, or that contradict each other."""
+    problems = []
+    limited = asked.procedure in ("langlie", "neyer")
+    if limited and asked.requirement_m_s is not None:
+        problems.append(("requirement_m_s", f"must not be given with {asked.procedure}, which knows none"))
+    if not limited and asked.lower_m_s is not None:
+        problems.append(("limits_m_s", f"must not be given with {asked.procedure}, which has none"))
+    if asked.lower_m_s is not None and asked.upper_m_s is not None and asked.lower_m_s >= asked.upper_m_s:
+        problems.append(("limits_m_s", f"must rise, found {asked.lower_m_s:g} and {asked.upper_m_s:g}"))
+    if asked.procedure == "bayesian" and asked.requirement_m_s is not None and asked.half_width_m_s is not None:
+        problems.append(("half_width_m_s", "must not be given with a requirement, which ends the firing"))
+    if asked.requirement_m_s is None and asked.requirement_fraction != 0.5:
+        problems.append(("requirement_fraction", "must not be given without a requirement"))
+    truths = {"true_v50_m_s": asked.true_v50_m_s, "true_scatter_m_s": asked.true_scatter_m_s}
+    if not simulate:
+        problems += (
+            (key, "must not be given without simulating") for key, value in truths.items() if value is not None
+        )
+    elif len([value for value in truths.values() if value is not None]) == 1:
+        problems.append(("true_v50_m_s", "must be given together with true_scatter_m_s"))
+    if problems:
+        raise InputError([Problem("plan shots", *problem) for problem in problems])
+
+
+def _limits(asked: _Settings, prior: FiringPrior | None) -> tuple[float, float] | None:
+    """Return the limits of V50 that a procedure starts from; None for one that has none."""
+    if asked.procedure not in ("langlie", "neyer"):
+        return None
+    if asked.lower_m_s is not None and asked.upper_m_s is not None:
+        return asked.lower_m_s, asked.upper_m_s
+    if prior is None:
+        message = "must be given: the error of the model, which they follow from by default, is not known"
+        raise InputError([Problem("plan shots", "limits_m_s", message)])
+    return limits_of(prior)
+
+
+def limits_of(prior: FiringPrior) -> tuple[float, float]:
+    """Return the interval of the model's limit that is wide enough for Langlie's and Neyer's procedures, m/s."""
+    tail = 0.5 * (1.0 - LIMITS_PROBABILITY)
+    low, high = (prior.limit_m_s * (1.0 + float(prior.error.quantile(np.array(end)))) for end in (tail, 1.0 - tail))
+    return low, high
+
+
+def _truth(asked: _Settings, prior: FiringPrior | None, fired: Shots, dice: np.random.Generator) -> tuple[float, float]:
+    """Return V50 and scatter to simulate shots with, m/s."""
+    if asked.true_v50_m_s is not None and asked.true_scatter_m_s is not None:
+        return asked.true_v50_m_s, asked.true_scatter_m_s
+    if prior is None:
+        message = "must be given: the error of the model, to draw it from, is not known"
+        raise InputError([Problem("plan shots", "true_v50_m_s", message)])
+    known = posterior_of(prior, fired.velocities_m_s, fired.complete)
+    drawn = dice.choice(len(known.weights), p=known.weights)
+    return float(known.grid.v50_m_s[drawn]), float(known.grid.scatter_m_s[drawn])
+
+
+def simulated(
+    procedure: str, fired: Shots, settings: ShotSettings, truth: tuple[float, float], dice: np.random.Generator
+) -> Shots:
+    """Return shots with those that are simulated until the procedure ends the firing."""
+    rule = PROCEDURES[procedure]
+    for _ in range(MAX_SIMULATED):
+        if rule.stopped(fired, settings):
+            break
+        velocity = aimed(rule.next_velocity(fired, settings).velocity_m_s)
+        result = bool(dice.normal(*truth) < velocity)
+        fired = Shots((*fired.velocities_m_s, velocity), (*fired.complete, result), fired.file)
+    return fired
+
+
+def aimed(velocity_m_s: float) -> float:
+    """Return a velocity to aim at, m/s: to a tenth, within the range of velocities."""
+    return round(min(max(velocity_m_s, MIN_VELOCITY_M_S), MAX_VELOCITY_M_S), 1)

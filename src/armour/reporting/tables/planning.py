@@ -1,0 +1,86 @@
+"""Tables of plans of tests."""
+
+from typing import TYPE_CHECKING
+
+from armour.reporting.table import Column, Source, Table, column_of, listing, record
+from armour.reporting.tables.confidence import chance, error_note
+from armour.reporting.text import interval, percent
+
+if TYPE_CHECKING:
+    from armour.planning.shot_plan import ShotPlan
+    from armour.statistics.firing_posterior import FiringEstimate
+
+
+def shot_plan_tables(plan: "ShotPlan") -> list[Table | str]:
+    """Return all tables of a plan of shots, with notes on them."""
+    found: list[Table | str] = [_plan_table(plan)]
+    if plan.reason:
+        found.append(f"reason: {plan.reason}")
+    if plan.prior is not None and plan.posterior is not None:
+        found += [prior_table(plan.prior, plan.posterior, plan.confidence), error_note(plan.model_error)]
+        if plan.fired.complete and plan.prior_share is not None:
+            found.append(share_note(plan.prior_share))
+    elif plan.recommended is not None:
+        ends = interval(plan.recommended.v50_interval_m_s, ".1f")
+        found.append(f"V50 {plan.recommended.v50_m_s:.1f} m/s, {percent(plan.confidence)} interval {ends}")
+    if plan.fired.complete:
+        found.append(_shot_table(plan))
+    return found
+
+
+def _plan_table(plan: "ShotPlan") -> Table:
+    """Return what is next, what ends the firing, and what is known of it."""
+    fraction, more = plan.requirement_fraction, plan.expected_shots
+    met = "V50" if fraction == 0.5 else f"velocity at which {percent(fraction)} perforate"
+    expected: Source = (Column("further shots expected"), f"{more:.0f}" if more is not None else "more than 100")
+    return record(
+        plan,
+        column_of("procedure"),
+        (Column("shots so far", spec="d"), len(plan.fired.complete)),
+        (Column("simulated", spec="d"), plan.simulated or None),
+        column_of("next_velocity_m_s", ".1f"),
+        (Column("firing ended"), plan.stopped or None),
+        *([expected] if plan.next_velocity_m_s is not None and plan.procedure == "bayesian" else []),
+        column_of("half_width_m_s", "g", "half width at which the firing ends"),
+        (Column("limits of V50", "m/s"), interval(plan.limits_m_s, ".1f") or None),
+        column_of("requirement_m_s", "g", f"required of the {met}"),
+        (
+            Column("probability that it is met"),
+            None if plan.probability_met is None else chance(plan.probability_met),
+        ),
+        column_of("true_v50_m_s", ".1f", "V50 simulated"),
+        column_of("true_scatter_m_s", ".1f", "scatter simulated"),
+    )
+
+
+def prior_table(prior: "FiringEstimate", posterior: "FiringEstimate", level: float) -> Table:
+    """Return V50 and the scatter before and after the shots."""
+    between = f"{percent(level)} interval"
+    return listing(
+        (("prior", prior), ("posterior", posterior)),
+        (Column("distribution"), lambda row: row[0]),
+        (Column("V50", "m/s", ".1f"), lambda row: row[1].v50_m_s),
+        (Column(f"{between} of V50", "m/s"), lambda row: interval(row[1].v50_interval_m_s, ".1f")),
+        (Column("standard deviation of V50", "m/s", ".1f"), lambda row: row[1].standard_deviation_m_s),
+        (Column("scatter", "m/s", ".1f"), lambda row: row[1].scatter_m_s),
+        (Column(f"{between} of the scatter", "m/s"), lambda row: interval(row[1].scatter_interval_m_s, ".1f")),
+    )
+
+
+def share_note(share: float) -> str:
+    """Return how much of a posterior is the prior."""
+    part = f"{100.0 * share:.{0 if share > 0.095 else 1}f} %"
+    return (
+        f"{part} of the precision of V50, the inverse of its variance, is that of the prior, and the rest of the shots"
+    )
+
+
+def _shot_table(plan: "ShotPlan") -> Table:
+    """Return the shots in their order."""
+    shots = enumerate(zip(plan.fired.velocities_m_s, plan.fired.complete, strict=True), start=1)
+    return listing(
+        shots,
+        (Column("shot", spec="d"), lambda row: row[0]),
+        (Column("velocity", "m/s", ".1f"), lambda row: row[1][0]),
+        (Column("penetration"), lambda row: "complete" if row[1][1] else "partial"),
+    )

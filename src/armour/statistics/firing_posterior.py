@@ -1,0 +1,204 @@
+"""Posterior of V50 and of the scatter from firing results, given the model's ballistic limit and its error.
+
+The probability of complete penetration is that of the normal curve, F((V - V50)/scatter).  The prior of V50 is the
+model's limit with Student's t distribution of its relative error, cut off at 1 % of the limit; that of the scatter
+relative to V50 is log-normal and independent of it.  Both are summed over a grid, so that nothing is random.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import log
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import log_ndtr, ndtr, ndtri
+
+from armour.analysis.confidence import EXCLUDED, NO_TEST
+from armour.analysis.variants import Floats
+from armour.errors import InputError, Problem
+from armour.scenario.applicability import is_excluded, model_error
+from armour.scenario.evidence import ModelError
+from armour.scenario.loading import Scenario
+
+# Median of the prior of the scatter, per cent of V50, and the factor of one standard deviation of its logarithm.
+SCATTER_PERCENT, SCATTER_FACTOR = 2.0, 2.0
+# Probability of V50 beyond each end of the first grid, which ends at these multiples of the limit at the latest.
+TAIL, LEAST, MOST = 1e-6, 0.01, 10.0
+# The same for the logarithm of the scatter, in its standard deviations.
+DEVIATIONS = 5.0
+# Nodes of V50 and of the scatter, and how often the grid is narrowed to where the logarithm of the posterior is within
+# a depth of its maximum.
+NODES, NARROWINGS, DEPTH = (201, 31), 3, 15.0
+
+
+def _normal(probabilities: Floats) -> Floats:
+    """Return quantiles of the normal distribution, all finite."""
+    quantiles: Floats = ndtri(probabilities.clip(1e-15, 1.0 - 1e-15))
+    return quantiles
+
+
+@dataclass(frozen=True)
+class FiringEstimate:
+    """V50 and the scatter of a prior or posterior.
+
+    Attributes
+    ----------
+    v50_m_s : float
+        Median.
+    v50_interval_m_s : tuple of float
+        Interval with equal probabilities beyond its ends, m/s.
+    standard_deviation_m_s : float
+        Of V50: how well it is known.
+    scatter_m_s : float
+        Median of the standard deviation of the response curve: how much shots vary.
+    scatter_interval_m_s : tuple of float
+        Its interval.
+    """
+
+    v50_m_s: float
+    v50_interval_m_s: tuple[float, float]
+    standard_deviation_m_s: float
+    scatter_m_s: float
+    scatter_interval_m_s: tuple[float, float]
+
+
+class FiringPrior(NamedTuple):
+    """Prior of V50 and of the scatter."""
+
+    limit_m_s: float  # by the model
+    error: ModelError
+    scatter_percent: float = SCATTER_PERCENT
+    scatter_factor: float = SCATTER_FACTOR
+
+    def log_density(self, v50: Floats, log_ratio: Floats) -> Floats:
+        """Return the logarithm of the density, but for a constant, at V50s and logarithms of scatter over V50."""
+        error, df = self.error, self.error.degrees_of_freedom
+        t = (100.0 * (v50 / self.limit_m_s - 1.0) - error.mean_percent) / error.scale_percent
+        z = (log_ratio - log(self.scatter_percent / 100.0)) / log(self.scatter_factor)
+        density: Floats = -0.5 * (df + 1.0) * np.log1p(t * t / df) - 0.5 * z * z
+        return density
+
+
+class Grid(NamedTuple):
+    """Points of V50 and scatter, m/s, with the scatter varying fastest."""
+
+    v50_m_s: Floats  # (points,)
+    scatter_m_s: Floats  # (points,)
+    shape: tuple[int, int]  # nodes of V50 and of the scatter
+
+    def response(self, velocities_m_s: Floats) -> Floats:
+        """Return the probability of complete penetration at velocities, (m,) -> (m, points)."""
+        response: Floats = ndtr((velocities_m_s[:, None] - self.v50_m_s) / self.scatter_m_s)
+        return response
+
+    def v50_quantiles(self, weights: Floats, probabilities: Sequence[float]) -> Floats:
+        """Return quantiles of V50 for each of n distributions of weight over the points, (n, points) -> (n, k)."""
+        nodes = self.v50_m_s[:: self.shape[1]]
+        parts = weights.reshape(-1, *self.shape).sum(axis=2)
+        # On the scale of the normal distribution a cumulative probability is nearly linear between few nodes.
+        middles = _normal(np.cumsum(parts, axis=1) - 0.5 * parts)
+        return np.array([np.interp(ndtri(probabilities), each, nodes) for each in middles])
+
+
+class Posterior(NamedTuple):
+    """Grid with the probability of each point."""
+
+    grid: Grid
+    weights: Floats  # (points,)
+
+    def estimate(self, confidence: float) -> FiringEstimate:
+        """Return medians, intervals and the standard deviation of V50."""
+        ends = (0.5, 0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
+        v50, low, high = self.grid.v50_quantiles(self.weights, ends)[0].tolist()
+        order = np.argsort(self.grid.scatter_m_s)
+        weights = self.weights[order]
+        scatter, *scatter_ends = np.interp(ends, np.cumsum(weights) - 0.5 * weights, self.grid.scatter_m_s[order])
+        deviation = self.variance(self.grid.v50_m_s) ** 0.5
+        return FiringEstimate(
+            v50, (low, high), deviation, float(scatter), (float(scatter_ends[0]), float(scatter_ends[1]))
+        )
+
+    def variance(self, target: Floats) -> float:
+        """Return the variance of a quantity that has values at the points, (points,)."""
+        return float(self.weights @ (target - self.weights @ target) ** 2)
+
+    def density(self, velocities_m_s: Floats) -> Floats:
+        """Return the probability density of V50 at velocities, s/m; 0 beyond the grid."""
+        nodes = self.grid.v50_m_s[:: self.grid.shape[1]]
+        parts = self.weights.reshape(self.grid.shape).sum(axis=1)
+        density: Floats = np.interp(velocities_m_s, nodes, parts / (nodes[1] - nodes[0]), left=0.0, right=0.0)
+        return density
+
+    def probability_above(self, velocity_m_s: float, fraction: float) -> float:
+        """Return the probability that the velocity at which a fraction of shots perforates exceeds a velocity."""
+        return float(self.weights @ is_above(self.grid, velocity_m_s, fraction))
+
+
+def is_above(grid: Grid, velocity_m_s: float, fraction: float) -> Floats:
+    """Return 1 at the points where the velocity at which a fraction of shots perforates exceeds a velocity, else 0.
+
+    Between neighbouring V50s it goes from 0 to 1 linearly.
+    """
+    excess = grid.v50_m_s + float(ndtri(fraction)) * grid.scatter_m_s - velocity_m_s
+    step = max(float(np.diff(grid.v50_m_s[:: grid.shape[1]]).mean()), 1e-12)
+    above: Floats = np.clip(0.5 + excess / step, 0.0, 1.0)
+    return above
+
+
+def prior_of(
+    scenario: Scenario,
+    limit_m_s: float,
+    scatter_percent: float = SCATTER_PERCENT,
+    scatter_factor: float = SCATTER_FACTOR,
+) -> FiringPrior | None:
+    """Return the prior of V50 of an armour, given its limit by the model; None where its error is not known."""
+    error = model_error(scenario)
+    return None if error is None else FiringPrior(limit_m_s, error, scatter_percent, scatter_factor)
+
+
+def no_prior(scenario: Scenario) -> InputError:
+    """Return the error of a question that needs a prior of a scenario that has none."""
+    reason = EXCLUDED if is_excluded(scenario) else NO_TEST
+    return InputError([Problem(scenario.file, "uncertainty.model", f"must give scale_percent for a prior: {reason}")])
+
+
+def posterior_of(
+    prior: FiringPrior,
+    velocities_m_s: Sequence[float],
+    complete: Sequence[bool],
+    nodes: tuple[int, int] = NODES,
+) -> Posterior:
+    """Return the posterior given shots, of which there may be none."""
+    limit = prior.limit_m_s
+    ends = [limit * (1.0 + float(prior.error.quantile(np.array(end)))) for end in (TAIL, 1.0 - TAIL)]
+    # Shots far from the prior move V50 beyond it.
+    fired = sorted(velocities_m_s) or ends
+    low = max(min(ends[0], 0.8 * fired[0]), LEAST * limit)
+    high = max(min(ends[1], MOST * limit), 1.2 * fired[-1])
+    reach, middle = DEVIATIONS * log(prior.scatter_factor), log(prior.scatter_percent / 100.0)
+    ranges = [(low, high), (middle - reach, middle + reach)]
+    shots = Counter(zip(velocities_m_s, complete, strict=True))
+    for _ in range(NARROWINGS):
+        v50, log_ratio = (np.linspace(*ends, count) for ends, count in zip(ranges, nodes, strict=True))
+        points = Grid(np.repeat(v50, nodes[1]), np.outer(v50, np.exp(log_ratio)).ravel(), nodes)
+        logarithm = prior.log_density(points.v50_m_s, np.tile(log_ratio, nodes[0]))
+        for (velocity, result), count in shots.items():
+            sign = 1.0 if result else -1.0
+            logarithm += count * log_ndtr(sign * (velocity - points.v50_m_s) / points.scatter_m_s)
+        logarithm -= logarithm.max()
+        kept = (logarithm > -DEPTH).reshape(nodes)
+        ranges = [_narrowed(v50, kept.nonzero()[0]), _narrowed(log_ratio, kept.nonzero()[1])]
+    weights = np.exp(logarithm)
+    return Posterior(points, weights / weights.sum())
+
+
+def _narrowed(axis: Floats, kept: NDArray[np.intp]) -> tuple[float, float]:
+    """Return the range of the nodes that are kept, and of one more at each end."""
+    return float(axis[max(kept.min() - 1, 0)]), float(axis[min(kept.max() + 1, len(axis) - 1)])
+
+
+def prior_share(prior: FiringEstimate, posterior: FiringEstimate) -> float:
+    """Return the part of the precision of V50, the inverse of its variance, that is the prior's; at most 1."""
+    return min(1.0, (posterior.standard_deviation_m_s / prior.standard_deviation_m_s) ** 2)

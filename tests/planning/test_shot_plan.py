@@ -1,0 +1,120 @@
+"""Plans of V50 firings."""
+
+import json
+from math import isfinite
+from typing import Any
+
+import pytest
+
+import armour
+from armour.errors import InputError
+from armour.planning.shot_plan import PROCEDURES, plan_shots
+from armour.statistics.v50 import Shots
+from tests.helpers.cases import scenario
+
+SHOTS = Shots((723.0, 770.0, 745.0, 760.0), (False, True, False, False))
+# Silicon carbide on titanium: no error is known.
+UNKNOWN = {"ceramic": "SiC", "backing": "Ti-6Al-4V"}
+
+
+@pytest.mark.parametrize("procedure", PROCEDURES)
+def test_a_plan_is_a_pure_function_of_the_shots_so_far(procedure: Any):
+    first = plan_shots(scenario(), SHOTS, procedure=procedure)
+    # No state is kept between plans.
+    if procedure == "bayesian":
+        assert first == plan_shots(scenario(), SHOTS, procedure=procedure)
+    assert first.next_velocity_m_s is not None
+    assert 650.0 < first.next_velocity_m_s < 850.0
+    assert first.reason
+    assert (first.fired, first.simulated, first.stopped) == (SHOTS, 0, "")
+    assert first.to_dict()["posterior"]["v50_m_s"] > first.to_dict()["prior"]["v50_m_s"]
+    assert json.loads(json.dumps(first.to_dict(), allow_nan=False))["procedure"] == procedure
+    assert repr(first) == f"<ShotPlan: 4 shots, the next at {first.next_velocity_m_s:.1f} m/s>"
+
+
+@pytest.mark.parametrize("procedure", ["bayesian", "neyer"])
+def test_a_simulated_firing_is_reproducible_and_continues_the_shots(procedure: Any):
+    def simulated(seed: int) -> armour.ShotPlan:
+        settings: dict[str, Any] = {"true_v50_m_s": 765.0, "true_scatter_m_s": 10.0, "half_width_m_s": 60.0}
+        return plan_shots(scenario(), SHOTS, procedure=procedure, simulate=True, seed=seed, **settings)
+
+    found = simulated(3)
+    assert found == simulated(3)
+    assert found.fired.velocities_m_s[:4] == SHOTS.velocities_m_s
+    assert found.simulated == len(found.fired.complete) - 4
+    assert found.stopped
+    assert found.next_velocity_m_s is None
+    assert repr(found) == f"<ShotPlan: {4 + found.simulated} shots, the interval of V50 is within ± 60 m/s>"
+
+
+def test_a_simulated_sequence_is_that_of_shots_planned_one_by_one():
+    whole = plan_shots(scenario(), simulate=True, seed=1, half_width_m_s=60.0)
+    assert whole.true_v50_m_s is not None
+    velocities, complete = whole.fired.velocities_m_s, whole.fired.complete
+    for count, velocity in enumerate(velocities):
+        plan = plan_shots(scenario(), Shots(velocities[:count], complete[:count]), half_width_m_s=60.0)
+        assert plan.next_velocity_m_s == velocity
+
+
+def test_a_requirement():
+    plan = plan_shots(scenario(), SHOTS, requirement_m_s=760.0, requirement_fraction=0.05)
+    assert plan.probability_met is not None
+    assert 0.05 < plan.probability_met < 0.5
+    assert plan.half_width_m_s is None
+    sure = plan_shots(scenario(), SHOTS, requirement_m_s=650.0)
+    assert sure.stopped == "the requirement is met with a probability of 95 % or more"
+    assert plan_shots(scenario(), requirement_m_s=700.0, procedure="up-and-down").next_velocity_m_s == 722.9
+
+
+def test_a_stated_error_is_a_prior_and_an_unknown_one_none():
+    with pytest.raises(InputError, match=r"uncertainty.model: must give scale_percent for a prior: the model was comp"):
+        plan_shots(scenario(**UNKNOWN))
+    with pytest.raises(InputError, match="limits_m_s: must be given: the error of the model"):
+        plan_shots(scenario(**UNKNOWN), procedure="langlie")
+    with pytest.raises(InputError, match="true_v50_m_s: must be given: the error of the model"):
+        plan_shots(scenario(**UNKNOWN), procedure="up-and-down", simulate=True)
+    plan = plan_shots(scenario(**UNKNOWN), SHOTS, procedure="neyer", limits_m_s=(500.0, 1500.0))
+    assert (plan.prior, plan.posterior, plan.curve) == (None, None, None)
+    assert plan.recommended is not None
+    stated = scenario(**UNKNOWN, uncertainty={"model": {"scale_percent": 10.0}})
+    assert plan_shots(stated).prior is not None
+    with pytest.raises(InputError, match="says not to include the error"):
+        plan_shots(scenario(uncertainty={"model": {"included": False}}))
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"procedure": "robbins"}, 'procedure: must be "bayesian", "neyer", "langlie" or "up-and-down", found'),
+        ({"half_width_m_s": 0.0}, "half_width_m_s: must be at least 0.1, found 0"),
+        ({"confidence": 1.0}, "confidence: must be at most 0.9999"),
+        ({"requirement_m_s": float("nan")}, "requirement_m_s: must be"),
+        ({"requirement_fraction": 0.1}, "requirement_fraction: must not be given without a requirement"),
+        ({"scatter_factor": 1.0}, "scatter_factor: must be at least 1.01"),
+        ({"limits_m_s": (600.0, 900.0)}, "limits_m_s: must not be given with bayesian"),
+        ({"limits_m_s": (900.0, 600.0), "procedure": "neyer"}, "limits_m_s: must rise, found 900 and 600"),
+        ({"requirement_m_s": 700.0, "procedure": "neyer"}, "requirement_m_s: must not be given with neyer"),
+        ({"requirement_m_s": 700.0, "half_width_m_s": 9.0}, "half_width_m_s: must not be given with a requirement"),
+        ({"true_v50_m_s": 700.0}, "true_v50_m_s: must not be given without simulating"),
+        ({"true_v50_m_s": 700.0, "simulate": True}, "true_v50_m_s: must be given together with true_scatter_m_s"),
+        ({"seed": -1}, "seed: must be at least 0"),
+    ],
+)
+def test_wrong_settings(settings: dict[str, Any], message: str):
+    with pytest.raises(InputError, match=f"plan shots: {message}"):
+        plan_shots(scenario(), **settings)
+
+
+def test_wrong_shots():
+    with pytest.raises(InputError, match="as many velocities as results"):
+        plan_shots(scenario(), Shots((700.0,), ()))
+    with pytest.raises(InputError, match="must be at least 1 and at most 10000 m/s, found nan"):
+        plan_shots(scenario(), Shots((float("nan"),), (True,)))
+
+
+@pytest.mark.parametrize("procedure", PROCEDURES)
+def test_absurd_shots_have_a_finite_plan(procedure: Any):
+    plan = plan_shots(scenario(), Shots((2.0, 9000.0, 9000.0), (True, False, False)), procedure=procedure)
+    assert plan.next_velocity_m_s is not None
+    assert isfinite(plan.next_velocity_m_s)
+    assert 1.0 <= plan.next_velocity_m_s <= 10_000.0

@@ -1,0 +1,49 @@
+"""Tables of plans of tests."""
+
+from dataclasses import replace
+
+from armour.planning.shot_plan import plan_shots
+from armour.reporting.table import Table
+from armour.reporting.tables.planning import share_note, shot_plan_tables
+from armour.statistics.v50 import Shots
+from tests.helpers.cases import scenario
+from tests.helpers.results import quantities
+
+SHOTS = Shots((700.0, 720.0), (False, True))
+
+
+def test_a_plan():
+    plan = replace(plan_shots(scenario(), SHOTS), expected_shots=None)
+    first, reason, before_and_after, _error, share, shots = shot_plan_tables(plan)
+    assert isinstance(first, Table)
+    assert quantities(first)["further shots expected"] == "more than 100"
+    assert str(reason).startswith("reason: expected to narrow")
+    assert isinstance(before_and_after, Table)
+    assert [row[0] for row in before_and_after.rows] == ["prior", "posterior"]
+    assert "of the precision of V50" in str(share)
+    assert isinstance(shots, Table)
+    assert shots.texts() == [["1", "700.0", "partial"], ["2", "720.0", "complete"]]
+
+
+def test_a_requirement_and_an_end():
+    plan = plan_shots(scenario(), SHOTS, requirement_m_s=550.0, requirement_fraction=0.05)
+    [first, *_] = shot_plan_tables(plan)
+    assert isinstance(first, Table)
+    found = quantities(first)
+    assert found["required of the velocity at which 5 % perforate, m/s"] == "550"
+    assert found["firing ended"] == "the requirement is met with a probability of 95 % or more"
+
+
+def test_without_a_prior():
+    unknown = scenario(uncertainty={"model": {"included": False}})
+    shots = Shots((700.0, 720.0, 760.0, 710.0, 740.0), (False, True, True, False, False))
+    texts = [
+        item for item in shot_plan_tables(plan_shots(unknown, shots, procedure="up-and-down")) if isinstance(item, str)
+    ]
+    assert any(text.startswith("V50 7") for text in texts)
+
+
+def test_parts_of_the_prior():
+    assert share_note(0.0159).startswith("1.6 % of")
+    assert share_note(0.4).startswith("40 % of")
+    assert share_note(1.0).startswith("100 % of")

@@ -1,0 +1,90 @@
+"""Prior and posterior of V50, against an independent quadrature."""
+
+from csv import DictReader
+from math import log
+
+import numpy as np
+import pytest
+from scipy.stats import lognorm, norm, t
+
+from armour.scenario.evidence import ModelError
+from armour.statistics.firing_posterior import SCATTER_FACTOR, SCATTER_PERCENT, FiringPrior, posterior_of, prior_share
+from tests.helpers.cases import SCENARIOS
+
+PRIOR = FiringPrior(720.0, ModelError(-1.0, 7.0, 12.0))
+VELOCITIES, COMPLETE = (722.0, 774.0, 745.0, 760.0, 745.0), (False, True, False, True, True)
+
+
+def quadrature(velocities: tuple[float, ...], complete: tuple[bool, ...]) -> tuple[float, float]:
+    """Mean and standard deviation of V50 by sums over a fixed, fine grid, from the densities of scipy.stats."""
+    v50 = np.linspace(300.0, 1200.0, 1801)[:, None]
+    ratio = np.geomspace(0.001, 0.5, 401)
+    density = t(12.0, loc=720.0 * 0.99, scale=720.0 * 0.07).pdf(v50) * lognorm(log(2.0), scale=0.02).pdf(ratio) * ratio
+    for velocity, result in zip(velocities, complete, strict=True):
+        curve = norm(v50, ratio * v50)
+        density = density * (curve.cdf(velocity) if result else curve.sf(velocity))
+    weights = density.sum(axis=1) / density.sum()
+    mean = float(weights @ v50[:, 0])
+    return mean, float(weights @ (v50[:, 0] - mean) ** 2) ** 0.5
+
+
+@pytest.mark.parametrize("count", [0, 1, 5])
+def test_mean_and_deviation_agree_with_a_quadrature(count: int):
+    found = posterior_of(PRIOR, VELOCITIES[:count], COMPLETE[:count])
+    mean, deviation = quadrature(VELOCITIES[:count], COMPLETE[:count])
+    assert found.weights @ found.grid.v50_m_s == pytest.approx(mean, abs=0.2)
+    assert found.estimate(0.95).standard_deviation_m_s == pytest.approx(deviation, rel=0.005)
+
+
+def test_the_prior_is_the_models_limit_with_its_error():
+    found = posterior_of(PRIOR, (), ()).estimate(0.95)
+    assert found.v50_interval_m_s == pytest.approx(PRIOR.error.interval(720.0), abs=0.5)
+    assert found.v50_m_s == pytest.approx(720.0 * 0.99, abs=0.1)
+    assert found.scatter_m_s == pytest.approx(0.02 * found.v50_m_s, rel=0.02)
+
+
+def test_many_shots_leave_the_prior_no_part():
+    prior = posterior_of(PRIOR, (), ()).estimate(0.95)
+    dice = np.random.default_rng(1)
+    velocities = dice.uniform(770.0, 830.0, 400)
+    shots = posterior_of(PRIOR, tuple(velocities), tuple((dice.normal(800.0, 15.0, 400) < velocities).tolist()))
+    found = shots.estimate(0.95)
+    assert found.v50_m_s == pytest.approx(800.0, abs=4.0)
+    assert found.scatter_m_s == pytest.approx(15.0, abs=4.0)
+    assert prior_share(prior, found) < 0.002
+    assert prior_share(prior, prior) == 1.0
+
+
+def test_the_probability_of_a_requirement():
+    found = posterior_of(PRIOR, VELOCITIES, COMPLETE)
+    low, high = found.estimate(0.9).v50_interval_m_s
+    assert found.probability_above(low, 0.5) == pytest.approx(0.95, abs=0.005)
+    assert found.probability_above(high, 0.5) == pytest.approx(0.05, abs=0.005)
+    # Fewer shots may perforate at V05 than at V50.
+    assert found.probability_above(low, 0.05) < 0.9
+
+
+def test_the_prior_of_the_scatter_is_wider_than_the_published_scatter_of_plates():
+    with (SCENARIOS.parent / "suites" / "plates" / "v50.csv").open() as file:
+        rows = [(row["standard_deviation_m_s"], row["ballistic_limit_m_s"]) for row in DictReader(file)]
+    percent = np.array([100.0 * float(sd) / float(v50) for sd, v50 in rows if sd and float(sd) > 0.0])
+    assert len(percent) == 525
+    assert np.median(percent) == pytest.approx(1.06, abs=0.01)
+    assert np.exp(np.log(percent).std()) == pytest.approx(1.72, abs=0.01)
+    assert np.quantile(percent, (0.05, 0.95)) == pytest.approx((0.50, 2.67), abs=0.02)
+    assert np.exp(np.log(percent).std()) < SCATTER_FACTOR
+    assert np.median(percent) < SCATTER_PERCENT
+
+
+@pytest.mark.parametrize("velocity", [20.0, 5000.0])
+def test_shots_far_from_the_model_move_v50_there(velocity: float):
+    found = posterior_of(PRIOR, (velocity,) * 4, (velocity < 720.0,) * 4).estimate(0.95)
+    assert np.isfinite(found.v50_m_s)
+    assert abs(found.v50_m_s - 720.0) > 100.0
+
+
+def test_heavy_tails_and_tiny_errors_have_a_posterior():
+    for error in (ModelError(0.0, 100.0, 1.0), ModelError(0.0, 1e-3, 1e6), ModelError(1000.0, 5.0, 2.0)):
+        found = posterior_of(FiringPrior(720.0, error), (700.0, 710.0), (True, False)).estimate(0.95)
+        low, high = found.v50_interval_m_s
+        assert 0.0 < low <= found.v50_m_s <= high < np.inf
