@@ -12,6 +12,7 @@ from armour.cli.console import emit
 from armour.cli.figures import figures
 from armour.cli.library import app as library
 from armour.cli.options import option
+from armour.cli.plan import app as plan
 from armour.cli.report import report
 from armour.cli.runner import Command, Reporting
 from armour.cli.scenario_commands import ballistic_limit, compare, optimise, sensitivity, simulate, uncertainty
@@ -79,3 +80,4 @@ for _command, _examples in COMMANDS.items():
     _epilog = "\n\n".join(_parts)
     app.command(_command.__name__.replace("_", "-"), cls=Command, epilog=_epilog)(_command)
 app.add_typer(library, name="library")
+app.add_typer(plan, name="plan")

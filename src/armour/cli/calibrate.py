@@ -60,7 +60,9 @@ def calibrate(
 
     check_outputs(library, fitted, plot=plot)
     check_new(library, fitted, force=force)
-    loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit", *(["uncertainty"] if prior else [])))
+    loaded = read_scenario(
+        scenario, changes, ("impact", "armour", "ballistic_limit", *(["uncertainty"] if prior else []))
+    )
     read = read_tests(table_file(tests), loaded)
     say_if_compiling()
     with progress("tests") as count:

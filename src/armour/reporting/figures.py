@@ -8,6 +8,7 @@ from armour.analysis.ballistic_limit import curve_velocities, residual_velocity_
 from armour.errors import InputError, Problem
 from armour.reporting import charts
 from armour.reporting.chart import Chart
+from armour.reporting.plan_map import planned_chart
 from armour.reporting.plots import draw
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def plot(
     Parameters
     ----------
     result : ImpactResult, LimitResult, Comparison, DesignResult, SensitivityResult, UncertaintyResult, \
-CalibrationResult, FiringResult, SuiteResult or SweepResult
+CalibrationResult, FiringResult, PlannedTests, SuiteResult or SweepResult
         An impact must have its history, and a sweep one or two keys.
     scenario : Scenario, optional
         Scenario of the result, for its title; a ballistic limit and an uncertainty need it.
@@ -115,6 +116,7 @@ CHARTS: Mapping[str, Callable[[Any, _Source], Chart]] = {
     "FiringResult": _v50,
     "ImpactResult": _impact,
     "LimitResult": _limit,
+    "PlannedTests": lambda result, source: planned_chart(result, source.title),
     "SensitivityResult": lambda result, source: charts.sensitivity_chart(result, source.title),
     "SuiteResult": lambda result, _source: charts.parity_chart(result),
     "SweepResult": _sweep,

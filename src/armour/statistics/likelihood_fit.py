@@ -285,7 +285,7 @@ def _judged(likelihood: Likelihood, best: Point, starts: int, agreeing: int) -> 
     exact, of_prior = sides == 0, np.arange(len(sides) + len(scores)) >= len(sides)
     z = likelihood.deviations(best.x) / best.scatter
     toward = sides * z
-    slope = _hazard(toward)
+    slope = hazard(toward)
     weights, of_tests = rows_at(likelihood, best.x, best.scatter)
     rows = all_rows = np.vstack([of_tests, likelihood.prior.rows(best.x)])
     tail = 0.5 * (1.0 + CONFIDENCE)
@@ -299,7 +299,7 @@ def _judged(likelihood: Likelihood, best: Point, starts: int, agreeing: int) -> 
     p_value, widened_by, chi_squared, spread = None, 1.0, float((z[exact] ** 2).sum()), best.scatter
     normal = float(norm.ppf(tail)) ** 2
     if likelihood.scatters:
-        number = float(exact.sum() + 0.5 * (toward**2 * slope * _hazard(-toward))[~exact].sum())
+        number = float(exact.sum() + 0.5 * (toward**2 * slope * hazard(-toward))[~exact].sum())
         # What the prior determines takes no degree of freedom from the tests, and no part in the error of the scatter.
         by_tests = count - float(leverages[of_prior].sum())
         freedom = number - by_tests
@@ -354,12 +354,12 @@ def rows_at(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats, 
     sides, count = likelihood.sides, len(x)
     jacobian = approx_fprime(x, likelihood.deviations, DIFFERENCE).reshape(len(sides), count) / scatter
     toward = sides * likelihood.deviations(x) / scatter
-    slope = _hazard(toward)
+    slope = hazard(toward)
     weights = np.sqrt(np.where(sides == 0, 1.0, slope * (slope + toward)))
     return weights, weights[:, None] * jacobian
 
 
-def _hazard(z: Floats) -> Floats:
+def hazard(z: Floats) -> Floats:
     """Return the density of the normal distribution divided by the distribution function."""
     found: Floats = np.exp(-0.5 * z * z - log_ndtr(z)) / sqrt(2.0 * pi)
     return found

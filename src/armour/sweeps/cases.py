@@ -48,11 +48,14 @@ class Grid:
     """Every combination of the values of several axes; the last axis changes fastest."""
 
     axes: tuple[Axis, ...]
+    # Command and option that give the axes, for messages.
+    command: str = "sweep"
+    option: str = "--over"
 
     def __post_init__(self) -> None:
         if self.count > MAX_ROWS:
             message = f"must span at most {MAX_ROWS:,} rows, found {self.count:.3g}"
-            raise InputError([Problem("sweep", "--over", message)])
+            raise InputError([Problem(self.command, self.option, message)])
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -85,11 +88,11 @@ class Grid:
     def place(self, start: int, row: int, problem: Problem) -> Problem:
         """Return a problem in a row, counted from a row at which a chunk starts, with the options that make it."""
         if problem.key in self.keys:
-            return Problem("command line", f"--over {problem.key}", problem.message)
+            return Problem("command line", f"{self.option} {problem.key}", problem.message)
         indices = np.unravel_index(start + row, [len(axis.values) for axis in self.axes])
         found = ((axis.key, axis.values[i]) for axis, i in zip(self.axes, indices, strict=True))
         values = (f"{key}={value}" if isinstance(value, str) else f"{key}={value:g}" for key, value in found)
-        return Problem("command line", f"--over {', '.join(values)}", f"{problem.key}: {problem.message}")
+        return Problem("command line", f"{self.option} {', '.join(values)}", f"{problem.key}: {problem.message}")
 
 
 class Cases:
@@ -238,7 +241,7 @@ def omission(axis: Axis) -> str:
     return f"the last value is {axis.values[-1]:g}, since {axis.omitted:g} is no whole number of steps away"
 
 
-def axis_of(text: str) -> Axis:
+def axis_of(text: str, command: str = "sweep", option: str = "--over") -> Axis:
     """Parse an axis from ``KEY=MIN:MAX:STEP`` or ``KEY=VALUE,VALUE,...``."""
     key, _, values = text.rpartition("=")
     try:
@@ -254,4 +257,4 @@ def axis_of(text: str) -> Axis:
     except ValueError:
         pass
     message = f'must be KEY=MIN:MAX:STEP or KEY=VALUE,VALUE,... of at most {MAX_VALUES} numbers, found "{text}"'
-    raise InputError([Problem("sweep", "--over", message)])
+    raise InputError([Problem(command, option, message)])

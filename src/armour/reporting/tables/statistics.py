@@ -70,8 +70,8 @@ def coefficient_table(result: "CalibrationResult") -> Table:
 
 
 PRIOR_NOTE = (
-    "the part of the prior is its part of the precision, 1 over the variance: at 0 % the tests alone give the estimate, "
-    "at 100 % they tell nothing"
+    "the part of the prior is its part of the precision, 1 over the variance: at 0 % the tests alone give the "
+    "estimate, at 100 % they tell nothing"
 )
 
 
