@@ -2,12 +2,12 @@
 
     python -m campaigns.optimal_tests --samples 200 --seed 1
 
-For each law of the flow stress the true inputs are those of the fit to Wilkins' tests.  The sets of 13 tests are Wilkins'
-armours, and those that `armour plan tests` chooses from ceramics of 4 to 12 mm and back plates of 3 to 10 mm, in steps of
-0.5 mm, at the true inputs: D-optimal and, for the limit of the paper's 7.62 mm optimum, I-optimal.  A measured limit is
-normal about the model's with a standard deviation of 3 %, which the fit estimates.  Half-widths of 95 % intervals are
-those of the formula, and means over simulated tests with the share of intervals that hold the true value.  In the
-simulation limits are interpolated between those of a table.
+For each law of the flow stress the true inputs are those of the fit to Wilkins' tests.  The sets of 13 tests are
+Wilkins' armours, and those that `armour plan tests` chooses from ceramics of 4 to 12 mm and back plates of 3 to 10 mm,
+in steps of 0.5 mm, at the true inputs: D-optimal and, for the limit of the paper's 7.62 mm optimum, I-optimal.  A
+measured limit is normal about the model's with a standard deviation of 3 %, which the fit estimates.  Half-widths of
+95 % intervals are those of the formula, and means over simulated tests with the share of intervals that hold the true
+value.  In the simulation limits are interpolated between those of a table.
 """
 
 import argparse
@@ -77,7 +77,8 @@ class Set:
         """Return half-widths of the intervals of flow stress, GPa, and limit of the design, m/s, by the formula."""
         likelihood, x = self.likelihood(), self.x
         rows = likelihood_fit.rows_at(likelihood, x, SCATTER)[1]
-        return self.half_widths(np.linalg.inv(rows.T @ rows), x, likelihood.units)
+        covariance = np.linalg.inv(rows.T @ rows).astype(np.float64)
+        return self.half_widths(covariance, x, likelihood.units)
 
     def half_widths(self, covariance: Floats, x: Floats, units: Floats) -> tuple[float, float]:
         """Return the half-widths that a covariance gives."""
@@ -86,7 +87,7 @@ class Set:
         return factor * sqrt(covariance[0, 0]) * float(units[0]), factor * sqrt(slope @ covariance @ slope)
 
     def simulated(self, samples: int, seed: int) -> Iterator[tuple[float, bool, float, bool]]:
-        """Yield half-widths and whether the intervals hold the true value, of flow stress and limit, for each sample."""
+        """Yield half-widths and whether intervals hold the true value, of flow stress and limit, for each sample."""
         likelihood, x, dice = self.likelihood(), self.x, np.random.default_rng(seed)
         limits, truth = likelihood.predicted(x), self.limit_and_slope(x)[0]
         for _ in range(samples):

@@ -15,4 +15,4 @@ def _plan() -> None:
 
 app.command(
     "tests", cls=Command, epilog="\n\n".join(("Examples:", *(f"`armour {text}`" for text in plan_tests.EXAMPLES)))
-)(plan_tests.tests)
+)(plan_tests.plan_of_tests)

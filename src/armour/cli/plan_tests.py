@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from armour.sweeps.cases import Cases, Grid
 
 EXAMPLES = (
-    "plan tests wilkins --candidates armour.ceramic_thickness_mm=4:12:1 --candidates armour.backing_thickness_mm=4:10:1 "
-    "--scatter-percent 3",
+    "plan tests wilkins --candidates armour.ceramic_thickness_mm=4:12:1 "
+    "--candidates armour.backing_thickness_mm=4:10:1 --scatter-percent 3",
     "plan tests wilkins --candidates armour.ceramic_thickness_mm=4:12:1 --tests wilkins.csv --law ceramic "
     "--csv next.csv --plot next.svg",
 )
 
 
-def tests(
+def plan_of_tests(
     scenario: ScenarioFile,
     candidates: Annotated[
         list[str] | None,

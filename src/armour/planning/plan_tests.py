@@ -50,6 +50,7 @@ OUTSIDE = 1e-2
 
 Criterion = Literal["D", "I"]
 Measure = Literal["limit", "outcome"]
+Candidates = Mapping[str, Values] | str | PathLike[str] | Grid | Cases
 
 
 @dataclass(frozen=True)
@@ -160,7 +161,7 @@ class PlannedTests(TableResult):
 
 def plan_tests(
     scenario: Scenario,
-    candidates: Mapping[str, Values] | str | PathLike[str],
+    candidates: Candidates,
     fit: Sequence[str] = (FLOW_STRESS,),
     law: Law | None = None,
     *,
@@ -310,7 +311,7 @@ def _check_settings(
 
 
 def _candidates(
-    scenario: Scenario, candidates: Mapping[str, Values] | str | PathLike[str], measure: Measure, cost: float | None
+    scenario: Scenario, candidates: Candidates, measure: Measure, cost: float | None
 ) -> tuple[Tests, Floats | None]:
     """Return the candidates as tests that measure the limit, and their costs, (n,); None without costs."""
     source = candidates if isinstance(candidates, Grid | Cases) else source_of(candidates)

@@ -37,14 +37,14 @@ def planned_chart(result: "PlannedTests", title: str) -> Chart:
     columns = [np.array(result.candidates[key]) for key in keys]
     gains = np.array(result.sensitivities or [np.nan] * len(columns[0]))
     axes = [quantity_axis(key) for key in keys]
-    places = [tuple(step.inputs[key] for key in keys) for step in result.planned[1:]]
+    places: list[tuple[Any, ...]] = [tuple(step.inputs[key] for key in keys) for step in result.planned[1:]]
     if len(keys) == 1:
         axes.append(Axis(GAIN, spec=".2f"))
         x = np.unique(columns[0])
         best = [float(np.nanmax(gains[columns[0] == value])) if result.sensitivities else None for value in x]
         series: list[Series] = [Line(x.tolist(), best, label="candidates", marker="." if len(x) < 40 else "")]
         where = dict(zip(x.tolist(), best, strict=True))
-        points = [(place[0], where[float(place[0])]) for place in places]
+        points: list[tuple[Any, ...]] = [(place[0], where[float(place[0])]) for place in places]
     else:
         x, y = (np.unique(column) for column in columns)
         z = np.full((len(y), len(x)), np.nan)

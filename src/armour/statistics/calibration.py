@@ -14,7 +14,7 @@ from armour.analysis.variants import Floats, OnProgress, ignore_progress, outsid
 from armour.errors import InputError, Problem, choices
 from armour.scenario.loading import Scenario
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, law_of, with_law
-from armour.statistics.likelihood_fit import Coefficient, Fit, enough, fit_inputs, intervals, without
+from armour.statistics.likelihood_fit import MIN_P_VALUE, Coefficient, Fit, enough, fit_inputs, intervals, without
 from armour.statistics.test_data import LIMIT, Tests
 
 # Greatest number of folds of the leave-one-out error.
@@ -290,6 +290,12 @@ def _unlike(tests: Tests) -> Iterator[str]:
 
 def _bad_fit(done: Fit) -> tuple[str, ...]:
     """Return a warning where the deviations are larger than the uncertainties explain."""
+    if done.p_value is not None and done.p_value < MIN_P_VALUE and done.widened_by == 1.0:
+        return (
+            "the tests deviate from the fit and its prior by more than the uncertainties given explain: chi-squared "
+            f"{done.chi_squared:.2f} on {done.degrees_of_freedom:.3g} degrees of freedom, p = {done.p_value:.2g}; "
+            "the prior, the model or the uncertainties are wrong, and the intervals do not allow for it",
+        )
     if done.widened_by == 1.0:
         return ()
     return (

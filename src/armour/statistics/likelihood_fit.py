@@ -320,7 +320,8 @@ def _judged(likelihood: Likelihood, best: Point, starts: int, agreeing: int) -> 
         chi_squared += float((scores**2).sum())
         p_value = float(chi2.sf(chi_squared, freedom)) if freedom > MIN_FREEDOM else None
         threshold = normal
-        if p_value is not None and p_value < MIN_P_VALUE:
+        # A prior that the tests contradict is not mended by a wider interval.
+        if p_value is not None and p_value < MIN_P_VALUE and not len(scores):
             widened_by = sqrt(chi_squared / freedom)
             threshold = (widened_by * float(t.ppf(tail, freedom))) ** 2
             covariance *= widened_by**2

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from armour.reporting.table import Cell, Column, Source, Table, column_of, listing, record
+from armour.reporting.table import Cell, Column, Table, column_of, record
 from armour.reporting.text import percent
 from armour.scenario.parameters import INPUTS
 from armour.statistics.test_data import LIMIT, MEASURED, OUTCOME, Tests
@@ -16,8 +16,8 @@ CRITERIA = {
     "I": "I, the least mean variance of the limits of the designs",
 }
 NOTE = (
-    "± is the half-width of the interval to expect once the test has been made, with those before it; it is that of the "
-    "ballistic limit by the model, without the model's own error"
+    "± is the half-width of the interval to expect once the test has been made, with those before it; for a limit it "
+    "is that of the limit by the model, without the model's own error"
 )
 
 
@@ -49,30 +49,27 @@ def step_table(result: "PlannedTests") -> Table:
     keys = list(result.candidates)
     varied = [key for key in keys if len(set(result.candidates[key])) > 1] or keys
     several = len(result.designs) > 1
-    inputs: list[Source] = [
-        (column_of(key, "g" if key in INPUTS else ""), lambda step, key=key: step.inputs[key] if step.number else None)
-        for key in varied
-    ]
-    halves: list[Source] = [
-        (Column(f"± {name}", spec=".3g"), lambda step, name=name: step.half_widths[name]) for name in result.values
-    ]
-    limits: list[Source] = [
-        (
-            Column(f"± limit of {name}" if several else "± limit of the design", "m/s", ".1f"),
-            lambda step, i=i: step.limit_half_widths_m_s[i],
-        )
-        for i, name in enumerate(result.designs)
-    ]
-    costs = [column_of("total_cost", ".6g")] if result.planned[0].total_cost is not None else []
-    return listing(
-        steps,
-        (Column("test"), lambda step: str(step.number) if step.number else "before"),
-        *inputs,
-        (Column("ballistic limit by the model", "m/s", ".0f"), lambda step: step.ballistic_limit_m_s),
-        *costs,
-        *halves,
-        *limits,
+    costly = result.planned[0].total_cost is not None
+    columns = (
+        Column("test"),
+        *(column_of(key, "g" if key in INPUTS else "") for key in varied),
+        Column("ballistic limit by the model", "m/s", ".0f"),
+        *([column_of("total_cost", ".6g")] if costly else []),
+        *(Column(f"± {name}", spec=".3g") for name in result.values),
+        *(Column(f"± limit of {name if several else 'the design'}", "m/s", ".1f") for name in result.designs),
     )
+    rows = (
+        (
+            str(step.number or "before"),
+            *(step.inputs[key] if step.number else None for key in varied),
+            step.ballistic_limit_m_s,
+            *([step.total_cost] if costly else []),
+            *step.half_widths.values(),
+            *step.limit_half_widths_m_s,
+        )
+        for step in steps
+    )
+    return Table(columns, tuple(rows))
 
 
 def _known(step: "PlannedTest") -> bool:
