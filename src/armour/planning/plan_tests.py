@@ -187,8 +187,10 @@ def plan_tests(
     candidates : mapping of str to values, or path-like
         Armours that can be tested, as for `armour.sweep`: every combination of values, or a CSV file.  Its column
         ``cost`` is the cost of a target.
-    fit, law
-        See `armour.calibrate`.
+    fit : sequence of str
+        Names of the inputs to determine.
+    law : {"constant", "ceramic", "backing", "product", "linear"}, optional
+        Law of the ceramic's flow stress, whose coefficients are determined too, see `armour.calibrate`.
     number : int, default 4
         Number of tests to plan, 1 to 200.  A candidate may be tested several times.
     tests : Tests, optional
