@@ -33,14 +33,14 @@ format: $(VENV)/developing
 
 # Write the generated pages and pictures of docs/.
 docs: $(VENV)/installed
-	$(BIN)/armour validate --markdown docs/validation.md
-	$(BIN)/armour validate plates --markdown docs/plates.md
+	$(BIN)/armour validate --markdown docs/validation.md --force
+	$(BIN)/armour validate plates --markdown docs/plates.md --force
 	$(BIN)/python docs/api.py docs/api.md
 	$(BIN)/python docs/notebook.py docs/study.ipynb
-	$(BIN)/armour figures docs/figures
+	$(BIN)/armour figures docs/figures --force
 	rm docs/figures/*.csv
-	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine --plot docs/images/optimum.png
-	$(BIN)/armour simulate scenarios/wilkins.toml --plot docs/images/wilkins.png
+	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine --plot docs/images/optimum.png --force
+	$(BIN)/armour simulate scenarios/wilkins.toml --plot docs/images/wilkins.png --force
 
 # Run the benchmarks and write docs/performance.md: some minutes, on an otherwise idle machine.
 bench: $(VENV)/developing

@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -20,3 +21,11 @@ def folder(tmp_path: Path) -> Path:
     """A folder with the Wilkins case as wilkins.toml."""
     save_scenario(scenario(), tmp_path / "wilkins.toml")
     return tmp_path
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: Any, log: Any) -> Any:
+    """Give each file to one process, so that what its tests share is computed once."""
+    from xdist.scheduler import LoadFileScheduling
+
+    return LoadFileScheduling(config, log)

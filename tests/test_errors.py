@@ -27,6 +27,16 @@ def test_choices_are_the_closest_name_or_all():
     assert choices("nothing", ["AD85", "Al-N"]) == "; choose from AD85, Al-N"
 
 
+def test_a_list_of_choices_stands_once():
+    known = ["AD85", "Al-N"]
+    error = InputError([Problem("a", name, f"unknown{choices(name, known)}") for name in ("x", "AD86", "y")])
+    assert str(error).splitlines() == [
+        "a: x: unknown; choose from AD85, Al-N",
+        'a: AD86: unknown; did you mean "AD85"?',
+        "a: y: unknown",
+    ]
+
+
 def test_no_suggestion_among_very_many_names():
     """Ten thousand wrong names are not compared with as many others."""
     assert suggestion("AD86", ["AD85", *map(str, range(1000))]) == ""

@@ -9,12 +9,14 @@
         └── NoDesignError     no design of the grid defeats the threat
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from difflib import get_close_matches
 from typing import NamedTuple
 
 # Known words beyond which none is suggested, as each wrong word is compared with all of them.
 MAX_WORDS = 1000
+# What a list of them follows in a message.
+CHOOSE = "; choose from "
 # Mistakes of a kind that are shown; a script may make thousands.
 MAX_PROBLEMS = 20
 
@@ -54,7 +56,7 @@ class InputError(ArmourError):
     """
 
     def __init__(self, problems: Sequence[Problem]) -> None:
-        self.problems = tuple(problems)
+        self.problems = tuple(_listed_once(problems))
         super().__init__(self.problems)
 
     def __str__(self) -> str:
@@ -79,6 +81,15 @@ def refuse(problems: Iterable[Problem]) -> None:
         raise InputError(found)
 
 
+def _listed_once(problems: Iterable[Problem]) -> Iterator[Problem]:
+    """Yield the problems; a list of choices that several have stands in the first of them only."""
+    listed = set[str]()
+    for problem in problems:
+        message, _, names = problem.message.partition(CHOOSE)
+        yield problem._replace(message=message) if names in listed else problem
+        listed.update({names} if names else ())
+
+
 def suggestion(word: str, known: Sequence[str]) -> str:
     """Return a hint at the known word closest to a given one, such as '; did you mean "AD85"?'; "" if none is close."""
     if len(known) > MAX_WORDS:
@@ -90,4 +101,4 @@ def suggestion(word: str, known: Sequence[str]) -> str:
 
 def choices(word: str, known: Sequence[str]) -> str:
     """Return a hint at the known word closest to a given one, or at all known words if none is close."""
-    return suggestion(word, known) or f"; choose from {', '.join(known)}"
+    return suggestion(word, known) or f"{CHOOSE}{', '.join(known)}"

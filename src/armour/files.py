@@ -38,6 +38,11 @@ def shipped_files(folder: str, ending: str) -> dict[str, Path]:
     return {path.relative_to(top).as_posix().removesuffix(ending): path for path in sorted(top.rglob(f"*{ending}"))}
 
 
+def shipped_suites() -> dict[str, Path]:
+    """Return the shipped suites by name; their folder also holds the definitions of the figures."""
+    return {name: path for name, path in shipped_files("suites", ".toml").items() if name != "figures"}
+
+
 def located(path: Path, known: Mapping[str, Path], listed: str = "") -> Path:
     """Return the file at a path or, where there is none, the one that is known by this name.
 

@@ -12,7 +12,7 @@ TESTS = SCENARIOS / "tests" / "wilkins.csv"
 def test_a_library_and_a_plot(cli, folder: Path):
     result = cli("calibrate", TESTS, WILKINS, "--write", "lib.toml", "--plot", "fit.svg")
     assert result.exit_code == 0
-    assert "ceramic.flow_stress_GPa 5.209 4.868 to 5.557" in " ".join(result.stdout.split())
+    assert "ceramic flow stress, GPa 5.209 4.868 to 5.557" in " ".join(result.stdout.split())
     assert result.stderr.splitlines() == ["wrote lib.toml", "wrote fit.svg"]
     assert "measured ballistic limit, m/s" in (folder / "fit.svg").read_text()
 

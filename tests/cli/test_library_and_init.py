@@ -4,6 +4,7 @@ from pathlib import Path
 import pytest
 
 from armour import load_scenario
+from armour.files import shipped_suites
 from tests.helpers.cases import SCENARIOS
 
 
@@ -79,6 +80,8 @@ def test_init_names_what_there_is(cli, folder: Path):
     names = cli("init", "--list").stdout.split()
     assert "wilkins" in names
     assert "paper/optimum_25mm_APDS" in names
+    shipped = [*shipped_suites(), *(path.name for path in (SCENARIOS / "tests").glob("*.csv"))]
+    assert [name for name in shipped if name not in names] == []
     [line] = cli.fails(2, "init", "--from", "wilkin")
     assert 'did you mean "wilkins"?' in line
     assert list(folder.iterdir()) == []
@@ -91,6 +94,14 @@ def test_shipped_scenarios_and_tables_have_names(cli, folder: Path):
     assert load_scenario("paper/fig9_4mm") == load_scenario(SCENARIOS / "paper" / "fig9_4mm.toml")
     assert cli("report", "wilkins", "-o", "w.md").exit_code == 0
     assert "armour report wilkins --output w.md" in (folder / "w.md").read_text()
+
+
+def test_a_folder_of_the_name_of_a_suite_is_none(cli, folder: Path):
+    (folder / "paper").mkdir()
+    assert "what is published stays" in cli.fails(2, "validate", "paper", "--update")[0]
+    assert cli.fails(2, "report", "paper", "--as-is") == [
+        "command line: --as-is: must be given with a scenario, found a suite"
+    ]
 
 
 def test_a_file_of_the_same_name_wins(cli, folder: Path):
@@ -108,6 +119,7 @@ def test_a_file_of_the_same_name_wins(cli, folder: Path):
         (["simulate", "willkins"], '"wilkins"?; `armour init --list` lists the shipped scenarios'),
         (["simulate", "scenarios/wilkins.toml"], '"wilkins"?; `armour init --list` lists the shipped scenarios'),
         (["report", "plate"], '"plates"?; `armour init --list` lists the shipped scenarios'),
+        (["validate", "plate"], '"plates"?; shipped are paper, plates'),
         (["v50", "shot.csv"], '"shots.csv"?; shipped are shots.csv, wilkins.csv'),
         (["calibrate", "wilkin.csv", "wilkins"], '"wilkins.csv"?; shipped are shots.csv, wilkins.csv'),
     ],

@@ -56,7 +56,7 @@ def test_no_file_stays_where_one_cannot_be_written(cli, own: Path, monkeypatch: 
         replace(temporary, target)
 
     monkeypatch.setattr(os, "replace", fails_at_the_second)
-    result = cli("simulate", "own.toml", "--history", "h.csv", "--plot", "p.svg")
+    result = cli("simulate", "own.toml", "--history", "h.csv", "--plot", "p.svg", "--force")
     assert (result.exit_code, result.stderr) == (2, "p.svg: cannot be written: no space left on device\n")
     assert "perforated" in result.stdout
     assert contents(own) == before
@@ -65,7 +65,7 @@ def test_no_file_stays_where_one_cannot_be_written(cli, own: Path, monkeypatch: 
 @pytest.mark.parametrize(
     ("command", "read"),
     [
-        ("calibrate {tests} own.toml --write lib.toml --force", "lib.toml"),
+        ("calibrate {tests} own.toml --write lib.toml", "lib.toml"),
         ("validate suite.toml --markdown own.toml", "own.toml"),
         ("validate suite.toml --junit lib.toml", "lib.toml"),
         ("validate suite.toml --update --markdown own.toml", "own.toml"),
@@ -76,16 +76,72 @@ def test_no_file_stays_where_one_cannot_be_written(cli, own: Path, monkeypatch: 
 def test_nothing_that_is_read_is_written_over(cli, own: Path, command: str, read: str):
     (own / "link.svg").symlink_to("lib.toml")
     before = contents(own)
-    words = shlex.split(command.format(tests=SCENARIOS / "tests" / "wilkins.csv", shots=SHOTS))
+    words = shlex.split(f"{command} --force".format(tests=SCENARIOS / "tests" / "wilkins.csv", shots=SHOTS))
     assert cli.fails(2, *words) == [f"{read}: must not be the file that is read; choose another name"]
     assert contents(own) == before
 
 
 def test_a_file_on_standard_input_is_not_written_over(own: Path):
     before = contents(own)
-    code, messages = shell("simulate - --history own.toml < own.toml", own)
+    code, messages = shell("simulate - --history own.toml --force < own.toml", own)
     assert (code, messages) == (2, "own.toml: must not be the file that is read; choose another name\n")
     assert contents(own) == before
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "simulate own.toml --history {0} --plot {1}",
+        "ballistic-limit own.toml --plot {1}",
+        "compare own.toml --plot {1}",
+        "optimise own.toml --csv {0} --plot {1}",
+        "sensitivity own.toml --plot {1}",
+        "uncertainty own.toml --plot {1}",
+        "calibrate {tests} own.toml --write {0} --write-scenario {1}",
+        "v50 {shots} own.toml --plot {1}",
+        "report own.toml -o {0}",
+        "validate suite.toml --markdown {0} --junit {1}",
+        "sweep own.toml --over impact.velocity_m_s=800 -o {0} --plot {1}",
+        "figures figs --only fig09",
+        "init {0}",
+    ],
+)
+def test_nothing_is_replaced_unasked(cli, own: Path, command: str, monkeypatch: pytest.MonkeyPatch):
+    def computes(*_: object, **_settings: object) -> None:
+        raise AssertionError("computed before the outputs are checked")
+
+    monkeypatch.setattr("armour.cli.runner.parse_toml", computes)
+    (own / "figs").mkdir()
+    names = ["old.md", "old.svg", "figs/fig09.csv", "figs/fig09.png"]
+    for name in names:
+        (own / name).write_text("old")
+    line = command.format(*names, tests=SCENARIOS / "tests" / "wilkins.csv", shots=SHOTS)
+    written = [name for name in names if name in line or ("figures" in line and "fig09" in name)]
+    told = [f"{name}: exists already; choose another name, or --force" for name in written]
+    assert cli.fails(2, *shlex.split(line)) == told
+    assert [(own / name).read_text() for name in names] == ["old"] * 4
+
+
+def test_a_file_is_replaced_where_that_is_asked_for(cli, own: Path):
+    for name in ("h.csv", "t.csv", "r.md"):
+        (own / name).write_text("old")
+    for words in (
+        ("simulate", "own.toml", "--history", "h.csv"),
+        ("sweep", "own.toml", "--over", "armour.ceramic_thickness_mm=6", "-o", "t.csv"),
+        ("report", "own.toml", "-o", "r.md"),
+    ):
+        assert cli(*words).exit_code == 2
+        assert cli(*words, "--force").exit_code == 0
+    assert all((own / name).read_text().count("\n") for name in ("h.csv", "t.csv", "r.md"))
+
+
+def test_streams_and_pipes_are_no_files_to_keep(own: Path):
+    assert shell("simulate own.toml --history /dev/stdout > h.csv", own)[0] == 0
+    assert (own / "h.csv").read_text().startswith("time_us,")
+    os.mkfifo(own / "pipe")
+    reader = subprocess.Popen(["cat", "pipe"], stdout=subprocess.PIPE, text=True, cwd=own)
+    assert shell("simulate own.toml --history pipe", own) == (0, "wrote pipe\n")
+    assert reader.communicate()[0] == (own / "h.csv").read_text()
 
 
 def test_an_update_keeps_the_mode_of_the_suite(cli, own: Path):

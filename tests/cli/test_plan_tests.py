@@ -55,12 +55,12 @@ def test_outcomes(cli, folder: Path):
 @pytest.mark.usefixtures("folder")
 def test_wrong_input(cli):
     base = ("plan", "tests", WILKINS, "--scatter-percent", "3")
-    assert cli.fails(2, *base) == ["plan tests: --candidates: is missing and must be given"]
+    assert cli.fails(2, *base) == ["command line: --candidates: is missing and must be given"]
     assert "must be KEY=MIN:MAX:STEP" in cli.fails(2, *base, "--candidates", "armour.ceramic_thickness_mm=a")[0]
     assert "must be one CSV file" in cli.fails(2, *base, *GRID, "--candidates", "c.csv")[0]
     assert cli.fails(2, *base, "--candidates", "c.csv")[0].startswith("c.csv: cannot be read")
     wrong = cli.fails(2, *base, "--candidates", "armour.ceramic_thickness_mm=400")[0]
-    assert "--candidates armour.ceramic_thickness_mm=400: must have a ballistic limit between" in wrong
+    assert "candidates: armour.ceramic_thickness_mm=400: must have a ballistic limit between" in wrong
 
 
 def test_a_calibration_with_a_prior(cli):

@@ -9,7 +9,7 @@ WILKINS = SCENARIOS / "wilkins.toml"
 def test_numbers_and_a_plot(cli, folder: Path):
     result = cli("sensitivity", WILKINS, "--plot", "s.svg")
     assert result.exit_code == 0
-    assert "projectile.penetrator_diameter_mm" in result.stdout
+    assert "penetrator diameter, mm" in result.stdout
     assert result.stderr == "wrote s.svg\n"
     assert "change per % of the input, %" in (folder / "s.svg").read_text()
 

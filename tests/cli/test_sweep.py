@@ -58,8 +58,15 @@ def test_cases_from_a_file(cli, folder: Path):
     ("args", "message"),
     [
         ([], "sweep: give either --over or --cases"),
-        (["--over", "a"], "sweep: --over: must be KEY=MIN:MAX:STEP"),
-        (["--over", "impact.velocity_m_s=800", "--quantities", "speed"], "sweep: --quantities: unknown quantity"),
+        (
+            ["--over", "armour.ceramic=B4C"],
+            "command line: --over armour.ceramic: must be a key of numbers; names are given",
+        ),
+        (["--over", "a"], "command line: --over: must be KEY=MIN:MAX:STEP"),
+        (
+            ["--over", "impact.velocity_m_s=800", "--quantities", "speed"],
+            "command line: --quantities: unknown quantity",
+        ),
         (
             ["--over", "armour.backing_thickness_mm=8,-1"],
             "command line: --over armour.backing_thickness_mm: must be greater than 0",
@@ -75,7 +82,10 @@ def test_cases_from_a_file(cli, folder: Path):
         ),
         (["--cases", "missing.csv"], "missing.csv: cannot be read"),
         ([*OVER, "--scheduler", "nowhere:x"], "sweep: --scheduler: must be"),
-        (["--over", *",--over,".join(f"{k}=1:4:1e-4" for k in "abcde").split(",")], "sweep: --over: must span at most"),
+        (
+            ["--over", *",--over,".join(f"{k}=1:4:1e-4" for k in "abcde").split(",")],
+            "command line: --over: must span at most",
+        ),
     ],
 )
 def test_what_is_wrong(cli, args: list[str], message: str):
@@ -129,7 +139,7 @@ def test_the_help_lists_every_quantity(cli):
 def test_a_table_that_is_there_is_not_written_over(cli, folder: Path):
     (folder / "t.csv").write_text("mine")
     [line] = cli.fails(2, "sweep", WILKINS, *OVER, "-o", "t.csv")
-    assert line == "t.csv: exists already; choose another name, or remove it"
+    assert line == "t.csv: exists already; choose another name, or --force"
     assert (folder / "t.csv").read_text() == "mine"
 
 
@@ -197,7 +207,7 @@ def test_a_wrong_row_of_cases_has_its_line(cli, folder: Path):
 
 def test_one_key_in_two_spellings(cli):
     over = ["--over", "armour.ceramic_thickness_mm=5,6", "--over", ' armour."ceramic_thickness_mm" = 7,8']
-    assert cli.fails(2, "sweep", WILKINS, *over, "-o", "t.csv") == ["sweep: --over: must not name a key twice"]
+    assert cli.fails(2, "sweep", WILKINS, *over, "-o", "t.csv") == ["command line: --over: must not name a key twice"]
 
 
 def test_a_wrong_combination_names_the_axes(cli):

@@ -154,9 +154,9 @@ def test_outputs_that_cannot_be_written_are_told_before_the_work(cli, suite: Pat
 
 def test_a_suite_is_not_written_over(cli, suite: Path):
     for option, path in (("--markdown", suite), ("--junit", suite.resolve())):
-        lines = cli.fails(2, "validate", suite, option, path)
+        lines = cli.fails(2, "validate", suite, option, path, "--force")
         assert lines == [f"{path}: must not be the file that is read; choose another name"]
-    assert len(cli.fails(2, "validate", suite, "--markdown", suite, "--junit", suite.resolve())) == 1
+    assert len(cli.fails(2, "validate", suite, "--markdown", suite, "--junit", suite.resolve(), "--force")) == 1
     assert suite.read_text() == SUITE
 
 
@@ -168,7 +168,9 @@ def test_every_mistake_of_a_suite(cli, suite: Path):
 
 @pytest.mark.usefixtures("folder")
 def test_a_suite_that_is_not_there(cli):
-    assert cli.fails(2, "validate", "missing.toml") == ["missing.toml: cannot be read: no such file or directory"]
+    assert cli.fails(2, "validate", "missing.toml") == [
+        "missing.toml: cannot be read: no such file or directory; shipped are paper, plates"
+    ]
 
 
 def test_interrupted_it_shows_what_it_has(cli, suite: Path, monkeypatch: pytest.MonkeyPatch):

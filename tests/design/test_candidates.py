@@ -44,8 +44,8 @@ def test_free_thicknesses_of_which_some_are_not_enough_and_limits():
     assert narrow.thickness_mm <= middle
     assert wide.areal_density_kg_m2 < narrow.areal_density_kg_m2 < thinnest.areal_density_kg_m2
     coarse = {
-        "ceramic": [{"material": "AD85", "thickness_mm": {"min": 2.0, "max": 9.0, "step": 0.05}}],
-        "backing": [{"material": "6061-T6", "thickness_mm": {"min": 1.0, "max": 14.0, "step": 0.05}}],
+        "ceramic": [{"material": "AD85", "thickness_mm": {"min": 2.0, "max": 9.0, "step": 0.1}}],
+        "backing": [{"material": "6061-T6", "thickness_mm": {"min": 1.0, "max": 14.0, "step": 0.1}}],
     }
     by_grid = optimise(catalogue(THREATS[:1], **coarse)).best.areal_density_kg_m2
     assert by_grid - 0.35 < wide.areal_density_kg_m2 <= by_grid

@@ -125,8 +125,8 @@ def test_a_front_with_margins():
 
 def test_a_front_with_margins_of_free_thicknesses_is_no_rounding(monkeypatch: pytest.MonkeyPatch):
     """Designs differ by more than the tolerance of a limit, and reach from the cheapest to the thickest."""
-    monkeypatch.setattr(module, "FIRST_VALUES", 9)
-    monkeypatch.setattr(free, "BACKING_TOLERANCE_MM", 0.02)
+    monkeypatch.setattr(module, "FIRST_VALUES", 5)
+    monkeypatch.setattr(free, "BACKING_TOLERANCE_MM", 0.05)
     layers = {
         "ceramic": [{"material": "AD85", "thickness_mm": {"min": 2.0, "max": 12.0}, "cost_per_kg": 12.0}],
         "backing": [{"material": "5083-H3", "thickness_mm": {"min": 4.0, "max": 12.0}, "cost_per_kg": 9.0}],

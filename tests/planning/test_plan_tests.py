@@ -144,13 +144,13 @@ def test_wrong_candidates(wilkins: Scenario, tmp_path: Path, rows: tuple[str, ..
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"number": 0}, "--number: must be at least 1"),
-        ({"scatter_percent": 0.0}, "--scatter-percent: must be at least 0.01"),
+        ({"number": 0}, "number: must be at least 1"),
+        ({"scatter_percent": 0.0}, "scatter_percent: must be at least 0.01"),
         ({"scatter_percent": None}, "too few tests tell how measurements scatter"),
-        ({"cost": 0.0}, "--cost: must be greater than 0"),
-        ({"fit": ()}, "--fit: must name at least one input"),
+        ({"cost": 0.0}, "cost: must be greater than 0"),
+        ({"fit": ()}, "fit: must name at least one input"),
         ({"law": "backin"}, 'did you mean "backing"'),
-        ({"criterion": "A"}, "--criterion: must be D or I"),
+        ({"criterion": "A"}, "criterion: must be D or I"),
         ({"prior": True}, "must be given for a prior"),
         ({"measure": "outcome", "candidates": {VELOCITY: [20.0]}}, "must tell something of"),
     ],

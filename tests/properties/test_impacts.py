@@ -45,7 +45,7 @@ def scenarios(draw: st.DrawFn) -> dict[str, Any]:
 
 
 @given(scenarios())
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 def test_every_impact_ends_with_an_outcome_and_sensible_numbers(data: dict[str, Any]):
     scenario = parse_scenario(data)
     result = simulate(scenario, history=True)
@@ -70,7 +70,7 @@ def test_every_impact_ends_with_an_outcome_and_sensible_numbers(data: dict[str, 
 
 
 @given(scenarios())
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_just_above_its_limit_an_armour_is_perforated_and_just_below_it_is_not(data: dict[str, Any]):
     scenario = parse_scenario(data)
     armour = scenario.core_armour()
@@ -102,7 +102,7 @@ positive = st.floats(0.05, 20.0)
     law=st.tuples(*[st.sampled_from([0.0, -3.0, 3.0]) | st.floats(-3.0, 3.0)] * 4),
     shear_law=st.sampled_from([PROJECTILE, CONOID]),
 )
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_impacts_of_any_materials_end_with_an_outcome(
     size: float,
     velocity: float,

@@ -27,7 +27,7 @@ def leaves(value: Any, parts: tuple[str | int, ...] = ()) -> Iterator[tuple[str 
 
 
 @given(st.dictionaries(NAMES, VALUES, max_size=4))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 def test_every_key_is_found_on_its_line(data: dict[str, Any]):
     text = tomli_w.dumps(data)
     found, written = lines_of(text), text.split("\n")
@@ -78,7 +78,7 @@ PIECES = [*(line + "\n" for line in WHOLE), *(line + "\r\n" for line in WHOLE), 
 
 
 @given(st.lists(st.sampled_from(PIECES), max_size=10).map("".join))
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=200, deadline=None)
 def test_statements_end_where_trials_end_them(text: str):
     found = takewhile(lambda item: is_toml(item[1]), statements(text))
     assert list(found) == statements_by_trial(text)

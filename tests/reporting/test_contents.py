@@ -9,6 +9,7 @@ from armour.analysis.confidence import confidence
 from armour.design.optimise import optimise
 from armour.reporting.contents import Contents, contents_of
 from armour.scenario.loading import load_scenario
+from armour.statistics.uncertainty import uncertainty
 from tests.helpers.cases import SCENARIOS, scenario
 from tests.helpers.exotic import changing_designs
 
@@ -93,6 +94,34 @@ def test_a_distribution_about_another_value_than_the_designs_is_left_out():
     found = contents_of(load_scenario(SCENARIOS / "uncertain.toml", {"optimise": grid}))
     assert found.uncertainty is None
     assert any("uncertainty.armour.ceramic_thickness_mm: is about a value of its own" in w for w in found.warnings)
+
+
+@cache
+def uncertain(**velocity: float) -> Contents:
+    """An armour of one's own against two threats, with a distribution of the velocity."""
+    threats = [{"projectile": "7.62 mm AP", "velocity_m_s": value} for value in (680.0, 720.0)]
+    distribution = {"distribution": "normal", "standard_deviation": 20.0, **velocity}
+    return contents_of(
+        scenario(threat=threats, uncertainty={"samples": 128, "impact": {"velocity_m_s": distribution}}), as_is=True
+    )
+
+
+def test_distributions_count_for_every_threat():
+    found = uncertain()
+    assert found.uncertainty is not None
+    slow, fast = found.threats
+    assert found.governing == fast.threat
+    assert fast.probability_of_defeat == 1.0 - found.uncertainty.probability_of_perforation.value
+    alone = uncertainty(found.scenario.replaced({"impact.velocity_m_s": 680.0})).probability_of_perforation
+    assert slow.probability_of_defeat == 1.0 - alone.value
+    assert slow.sampled
+    assert fast.sampled
+
+
+def test_a_threat_that_a_distribution_does_not_fit_keeps_exact_inputs():
+    found = uncertain(max=700.0)
+    assert [against.sampled for against in found.threats] == [False, False]
+    assert sum("no probability of perforation" in warning for warning in found.warnings) == 2
 
 
 def test_a_distribution_about_the_answers_value_is_propagated():

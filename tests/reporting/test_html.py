@@ -116,9 +116,20 @@ def test_no_line_ends_between_a_number_and_its_unit():
     content = html_report(scenario_report(found, "armour report case.toml"))
     shown, code = content.split('<pre class="toml">')
     assert f"<h1>6.35{NO_BREAK}mm AD85</h1>" in shown
-    assert f"<b>6.35{NO_BREAK}mm AD85 on 6.35{NO_BREAK}mm 6061-T6</b>" in shown
+    assert f"<b>6.35{NO_BREAK}mm AD85 on 6.35{NO_BREAK}mm <span>6061-T6</span></b>" in shown
     assert f"7.62{NO_BREAK}mm AP, 21.0{NO_BREAK}mm long, 6.5{NO_BREAK}mm in diameter</span>" in shown
     assert "title = &#34;6.35 mm AD85&#34;" in code
+
+
+def test_no_line_ends_within_an_option_or_a_name():
+    remarks = ("With --as-is <b>", "a --- b", "6061-T6, Ti-6Al-4V and half-open")
+    content = html_report(Report("T", "", (), (), remarks=remarks))
+    assert "<p>With <code>--as-is</code> &lt;b&gt;</p>" in content
+    assert "<p>a --- b</p>" in content
+    assert "<p><span>6061-T6</span>, <span>Ti-6Al-4V</span> and half-open</p>" in content
+    [section] = [part for part in page_of("catalogue").split("<h2>") if part.startswith("Origin")]
+    assert '<pre class="console">armour report case.toml</pre>' in section
+    assert re.search(r"^code, p span.* { white-space: nowrap; }", content, re.MULTILINE)
 
 
 def test_charts_stand_in_two_columns_of_nearly_the_same_height():

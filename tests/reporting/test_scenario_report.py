@@ -236,3 +236,14 @@ def test_inputs_are_in_words():
     [section] = [section for section in report(wilkins()).sections if section.heading == "Sensitivity to the inputs"]
     names = [row[0] for row in section.tables[0].rows]
     assert {"back plate thickness, mm", "ceramic flow stress, GPa", "penetrator mass, g"} <= set(names)
+    [section] = [section for section in report(wilkins()).sections if section.heading == "Ceramic: AD85"]
+    assert [row[0] for row in section.tables[0].rows] == ["density, kg/m³", "Young's modulus, GPa", "flow stress, GPa"]
+
+
+def test_a_probability_with_exact_inputs_is_said_to_be_one_where_another_is_sampled():
+    threats = tuple(AgainstThreat(name, True, 20.0, 0.0, 0.6, sampled=name == OTHER) for name in (THREAT, OTHER))
+    _, detail = statements(replace(wilkins(), threats=threats))["Defeats"]
+    assert detail == (
+        f"{THREAT}: margin +20.0 m/s, probability of defeat 60 % with exact inputs; "
+        f"{OTHER}: margin +20.0 m/s, probability of defeat 60 %"
+    )

@@ -40,6 +40,8 @@ def test_the_best_design_is_a_record():
     outside = quantities(best_table(replace(design_result(), best=best_design(ballistic_limit_m_s=None)), {}))
     assert outside["ballistic limit"] == "outside the range"
     assert "cost per m²" not in outside
+    several = replace(design_result(), best=best_design(margins_m_s={THREAT: 20.0, OTHER: 80.0}))
+    assert quantities(best_table(several, {}))["governed by"] == THREAT
     assert "ceramic" not in quantities(best_table(design_result(ceramic=""), {}))
 
 

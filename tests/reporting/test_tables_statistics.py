@@ -84,10 +84,10 @@ def test_coefficients(calibration: CalibrationResult):
     table = coefficient_table(calibration)
     assert table.headings()[-1] == "95 % interval"
     assert table.texts() == [
-        ["ceramic.flow_stress_GPa", "5.209", "4.87 to 5.548"],
-        ["ceramic.flow_stress_ceramic_slope", "not identified", "the tests do not change with it"],
+        ["ceramic flow stress, GPa", "5.209", "4.87 to 5.548"],
+        ["ceramic flow stress ceramic slope", "not identified", "the tests do not change with it"],
     ]
-    assert correlation_table(calibration).texts()[0] == ["1 ceramic.flow_stress_GPa", "+1.000", "-0.500"]
+    assert correlation_table(calibration).texts()[0] == ["1 ceramic flow stress, GPa", "+1.000", "-0.500"]
 
 
 def test_residuals(calibration: CalibrationResult):
@@ -113,7 +113,7 @@ def test_elasticities():
     assert quantities(sensitivity_table(result)) == {"ballistic limit, m/s": "723.77", "least areal density": "none"}
     table = elasticity_table(result)
     assert table.headings() == ["input", "value", "ballistic limit, % per %"]
-    assert table.texts() == [["armour.ceramic_thickness_mm", "6.35", "+0.310"]]
+    assert table.texts() == [["ceramic thickness, mm", "6.35", "+0.310"]]
 
 
 def test_firing_results():
@@ -172,8 +172,8 @@ def test_estimates(uncertainty: UncertaintyResult):
 
 def test_indices(uncertainty: UncertaintyResult):
     assert index_table(uncertainty).texts() == [
-        ["ceramic.flow_stress_GPa", "0.972", "0.890 to 1.054", "0.974", "0.914 to 1.037", "678.0", "769.1"],
-        ["projectile.penetrator_mass_g", "0.020", "0.010 to 0.030", "", "", "700.0", "740.0"],
+        ["ceramic flow stress, GPa", "0.972", "0.890 to 1.054", "0.974", "0.914 to 1.037", "678.0", "769.1"],
+        ["penetrator mass, g", "0.020", "0.010 to 0.030", "", "", "700.0", "740.0"],
     ]
     *tables, error, note = uncertainty_tables(uncertainty)
     assert all(isinstance(table, Table) for table in tables)

@@ -2,6 +2,7 @@
 
 from math import log
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from armour.analysis.impact import simulate
 from armour.errors import InputError
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import with_inputs
-from armour.statistics import likelihood_fit
+from armour.statistics import calibration, likelihood_fit
 from armour.statistics.calibration import CalibrationResult, calibrate, left_out_errors
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, with_ceramic, with_law
 from armour.statistics.likelihood_fit import Coefficient
@@ -60,7 +61,11 @@ def quick(table: Table, monkeypatch: pytest.MonkeyPatch) -> None:
 def all_laws(table: Table, wilkins: Scenario) -> CalibrationResult:
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(likelihood_fit.MODELS, LIMIT, table)
-        return calibrate(read_tests(TESTS, wilkins), wilkins, law="all")
+        counted = Mock(wraps=likelihood_fit.intervals)
+        patch.setattr(calibration, "intervals", counted)
+        result = calibrate(read_tests(TESTS, wilkins), wilkins, law="all")
+        assert counted.call_count == 1  # of the law reported alone
+        return result
 
 
 def test_laws_of_wilkins_tests(all_laws: CalibrationResult):

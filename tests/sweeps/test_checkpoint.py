@@ -238,6 +238,33 @@ def test_existing_files_are_not_overwritten(output: Path):
     assert [path.name for path in folder.iterdir()] == ["mine"]
 
 
+def test_a_job_that_was_killed_before_its_first_chunk_is_not_measured_again(output: Path):
+    kept = output.with_name("kept")
+    with Store(output, JOB) as store:
+        store.begin(3)
+        shutil.copytree(store.folder, kept)
+    shutil.copytree(kept, store.folder)
+    with Store(output, {**JOB, "rows": "other"}) as store:
+        assert store.size is None
+    kept.rename(store.folder)
+    with Store(output, JOB) as store:
+        assert store.size == 3
+
+
+def test_only_a_file_is_replaced_where_that_is_asked_for(output: Path):
+    output.write_text("old")
+    with Store(output, JOB, replace=True) as store:
+        store.begin(3)
+        store.save(0, values(0), RESULTS)
+        assert output.read_bytes() == b"old"
+        assert store.finish(1, 3) == 3
+    assert output.read_bytes() != b"old"
+    link = output.with_stem("link")
+    link.symlink_to(output)
+    with pytest.raises(InputError, match=r"link\.\w+: exists already"):
+        Store(link, JOB, replace=True).__enter__()
+
+
 def test_an_output_that_comes_during_the_sweep_stays(output: Path):
     with Store(output, JOB) as store:
         store.begin(3)

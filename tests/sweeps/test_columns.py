@@ -112,3 +112,10 @@ def test_wrong_questions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(columns, "MAX_ROWS", 5)
     with pytest.raises(InputError, match="output: must be given for more than 5 rows, found 6"):
         sweep(scenario(), OVER)
+
+
+@pytest.mark.parametrize("output", [None, "table.csv"])
+def test_a_wrong_row_is_told_by_the_name_of_the_argument(tmp_path: Path, output: str | None):
+    with pytest.raises(InputError) as error:
+        sweep(scenario(), {CERAMIC: [6.0, -5.0]}, output=output and tmp_path / output)
+    assert str(error.value) == f"sweep: over {CERAMIC}: must be at least 0, found -5.0"

@@ -114,7 +114,7 @@ def test_another_sweep_does_not_resume_with_its_chunks(
     ("text", "message"),
     [
         ("armour.ceramic_thickness_mm=-1,5", "armour.ceramic_thickness_mm: must be at least 0, found -1"),
-        ("impact.velocity_m_s=800,nan", "--over impact.velocity_m_s: must be a finite number"),
+        ("impact.velocity_m_s=800,nan", "over impact.velocity_m_s: must be a finite number"),
         ("impact.speed=800", "impact.speed: unknown key"),
         ("a b=800", "must be KEY=MIN:MAX:STEP"),
         ("solver.arrest_velocity_m_s=1,2,-1", "solver.arrest_velocity_m_s: must be greater than 0, found -1"),
@@ -137,5 +137,5 @@ def test_all_mistakes_at_once(tmp_path: Path):
     quantities = ["limit", "required_ceramic_thickness_mm"]
     with pytest.raises(InputError) as error:
         sweep(scenario(), sweep_grid("a=1", "a=2"), quantities, tmp_path / "a.csv")
-    assert [problem.key for problem in error.value.problems] == ["--quantities", "optimise", "--over"]
+    assert [problem.key for problem in error.value.problems] == ["quantities", "optimise", "over"]
     assert list(tmp_path.iterdir()) == []

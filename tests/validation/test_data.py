@@ -76,7 +76,7 @@ def test_rows_and_groups_are_summarised(found: SuiteResult):
 
 
 def test_ci_is_told_of_groups_and_not_of_rows(found: SuiteResult):
-    text = suite_junit(found).decode()
+    text = suite_junit(found, 0.0).decode()
     assert (text.count("<testcase"), text.count("<failure")) == (2, 1)
     assert "mean band +0 ± 1 %" in text
 

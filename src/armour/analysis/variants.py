@@ -75,7 +75,7 @@ class Variants(NamedTuple):
 
     @property
     def areal_densities_kg_m2(self) -> Floats:
-        """Areal densities, kg/m^2, (n,)."""
+        """Areal densities, kg/m², (n,)."""
         p = batch.fields(self.parameters)
         found: Floats = p.rho_c * p.Hc0 + p.rho_B * p.Hb
         return found

@@ -7,8 +7,8 @@ import typer
 
 from armour.cli import completion
 from armour.cli.console import progress
-from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, argument, option, table_file
-from armour.cli.runner import check_new, check_outputs, read_scenario, respond, say_if_compiling
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, argument, option, table_file
+from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
 
 
 def calibrate(
@@ -46,8 +46,8 @@ def calibrate(
             "Write the scenario with the fitted entries and their uncertainty.", "--write-scenario", metavar="FILE.toml"
         ),
     ] = None,
-    force: Annotated[bool, option("Replace existing files.", "--force")] = False,
     plot: PlotFile = None,
+    force: Force = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
@@ -58,8 +58,7 @@ def calibrate(
     from armour.statistics.flow_stress_laws import FLOW_STRESS
     from armour.statistics.test_data import read_tests
 
-    check_outputs(library, fitted, plot=plot)
-    check_new(library, fitted, force=force)
+    check_outputs(library, fitted, plot=plot, force=force)
     loaded = read_scenario(
         scenario, changes, ("impact", "armour", "ballistic_limit", *(["uncertainty"] if prior else []))
     )

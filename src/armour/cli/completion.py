@@ -5,12 +5,21 @@ since every command imports this module.
 """
 
 import os
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout
 from glob import escape, glob
-from typing import Any, get_origin
+from io import StringIO
+from itertools import pairwise
+from typing import Any, Literal, get_args, get_origin
 
 from armour.analysis.quantities import QUANTITIES
-from armour.files import shipped_files
+from armour.cli.console import emit
+from armour.files import shipped_files, shipped_suites
+
+# What bash splits words at, and what the shell takes for more than itself.
+_SPLIT = re.compile("[=:]+")
+_UNSAFE = re.compile(r"[^\w@%+=:,./-]")
 
 
 def shipped_names() -> list[str]:
@@ -23,6 +32,16 @@ def scenarios(incomplete: str) -> list[str]:
     return _with_files(shipped_names(), incomplete, ".toml")
 
 
+def suites(incomplete: str) -> list[str]:
+    """Return shipped suites, and files beside them."""
+    return _with_files([*shipped_suites()], incomplete, ".toml")
+
+
+def scenarios_and_suites(incomplete: str) -> list[str]:
+    """Return shipped scenarios and suites, and files beside them."""
+    return _with_files([*shipped_suites(), *shipped_names()], incomplete, ".toml")
+
+
 def tables(incomplete: str) -> list[str]:
     """Return shipped tables of tests and shots, and files beside them."""
     return _with_files([f"{name}.csv" for name in shipped_files("scenarios/tests", ".csv")], incomplete, ".csv")
@@ -32,9 +51,7 @@ def entries() -> list[str]:
     """Return the names in the library."""
     from armour.scenario.library import shipped_library
 
-    # bash takes a word as it is; the scripts of other shells quote it.
-    space = "\\ " if os.environ.get("_ARMOUR_COMPLETE") == "complete_bash" else " "
-    return [name.replace(" ", space) for names in shipped_library().entries.values() for name in names]
+    return [name for names in shipped_library().entries.values() for name in names]
 
 
 def inputs() -> list[str]:
@@ -54,34 +71,83 @@ def numbers(incomplete: str) -> list[str]:
     """Return the keys that a sweep can vary, each with a sign of equality."""
     from armour.scenario.parameters import NAMES
 
+    if "=" in incomplete:
+        return []
     return [word for word in assignments(incomplete) if word.rstrip("=") not in ("title", *NAMES.values())]
 
 
 def assignments(incomplete: str) -> list[str]:
-    """Return inputs and keys, each with a sign of equality or, after the key of a name, the names."""
+    """Return inputs and keys, each with a sign of equality or, after it, the words that the key can have."""
     from armour.scenario.library import shipped_library
     from armour.scenario.loading import Scenario
     from armour.scenario.parameters import INPUTS, NAMES, ROLES
 
-    for role, key in NAMES.items():
-        if incomplete.startswith(f"{key}="):
-            return [f"{key}={name}" for name in shipped_library().names(ROLES[role])]
+    key, equal, _ = incomplete.partition("=")
+    if equal:
+        words = {name: shipped_library().names(ROLES[role]) for role, name in NAMES.items()}
+        choices = {name: _choices(annotation) for name, annotation in _keys(Scenario)}
+        return [f"{key}={word}" for word in (choices | words).get(key, ())]
     # The many keys of distributions are only of use where one is begun.
     depth = 4 if incomplete.startswith("uncertainty.") else 3
-    keys = [key for key in _keys(Scenario) if len(key.split(".")) <= depth]
+    keys = [key for key, _ in _keys(Scenario) if len(key.split(".")) <= depth]
     return [f"{key}=" for key in dict.fromkeys((*INPUTS, *keys))]
 
 
-def _keys(model: Any, prefix: str = "") -> Iterator[str]:
-    """Yield the dotted keys of a section and of those within it, but for lists and tables of any name."""
+def _keys(model: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the dotted keys of a section and of those within it with types, but for lists and tables of any name."""
     from armour.scenario.messages import model_in
 
     for name, field in model.model_fields.items():
         inner = model_in(field.annotation)
         if inner is None:
-            yield prefix + name
+            yield prefix + name, field.annotation
         elif get_origin(field.annotation) not in (list, dict) and name != "library":
             yield from _keys(inner, f"{prefix}{name}.")
+
+
+def _choices(annotation: Any) -> list[str]:
+    """Return the words of a type of a few words."""
+    if get_origin(annotation) is Literal:
+        return [word for word in get_args(annotation) if isinstance(word, str)]
+    return [word for inner in get_args(annotation) for word in _choices(inner)]
+
+
+@contextmanager
+def for_bash() -> Iterator[None]:
+    """Let typer answer the script for bash, which splits words at "=" and ":" and takes what is offered as it stands.
+
+    A typed word is put together before, so that options are told from their values.  Of what is offered, bash is given
+    the part after the last split, quoted unless a quote is open.
+    """
+    typed = os.environ["COMP_WORDS"].split("\n")[: int(os.environ["COMP_CWORD"]) + 1]
+    words = _joined(typed)
+    os.environ.update(COMP_WORDS="\n".join(words), COMP_CWORD=str(len(words) - 1))
+    last = "" if _SPLIT.fullmatch(typed[-1]) else typed[-1]
+    before = words[-1].removesuffix(last)
+    before = before.partition("=")[2] if before.startswith("-") else before
+    answer = StringIO()
+    try:
+        with redirect_stdout(answer):
+            yield
+    finally:
+        offered = [word.removeprefix(before) for word in answer.getvalue().splitlines() if word]
+        if not last.startswith(("'", '"')):
+            offered = [_UNSAFE.sub(r"\\\g<0>", word) for word in offered]
+        if len(offered) == 1 and offered[0].endswith("="):
+            # A second word, as bash ends a single one with a space.
+            offered.append(f"{offered[0]}VALUE")
+        emit("".join(f"{word}\n" for word in offered))
+
+
+def _joined(typed: Sequence[str]) -> list[str]:
+    """Return words, of which those that bash has split are joined."""
+    words = [typed[0]]
+    for previous, word in pairwise(typed):
+        if word and (_SPLIT.fullmatch(word) or _SPLIT.fullmatch(previous)):
+            words[-1] += word
+        else:
+            words.append(word)
+    return words
 
 
 def _with_files(names: list[str], incomplete: str, ending: str) -> list[str]:

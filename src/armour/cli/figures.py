@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 import typer
 
 from armour.cli.console import progress
-from armour.cli.options import argument, option
+from armour.cli.options import Force, argument, option
 from armour.cli.runner import check_outputs, say_if_compiling, write
 from armour.errors import InputError, Problem
 
@@ -20,6 +20,7 @@ def figures(
     folder: Annotated[Path, argument("DIR", "Folder to draw to.")],
     only: Annotated[str, option("Draw only figures whose name contains the text.", metavar="TEXT")] = "",
     image: Annotated[Literal["png", "svg"], typer.Option("--format", help="Format of the figures.")] = "png",
+    force: Force = False,
 ) -> None:
     """Draw the paper's figures.
 
@@ -38,7 +39,7 @@ def figures(
         message = f'must be part of a name, found "{only}"; there are {", ".join(names)}'
         raise InputError([Problem("figures", "--only", message)])
     with _made(folder):
-        check_outputs(*(folder / f"{name}.{ending}" for name in chosen for ending in ("csv", image)))
+        check_outputs(*(folder / f"{name}.{ending}" for name in chosen for ending in ("csv", image)), force=force)
         say_if_compiling()
         # Each figure is written as soon as it is computed: all of them take a while.
         with progress("figures", len(chosen)) as count:

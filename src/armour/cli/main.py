@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+from contextlib import nullcontext
 from io import TextIOWrapper
 
 
@@ -16,9 +17,11 @@ def main() -> None:
         if isinstance(sys.stdout, TextIOWrapper):
             sys.stdout.reconfigure(errors="backslashreplace")
         from armour.cli.app import app
+        from armour.cli.completion import for_bash
 
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        app(prog_name="armour")
+        with for_bash() if os.environ.get("_ARMOUR_COMPLETE") == "complete_bash" else nullcontext():
+            app(prog_name="armour")
     except KeyboardInterrupt:
         _end()
     except OSError as error:

@@ -43,4 +43,5 @@ Changes = Annotated[
     ),
 ]
 PlotFile = Annotated[Path | None, option("Draw to a .png, .svg or .pdf file.", "--plot", metavar="FILE")]
+Force = Annotated[bool, option("Replace existing files.", "--force")]
 AsJson = Annotated[bool, option("Print one JSON object and nothing else.", "--json")]

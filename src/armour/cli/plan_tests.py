@@ -1,5 +1,7 @@
 """``armour plan tests``."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -7,7 +9,7 @@ import typer
 
 from armour.cli import completion
 from armour.cli.console import progress, say
-from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, option, table_file
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, option, table_file
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
 from armour.errors import InputError, Problem
 
@@ -79,6 +81,7 @@ def plan_of_tests(
         option("Write the tests made before and the planned ones, to fill in, as CSV.", "--csv", metavar="FILE"),
     ] = None,
     plot: PlotFile = None,
+    force: Force = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
@@ -90,14 +93,14 @@ def plan_of_tests(
     from armour.statistics.flow_stress_laws import FLOW_STRESS
     from armour.statistics.test_data import read_tests
 
-    check_outputs(csv, plot=plot)
+    check_outputs(csv, plot=plot, force=force)
     reads = ("impact", "armour", "ballistic_limit", *(["uncertainty"] if prior else []))
     loaded = read_scenario(scenario, changes, reads)
     source = _source(candidates or [])
     read = None if made is None else read_tests(table_file(made), loaded)
     designs = [read_scenario(path, None, reads) for path in design or []]
     say_if_compiling()
-    with progress("armours") as count:
+    with progress("armours") as count, _named_as_options():
         result = plan_tests(
             loaded,
             source,
@@ -127,11 +130,28 @@ def plan_of_tests(
     )
 
 
+@contextmanager
+def _named_as_options() -> Iterator[None]:
+    """Name the settings of a plan, in the messages on them, as the options that give them."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(
+            [
+                Problem("command line", f"--{problem.key.replace('_', '-')}", problem.message)
+                if problem.file == "plan_tests"
+                else problem
+                for problem in error.problems
+            ]
+        ) from None
+
+
 def _source(candidates: list[str]) -> "Grid | Cases":
     """Return the candidates."""
+    from armour.planning.plan_tests import of_candidates
     from armour.sweeps.cases import Cases, Grid, axis_of, omission
 
-    where = "plan tests", "--candidates"
+    where = "command line", "--candidates"
     files = [text for text in candidates if "=" not in text]
     if not candidates:
         raise InputError([Problem(*where, "is missing and must be given")])
@@ -139,8 +159,10 @@ def _source(candidates: list[str]) -> "Grid | Cases":
         raise InputError([Problem(*where, "must be one CSV file, or keys with values")])
     if files:
         return Cases(Path(files[0]))
-    axes = tuple(axis_of(text, *where) for text in candidates)
+    with of_candidates():
+        axes = tuple(map(axis_of, candidates))
     for axis in axes:
         if axis.omitted is not None:
             say(f"warning: --candidates {axis.key}: {omission(axis)}")
-    return Grid(axes, *where)
+    with of_candidates():
+        return Grid(axes)

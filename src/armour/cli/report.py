@@ -8,11 +8,11 @@ import typer
 
 from armour.cli import completion
 from armour.cli.console import progress
-from armour.cli.options import Changes, argument, option
+from armour.cli.options import Changes, Force, argument, option
 from armour.cli.runner import check_outputs, read_scenario, say_if_compiling, write
 from armour.cli.scenario_commands import DESIGNS
 from armour.errors import InputError, Problem, refuse
-from armour.files import read_toml, wrong_ending
+from armour.files import read_toml, shipped_suites, wrong_ending
 
 if TYPE_CHECKING:
     from armour.reporting.report import Report
@@ -28,7 +28,7 @@ def report(
         argument(
             "SCENARIO|SUITE",
             "Scenario or suite file (TOML), or name of a shipped one; - for a scenario on standard input.",
-            autocompletion=completion.scenarios,
+            autocompletion=completion.scenarios_and_suites,
         ),
     ],
     output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write, .html or .md.")] = Path(
@@ -37,6 +37,7 @@ def report(
     as_is: Annotated[
         bool, option("Report on the scenario's own armour, also where the scenario asks for a design.", "--as-is")
     ] = False,
+    force: Force = False,
     changes: Changes = None,
 ) -> None:
     """Write a report.
@@ -45,14 +46,13 @@ def report(
     """
     from armour.reporting.report_file import ENDINGS, report_text
     from armour.scenario.loading import scenario_file
-    from armour.validation.validate import SUITES, suite_file
 
-    check_outputs(output)
+    check_outputs(output, force=force)
     refuse(wrong_ending(output, ENDINGS))
     options = ["--as-is"] * as_is + [word for change in changes or () for word in ("--set", change)]
     command = shlex.join(["armour", "report", str(source), "--output", str(output), *options])
     if str(source) != "-":
-        source = scenario_file(source, {name: suite_file(name) for name in SUITES})
+        source = scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
     if is_suite and as_is:
         raise InputError([Problem("command line", "--as-is", "must be given with a scenario, found a suite")])

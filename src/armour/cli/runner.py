@@ -3,6 +3,7 @@
 Files are written before anything is printed, so that a reader that closes the pipe loses none.
 """
 
+import os
 import sys
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
@@ -31,15 +32,19 @@ COMPILING = "compiling the numerical code, which takes about ten seconds"
 PLOT_ENDINGS = (".png", ".svg", ".pdf")
 
 
-def check_outputs(*writes: Path | None, plot: Path | None = None, updated: Path | None = None) -> None:
-    """Check that all outputs can be written, and that none is another one.
+def check_outputs(
+    *writes: Path | None, plot: Path | None = None, updated: Path | None = None, force: bool = False
+) -> None:
+    """Check that all outputs can be written, that none is another one, and that none replaces a file unless forced to.
 
-    An output that is found to be read later is refused then, but for the updated one.
+    An output that is found to be read later is refused then, but for the updated one, which may exist.
     """
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
     fresh = [path for path in (*writes, plot) if path is not None]
     paths = fresh if updated is None else [*fresh, updated]
     problems += (problem for path in paths for problem in unwritable(path))
+    there = [path for path in fresh if not force and _is_kept(path)]
+    problems += (Problem(str(path), "", "exists already; choose another name, or --force") for path in there)
     if not problems:
         resolved = [path.resolve() for path in paths]
         twice = dict.fromkeys(str(path) for path in resolved if resolved.count(path) > 1)
@@ -48,10 +53,9 @@ def check_outputs(*writes: Path | None, plot: Path | None = None, updated: Path 
     reserve(fresh)
 
 
-def check_new(*writes: Path | None, force: bool) -> None:
-    """Check that no output replaces a file, unless that is asked for."""
-    there = [path for path in writes if path is not None and path.exists() and not force]
-    refuse(Problem(str(path), "", "exists already; choose another name, or --force") for path in there)
+def _is_kept(path: Path) -> bool:
+    """Return whether a path is that of a file, other than one to which the shell sends a stream of this process."""
+    return path.is_file() and not any(os.path.samestat(path.stat(), os.fstat(stream)) for stream in (1, 2))
 
 
 def read_scenario(

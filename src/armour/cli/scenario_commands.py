@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from armour.cli.console import progress
-from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, option
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, option
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling, warnings_of
 
 # What commands read, see `armour.scenario.reach`.
@@ -26,6 +26,7 @@ def simulate(
     velocity: Annotated[float | None, option("Impact velocity in place of the scenario's, m/s.")] = None,
     history: Annotated[Path | None, option("Write the run over time as CSV.", "--history", metavar="FILE")] = None,
     plot: PlotFile = None,
+    force: Force = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
@@ -34,7 +35,7 @@ def simulate(
     from armour.reporting.table import csv_text
     from armour.reporting.tables.impact import history_table, impact_tables
 
-    check_outputs(history, plot=plot)
+    check_outputs(history, plot=plot, force=force)
     reads = ("impact", "armour", "ballistic_limit", "uncertainty.model")
     loaded = read_scenario(scenario, changes, reads, {"--velocity": ("impact.velocity_m_s", velocity)})
     result = impact.simulate(loaded, history=history is not None or plot is not None)
@@ -52,13 +53,17 @@ def simulate(
 
 
 def ballistic_limit(
-    scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = None, as_json: AsJson = False
+    scenario: ScenarioFile,
+    plot: PlotFile = None,
+    force: Force = False,
+    changes: Changes = None,
+    as_json: AsJson = False,
 ) -> None:
     """Find the ballistic limit."""
     from armour.analysis import ballistic_limit as analysis
     from armour.reporting.tables.impact import limit_tables
 
-    check_outputs(plot=plot)
+    check_outputs(plot=plot, force=force)
     loaded = read_scenario(scenario, changes, LIMIT)
     with progress("impacts", first="searching"):
         result = analysis.ballistic_limit(loaded)
@@ -76,13 +81,19 @@ def ballistic_limit(
     )
 
 
-def compare(scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = None, as_json: AsJson = False) -> None:
+def compare(
+    scenario: ScenarioFile,
+    plot: PlotFile = None,
+    force: Force = False,
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
     """Compare the model with closed-form formulas."""
     from armour.analysis.ballistic_limit import not_monotonic
     from armour.reporting.tables.comparison import comparison_tables
     from armour.validation import comparison
 
-    check_outputs(plot=plot)
+    check_outputs(plot=plot, force=force)
     loaded = read_scenario(scenario, changes, LIMIT)
     with progress("impacts", first="searching"):
         result = comparison.compare(loaded)
@@ -108,6 +119,7 @@ def optimise(
         option("Write the Pareto front or, where none is asked for, the frontier as CSV.", "--csv", metavar="FILE"),
     ] = None,
     plot: PlotFile = None,
+    force: Force = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
@@ -119,7 +131,7 @@ def optimise(
     from armour.reporting.table import csv_text
     from armour.reporting.tables.design import design_tables, frontier_table, pareto_table, required_margins
 
-    check_outputs(csv, plot=plot)
+    check_outputs(csv, plot=plot, force=force)
     loaded = read_scenario(scenario, changes, DESIGNS, {"--confidence": ("design.confidence", confidence)})
     say_if_compiling()
     with progress("impacts") as count:
@@ -139,7 +151,11 @@ def optimise(
 
 
 def sensitivity(
-    scenario: ScenarioFile, plot: PlotFile = None, changes: Changes = None, as_json: AsJson = False
+    scenario: ScenarioFile,
+    plot: PlotFile = None,
+    force: Force = False,
+    changes: Changes = None,
+    as_json: AsJson = False,
 ) -> None:
     """Rank the inputs by their effect on the answers.
 
@@ -149,7 +165,7 @@ def sensitivity(
     from armour.reporting.tables.statistics import sensitivity_tables
     from armour.statistics import sensitivity as statistics
 
-    check_outputs(plot=plot)
+    check_outputs(plot=plot, force=force)
     loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit", "optimise"))
     say_if_compiling()
     with progress("designs") as count:
@@ -169,6 +185,7 @@ def uncertainty(
     scenario: ScenarioFile,
     samples: Annotated[int | None, option("Number of samples in place of the scenario's, at least 128.")] = None,
     plot: PlotFile = None,
+    force: Force = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
@@ -176,7 +193,7 @@ def uncertainty(
     from armour.reporting.tables.statistics import uncertainty_tables
     from armour.statistics import uncertainty as statistics
 
-    check_outputs(plot=plot)
+    check_outputs(plot=plot, force=force)
     loaded = read_scenario(
         scenario,
         changes,

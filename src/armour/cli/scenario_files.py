@@ -7,8 +7,8 @@ import typer
 
 from armour.cli import completion
 from armour.cli.console import say, show, show_json
-from armour.cli.options import option
-from armour.cli.runner import check_new, check_outputs, write
+from armour.cli.options import Force, option
+from armour.cli.runner import check_outputs, write
 from armour.errors import InputError, Problem, suggestion
 from armour.files import shipped_files
 
@@ -20,20 +20,21 @@ def init(
     source: Annotated[
         str, option("Copy a shipped scenario.", "--from", metavar="NAME", autocompletion=completion.shipped_names)
     ] = "template",
-    names: Annotated[bool, option("List the shipped scenarios.", "--list")] = False,
-    force: Annotated[bool, option("Replace an existing file.", "--force")] = False,
+    names: Annotated[bool, option("List the shipped scenarios, suites and tables of tests.", "--list")] = False,
+    force: Force = False,
 ) -> None:
     """Write a scenario to start from."""
     known = shipped_files("scenarios", ".toml")
     if names:
-        show(*known)
+        from armour.reporting.tables.library import shipped_tables
+
+        show(*shipped_tables())
         return
     if source not in known:
         hint = suggestion(source, list(known)) or f"; there are {', '.join(known)}"
         message = f'must name a shipped scenario, found "{source}"{hint}'
         raise InputError([Problem("init", "--from", message)])
-    check_outputs(file)
-    check_new(file, force=force)
+    check_outputs(file, force=force)
     write({file: known[source].read_bytes()})
     say(f"next: armour simulate {file}")
 

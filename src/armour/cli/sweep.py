@@ -1,6 +1,7 @@
 """``armour sweep``."""
 
-from contextlib import nullcontext
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,7 +10,7 @@ import typer
 from armour.analysis.quantities import QUANTITIES, reads_of
 from armour.cli import completion
 from armour.cli.console import progress, say
-from armour.cli.options import AsJson, Changes, PlotFile, ScenarioFile, option
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, option
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
 from armour.errors import InputError, Problem
 
@@ -44,7 +45,10 @@ def sweep(
         ),
     ] = "ballistic_limit_m_s",
     plot: PlotFile = None,
-    threads: Annotated[int | None, option("Threads, at least 1; by default one per core.", min=1)] = None,
+    force: Force = False,
+    threads: Annotated[
+        int | None, option("Threads, at least 1; by default one per core.", min=1, metavar="NUMBER")
+    ] = None,
     scheduler: Annotated[
         str, option('Compute on the Dask cluster at this address; "local" starts one.', metavar="ADDRESS")
     ] = "",
@@ -54,23 +58,31 @@ def sweep(
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
     from armour.sweeps import sweep as sweeps
+    from armour.sweeps.checkpoint import parts_of
     from armour.sweeps.dask import connected, on_cluster
     from armour.sweeps.tables import read_table
 
-    check_outputs(output, plot=plot)
+    begun = parts_of(output).exists()
+    check_outputs(None if begun else output, plot=plot, updated=output if begun else None, force=force)
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
     loaded = read_scenario(scenario, changes, ("impact.projectile", "armour", *reads))
-    source = _source(over or [], cases)
+    with _named_as_options():
+        source = _source(over or [], cases)
     if plot is not None:
         _check_plot(source, names)
     say_if_compiling()
-    with connected(scheduler) if scheduler else nullcontext() as client, progress("rows", source.count) as count:
+    with (
+        connected(scheduler) if scheduler else nullcontext() as client,
+        progress("rows", source.count) as count,
+        _named_as_options(),
+    ):
         rows = sweeps.sweep(
             loaded,
             source,
             names,
             output,
+            replace=force,
             compute=sweeps.in_process(threads) if client is None else on_cluster(client),
             on_chunk=lambda n, _stored: count(n),
             approve=lambda plan: _approve(plan, yes),
@@ -84,6 +96,20 @@ def sweep(
         plot=plot,
         chart=lambda charts: charts.sweep_chart(read_table(output), source.keys, names[0], loaded),
     )
+
+
+@contextmanager
+def _named_as_options() -> Iterator[None]:
+    """Name the arguments of a sweep, in the messages on them, as the options that give them."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError([_named_as_option(problem) for problem in error.problems]) from None
+
+
+def _named_as_option(problem: Problem) -> Problem:
+    is_argument = problem.file == "sweep" and problem.key.split(" ")[0] in ("over", "quantities")
+    return Problem("command line", f"--{problem.key}", problem.message) if is_argument else problem
 
 
 def _source(over: list[str], cases: Path | None) -> "Grid | Cases":

@@ -7,7 +7,7 @@ import typer
 
 from armour.cli import completion
 from armour.cli.console import progress
-from armour.cli.options import AsJson, Changes, PlotFile, argument, option, table_file
+from armour.cli.options import AsJson, Changes, Force, PlotFile, argument, option, table_file
 from armour.cli.runner import check_outputs, read_scenario, respond, warnings_of
 from armour.cli.scenario_commands import LIMIT
 from armour.errors import InputError, Problem
@@ -40,6 +40,7 @@ def v50(
     ] = None,
     confidence: Annotated[float, typer.Option(help="Confidence of the intervals, 0.5 to 0.9999.")] = 0.95,
     plot: PlotFile = None,
+    force: Force = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
@@ -49,7 +50,7 @@ def v50(
 
     if changes and scenario is None:
         raise InputError([Problem("v50", "--set", "changes a scenario, which is not given")])
-    check_outputs(plot=plot)
+    check_outputs(plot=plot, force=force)
     read = statistics.read_shots(table_file(shots))
     loaded = None if scenario is None else read_scenario(scenario, changes, LIMIT)
     with progress("fits", first="fitting"):

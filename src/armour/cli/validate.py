@@ -2,15 +2,17 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from time import perf_counter
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from armour.cli import completion
 from armour.cli.console import progress, say, show
-from armour.cli.options import AsJson, argument, option
+from armour.cli.options import AsJson, Force, argument, option
 from armour.cli.runner import CHECK_FAILED, check_outputs, respond, say_if_compiling
 from armour.errors import Problem, refuse
+from armour.files import located, shipped_suites
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -20,7 +22,12 @@ if TYPE_CHECKING:
 
 def validate(
     suite: Annotated[
-        Path | None, argument("SUITE", "Suite file (TOML), or a shipped suite: paper, the default, or plates.")
+        Path | None,
+        argument(
+            "SUITE",
+            "Suite file (TOML), or a shipped suite: paper, the default, or plates.",
+            autocompletion=completion.suites,
+        ),
     ] = None,
     only: Annotated[str, option("Check only cases whose name contains the text.", metavar="TEXT")] = "",
     changes: Annotated[
@@ -37,6 +44,7 @@ def validate(
     ] = False,
     markdown: Annotated[Path | None, option("Write the result as Markdown.", "--markdown", metavar="FILE")] = None,
     junit: Annotated[Path | None, option("Write the result as JUnit XML.", "--junit", metavar="FILE")] = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Check the model against a suite of cases.
@@ -50,19 +58,21 @@ def validate(
     from armour.scenario.assignments import changes_of
     from armour.validation.suite import load_suite
     from armour.validation.update import kept_by_update
-    from armour.validation.validate import suite_file
 
-    path = suite_file(str(suite or "paper"))
+    known = shipped_suites()
+    path = known["paper"] if suite is None else located(suite, known, f"; shipped are {', '.join(known)}")
     if update:
         _check_update(suite if path == suite else None, changes)
     updated = suite if update else None
-    check_outputs(markdown, junit, updated=updated)
+    check_outputs(markdown, junit, updated=updated, force=force)
     chosen = load_suite(path, changes_of(changes or ())).only(only)
     if update and not any(case.regression for case in chosen.cases):
         message = "must be true for the suite, or a case or table without source, to be updated; other values stay"
         refuse([Problem(str(chosen.file), "regression", message)])
     say_if_compiling()
+    start = perf_counter()
     result = _computed(chosen, quiet=as_json)
+    seconds = perf_counter() - start
     respond(
         result.to_dict(),
         _tables(result),
@@ -70,7 +80,7 @@ def validate(
         title="values before the update" if update else "",
         files=[
             (markdown, lambda: markdown_report(suite_report(result))),
-            (junit, lambda: suite_junit(result)),
+            (junit, lambda: suite_junit(result, seconds)),
             (updated, lambda: _updated(chosen.file, result)),
         ],
     )

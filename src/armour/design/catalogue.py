@@ -1,6 +1,6 @@
 """Catalogue of a scenario: pairs of materials with thicknesses and costs, threats and constraints."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import NamedTuple
@@ -12,9 +12,19 @@ from armour.core.state import Parameters
 from armour.engine import batch
 from armour.errors import Problem, refuse
 from armour.scenario.applicability import is_excluded
+from armour.scenario.library import penetrator_length_mm
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import FIELDS, VELOCITY, inputs_of, with_inputs
-from armour.scenario.schema import MAX_DESIGNS, BackingLayer, CeramicLayer, DesignSection, FreeRange, Range, Threat
+from armour.scenario.parameters import INPUTS, ROLES, VELOCITY, fields_of, inputs_of_entry, with_inputs
+from armour.scenario.schema import (
+    MAX_DESIGNS,
+    SHEAR_LAWS,
+    BackingLayer,
+    CeramicLayer,
+    DesignSection,
+    FreeRange,
+    Range,
+    Threat,
+)
 from armour.units import MM
 
 # Largest relative constraint violation that counts as rounding.
@@ -79,7 +89,7 @@ class Catalogue:
     offers: tuple[Offer, ...]
     layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, fields)
     projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, fields)
-    inputs: tuple[Mapping[str, float], ...]  # inputs that each material and projectile has at least once
+    values: Mapping[str, frozenset[float | None]]  # of the inputs of materials and projectiles; None where one has none
     more_margin_m_s: float = 0.0  # required of every threat
 
     def against(self, pair: int, threat: int) -> Scenario:
@@ -214,17 +224,17 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
                     problems.append(Problem(scenario.file, f"design.{key}[{i}]", message))
     refuse(problems)
 
-    alone = _without_catalogue(scenario)
-    first = section.ceramic[0], section.backing[0], threats[0]
-    of_ceramics = [_scenario_of(alone, ceramic, *first[1:]) for ceramic in section.ceramic]
-    of_backings = [_scenario_of(alone, first[0], backing, first[2]) for backing in section.backing]
-    flying = {threat.projectile: threat for threat in threats}
-    of_projectiles = {name: _scenario_of(alone, *first[:2], threat) for name, threat in flying.items()}
-
-    ceramics, backings = _parameters(of_ceramics, "ceramic"), _parameters(of_backings, "backing")
-    projectiles = dict(zip(of_projectiles, _parameters(of_projectiles.values(), "projectile"), strict=True))
-    rows = (ceramics[:, None] + backings[None]).reshape(-1, ceramics.shape[1])
-    density = batch.fields(rows)
+    given = {
+        "ceramic": [_inputs_of_layer(scenario, "ceramic", layer) for layer in section.ceramic],
+        "backing": [_inputs_of_layer(scenario, "backing", layer) for layer in section.backing],
+        "projectile": [inputs_of_entry("projectile", scenario.entry("projectile", t.projectile)) for t in threats],
+    }
+    rows = {role: np.array([_row(inputs) for inputs in many]) for role, many in given.items()}
+    layers = (rows["ceramic"][:, None] + rows["backing"][None]).reshape(-1, len(Parameters._fields))
+    flying = batch.fields(rows["projectile"])
+    flying.L0[:] = [penetrator_length_mm(scenario.entry("projectile", threat.projectile)) * MM for threat in threats]
+    flying.shear_law[:] = SHEAR_LAWS[scenario.model.shear_perimeter]
+    density = batch.fields(layers)
     offers = [
         Offer(*pair, float(density.rho_c[i]), float(density.rho_B[i]))
         for i, pair in enumerate(product(section.ceramic, section.backing))
@@ -237,9 +247,13 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         np.array(bounds),
         bool(bounded and uncertain),
         tuple(offers),
-        rows,
-        np.array([projectiles[threat.projectile] for threat in threats]),
-        tuple(map(inputs_of, (*of_ceramics, *of_backings, *of_projectiles.values()))),
+        layers,
+        rows["projectile"],
+        {
+            name: frozenset(own.get(name) for own in given[role])
+            for name in INPUTS
+            if (role := name.split(".")[0]) in ROLES
+        },
     )
 
 
@@ -272,14 +286,18 @@ def _without_catalogue(scenario: Scenario) -> Scenario:
     return scenario.replaced({"threat": [], "design": None})
 
 
-def _parameters(scenarios: Iterable[Scenario], role: str) -> Floats:
-    """Return the parameters of the engine that a role sets, with the options of the model for the projectile."""
-    rows = batch.packed([scenario.core_armour() for scenario in scenarios])
-    names = {target[0] for name, target in FIELDS.items() if target is not None and name.startswith(role + ".")}
-    if role == "projectile":
-        names |= {"L0", "shear_law"}
-    kept = np.array([name in names for name in Parameters._fields])
-    return np.where(kept, rows, 0.0)
+def _inputs_of_layer(scenario: Scenario, role: str, layer: CeramicLayer | BackingLayer) -> dict[str, float]:
+    """Return the values of the inputs of a layer's material, by name; of a bare plate's ceramic, none."""
+    if not layer.material:
+        return {}
+    own = inputs_of_entry(role, scenario.entry(ROLES[role], layer.material))
+    return own if layer.density_kg_m3 is None else own | {f"{role}.density_kg_m3": layer.density_kg_m3}
+
+
+def _row(inputs: Mapping[str, float]) -> list[float]:
+    """Return the parameters of the engine that inputs set, 0 elsewhere."""
+    fields = fields_of(inputs)
+    return [fields.get(name, 0.0) for name in Parameters._fields]
 
 
 def _section_of(scenario: Scenario) -> DesignSection:

@@ -16,7 +16,7 @@ SEARCHES_AT_A_TIME = 10_000
 
 
 def least_areal_densities(variants: Variants, on_progress: OnProgress = ignore_progress) -> Floats:
-    """Return the least areal density that defeats each impact, kg/m^2, (n,); NaN where no design does.
+    """Return the least areal density that defeats each impact, kg/m², (n,); NaN where no design does.
 
     Both thicknesses are free within the ranges of the grid.  `on_progress` is called with searches for a ceramic.
     """

@@ -379,11 +379,16 @@ def _pairs(search: Search, best: int) -> tuple[Pair, ...]:
     """Compare the best designs of all pairs, best first."""
     least = float(search.values[best])
     most = least * (1.0 + search.catalogue.section.runners_up_percent / 100.0)
-    pairs = []
-    for index, offer in enumerate(search.catalogue.offers):
-        own = search.of_pair(index)
+    offers = search.catalogue.offers
+    possible = [own[search.defeating[own]] for own in map(search.of_pair, range(len(offers)))]
+    if search.catalogue.sampled:
         # Only possible runners-up are sampled, as each design takes thousands of impacts.
-        place = search.first(own[search.values[own] <= most] if search.catalogue.sampled else own)
+        possible = [own[search.values[own] <= most] for own in possible]
+    # The limits of the first designs, which most often pass, are computed together, which is quicker.
+    search.limits(np.array([own[0] for own in possible if len(own)], dtype=np.int64))
+    pairs = []
+    for index, offer in enumerate(offers):
+        place = search.first(possible[index])
         found = None if place is None else _best(search, place)
         excess, reason = (None, _why_none_of(search, index)) if place is None else _excess(search, place, least)
         pairs.append(Pair(offer.ceramic.material, offer.backing.material, found, excess, reason))

@@ -81,8 +81,7 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
     problems = []
     assert catalogue.scenario.uncertainty is not None
     for name, distribution in catalogue.scenario.uncertainty.inputs().items():
-        values = {own.get(name) for own in catalogue.inputs}
-        if distribution.placed and (len(values) > 1 or name in (VELOCITY, CERAMIC, BACKING)):
+        if distribution.placed and (name in (VELOCITY, CERAMIC, BACKING) or len(catalogue.values[name]) > 1):
             message = (
                 "must be centred on the value of each design or threat: normal or lognormal, without mean, min and max"
             )

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
     from armour.design.reliability import Reliability
 
-# Differences of criteria that count on a Pareto front: kg/m^2, mm and, for costs, as a part of the lowest.
+# Differences of criteria that count on a Pareto front: kg/m², mm and, for costs, as a part of the lowest.
 RESOLUTION = {"areal_density_kg_m2": 0.01, "thickness_mm": 0.01, COST: 0.001}
 
 

@@ -1,6 +1,7 @@
 """Plans of tests: which armours to test next, so that fitted inputs or the limit of a design become most certain."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isfinite, nan, sqrt
 from os import PathLike
@@ -251,7 +252,7 @@ def plan_tests(
     )
     if criterion == "I" and np.isnan(found.targets).any():
         message = 'must not be "I": the candidates do not determine the limit of a design'
-        raise InputError([Problem(rows.file, "criterion", message)])
+        raise InputError([Problem("plan_tests", "criterion", message)])
     chosen = optimal_design.best_set(task, number)
     total = float(task.costs[chosen].sum())
     regular = not optimal_design.missing(task.information(chosen), task.rows)
@@ -298,7 +299,7 @@ def _check_settings(
     low, high = MIN_SCATTER_PERCENT, MAX_SCATTER_PERCENT
     if scatter_percent is not None and not low <= scatter_percent <= high:
         problems.append(
-            ("scatter-percent", f"must be at least {low:g} and at most {high:g}, found {scatter_percent:g}")
+            ("scatter_percent", f"must be at least {low:g} and at most {high:g}, found {scatter_percent:g}")
         )
     if cost is not None and not 0.0 < cost <= MAX_COST:
         problems.append(("cost", f"must be greater than 0 and at most {MAX_COST:g}, found {cost:g}"))
@@ -308,15 +309,31 @@ def _check_settings(
         problems.append(("law", f'must be a law, found "{law}"{choices(law, [*LAWS])}'))
     elif law is not None and FLOW_STRESS not in fit:
         problems.append(("law", f"must not be given where {FLOW_STRESS} is not fitted"))
-    refuse(Problem("plan tests", f"--{key}", message) for key, message in problems)
+    refuse(Problem("plan_tests", key, message) for key, message in problems)
     check_names([name for name in fit if law is None or name == FLOW_STRESS], scenario, scenario.file, "--fit")
+
+
+@contextmanager
+def of_candidates() -> Iterator[None]:
+    """Name the values of a sweep, in the messages on them, candidates."""
+    try:
+        yield
+    except InputError as error:
+        problems = (
+            problem._replace(file="candidates", key=problem.key.removeprefix("over").strip())
+            if problem.file == "sweep"
+            else problem
+            for problem in error.problems
+        )
+        raise InputError(tuple(problems)) from None
 
 
 def _candidates(
     scenario: Scenario, candidates: Candidates, measure: Measure, cost: float | None
 ) -> tuple[Tests, Floats | None]:
     """Return the candidates as tests that measure the limit, and their costs, (n,); None without costs."""
-    source = candidates if isinstance(candidates, Grid | Cases) else source_of(candidates)
+    with of_candidates():
+        source = candidates if isinstance(candidates, Grid | Cases) else source_of(candidates)
     file = str(source.path) if isinstance(source, Cases) else "candidates"
     if source.count > MAX_CANDIDATES:
         message = f"must be at most {MAX_CANDIDATES:,} candidates, found {source.count:,}"
@@ -343,11 +360,12 @@ def _candidates(
         columns[VELOCITY] = np.full(count, scenario.impact.velocity_m_s)
     cells = tuple({key: values[i].item() for key, values in columns.items()} for i in range(count))
     inputs = [key for key in columns if key in INPUTS]
-    groups = tuple(
-        MaterialGroup(made, where, {key: columns[key][where] for key in inputs})
-        for where, made in scenarios_of(scenario, columns, lambda row, problem: source.place(0, row, problem))
-    )
-    places = tuple(source.place(0, row, Problem(file, "", "")).key for row in range(count))
+    with of_candidates():
+        groups = tuple(
+            MaterialGroup(made, where, {key: columns[key][where] for key in inputs})
+            for where, made in scenarios_of(scenario, columns, lambda row, problem: source.place(0, row, problem))
+        )
+    places = tuple(source.place(0, row, Problem(file, "", "")).key.removeprefix("over ") for row in range(count))
     measured = tuple(Measurement(row, LIMIT, 1.0, None, 0) for row in range(count))
     if costs is not None or cost is not None:
         costs = (0.0 if costs is None else costs) + np.full(count, cost or 0.0)
@@ -398,7 +416,7 @@ def _knowledge(
     """Return what tests made before and the prior tell of the inputs, and how tests scatter."""
     scatter = None if scatter_percent is None else scatter_percent / 100.0
     message = "is missing and must be given: too few tests tell how measurements scatter"
-    missing = InputError([Problem("plan tests", "--scatter-percent", message)])
+    missing = InputError([Problem("plan_tests", "scatter_percent", message)])
     if tests is not None:
         tests, scenario, names = under_law(tests, scenario, inputs, law)
         made = [(tests.file, group.scenario) for group in tests.groups[:1]]

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armour.analysis.closed_forms import residual_velocity
-from armour.analysis.quantities import label_and_unit
 from armour.reporting.chart import (
     BLUE,
     COLOURS,
@@ -38,8 +37,9 @@ from armour.reporting.chart import (
 from armour.reporting.tables.design import COST, MARGIN, THICKNESS
 from armour.reporting.tables.impact import AREAL_DENSITY, STAGES, energy_table
 from armour.reporting.tables.statistics import deviation_percent
-from armour.reporting.text import interval, percent, spelt
-from armour.scenario.parameters import BACKING, CERAMIC, ROLES, VELOCITY
+from armour.reporting.text import interval, percent
+from armour.reporting.words import words_of
+from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY
 from armour.units import MM
 
 if TYPE_CHECKING:
@@ -76,14 +76,7 @@ SHOWN_PROBABILITY = 0.002
 
 def quantity_axis(name: str, **options: Any) -> Axis:
     """Return the axis of a quantity, an input or a key of a scenario, in words."""
-    words, unit = label_and_unit(name)
-    words = spelt(words)
-    *sections, _ = name.split(".")
-    if len(sections) > 1:
-        # A value of the library has the name of its entry.
-        words = f"{sections[-1]} {words}"
-    elif {*sections} & {"impact", *ROLES} and not words.startswith(("penetrator", "projectile")):
-        words = f"{spelt(sections[0])} {words}"
+    words, unit = words_of(name)
     return Axis(words, unit, **options)
 
 
@@ -443,7 +436,8 @@ def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
     fit = result.recommended or result.fits[0]
     ends = [fit.v50_m_s, *fit.v50_interval_m_s, model]
     between_ends = interval(fit.v50_interval_m_s, ".1f")
-    if fit.v50_interval_m_s != (None, None):
+    bounded = fit.v50_interval_m_s != (None, None)
+    if bounded:
         between_ends = f"{between_ends} m/s"
     wanted = [slowest, fastest, *(end for end in ends if end is not None)]
     low, high = max(slowest - reach, min(wanted) - margin), min(fastest + reach, max(wanted) + margin)
@@ -457,11 +451,13 @@ def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
     if low <= fit.v50_m_s <= high:
         start, end = (edge if e is None else e for e, edge in zip(fit.v50_interval_m_s, (low, high), strict=True))
         words = (f"V50 {fit.v50_m_s:.1f} m/s\n{between} {between_ends}",)
-        series.append(Points([fit.v50_m_s], [0.5], x_ends=((start, end),), text=words))
+        bar = ((start, end),) if bounded else ()
+        series.append(Points([fit.v50_m_s], [0.5], x_ends=bar, text=words))
     if mean is not None:
         name = "mean of shots" if mean.rule == "no usual rule" else "MIL-STD-662F"
         series.append(_velocity_rule(f"{name}: V50", mean.v50_m_s, SOFT))
-    notes = [f"The bar at one half is the {between} of V50, {between_ends}."]
+    bar_is = "The bar at one half is the {} of V50, {}." if bounded else "The {} of V50 is {}."
+    notes = [bar_is.format(between, between_ends)]
     if model is not None and low <= model <= high:
         series.append(_velocity_rule("this model: ballistic limit", model, INK, ":"))
     elif model is not None:
@@ -559,9 +555,12 @@ def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, sce
 
 
 def _sweep_title(answer: str, first: str, second: str = "") -> str:
-    """Return the title of a sweep, in which a noun that both keys end in stands once."""
-    noun = second.rpartition(" ")[2]
-    over = f"{first.removesuffix(f' {noun}')} and {second}" if second else first
+    """Return the title of a sweep, in which words that both keys end in stand once."""
+    words, others = first.split(" "), second.split(" ")
+    # Of each, one word at least remains.
+    while second and len(words) > 1 and len(others) > 1 and words[-1] == others[-1]:
+        words, others = words[:-1], others[:-1]
+    over = f"{' '.join(words)} and {second}" if second else first
     return f"{answer[:1].upper()}{answer[1:]} over {over}"
 
 

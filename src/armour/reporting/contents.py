@@ -1,7 +1,7 @@
 """Contents of a report on a scenario: its answer, with the results that explain it and say how reliable it is."""
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import NamedTuple
 
@@ -12,13 +12,13 @@ from armour.analysis.impact import ImpactResult, simulate
 from armour.analysis.variants import OnProgress, ignore_progress
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import NoLimitError
-from armour.scenario.applicability import model_error
+from armour.scenario.applicability import is_excluded, model_error
 from armour.scenario.library import LibraryEntry
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, ROLES, VELOCITY, entry_of, inputs_of, with_inputs
 from armour.scenario.schema import Threat
 from armour.statistics.sensitivity import SensitivityResult, sensitivity
-from armour.statistics.uncertainty import UncertaintyResult, uncertainty
+from armour.statistics.uncertainty import UncertaintyResult, probability_of_perforation, uncertainty
 
 
 class AgainstThreat(NamedTuple):
@@ -29,6 +29,7 @@ class AgainstThreat(NamedTuple):
     margin_m_s: float | None  # None where the ballistic limit is outside the range searched
     required_margin_m_s: float
     probability_of_defeat: float | None  # None where it is not known
+    sampled: bool = False  # whether it is that of the scenario's distributions
 
 
 @dataclass(frozen=True)
@@ -65,31 +66,43 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         on_progress(done, None)
 
     design = optimise(scenario, on_progress=on_part) if asks_for_design(scenario) and not as_is else None
+    faced = _faced(scenario if design is None else _with_best(scenario, design))
+    threats = (
+        [_against(*each) for each in faced] if design is None else [_passed(design, threat) for _, threat in faced]
+    )
+    sampled = scenario.uncertainty is not None and bool(scenario.uncertainty.inputs())
+    misplaced = [_misplaced(scenario, against) for against, _ in faced]
+    if sampled:
+        threats = [
+            found if wrong else _sampled(found, against, on_part)
+            for found, (against, _), wrong in zip(threats, faced, misplaced, strict=True)
+        ]
     if design is None:
-        answer, threats, governing = _own(scenario)
+        place = min(range(len(threats)), key=lambda index: _excess(threats[index]))
     else:
-        answer, threats, governing = _with_best(scenario, design), _of_design(scenario, design), design.best.governing
+        place = [found.threat for found in threats].index(design.best.governing)
+        probabilities = {found.threat: found.probability_of_defeat for found in threats}
+        design = replace(design, best=replace(design.best, probabilities_of_defeat=probabilities))
+    answer = faced[place][0]
     impact = simulate(answer, history=True)
     limit, sure = _limit(answer)
-    sampled = scenario.uncertainty is not None and scenario.uncertainty.inputs()
-    misplaced = _misplaced(scenario, answer)
     return Contents(
         scenario=scenario,
         answer=answer,
         design=design,
-        threats=threats,
-        governing=governing,
+        threats=tuple(threats),
+        governing=threats[place].threat,
         impact=impact,
         limit=limit,
         confidence=sure,
         energy=energy_balance(answer, impact),
         sensitivity=sensitivity(answer, on_progress=on_part),
-        uncertainty=uncertainty(answer, on_progress=on_part) if sampled and not misplaced else None,
+        uncertainty=uncertainty(answer, on_progress=on_part) if sampled and not misplaced[place] else None,
         entries=tuple(entry for role in ROLES if (entry := entry_of(answer, role)) is not None),
         warnings=(
             *(impact.warnings if design is None else design.warnings),
             *(() if limit is None else not_monotonic(limit)),
-            *misplaced,
+            *dict.fromkeys(warning for found in misplaced for warning in found),
         ),
     )
 
@@ -103,14 +116,15 @@ def _limit(scenario: Scenario) -> tuple[LimitResult | None, ConfidenceResult]:
     return None, ConfidenceResult(None, None, model_error(scenario), reason)
 
 
-def _own(scenario: Scenario) -> tuple[Scenario, tuple[AgainstThreat, ...], str]:
-    """Return the scenario with the threat that governs its own armour, this against all threats, and the threat."""
+def _faced(scenario: Scenario) -> list[tuple[Scenario, Threat]]:
+    """Return every threat, with the scenario of its impact."""
     impact = scenario.impact
-    threats = scenario.threat or [Threat(projectile=impact.projectile, velocity_m_s=impact.velocity_m_s)]
-    faced = [scenario.replaced(_impact_of(threat)) if scenario.threat else scenario for threat in threats]
-    found = tuple(map(_against, faced, threats))
-    governing = min(range(len(found)), key=lambda index: _excess(found[index]))
-    return faced[governing], found, found[governing].threat
+    if not scenario.threat:
+        return [(scenario, Threat(projectile=impact.projectile, velocity_m_s=impact.velocity_m_s))]
+    return [
+        (scenario.replaced({"impact.projectile": threat.projectile, VELOCITY: threat.velocity_m_s}), threat)
+        for threat in scenario.threat
+    ]
 
 
 def _against(scenario: Scenario, threat: Threat) -> AgainstThreat:
@@ -127,23 +141,22 @@ def _excess(found: AgainstThreat) -> float:
     return found.margin_m_s - found.required_margin_m_s
 
 
-def _of_design(scenario: Scenario, design: DesignResult) -> tuple[AgainstThreat, ...]:
-    """Return the best design against every threat."""
-    best = design.best
-    required = {threat.title: threat.margin_m_s for threat in scenario.threat}
-    return tuple(
-        AgainstThreat(name, True, margin, required.get(name, 0.0), best.probabilities_of_defeat[name])
-        for name, margin in best.margins_m_s.items()
-    )
+def _passed(design: DesignResult, threat: Threat) -> AgainstThreat:
+    """Return the best design against a threat."""
+    best, name = design.best, threat.title
+    return AgainstThreat(name, True, best.margins_m_s[name], threat.margin_m_s, best.probabilities_of_defeat[name])
 
 
-def _impact_of(threat: Threat) -> dict[str, object]:
-    """Return a threat as changes of a scenario."""
-    return {"impact.projectile": threat.projectile, VELOCITY: threat.velocity_m_s}
+def _sampled(found: AgainstThreat, scenario: Scenario, on_part: OnProgress) -> AgainstThreat:
+    """Return an armour against a threat with the probability of the distributions, if the model's error is in them."""
+    if model_error(scenario) is None and not is_excluded(scenario):
+        return found
+    perforation = probability_of_perforation(scenario, on_progress=on_part)
+    return found._replace(probability_of_defeat=1.0 - perforation.value, sampled=True)
 
 
 def _with_best(scenario: Scenario, result: DesignResult) -> Scenario:
-    """Return the scenario with the best design and the threat that governs it."""
+    """Return the scenario with the best design."""
     best = result.best
     changes: dict[str, object] = {
         "armour.backing": best.backing,
@@ -154,9 +167,6 @@ def _with_best(scenario: Scenario, result: DesignResult) -> Scenario:
     if best.ceramic:
         changes["armour.ceramic"] = best.ceramic
         densities["ceramic.density_kg_m3"] = best.ceramic_density_kg_m3
-    for threat in scenario.threat:
-        if threat.title == best.governing:
-            changes |= _impact_of(threat)
     answer = scenario.replaced(changes)
     own = inputs_of(answer)
     different = {name: value for name, value in densities.items() if value != own[name]}
@@ -169,7 +179,7 @@ def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[str, ...]:
         return ()
     own, found = inputs_of(scenario), inputs_of(answer)
     return tuple(
-        f"uncertainty.{name}: is about a value of its own, not the design's {found[name]:g}; "
+        f"uncertainty.{name}: is about a value of its own, not the {found[name]:g} of the armour or threat; "
         "no probability of perforation is given"
         for name, distribution in scenario.uncertainty.inputs().items()
         if name in found

@@ -1,5 +1,6 @@
 """Reports as one self-contained HTML file, without scripts."""
 
+import re
 from collections.abc import Iterable
 from itertools import product
 from operator import mul
@@ -7,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from armour.reporting.chart import Chart
 from armour.reporting.inline_svg import inline_svg
@@ -17,6 +18,9 @@ from armour.reporting.text import printable_lines, unbroken
 
 # Heights of a heading and of a character of a note, in the points of a chart.
 HEADING_POINTS, NOTE_POINTS = 40.0, 0.2
+# Options of the command line, and names with a number, such as "6061-T6", at whose hyphens no line may end.
+OPTION = re.compile(r"(?<![\w-])--[a-z]+(-[a-z]+)*(?![\w-])")
+NAME = re.compile(r"(?<![\w-])(?=[\w-]*\d)\w+(-\w+)+(?![\w-])")
 
 
 def html_report(report: Report) -> str:
@@ -40,8 +44,14 @@ def _rendered(template: str, **context: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"zip": zip, "printable": printable_lines}
+    environment.filters |= {"zip": zip, "whole": _whole, "printable": printable_lines, "unbroken": unbroken}
     return environment.get_template(template).render(context) + "\n"
+
+
+def _whole(text: str) -> Markup:
+    """Return a text with marks on options and names, so that no line ends within one."""
+    marked = NAME.sub(r"<span>\g<0></span>", str(escape(printable_lines(text))))
+    return Markup(OPTION.sub(r"<code>\g<0></code>", marked))
 
 
 def _drawn(chart: Chart, number: int) -> dict[str, Any]:

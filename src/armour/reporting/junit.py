@@ -7,9 +7,12 @@ from armour.reporting.text import printable
 from armour.validation.validate import FAILED, Status, SuiteResult
 
 
-def suite_junit(result: SuiteResult) -> bytes:
-    """Format the outcome of a suite: a test case for every case, and for every table that is held to a band."""
-    suite = ElementTree.Element("testsuite", name=printable(result.title or result.file))
+def suite_junit(result: SuiteResult, seconds: float) -> bytes:
+    """Format the outcome of a suite: a test case for every case, and for every table that is held to a band.
+
+    The time in seconds is that of all cases, most of which are computed together.
+    """
+    suite = ElementTree.Element("testsuite", name=printable(result.title or result.file), time=f"{seconds:.3f}")
     for check in result.checks:
         if check.in_group:
             continue

@@ -25,6 +25,7 @@ from armour.reporting.tables.design import (
 from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT, energy_table, stage_table
 from armour.reporting.tables.library import entry_table
 from armour.reporting.tables.statistics import elasticity_table, estimate_table
+from armour.reporting.words import in_words
 from armour.scenario.applicability import is_excluded
 from armour.scenario.schema import ArmourSection
 from armour.units import MM
@@ -53,13 +54,17 @@ def scenario_report(contents: Contents, command: str) -> Report:
 
 def _question(contents: Contents) -> str:
     """Return the question that the scenario asks."""
-    design, threats = contents.design, " and ".join(f"the {found.threat}" for found in contents.threats)
+    design, threats = contents.design, " and ".join(map(_the, contents.threats))
     if design is None:
         return f"Does this armour defeat {threats}?"
     armour, best = "available armour", design.best
     if len(design.pairs) == 1:
         armour = f"{best.ceramic} on {best.backing}" if best.ceramic else best.backing
     return f"Which {armour} is the {SUPERLATIVES[design.minimised]} that defeats {threats}?"
+
+
+def _the(found: AgainstThreat) -> str:
+    return found.threat if found.threat.startswith("the ") else f"the {found.threat}"
 
 
 def _byline(contents: Contents) -> tuple[tuple[str, str], ...]:
@@ -107,9 +112,9 @@ def _outcome(contents: Contents) -> Card:
         perforating = [found for found in contents.threats if not found.defeated]
         subject = "Perforated by" if perforating else "Defeats"
         named = (found.threat for found in perforating or contents.threats)
-        # Distributions count for the governing threat alone, unless the design was asked for a reliability.
-        exact = contents.uncertainty is not None and (design is None or not design.best.probabilities)
-        return Card(subject, " and ".join(named), "; ".join(_against(found, exact=exact) for found in contents.threats))
+        distributed = any(found.sampled for found in contents.threats)
+        details = (_against(found, exact=distributed and not found.sampled) for found in contents.threats)
+        return Card(subject, " and ".join(named), "; ".join(details))
     against = f"{impact.projectile} at {impact.velocity_m_s:g} m/s"
     limit = "ballistic limit outside the range searched"
     if contents.limit is not None:
@@ -190,9 +195,9 @@ def _tables(contents: Contents) -> Iterator[tuple[str, Table]]:
     yield "Stages of the impact", stage_table(contents.impact)
     if contents.uncertainty is not None:
         yield "Results under uncertain inputs", estimate_table(contents.uncertainty)
-    yield "Sensitivity to the inputs", _in_words(elasticity_table(contents.sensitivity))
+    yield "Sensitivity to the inputs", elasticity_table(contents.sensitivity)
     for entry in contents.entries:
-        yield f"{entry.kind.capitalize()}: {entry.name}", entry_table(entry)
+        yield f"{entry.kind.capitalize()}: {entry.name}", _in_words(entry_table(entry))
 
 
 def _margins(contents: Contents) -> Table:
@@ -209,8 +214,9 @@ def _margins(contents: Contents) -> Table:
 
 
 def _in_words(table: Table) -> Table:
-    """Return a table of inputs, the first column, with their words and units in place of their names."""
-    return replace(table, rows=tuple((charts.quantity_axis(str(name)).heading, *rest) for name, *rest in table.rows))
+    """Return a table of keys, the first column, with their words and units in place of them."""
+    columns = (Column("quantity", prose=True), *table.columns[1:])
+    return replace(table, columns=columns, rows=tuple((in_words(str(name)), *rest) for name, *rest in table.rows))
 
 
 def _charts(contents: Contents) -> Iterator[Chart]:

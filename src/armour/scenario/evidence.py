@@ -166,14 +166,6 @@ _FLOW_STRESS = DataRange(ROD_STRENGTH, 2.3, 2.4)
 AD85 = CERAMICS[0]
 
 
-def _of_law(
-    backing: tuple[float, float] = (0.0, 0.0), product: tuple[float, float] = (0.0, 0.0)
-) -> tuple[DataRange, ...]:
-    """Return the kind of armours with AD85 whose flow stress follows a law with exponents in some ranges."""
-    exponents = DataRange(BACKING_EXPONENT, *backing), DataRange(PRODUCT_EXPONENT, *product)
-    return (*AD85.ranges(), AD85.strength, *exponents, DataRange(SLOPES, 0.0, 0.0), _ALUMINIUM, _STEEL_ROD, _CORE)
-
-
 _WILKINS = (
     DataRange(CERAMIC_RATIO, 0.89, 1.3),
     DataRange(BACKING_RATIO, 0.66, 1.5),
@@ -181,77 +173,79 @@ _WILKINS = (
     DataRange(SLENDERNESS, 3.2, 3.3),
     _FLOW_STRESS,
 )
+_WILKINS_AND_PAPER = (
+    DataRange(CERAMIC_RATIO, 0.61, 4.1),
+    DataRange(BACKING_RATIO, 0.66, 3.0),
+    DataRange(BACKING_STRENGTH, 0.9, 1.6),
+    DataRange(SLENDERNESS, 3.2, 5.4),
+    _FLOW_STRESS,
+)
+_Ends = tuple[float, float]
+_Error = tuple[float, float, float]
+
+
+def _tiles(
+    law: str, backing: _Ends, product: _Ends, velocities_m_s: _Ends, error: _Error, computed: tuple[DataRange, ...] = ()
+) -> Evidence:
+    """Return the evidence of Wilkins' tests for AD85 by a law of its flow stress with exponents in some ranges."""
+    exponents = DataRange(BACKING_EXPONENT, *backing), DataRange(PRODUCT_EXPONENT, *product)
+    kind = (*AD85.ranges(), AD85.strength, *exponents, DataRange(SLOPES, 0.0, 0.0), _ALUMINIUM, _STEEL_ROD, _CORE)
+    title = f"13 tests of AD85 on 6061-T6 against the 7.62 mm AP (Wilkins){law}"
+    return Evidence(title, False, kind, _WILKINS, velocities_m_s, error, computed)
+
+
+def _plates(
+    title: str,
+    kind: tuple[DataRange, ...],
+    ratios: _Ends,
+    strengths_GPa: _Ends,
+    velocities_m_s: _Ends,
+    error: _Error,
+    *slenderness: float,
+) -> Evidence:
+    """Return the evidence of tests of bare plates, by ends of the ranges; fragments have no range of slenderness."""
+    measured = [DataRange(BACKING_RATIO, *ratios), DataRange(BACKING_STRENGTH, *strengths_GPa)]
+    if slenderness:
+        measured.append(DataRange(SLENDERNESS, *slenderness))
+    return Evidence(title, True, kind, (*measured, _FLOW_STRESS), velocities_m_s, error)
+
+
+_NONE = 0.0, 0.0
 EVIDENCE = (
-    Evidence(
-        "13 tests of AD85 on 6061-T6 against the 7.62 mm AP (Wilkins)",
-        False,
-        _of_law(),
-        _WILKINS,
-        (620.0, 1300.0),
-        (0.0, 7.0, 12.0),
-        (
-            DataRange(CERAMIC_RATIO, 0.61, 4.1),
-            DataRange(BACKING_RATIO, 0.66, 3.0),
-            DataRange(BACKING_STRENGTH, 0.9, 1.6),
-            DataRange(SLENDERNESS, 3.2, 5.4),
-            _FLOW_STRESS,
-        ),
-    ),
-    Evidence(
-        "13 tests of AD85 on 6061-T6 against the 7.62 mm AP (Wilkins), backing law",
-        False,
-        _of_law(backing=(0.1, 0.55)),
-        _WILKINS,
-        (620.0, 910.0),
-        (0.0, 5.4, 11.0),
-    ),
-    Evidence(
-        "13 tests of AD85 on 6061-T6 against the 7.62 mm AP (Wilkins), product law",
-        False,
-        _of_law(product=(0.1, 0.55)),
-        _WILKINS,
-        (620.0, 910.0),
-        (0.0, 4.9, 11.0),
-    ),
-    Evidence(
+    _tiles("", _NONE, _NONE, (620.0, 1300.0), (0.0, 7.0, 12.0), _WILKINS_AND_PAPER),
+    _tiles(", backing law", (0.1, 0.55), _NONE, (620.0, 910.0), (0.0, 5.4, 11.0)),
+    _tiles(", product law", _NONE, (0.1, 0.55), (620.0, 910.0), (0.0, 4.9, 11.0)),
+    _plates(
         "528 tests of armour-piercing cores on 24 aluminium alloys",
-        True,
         (_ALUMINIUM, _ROD, _CORE),
-        (
-            DataRange(BACKING_RATIO, 1.6, 9.7),
-            DataRange(BACKING_STRENGTH, 0.18, 1.5),
-            DataRange(SLENDERNESS, 2.4, 3.6),
-            _FLOW_STRESS,
-        ),
+        (1.6, 9.7),
+        (0.18, 1.5),
         (340.0, 1200.0),
         (-3.1, 7.6, 23.0),
+        *(2.4, 3.6),
     ),
-    Evidence(
+    _plates(
         "39 tests of armour-piercing steel cores on 12 steels",
-        True,
         (_STEEL, _STEEL_ROD, _CORE),
-        (
-            DataRange(BACKING_RATIO, 0.93, 2.4),
-            DataRange(BACKING_STRENGTH, 2.2, 5.1),
-            DataRange(SLENDERNESS, 3.2, 3.6),
-            _FLOW_STRESS,
-        ),
+        (0.93, 2.4),
+        (2.2, 5.1),
         (460.0, 930.0),
         (-10.3, 11.6, 11.0),
+        *(3.2, 3.6),
     ),
-    Evidence(
+    _plates(
         "147 tests of fragment simulators on 14 aluminium alloys",
-        True,
         (_ALUMINIUM, _STEEL_ROD, _FRAGMENT),
-        (DataRange(BACKING_RATIO, 0.32, 2.8), DataRange(BACKING_STRENGTH, 0.68, 1.5), _FLOW_STRESS),
+        (0.32, 2.8),
+        (0.68, 1.5),
         (160.0, 1500.0),
         (-1.1, 17.0, 13.0),
     ),
-    Evidence(
+    _plates(
         "12 tests of fragment simulators on 7 steels",
-        True,
         (_STEEL, _STEEL_ROD, _FRAGMENT),
-        (DataRange(BACKING_RATIO, 0.8, 0.99), DataRange(BACKING_STRENGTH, 2.4, 4.1), _FLOW_STRESS),
+        (0.8, 0.99),
+        (2.4, 4.1),
         (700.0, 950.0),
         (-8.2, 17.5, 6.0),
     ),

@@ -25,7 +25,19 @@ Number = TypeVar("Number", bound=float)
 
 
 class Value(Section, Generic[Number]):
-    """A number with its status, its source and the tests that it was calibrated to."""
+    """A number of the library, with its origin.
+
+    Attributes
+    ----------
+    value : float
+        The number, in the unit at the end of its key.
+    status : str
+        "measured", "fitted" or "assumed".
+    source : str
+        Where it comes from; empty where none is given.
+    tests : list of dict
+        Tests that it was calibrated to: inputs and measured values by name, in the units at the ends of the names.
+    """
 
     value: Number
     status: Status = "assumed"

@@ -24,7 +24,7 @@ from armour.scenario.library import (
     shipped_library,
 )
 from armour.scenario.messages import Section, key_name, problems_of
-from armour.scenario.parameters import FIELDS, ROLES, entry_of, inputs_of, with_inputs
+from armour.scenario.parameters import ROLES, entry_of, fields_of, inputs_of, with_inputs
 from armour.scenario.reach import check_not_twice
 from armour.scenario.schema import (
     SHEAR_LAWS,
@@ -83,11 +83,7 @@ class Scenario(Section):
 
     def core_armour(self) -> Parameters:
         """Return projectile and armour as parameters of the core, SI units."""
-        fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0)
-        for name, value in inputs_of(self).items():
-            if (target := FIELDS[name]) is not None:
-                field, factor = target
-                fields[field] = value * factor
+        fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(inputs_of(self))
         fields["L0"] = penetrator_length_mm(self.entry("projectile", self.impact.projectile)) * MM
         fields["shear_law"] = SHEAR_LAWS[self.model.shear_perimeter]
         return Parameters(**fields)

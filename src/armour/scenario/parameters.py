@@ -52,6 +52,8 @@ INPUTS = tuple(FIELDS)
 _SECTIONS: dict[str, type[Section]] = {"impact": Impact, "armour": ArmourSection}
 # Kinds of library entry by role in the scenario.
 ROLES: dict[str, Kind] = {"projectile": "projectile", "ceramic": "ceramic", "backing": "metal"}
+# Keys of the library by name of input, for each role.
+_KEYS = {role: {name: name.split(".")[1] for name in INPUTS if name.startswith(f"{role}.")} for role in ROLES}
 # Keys of the scenario that name its library entries, by role.
 NAMES = {"projectile": "impact.projectile", "ceramic": "armour.ceramic", "backing": "armour.backing"}
 
@@ -75,18 +77,30 @@ def inputs_of(scenario: "Scenario") -> dict[str, float]:
     A bare plate has no inputs of the ceramic.  The coefficients of a law of its flow stress are inputs only if its
     entry has them, and the yield strength only if other properties of the metal are derived from it.
     """
-    entries = {role: entry_of(scenario, role) for role in ROLES}
-    found = {}
-    for name in INPUTS:
-        role, key = name.split(".")
-        entry = entries.get(role)
-        if role not in entries:
-            found[name] = float(getattr(getattr(scenario, role), key))
-        elif entry is not None and key in entry.values and (name != YIELD or entry.derived):
-            found[name] = entry[key]
-    if scenario.armour.ceramic is None:
-        del found[CERAMIC]
+    found = {VELOCITY: scenario.impact.velocity_m_s}
+    if scenario.armour.ceramic is not None:
+        found[CERAMIC] = scenario.armour.ceramic_thickness_mm
+    found[BACKING] = scenario.armour.backing_thickness_mm
+    for role in ROLES:
+        entry = entry_of(scenario, role)
+        if entry is not None:
+            found |= inputs_of_entry(role, entry)
     return found
+
+
+def inputs_of_entry(role: str, entry: LibraryEntry) -> dict[str, float]:
+    """Return the values of the inputs that an entry of the library gives in a role, by name."""
+    return {
+        name: entry[key]
+        for name, key in _KEYS[role].items()
+        if key in entry.values and (name != YIELD or entry.derived)
+    }
+
+
+def fields_of(inputs: Mapping[str, float]) -> dict[str, float]:
+    """Return the parameters of the core that inputs set, by field, SI units."""
+    targets = ((FIELDS[name], value) for name, value in inputs.items())
+    return {target[0]: value * target[1] for target, value in targets if target is not None}
 
 
 def check_names(names: Iterable[str], scenario: "Scenario", file: str, key: str = "") -> None:

@@ -28,18 +28,41 @@ MAX_DISTANCE = 1e3
 
 @dataclass(frozen=True)
 class FittedCurve:
-    """Probability of complete penetration over velocity, with profile-likelihood intervals."""
+    """Probability of complete penetration over velocity, with profile-likelihood intervals.
+
+    Attributes
+    ----------
+    curve : str
+        "probit", a normal distribution of the velocities that perforate, or "logit", a logistic one.
+    v50_m_s : float
+        Velocity of probability one half, m/s; of maximum likelihood the middle of the gap of separated shots.
+    v50_interval_m_s : tuple of float or None
+        Confidence interval of V50, m/s; None for an end that the shots do not bound.
+    scale_m_s : float
+        Standard deviation of the normal or scale of the logistic distribution, m/s; of maximum likelihood 0 where the
+        shots are separated.
+    scale_interval_m_s : tuple of float or None
+        Confidence interval of the scale, m/s; None for an upper end that the shots do not bound.
+    log_likelihood : float
+        Logarithm of the likelihood, without the penalty.
+    v05_m_s, v95_m_s : float or None
+        Velocities of probability 0.05 and 0.95, m/s; None where the scale is 0 or the velocity is not positive.
+    method : str
+        "maximum likelihood" or "penalised likelihood".
+    v05_interval_m_s, v95_interval_m_s : tuple of float or None, or None
+        Their confidence intervals, m/s; None for other curves than those of penalised likelihood.
+    """
 
     curve: Link
-    v50_m_s: float  # velocity of probability one half; of maximum likelihood the middle of the gap of separated shots
-    v50_interval_m_s: Interval  # None for an end that the shots do not bound
-    scale_m_s: float  # standard deviation of the normal, scale of the logistic; of maximum likelihood 0 if separated
+    v50_m_s: float
+    v50_interval_m_s: Interval
+    scale_m_s: float
     scale_interval_m_s: tuple[float, float | None]
-    log_likelihood: float  # without the penalty
-    v05_m_s: float | None = None  # velocities of probability 0.05 and 0.95; None where the scale is 0
+    log_likelihood: float
+    v05_m_s: float | None = None
     v95_m_s: float | None = None
     method: Method = "maximum likelihood"
-    v05_interval_m_s: Interval | None = None  # of the penalised likelihood alone
+    v05_interval_m_s: Interval | None = None
     v95_interval_m_s: Interval | None = None
 
     def probability(self, velocity_m_s: float) -> float:

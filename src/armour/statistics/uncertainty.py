@@ -41,20 +41,42 @@ SAMPLES_AT_A_TIME = 2**12
 
 @dataclass(frozen=True)
 class Index:
-    """Influence of an input on the ballistic limit."""
+    """Influence of an input on the ballistic limit.
+
+    Attributes
+    ----------
+    input : str
+        Name of the input, such as ``"ceramic.flow_stress_GPa"``.
+    first : Estimate or None
+        First-order Sobol' index: the share of the variance of the ballistic limit, 0 to 1, that the input causes by
+        itself. None where the ballistic limit does not vary.
+    total : Estimate or None
+        Total Sobol' index, interactions included. None where the ballistic limit does not vary, and where inputs are
+        correlated.
+    limits_m_s : tuple of float
+        Ballistic limits, m/s, with the input at the 5 % and the 95 % quantile of its distribution and the others at
+        the scenario's values.
+    """
 
     input: str
-    # First-order and total Sobol' index, the latter None where inputs are correlated; both None where the ballistic
-    # limit does not vary.
     first: Estimate | None
     total: Estimate | None
-    # With the input at the 5 % and the 95 % quantile of its distribution, the others at the scenario's values.
     limits_m_s: tuple[float, float]
 
 
 @dataclass(frozen=True)
 class ProbabilityCurve:
-    """Probability of perforation over impact velocity, with pointwise confidence intervals, from low to high."""
+    """Probability of perforation over impact velocity.
+
+    Attributes
+    ----------
+    velocity_m_s : tuple of float
+        Impact velocities, m/s.
+    probability : tuple of float
+        Probability of perforation, 0 to 1, at each velocity.
+    low, high : tuple of float
+        Ends of its pointwise confidence interval.
+    """
 
     velocity_m_s: tuple[float, ...]
     probability: tuple[float, ...]
@@ -163,10 +185,21 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         warnings=(
             *_misplaced(section, inputs_of(scenario)),
             *_unknown(scenario),
+            *_other_threats(scenario),
             *warnings_of(scenario, deterministic),
         ),
         model_error=model_error(scenario),
     )
+
+
+def probability_of_perforation(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> Estimate:
+    """Estimate the probability of perforation alone, as `uncertainty` does."""
+    section = section_of(scenario)
+    hits = np.empty(section.samples, dtype=bool)
+    for part, samples in _in_portions(scenario, section, points_of(section)):
+        hits[part] = perforated(samples.variants)
+        on_progress(part.stop - part.start, section.samples)
+    return _share(hits)
 
 
 def _misplaced(section: Uncertainty, own: Mapping[str, float]) -> Iterator[str]:
@@ -185,6 +218,15 @@ def _unknown(scenario: Scenario) -> tuple[str, ...]:
     if model_error(scenario) is not None or is_excluded(scenario):
         return ()
     return ("uncertainty.model: the error of the model is not known for such an armour, and not included",)
+
+
+def _other_threats(scenario: Scenario) -> tuple[str, ...]:
+    """Return a warning where the scenario has threats of its own."""
+    if not scenario.threat:
+        return ()
+    impact = scenario.impact
+    against = f"the {impact.projectile} at {impact.velocity_m_s:g} m/s of [impact]"
+    return (f"threat: is not used: the results are against {against}; a report has the probability of every threat",)
 
 
 def _in_portions(scenario: Scenario, section: Uncertainty, points: Floats) -> Iterator[tuple[slice, Samples]]:

@@ -48,14 +48,11 @@ class Grid:
     """Every combination of the values of several axes; the last axis changes fastest."""
 
     axes: tuple[Axis, ...]
-    # Command and option that give the axes, for messages.
-    command: str = "sweep"
-    option: str = "--over"
 
     def __post_init__(self) -> None:
         if self.count > MAX_ROWS:
             message = f"must span at most {MAX_ROWS:,} rows, found {self.count:.3g}"
-            raise InputError([Problem(self.command, self.option, message)])
+            raise InputError([Problem("sweep", "over", message)])
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -86,13 +83,13 @@ class Grid:
         return {axis.key: np.array(axis.values)[i] for axis, i in zip(self.axes, indices, strict=True)}
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:
-        """Return a problem in a row, counted from a row at which a chunk starts, with the options that make it."""
+        """Return a problem in a row, counted from a row at which a chunk starts, with the values that make it."""
         if problem.key in self.keys:
-            return Problem("command line", f"{self.option} {problem.key}", problem.message)
+            return Problem("sweep", f"over {problem.key}", problem.message)
         indices = np.unravel_index(start + row, [len(axis.values) for axis in self.axes])
         found = ((axis.key, axis.values[i]) for axis, i in zip(self.axes, indices, strict=True))
         values = (f"{key}={value}" if isinstance(value, str) else f"{key}={value:g}" for key, value in found)
-        return Problem("command line", f"{self.option} {', '.join(values)}", f"{problem.key}: {problem.message}")
+        return Problem("sweep", f"over {', '.join(values)}", f"{problem.key}: {problem.message}")
 
 
 class Cases:
@@ -241,11 +238,13 @@ def omission(axis: Axis) -> str:
     return f"the last value is {axis.values[-1]:g}, since {axis.omitted:g} is no whole number of steps away"
 
 
-def axis_of(text: str, command: str = "sweep", option: str = "--over") -> Axis:
+def axis_of(text: str) -> Axis:
     """Parse an axis from ``KEY=MIN:MAX:STEP`` or ``KEY=VALUE,VALUE,...``."""
     key, _, values = text.rpartition("=")
     try:
         key = key_name(parts_of(key))
+        if key in NAMES.values():
+            raise InputError([Problem("sweep", f"over {key}", "must be a key of numbers; names are given by --cases")])
         if "_" in values or not values.isascii():
             raise ValueError
         if ":" in values:
@@ -257,4 +256,4 @@ def axis_of(text: str, command: str = "sweep", option: str = "--over") -> Axis:
     except ValueError:
         pass
     message = f'must be KEY=MIN:MAX:STEP or KEY=VALUE,VALUE,... of at most {MAX_VALUES} numbers, found "{text}"'
-    raise InputError([Problem(command, option, message)])
+    raise InputError([Problem("sweep", "over", message)])

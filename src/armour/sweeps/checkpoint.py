@@ -42,15 +42,20 @@ class _Chunk(NamedTuple):
     content: bytes
 
 
+def parts_of(output: Path) -> Path:
+    """Return the folder of the chunks of an output, which is there while its sweep is not finished."""
+    return output.with_name(f"{output.name}.parts")
+
+
 class Store:
     """Chunks of a table, CSV or Parquet by the suffix of its file, open to one process at a time.
 
-    ``size`` is the number of rows of a chunk, None until `begin` where none are there.  ``finished`` is the number of
-    rows of the output once it is this job's.
+    ``size`` is the number of rows of a chunk, None until `begin` where the job is not begun.  ``finished`` is the
+    number of rows of the output once it is this job's.  With ``replace`` it takes the place of an older file.
     """
 
-    def __init__(self, output: Path, job: Job) -> None:
-        self.output, self.folder = output, output.with_name(output.name + ".parts")
+    def __init__(self, output: Path, job: Job, *, replace: bool = False) -> None:
+        self.output, self.folder, self.replace = output, parts_of(output), replace
         refuse(wrong_ending(output, (".csv", ".parquet")))
         self.is_csv = is_csv(output)
         self.job = {**job, "format": "CSV" if self.is_csv else "Parquet"}
@@ -137,6 +142,9 @@ class Store:
         elif strange := [path for path in self.folder.iterdir() if not any(map(path.match, (*_FILES, "lock")))]:
             message = f"holds files of something else, {strange[0].name} for one; choose another output, or move them"
             raise _problem(self.folder, message)
+        else:
+            with suppress(InputError):  # what a process left that was killed before its first chunk
+                self.size = self._read_job()
         if self.folder.stat().st_dev != self.output.parent.stat().st_dev:
             raise _problem(self.folder, f"must be on the file system of {self.output.parent}, to which it is moved")
         self.finished = self._rows_of_output()
@@ -144,7 +152,7 @@ class Store:
             self._check_output()
 
     def _read_job(self) -> int:
-        """Return the number of rows of a chunk on disk, all of which must be this job's."""
+        """Return the number of rows of a chunk of the job on disk, which must be this one."""
         try:
             job = json.loads((self.folder / "job").read_bytes())
             size = int(job["size"])
@@ -210,7 +218,8 @@ class Store:
             raise _problem(self.folder, f"must stay during the sweep, and was removed; {RESUME}")
 
     def _check_output(self) -> None:
-        if os.path.lexists(self.output):
+        may_go = self.replace and self.output.is_file() and not self.output.is_symlink()
+        if os.path.lexists(self.output) and not may_go:
             raise _problem(self.output, "exists already; choose another name, or remove it")
 
     def _close(self) -> None:

@@ -147,7 +147,12 @@ def sweep(
             message = f"must be given for more than {MAX_ROWS:,} rows, found {source.count:,}"
             raise InputError([Problem("sweep", "output", message)])
         [columns] = source.chunks(source.count)
-        computed = {**columns, **evaluate(scenario, columns, names, threads)}
+        in_chunks.check(scenario, source, names)
+        try:
+            computed = {**columns, **evaluate(scenario, columns, names, threads)}
+        except InputError:
+            in_chunks.check_rows(scenario, source)  # says which row is wrong
+            raise
         warnings += _outside(scenario, columns, names)
         on_progress(source.count, source.count)
     else:
@@ -176,7 +181,7 @@ def source_of(over: Mapping[str, Values] | str | PathLike[str]) -> Grid | Cases:
 def _axis(key: str, values: Values) -> Axis:
     """Return a key with its values."""
     if isinstance(values, Mapping):
-        section = validated(_Range, dict(values), f"sweep: {key}")
+        section = validated(_Range, dict(values), f"sweep: over {key}")
         with suppress(ValueError):
             return range_axis(key, section.min, section.max, section.step)
     found = np.asarray(values)
@@ -188,7 +193,7 @@ def _axis(key: str, values: Values) -> Axis:
             return Axis(key, tuple(found.astype(np.float64).tolist()))
     must = "names" if is_name else f"numbers, or a range with min, max and step of at most {MAX_VALUES:,} values"
     shown = describe(values) if isinstance(values, str) else repr(values)[:MAX_SHOWN]
-    raise InputError([Problem("sweep", key, f"must be {must}, found {shown}")])
+    raise InputError([Problem("sweep", f"over {key}", f"must be {must}, found {shown}")])
 
 
 def _outside(scenario: Scenario, columns: Mapping[str, Floats], quantities: Sequence[str]) -> list[str]:

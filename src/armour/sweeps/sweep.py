@@ -43,6 +43,7 @@ def sweep(
     *,
     compute: Compute | None = None,
     size: int | None = None,
+    replace: bool = False,
     on_chunk: OnChunk = ignore_progress,
     approve: Callable[[Plan], None] = lambda _plan: None,
     tell: Callable[[str], None] = lambda _line: None,
@@ -50,24 +51,26 @@ def sweep(
     """Compute quantities of a scenario for every row of a source, write them to a table and return the number of rows.
 
     Each chunk is written when it is computed: the same call resumes an interrupted sweep.  A question without an answer
-    gives an empty field in CSV and NaN in Parquet.  Without a size of chunks, some rows are measured; ``approve`` gets
-    what all of them take and raises an error to stop.  ``tell`` gets a line for each chunk that is damaged on disk, and
-    at the end one for each limit of what the model was compared with that rows lie outside of.
+    gives an empty field in CSV and NaN in Parquet.  Without a size of chunks, a new sweep measures some rows;
+    ``approve`` gets what all of them take and raises an error to stop.  ``tell`` gets a line for each chunk that is
+    damaged on disk, and at the end one for each limit of what the model was compared with that rows lie outside of.
+    ``replace`` allows the output to take the place of an older file.
     """
-    _check(scenario, source, quantities)
+    check(scenario, source, quantities)
     compute = compute or in_process()
-    with Store(output, job_of(scenario, source, quantities)) as store:
+    with Store(output, job_of(scenario, source, quantities), replace=replace) as store:
         if store.finished is not None:
             return store.finished
+        size = store.size or size
         if size is None:
             try:
                 plan = plan_of(scenario, source, quantities, output, threads=compute.threads, workers=compute.workers)
             except InputError:
-                _check_rows(scenario, source)  # says which row is wrong
+                check_rows(scenario, source)  # says which row is wrong
                 raise
             approve(plan)
             size = plan.chunk_rows
-        _check_rows(scenario, source)
+        check_rows(scenario, source)
         size = store.begin(size)
         count = -(-source.count // size)
         pending: dict[int, Mapping[str, Floats]] = {}
@@ -109,21 +112,21 @@ def sweep(
     raise InputError([Problem(f"chunks of {output}", "", message)])
 
 
-def _check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
+def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
     """Check the question, and that every key counts."""
     problems: list[Problem] = []
     try:
-        check_quantities(scenario, quantities, "sweep", "--quantities")
+        check_quantities(scenario, quantities, "sweep", "quantities")
     except InputError as error:
         problems += error.problems
     if len(set(source.keys)) != len(source.keys):
-        problems.append(Problem("sweep", "--over", "must not name a key twice"))
+        problems.append(Problem("sweep", "over", "must not name a key twice"))
     refuse(problems)
     first = next(source.chunks(1))
     check_keys(scenario, {key: values[0].item() for key, values in first.items()}, quantities, "sweep")
 
 
-def _check_rows(scenario: Scenario, source: Grid | Cases) -> None:
+def check_rows(scenario: Scenario, source: Grid | Cases) -> None:
     """Check all rows before the first chunk is computed."""
     start = 0
     for chunk in source.chunks(BLOCK):

@@ -11,7 +11,7 @@ import numpy as np
 from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.results import TableResult, by_column
 from armour.errors import NoAnswerError
-from armour.files import shipped
+from armour.files import shipped_suites
 from armour.scenario.messages import TINY
 from armour.scenario.parameters import INPUTS, NAMES, entry_of, inputs_of, name_of
 from armour.validation.data import GroupSection, meets
@@ -164,18 +164,15 @@ OnCheck = Callable[[Check, int], None]
 
 
 # Shipped suites: everything that the paper publishes, and measured limits of bare plates.
-SUITES = ("paper", "plates")
-
-
 def suite_file(name: str = "paper") -> Path:
-    """Return the file of a shipped suite, or the name itself if it is a file or none of SUITES."""
+    """Return the file of a shipped suite, or the name itself if it is a file or none of them."""
     path = Path(name)
-    return shipped("suites") / f"{name}.toml" if name in SUITES and not path.exists() else path
+    return path if path.exists() else shipped_suites().get(name, path)
 
 
 def paper_suite() -> Path:
     """Return the path of the suite of everything that the paper publishes."""
-    return shipped("suites") / "paper.toml"
+    return shipped_suites()["paper"]
 
 
 def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:

@@ -23,6 +23,7 @@ CERAMIC_THICKNESS = column_of("ceramic_thickness_mm", ".3f")
 BACKING_THICKNESS = column_of("backing_thickness_mm", ".3f")
 THICKNESS = column_of("thickness_mm", ".3f", "total thickness")
 COST = column_of("cost_per_m2", ".2f")
+GOVERNED_BY = Column("governed by", prose=True)
 MARGIN, REQUIRED = column_of("margin_m_s", "+.1f"), Column("required margin", "m/s", "+.1f")
 
 
@@ -48,6 +49,7 @@ def _design_record(design: "BestDesign", title: str, required: Mapping[str, floa
         AREAL_DENSITY,
         THICKNESS,
         *((COST,) if design.cost_per_m2 else ()),
+        *([(GOVERNED_BY, design.governing)] if len(design.margins_m_s) > 1 else []),
         limit,
         MARGIN,
         (REQUIRED, required.get(design.governing)),
@@ -107,7 +109,7 @@ def _margin(designs: Any) -> tuple[Source, ...]:
 
 def _governed(result: "DesignResult", threat: Any) -> tuple[Source, ...]:
     """Return the column of governing threats where there are several."""
-    return ((Column("governed by", prose=True), threat),) if len(result.threats) > 1 else ()
+    return ((GOVERNED_BY, threat),) if len(result.threats) > 1 else ()
 
 
 def margin_table(result: "DesignResult", required: Mapping[str, float]) -> Table:

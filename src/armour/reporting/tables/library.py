@@ -2,11 +2,18 @@
 
 from typing import TYPE_CHECKING
 
+from armour.files import read_toml, shipped_files, shipped_suites
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.scenario.library import OPTIONAL
 
 if TYPE_CHECKING:
     from armour.scenario.library import Kind, Library, LibraryEntry
+
+# Shipped tables of tests, which have no title, and what they are for.
+TESTS = {
+    "shots.csv": "firing results on one armour, for armour v50",
+    "wilkins.csv": "ballistic limits of 13 armours, for armour calibrate",
+}
 
 
 def library_table(library: "Library", kind: "Kind") -> Table:
@@ -24,6 +31,23 @@ def library_table(library: "Library", kind: "Kind") -> Table:
 def library_tables(library: "Library") -> list[Table | str]:
     """Return a table of every kind of entry."""
     return [library_table(library, kind) for kind in library.entries]
+
+
+def shipped_tables() -> list[Table | str]:
+    """Return tables of what can be named in place of a file: scenarios, suites and tables of tests or shots."""
+    titled = {
+        "scenario": shipped_files("scenarios", ".toml"),
+        "suite for armour validate": shipped_suites(),
+    }
+    shown = {
+        kind: {name: str(read_toml(path)["title"]) for name, path in files.items()} for kind, files in titled.items()
+    }
+    shown["scenario"]["template"] = "Every key with a comment: what armour init copies by default"
+    shown["table of tests"] = TESTS
+    return [
+        Table((Column(kind), Column("what it holds", prose=True)), tuple(words.items()))
+        for kind, words in shown.items()
+    ]
 
 
 def entry_table(entry: "LibraryEntry") -> Table:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 from armour.reporting.table import Cell, Column, Source, Table, column_of, listing, record
 from armour.reporting.tables.confidence import error_note
 from armour.reporting.text import interval, percent
-from armour.units import words_and_unit
+from armour.reporting.words import in_words, words_of
 
 if TYPE_CHECKING:
     from armour.statistics.calibration import CalibrationResult
@@ -62,7 +62,7 @@ def coefficient_table(result: "CalibrationResult") -> Table:
     share = Column("part of the prior", "%", ".0f"), lambda c: None if c.prior_share is None else 100.0 * c.prior_share
     return listing(
         result.coefficients,
-        column_of("name", label="coefficient"),
+        (Column("coefficient", prose=True), lambda c: in_words(c.name)),
         (Column("estimate", spec=".4g"), lambda c: "not identified" if c.estimate is None else c.estimate),
         (_between(result, prose=True), lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason)))),
         *([share] if _has_prior(result) else []),
@@ -97,10 +97,12 @@ def law_table(result: "CalibrationResult") -> Table:
 
 def correlation_table(result: "CalibrationResult") -> Table:
     """Return the correlations of the coefficients, which are numbered in the heading."""
-    names = [f"{number} {coefficient.name}" for number, coefficient in enumerate(result.coefficients, start=1)]
+    names = [
+        f"{number} {in_words(coefficient.name)}" for number, coefficient in enumerate(result.coefficients, start=1)
+    ]
     numbers = (Column(name.partition(" ")[0], spec="+.3f") for name in names)
     rows: list[tuple[Cell, ...]] = [(name, *values) for name, values in zip(names, result.correlation, strict=True)]
-    return Table((Column("correlation"), *numbers), tuple(rows))
+    return Table((Column("correlation", prose=True), *numbers), tuple(rows))
 
 
 def residual_table(result: "CalibrationResult") -> Table:
@@ -109,9 +111,9 @@ def residual_table(result: "CalibrationResult") -> Table:
     return listing(
         result.residuals,
         column_of("test", prose=True),
-        (Column("quantity", prose=True), lambda r: words_and_unit(r.quantity)[0]),
+        (Column("quantity", prose=True), lambda r: words_of(r.quantity)[0]),
         *([column_of("bound")] if bounds else []),
-        (Column("unit"), lambda r: words_and_unit(r.quantity)[1]),
+        (Column("unit"), lambda r: words_of(r.quantity)[1]),
         column_of("measured", "g"),
         column_of("computed", ".2f"),
         (Column("deviation", "%", "+.2f"), lambda r: None if r.bound else deviation_percent(r.computed, r.measured)),
@@ -143,7 +145,7 @@ def sensitivity_table(result: "SensitivityResult") -> Table:
     sources: list[Source] = []
     for name, value in result.answers.items():
         none = "none (defeated)" if name == "residual_velocity_m_s" else "none"
-        column = Column(words_and_unit(name)[0]) if value is None else column_of(name, ".2f")
+        column = Column(words_of(name)[0]) if value is None else column_of(name, ".2f")
         sources.append((column, none if value is None else value))
     return record(result, *sources)
 
@@ -153,10 +155,10 @@ def elasticity_table(result: "SensitivityResult") -> Table:
     answers = [name for name, value in result.answers.items() if value is not None]
     return listing(
         result.inputs,
-        column_of("input"),
+        (Column("input", prose=True), lambda item: in_words(item.input)),
         column_of("value", "g"),
         *(
-            (Column(words_and_unit(name)[0], "% per %", "+.3f"), lambda item, name=name: item.elasticities[name])
+            (Column(words_of(name)[0], "% per %", "+.3f"), lambda item, name=name: item.elasticities[name])
             for name in answers
         ),
     )
@@ -301,7 +303,7 @@ def index_table(result: "UncertaintyResult") -> Table:
     """Return the Sobol' indices of each input, and the ballistic limits at its quantiles."""
     return listing(
         result.inputs,
-        column_of("input"),
+        (Column("input", prose=True), lambda item: in_words(item.input)),
         (Column("first-order index", spec=".3f"), lambda item: getattr(item.first, "value", None)),
         (
             _between(result, of=" of the first-order index"),
@@ -312,8 +314,8 @@ def index_table(result: "UncertaintyResult") -> Table:
             _between(result, of=" of the total index"),
             lambda item: item.total and interval((item.total.low, item.total.high), ".3f"),
         ),
-        (Column("ballistic limit at the input's 5 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[0]),
-        (Column("ballistic limit at the input's 95 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[1]),
+        (Column("ballistic limit at its 5 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[0]),
+        (Column("ballistic limit at its 95 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[1]),
     )
 
 
