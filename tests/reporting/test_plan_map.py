@@ -51,7 +51,7 @@ def test_tests_that_do_not_determine_the_inputs(result: PlannedTests):
 def test_the_steps(result: PlannedTests):
     table = step_table(result)
     assert [row[0] for row in table.rows] == ["1", "2", "3", "4", "5"]
-    assert table.headings()[4:6] == ["total cost", "± ceramic.flow_stress_GPa"]
+    assert table.headings()[4:6] == ["total cost", "± ceramic flow stress, GPa"]
     assert [row[4] for row in table.rows] == [10.0, 20.0, 30.0, 40.0, 50.0]
     assert table.rows[0][5] is None
     assert len(planned_tables(result)) == 3

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from armour.reporting.table import Cell, Column, Table, column_of, record
 from armour.reporting.text import percent
+from armour.reporting.words import words_of
 from armour.scenario.parameters import INPUTS
 from armour.statistics.test_data import LIMIT, MEASURED, OUTCOME, Tests
 from armour.units import words_and_unit
@@ -33,7 +34,7 @@ def plan_table(result: "PlannedTests") -> Table:
         (Column("scatter of a test"), f"{result.scatter_percent:.3g} % of the ballistic limit, {origin}"),
         (Column("tests made before"), result.tests or None),
         (Column("law of the ceramic's flow stress"), result.law or None),
-        *((column_of(name, ".4g", name), value) for name, value in result.values.items()),
+        *((Column(*words_of(name), ".4g"), value) for name, value in result.values.items()),
         (Column("efficiency"), efficient),
     )
 
@@ -52,10 +53,10 @@ def step_table(result: "PlannedTests") -> Table:
     costly = result.planned[0].total_cost is not None
     columns = (
         Column("test"),
-        *(column_of(key, "g" if key in INPUTS else "") for key in varied),
+        *(Column(*words_of(key), "g" if key in INPUTS else "") for key in varied),
         Column("ballistic limit by the model", "m/s", ".0f"),
         *([column_of("total_cost", ".6g")] if costly else []),
-        *(Column(f"± {name}", spec=".3g") for name in result.values),
+        *(_half_width(name) for name in result.values),
         *(Column(f"± limit of {name if several else 'the design'}", "m/s", ".1f") for name in result.designs),
     )
     rows = (
@@ -70,6 +71,11 @@ def step_table(result: "PlannedTests") -> Table:
         for step in steps
     )
     return Table(columns, tuple(rows))
+
+
+def _half_width(name: str) -> Column:
+    words, unit = words_of(name)
+    return Column(f"± {words}", unit, ".3g")
 
 
 def _known(step: "PlannedTest") -> bool:
