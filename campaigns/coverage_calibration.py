@@ -2,9 +2,9 @@
 
     python -m campaigns.coverage_calibration --samples 1000 --seed 1
 
-The tests are Wilkins' armours with a known flow stress of the ceramic.  Ballistic limits are normal about the model's,
-with a standard deviation of 15 m/s where it is given to the fit, and of 2 % where it is not.  Limits are interpolated
-between those of a table, to 0.01 m/s.
+The tests are Wilkins' armours with a known flow stress of the ceramic or, with a prior, one that is drawn from it.
+Ballistic limits are normal about the model's, with a standard deviation of 15 m/s where it is given to the fit, and of
+2 % where it is not.  Limits are interpolated between those of a table, to 0.01 m/s.
 """
 
 import argparse
@@ -22,6 +22,7 @@ from armour.core.equations import intact_strength
 from armour.engine.batch import fields
 from armour.scenario.loading import load_scenario
 from armour.scenario.parameters import BACKING, CERAMIC
+from armour.scenario.sampling import quantiles
 from armour.statistics import likelihood_fit
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, with_ceramic, with_law
 from armour.statistics.test_data import LIMIT, Measurement, Tests, read_tests
@@ -46,6 +47,8 @@ class Case:
     away: tuple[float, ...] = ()
     given: bool = True  # whether the fit is given the uncertainty
     law: Law = "constant"
+    prior_percent: float = 0.0  # standard deviation of the prior of the flow stress, 0 for none
+    distribution: str = "normal"
 
 
 SPREAD = tuple(np.linspace(-1.5, 1.5, 10).tolist())
@@ -57,6 +60,10 @@ CASES = [
     Case("six limits, 10 outcomes around them", SIX, (1, 2, 5, 6, 7, 10, 11, 0, 3, 4), SPREAD, given=False),
     Case("13 limits, law backing", tuple(range(13)), given=False, law="backing"),
     Case("13 limits, law backing, uncertainty given", tuple(range(13)), law="backing"),
+    Case("one limit, uncertainty given, prior", SIX[:1], prior_percent=5.0),
+    Case("one limit, uncertainty given, wide lognormal prior", SIX[:1], prior_percent=20.0, distribution="lognormal"),
+    Case("three limits, prior", SIX[:3], given=False, prior_percent=5.0),
+    Case("six limits, law backing, prior", SIX, given=False, law="backing", prior_percent=5.0),
 ]
 
 
@@ -107,24 +114,46 @@ class Simulation:
         some = tuple(Measurement(i, LIMIT, 700.0, None, 0) for i in range(len(armours)))
         self.tests = Tests("simulated", names, (group,), some, case.given, ({},) * len(armours))
         self.truth = {FLOW_STRESS: TRUE_GPA} | {f"ceramic.{key}": TRUE_EXPONENT for key in LAWS[case.law]}
+        if case.prior_percent:
+            prior = {
+                "distribution": case.distribution,
+                "mean": TRUE_GPA,
+                "standard_deviation_percent": case.prior_percent,
+            }
+            self.scenario = self.scenario.replaced({"uncertainty": {"ceramic": {"flow_stress_GPa": prior}}})
+            self.tests = self.tests._replace(groups=(group._replace(scenario=self.scenario),))
+        self.columns = columns
+
+    def drawn(self, dice: np.random.Generator) -> Tests:
+        """Return simulated tests, of a flow stress drawn from the prior if there is one."""
+        section = self.scenario.uncertainty
+        if section is not None and self.case.prior_percent:
+            found = quantiles(section.inputs()[FLOW_STRESS], dice.random(1), TRUE_GPA)
+            self.truth[FLOW_STRESS] = float(found[0])
+        return self.fired(dice)
+
+    @property
+    def limits(self) -> Floats:
+        """The true limits, m/s."""
         true = with_ceramic(self.scenario, {name.split(".")[1]: value for name, value in self.truth.items()})
-        self.limits = likelihood_fit.MODELS[LIMIT](variants_of(true, columns, len(armours)))
+        return likelihood_fit.MODELS[LIMIT](variants_of(true, self.columns, len(self.tests.names)))
 
     def fired(self, dice: np.random.Generator) -> Tests:
         """Return simulated tests."""
-        case, first = self.case, len(self.case.limits)
-        deviations = np.full(len(self.limits), GIVEN_M_S) if case.given else RELATIVE * self.limits
-        found = self.limits + deviations * dice.normal(size=len(self.limits))
+        case, first, limits = self.case, len(self.case.limits), self.limits
+        deviations = np.full(len(limits), GIVEN_M_S) if case.given else RELATIVE * limits
+        found = limits + deviations * dice.normal(size=len(limits))
         given = GIVEN_M_S if case.given else None
         measurements = [Measurement(i, LIMIT, float(found[i]), given, 0) for i in range(first)]
         for i, away in enumerate(case.away, start=first):
-            shot = float(self.limits[i] + away * deviations[i])
+            shot = float(limits[i] + away * deviations[i])
             measurements.append(Measurement(i, LIMIT, shot, given, 1 if found[i] > shot else -1))
         return self.tests._replace(measurements=tuple(measurements))
 
     def held(self, dice: np.random.Generator) -> Iterable[str]:
         """Return the inputs whose intervals hold the true value."""
-        fit = likelihood_fit.fit_inputs(self.fired(dice), self.scenario, [*self.truth], ignore_progress)
+        tests, prior = self.drawn(dice), self.case.prior_percent > 0.0
+        fit = likelihood_fit.fit_inputs(tests, self.scenario, [*self.truth], ignore_progress, prior=prior)
         for found in likelihood_fit.intervals(fit):
             low, high = found.interval or (None, None)
             if (low is None or low <= self.truth[found.name]) and (high is None or self.truth[found.name] <= high):

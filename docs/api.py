@@ -18,7 +18,7 @@ GROUPS = {
     "analysis": "One armour",
     "design": "The best armour",
     "statistics": "Tests and uncertainty",
-    "planning": "Planning of tests",
+    "planning": "What to test next",
     "sweeps": "Many armours",
     "validation": "Suites and comparisons",
     "reporting": "Figures and reports",

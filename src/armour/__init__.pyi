@@ -20,6 +20,9 @@ from .errors import NoAnswerError as NoAnswerError
 from .errors import NoDesignError as NoDesignError
 from .errors import NoLimitError as NoLimitError
 from .errors import Problem as Problem
+from .planning.plan_tests import PlannedTest as PlannedTest
+from .planning.plan_tests import PlannedTests as PlannedTests
+from .planning.plan_tests import plan_tests as plan_tests
 from .planning.shot_plan import ShotPlan as ShotPlan
 from .planning.shot_plan import plan_shots as plan_shots
 from .reporting.figures import plot as plot

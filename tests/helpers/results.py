@@ -6,8 +6,10 @@ from typing import Any
 from armour.analysis.estimates import Estimate
 from armour.analysis.impact import ImpactResult, simulate
 from armour.design.optimise import BestDesign, Design, DesignResult, Pair
+from armour.planning.plan_tests import PlannedTest, PlannedTests
 from armour.reporting.table import Table
 from armour.scenario.evidence import ModelError
+from armour.scenario.parameters import CERAMIC
 from armour.statistics.uncertainty import Index, ProbabilityCurve, UncertaintyResult
 from tests.helpers.cases import scenario
 
@@ -97,6 +99,32 @@ def uncertainty_result() -> UncertaintyResult:
             Index("ceramic.flow_stress_GPa", None, None, (677.0, 769.0)),
             Index("projectile.penetrator_mass_g", None, None, (729.0, 718.0)),
         ),
+        warnings=(),
+    )
+
+
+def planned_tests() -> PlannedTests:
+    """One planned test of two candidates."""
+    values = {"ceramic.flow_stress_GPa": 5.2}
+    known = {"ceramic.flow_stress_GPa": 0.3}
+    before = PlannedTest(0, {CERAMIC: ""}, None, None, None, dict.fromkeys(values), (None,))
+    first = PlannedTest(1, {CERAMIC: 8.0}, 800.0, None, None, {**known}, (20.0,))
+    return PlannedTests(
+        planned=(before, first),
+        criterion="D",
+        measure="limit",
+        law="constant",
+        values=values,
+        tests="",
+        scatter_percent=3.0,
+        scatter_known=True,
+        designs=("wilkins.toml",),
+        design_limits_m_s=(720.0,),
+        efficiency=1.0,
+        not_identified=(),
+        candidates={CERAMIC: (6.0, 8.0)},
+        sensitivities=(0.8, 1.0),
+        confidence=0.95,
         warnings=(),
     )
 

@@ -18,7 +18,7 @@ from armour.statistics.v50 import Shots, v50
 from armour.sweeps.columns import sweep
 from armour.validation.comparison import Comparison
 from tests.helpers.cases import scenario
-from tests.helpers.results import design_result, impact, uncertainty_result
+from tests.helpers.results import design_result, impact, planned_tests, uncertainty_result
 from tests.helpers.suites import case
 from tests.helpers.suites import result as suite_result
 
@@ -42,6 +42,7 @@ def results(folder: Path) -> dict[str, tuple[Any, dict[str, Any]]]:
         (plan_shots(scenario(), SHOTS), {}),
         (impact(), {}),
         (limit, {"scenario": scenario()}),
+        (planned_tests(), {}),
         (SensitivityResult({LIMIT: 723.0}, (item,)), {}),
         (suite_result(folder, case("a", 720.0, "band = 5.0")), {}),
         (sweep(scenario(), {"armour.ceramic_thickness_mm": [6.0, 7.0]}, "areal_density_kg_m2"), {}),

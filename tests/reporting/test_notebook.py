@@ -30,6 +30,7 @@ def test_rows_are_columns_of_equal_lengths(folder: Path, monkeypatch: pytest.Mon
     framed = {name: found for name, (found, _) in results(folder).items() if isinstance(found, TableResult)}
     assert framed.keys() == {
         "CalibrationResult",
+        "PlannedTests",
         "SensitivityResult",
         "SuiteResult",
         "SweepResult",

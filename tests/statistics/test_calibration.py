@@ -188,6 +188,74 @@ def test_intervals_hold_the_truth(case: str):
     assert 35 <= held <= 40
 
 
+@pytest.mark.usefixtures("quick")
+def test_intervals_of_the_posterior_hold_truths_drawn_from_the_prior():
+    """Coverage of 95 %, in campaigns/coverage_calibration.py of 500 repetitions."""
+    simulation = Simulation(next(found for found in CASES if found.name.startswith("one limit, uncertainty given, p")))
+    dice = np.random.default_rng(8)
+    held = sum(FLOW_STRESS in list(simulation.held(dice)) for _ in range(40))
+    assert 35 <= held <= 40
+
+
+def with_prior(scenario: Scenario, **ceramic: object) -> Scenario:
+    return scenario.replaced({"uncertainty": {"ceramic": ceramic}})
+
+
+@pytest.mark.parametrize(("distribution", "far"), [("normal", 4.6), ("lognormal", 4.6)])
+def test_a_prior_is_weighed_by_its_precision(tmp_path: Path, wilkins: Scenario, distribution: str, far: float):
+    """One test and a prior: their mean by precision, in the input or its logarithm, and the part of the prior."""
+    prior = {"distribution": distribution, "mean": far, "standard_deviation": 0.2}
+    case = with_prior(wilkins, flow_stress_GPa=prior)
+    path = csv_file(tmp_path / "t.csv", "ballistic_limit_m_s,ballistic_limit_uncertainty_m_s", "720,10")
+    [found] = calibrate(read_tests(path, case), case, prior=True).coefficients
+    assert found.estimate is not None
+    slope = (limit(wilkins, y=found.estimate + 1e-3) - limit(wilkins, y=found.estimate - 1e-3)) / 2e-3
+    pull = (limit(wilkins, y=found.estimate) - 720.0) / 10.0 * slope / 10.0
+    shape = np.sqrt(np.log1p((0.2 / far) ** 2))
+    median, width = far / np.sqrt(1.0 + (0.2 / far) ** 2), shape * found.estimate
+    away = (found.estimate - far) / 0.2**2
+    if distribution == "lognormal":
+        away = np.log(found.estimate / median) / shape / width
+    assert pull + away == pytest.approx(0.0, abs=0.02)
+    precision = width**-2 if distribution == "lognormal" else 0.2**-2
+    assert found.prior_share == pytest.approx(precision / (precision + (slope / 10.0) ** 2), rel=0.01)
+    low, high = interval(found)
+    assert high - low == pytest.approx(2.0 * 1.96 / np.sqrt(precision + (slope / 10.0) ** 2), rel=0.03)
+
+
+@pytest.mark.usefixtures("quick")
+def test_a_wide_prior_changes_nothing(wilkins: Scenario):
+    case = with_prior(wilkins, flow_stress_GPa={"distribution": "normal", "standard_deviation_percent": 1e4})
+    [found] = calibrate(read_tests(TESTS, case), case, prior=True).coefficients
+    [without] = calibrate(read_tests(TESTS, wilkins), wilkins).coefficients
+    assert found.estimate == pytest.approx(without.estimate, rel=1e-4)
+    assert interval(found) == pytest.approx(interval(without), rel=1e-3)
+    assert found.prior_share == pytest.approx(0.0, abs=1e-4)
+    assert without.prior_share is None
+
+
+def test_a_prior_that_the_test_contradicts_is_a_warning(tmp_path: Path, wilkins: Scenario):
+    case = with_prior(wilkins, flow_stress_GPa={"distribution": "normal", "standard_deviation_percent": 1.0})
+    path = csv_file(tmp_path / "t.csv", "ballistic_limit_m_s,ballistic_limit_uncertainty_m_s", "600,5")
+    result = calibrate(read_tests(path, case), case, prior=True)
+    assert result.widened_by == 1.0
+    assert "the tests deviate from the fit and its prior" in result.warnings[0]
+
+
+def test_priors_that_are_none(tmp_path: Path, wilkins: Scenario):
+    tests = read_tests(csv_file(tmp_path / "t.csv", "ballistic_limit_m_s", "720"), wilkins)
+    normal = {"distribution": "normal", "standard_deviation_percent": 5.0}
+    for case, words in (
+        (wilkins, "is missing and must be given for a prior"),
+        (with_prior(wilkins, flow_stress_GPa={"distribution": "uniform", "min": 4.0, "max": 6.0}), "must be normal or"),
+        (with_prior(wilkins, flow_stress_GPa={**normal, "min": 4.0}), "without min and max, to be a prior"),
+        (with_prior(wilkins, flow_stress_GPa=normal), "with a prior one is enough where its uncertainty is given"),
+    ):
+        group = tests.groups[0]._replace(scenario=case)
+        with pytest.raises(InputError, match=words):
+            calibrate(tests._replace(groups=(group,)), case, prior=True)
+
+
 def test_outcomes_count_by_their_likelihood(tmp_path: Path, wilkins: Scenario):
     """A limit and an outcome with uncertainties: the estimate solves r + hazard = 0, on the side of the outcome."""
     header = f"{V},outcome,ballistic_limit_m_s,ballistic_limit_uncertainty_m_s"

@@ -34,6 +34,9 @@ def calibrate(
             "by default that of the scenario.",
         ),
     ] = None,
+    prior: Annotated[
+        bool, option("Count the scenario's distributions of the fitted inputs as prior knowledge.", "--prior")
+    ] = False,
     library: Annotated[
         Path | None, option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml")
     ] = None,
@@ -56,11 +59,13 @@ def calibrate(
     from armour.statistics.test_data import read_tests
 
     check_outputs(library, fitted, plot=plot, force=force)
-    loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
+    loaded = read_scenario(
+        scenario, changes, ("impact", "armour", "ballistic_limit", *(["uncertainty"] if prior else []))
+    )
     read = read_tests(table_file(tests), loaded)
     say_if_compiling()
     with progress("tests") as count:
-        result = calibration.calibrate(read, loaded, fit or [FLOW_STRESS], law, on_progress=count)
+        result = calibration.calibrate(read, loaded, fit or [FLOW_STRESS], law, prior=prior, on_progress=count)
     respond(
         result.to_dict(),
         calibration_tables(result),

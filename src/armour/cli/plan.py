@@ -1,135 +1,22 @@
 """``armour plan``: what to test next."""
 
-from functools import partial
-from pathlib import Path
-from typing import Annotated, Literal
-
 import typer
 
-from armour.cli import completion
-from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, argument, option
-from armour.cli.runner import Command, Reporting, check_outputs, read_scenario, respond, warnings_of
-from armour.cli.scenario_commands import LIMIT
-from armour.errors import InputError, Problem
+from armour.cli import plan_shots, plan_tests
+from armour.cli.runner import Command, Reporting
 
-EXAMPLES = (
-    "plan shots wilkins",
-    "plan shots wilkins firing.csv --result partial --plot plan.svg",
-    "plan shots wilkins --simulate --true-v50-m-s 770 --true-scatter-m-s 15",
-)
 app = typer.Typer(cls=Reporting, no_args_is_help=True)
 
 
 @app.callback()
 def _plan() -> None:
-    """Plan tests: the next shot of a V50 firing."""
+    """Plan tests: the next shot of a V50 firing, or which armours to test."""
 
 
-@app.command(cls=Command, epilog="\n\n".join(("Examples:", *(f"`armour {example}`" for example in EXAMPLES))))
-def shots(
-    scenario: ScenarioFile,
-    table: Annotated[
-        Path | None,
-        argument(
-            "SHOTS",
-            'CSV file of the shots so far, with the columns velocity_m_s and result ("partial" or "complete").',
-            autocompletion=completion.tables,
-        ),
-    ] = None,
-    procedure: Annotated[
-        Literal["bayesian", "neyer", "langlie", "up-and-down"], typer.Option(help="Rule for the next velocity.")
-    ] = "bayesian",
-    half_width_m_s: Annotated[
-        float | None,
-        option(
-            "Half width of the interval of V50 at which the firing ends, m/s, at least 0.1; by default 15, or the rule "
-            "of MIL-STD-662F of up-and-down."
-        ),
-    ] = None,
-    confidence: Annotated[
-        float, typer.Option(help="Confidence of the interval and of the requirement, 0.5 to 0.9999.")
-    ] = 0.95,
-    requirement_m_s: Annotated[
-        float | None, option("Required velocity, m/s; the firing ends when it is known whether V50 exceeds it.")
-    ] = None,
-    requirement_fraction: Annotated[
-        float, typer.Option(help="Fraction of shots that may perforate at the required velocity, 0.001 to 0.999.")
-    ] = 0.5,
-    scatter_percent: Annotated[
-        float, typer.Option(help="Expected scatter, the standard deviation of the response curve, % of V50.")
-    ] = 2.0,
-    scatter_factor: Annotated[
-        float, typer.Option(help="Factor by which the scatter may differ from it, 1.01 to 10.")
-    ] = 2.0,
-    lower_m_s: Annotated[float | None, option("Lower limit of V50, m/s, for langlie and neyer.")] = None,
-    upper_m_s: Annotated[float | None, option("Upper limit of V50, m/s, for langlie and neyer.")] = None,
-    result: Annotated[
-        Literal["partial", "complete"] | None, option("Result of the shot just fired, which is added to SHOTS.")
-    ] = None,
-    velocity_m_s: Annotated[
-        float | None, option("Measured velocity of this shot, m/s; by default the planned one.")
-    ] = None,
-    simulate: Annotated[bool, option("Simulate all shots until the firing ends.", "--simulate")] = False,
-    true_v50_m_s: Annotated[float | None, option("V50 to simulate, m/s; by default drawn from the posterior.")] = None,
-    true_scatter_m_s: Annotated[float | None, option("Scatter to simulate, m/s.")] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the simulation.")] = 0,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    as_json: AsJson = False,
-) -> None:
-    """Plan the next shot of a V50 firing, given the shots so far."""
-    from armour.planning.shot_plan import plan_shots
-    from armour.planning.shot_table import added, with_shot
-    from armour.reporting.plan_charts import shot_plan_chart
-    from armour.reporting.tables.planning import shot_plan_tables
-    from armour.statistics.v50 import Shots, read_shots
-
-    updated = table if result is not None else None
-    if result is not None and table is None:
-        raise _problem("--result", "adds a shot to SHOTS, which is not given")
-    if velocity_m_s is not None and result is None:
-        raise _problem("--velocity-m-s", "is the velocity of the shot of --result, which is not given")
-    if (lower_m_s is None) != (upper_m_s is None):
-        raise _problem("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
-    check_outputs(plot=plot, updated=updated, force=force)
-    loaded = read_scenario(scenario, changes, LIMIT)
-    fired = Shots((), (), str(table or "shots"))
-    if table is not None and (table.exists() or updated is None):
-        fired = read_shots(table, one_kind=True)
-
-    plan_of = partial(
-        plan_shots,
-        loaded,
-        procedure=procedure,
-        half_width_m_s=half_width_m_s,
-        confidence=confidence,
-        requirement_m_s=requirement_m_s,
-        requirement_fraction=requirement_fraction,
-        scatter_percent=scatter_percent,
-        scatter_factor=scatter_factor,
-        limits_m_s=None if lower_m_s is None or upper_m_s is None else (lower_m_s, upper_m_s),
-        seed=seed,
+for name, function, examples in (
+    ("shots", plan_shots.plan_of_shots, plan_shots.EXAMPLES),
+    ("tests", plan_tests.plan_of_tests, plan_tests.EXAMPLES),
+):
+    app.command(name, cls=Command, epilog="\n\n".join(("Examples:", *(f"`armour {each}`" for each in examples))))(
+        function
     )
-    text: str | None = None
-    if updated is not None and result is not None:
-        velocity = velocity_m_s if velocity_m_s is not None else plan_of(fired).next_velocity_m_s
-        if velocity is None:
-            raise _problem("--velocity-m-s", "must be given: no further shot was planned")
-        fired = added(fired, velocity, result)
-        text = with_shot(updated, velocity, result)
-    plan = plan_of(fired, simulate=simulate, true_v50_m_s=true_v50_m_s, true_scatter_m_s=true_scatter_m_s)
-    respond(
-        plan.to_dict(),
-        shot_plan_tables(plan),
-        as_json=as_json,
-        title=loaded.title,
-        files=[(updated, lambda: text)],
-        plot=plot,
-        chart=lambda _charts: shot_plan_chart(plan),
-        warnings=warnings_of(loaded, plan.warnings),
-    )
-
-
-def _problem(option: str, message: str) -> InputError:
-    return InputError([Problem("plan shots", option, message)])

@@ -8,7 +8,8 @@ from armour.analysis.ballistic_limit import curve_velocities, residual_velocity_
 from armour.errors import InputError, Problem
 from armour.reporting import charts
 from armour.reporting.chart import Chart
-from armour.reporting.plan_charts import shot_plan_chart
+from armour.reporting.planned_shots_chart import shot_plan_chart
+from armour.reporting.planned_tests_chart import planned_chart
 from armour.reporting.plots import draw
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ def plot(
     Parameters
     ----------
     result : ImpactResult, LimitResult, Comparison, DesignResult, SensitivityResult, UncertaintyResult, \
-CalibrationResult, FiringResult, ShotPlan, SuiteResult or SweepResult
+CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepResult
         An impact must have its history, and a sweep one or two keys.
     scenario : Scenario, optional
         Scenario of the result, for its title; a ballistic limit and an uncertainty need it.
@@ -116,6 +117,7 @@ CHARTS: Mapping[str, Callable[[Any, _Source], Chart]] = {
     "FiringResult": _v50,
     "ImpactResult": _impact,
     "LimitResult": _limit,
+    "PlannedTests": lambda result, source: planned_chart(result, source.title),
     "SensitivityResult": lambda result, source: charts.sensitivity_chart(result, source.title),
     "ShotPlan": lambda result, _source: shot_plan_chart(result),
     "SuiteResult": lambda result, _source: charts.parity_chart(result),

@@ -9,7 +9,8 @@ from armour.reporting.tables.comparison import comparison_tables
 from armour.reporting.tables.confidence import confidence_note
 from armour.reporting.tables.design import design_tables
 from armour.reporting.tables.impact import confidence_table, impact_table, limit_tables, stage_table
-from armour.reporting.tables.planning import shot_plan_tables
+from armour.reporting.tables.planned_shots import shot_plan_tables
+from armour.reporting.tables.planned_tests import planned_tables
 from armour.reporting.tables.statistics import calibration_tables, sensitivity_tables, uncertainty_tables, v50_tables
 from armour.reporting.tables.validation import suite_tables, verdict
 
@@ -47,6 +48,7 @@ TABLES: Mapping[str, Callable[[Any], list[Table | str]]] = {
     "FiringResult": v50_tables,
     "ImpactResult": lambda result: [impact_table(result), stage_table(result)],
     "LimitResult": limit_tables,
+    "PlannedTests": planned_tables,
     "SensitivityResult": sensitivity_tables,
     "ShotPlan": shot_plan_tables,
     "SuiteResult": lambda result: [*suite_tables(result), verdict(result)],

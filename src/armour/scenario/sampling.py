@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from functools import lru_cache
-from math import hypot, log1p, sqrt
+from math import exp, hypot, log, log1p, sqrt
 from typing import Any
 
 import numpy as np
@@ -115,13 +115,20 @@ def _untruncated(distribution: Distribution, own: float) -> Any:
         assert distribution.min is not None
         assert distribution.max is not None
         return stats.uniform(distribution.min, distribution.max - distribution.min)
+    centre, width = centre_and_width(distribution, own)
+    if isinstance(distribution, ErrorDistribution):
+        return stats.t(distribution.degrees_of_freedom, centre, width)
+    if distribution.distribution == "normal":
+        return stats.norm(centre, width)
+    return stats.lognorm(width, scale=exp(centre))
+
+
+def centre_and_width(distribution: Distribution, own: float) -> tuple[float, float]:
+    """Return mean and standard deviation before truncation; of a lognormal distribution, those of the logarithm."""
     mean = own if distribution.mean is None else distribution.mean
     percent = distribution.standard_deviation_percent
     deviation = abs(mean) * percent / 100.0 if percent is not None else distribution.standard_deviation
     assert deviation is not None
-    if isinstance(distribution, ErrorDistribution):
-        return stats.t(distribution.degrees_of_freedom, mean, deviation)
-    if distribution.distribution == "normal":
-        return stats.norm(mean, deviation)
-    shape = sqrt(log1p((deviation / mean) ** 2))
-    return stats.lognorm(shape, scale=mean / hypot(1.0, deviation / mean))
+    if distribution.distribution != "lognormal":
+        return mean, deviation
+    return log(mean / hypot(1.0, deviation / mean)), sqrt(log1p((deviation / mean) ** 2))

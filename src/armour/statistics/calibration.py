@@ -14,7 +14,7 @@ from armour.analysis.variants import Floats, OnProgress, ignore_progress, outsid
 from armour.errors import InputError, Problem, choices
 from armour.scenario.loading import Scenario
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, law_of, with_law
-from armour.statistics.likelihood_fit import Coefficient, Fit, enough, fit_inputs, intervals, without
+from armour.statistics.likelihood_fit import MIN_P_VALUE, Coefficient, Fit, enough, fit_inputs, intervals, without
 from armour.statistics.test_data import LIMIT, Tests
 
 # Greatest number of folds of the leave-one-out error.
@@ -92,7 +92,8 @@ class CalibrationResult(TableResult):
         Factor of the intervals, more than 1 where the p value is less than 0.05: the Birge ratio, the square root of
         chi-squared over the degrees of freedom.
     aicc : float or None
-        Akaike's information criterion, corrected for the number of tests; less is better.  None for too few tests.
+        Akaike's information criterion, corrected for the number of tests; less is better.  None for too few tests, and
+        with a prior.
     laws : tuple of LawFit
         The laws that were compared.
     warnings : tuple of str
@@ -135,6 +136,7 @@ def calibrate(
     fit: Sequence[str] = (FLOW_STRESS,),
     law: Law | Literal["all"] | None = None,
     *,
+    prior: bool = False,
     on_progress: OnProgress = ignore_progress,
 ) -> CalibrationResult:
     """Fit inputs of a scenario to tests by maximum likelihood, with profile-likelihood intervals.
@@ -156,6 +158,10 @@ def calibrate(
         Law of the ceramic's flow stress, whose coefficients are fitted beside the flow stress, in place of that of the
         scenario, which is kept by default.  With "all" the result is that of the law with the least leave-one-out
         error, and compares all.
+    prior : bool, default False
+        Whether the scenario's distributions of the fitted inputs, normal or lognormal with their correlations, count
+        too.  Estimates and intervals are then those of the posterior: the product of the likelihood and the density of
+        the inputs or, if lognormal, of their logarithms.  One test with its uncertainty is then enough.
     on_progress : callable, optional
         Called with the number of tests computed since the last call, and None, as their total is not known.
 
@@ -166,8 +172,8 @@ def calibrate(
     Raises
     ------
     InputError
-        If a name is not an input, the tests differ in the material that is fitted, there are too few of them, or a run
-        does not end.
+        If a name is not an input, the tests differ in the material that is fitted, there are too few of them, a prior
+        is neither normal nor lognormal, or a run does not end.
     """
     if law not in (None, "all", *LAWS):
         names = [*LAWS, "all"]
@@ -178,12 +184,12 @@ def calibrate(
         message = f'must not be given where {FLOW_STRESS} is not fitted, found "{law}"'
         raise InputError([Problem(scenario.file, "--law", message)])
     if law != "all":
-        return _with_intervals(_with_one_law(tests, scenario, fit, law, on_progress))
-    fits = [_with_one_law(tests, scenario, fit, "constant", on_progress)]
+        return _with_intervals(_with_one_law(tests, scenario, fit, law, on_progress, prior=prior))
+    fits = [_with_one_law(tests, scenario, fit, "constant", on_progress, prior=prior)]
     for other in [*LAWS][1:]:
         # Some laws have more coefficients than there are tests for.
         with suppress(InputError):
-            fits.append(_with_one_law(tests, scenario, fit, other, on_progress))
+            fits.append(_with_one_law(tests, scenario, fit, other, on_progress, prior=prior))
     rows = [LawFit(f.law, len(f.done.best.x), f.mean_error, f.left_out_error, f.done.aicc) for f in fits]
     results: list[CalibrationResult] = []
     for candidate in sorted(fits, key=_rank):
@@ -215,14 +221,22 @@ def _rank(found: _LawFit) -> float:
     return np.inf if found.left_out_error is None else found.left_out_error
 
 
+def under_law(
+    tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law | None
+) -> tuple[Tests, Scenario, list[str]]:
+    """Return tests and scenario with a law of the flow stress, by default their own, and all inputs to fit."""
+    if law is None:
+        return tests, scenario, [*inputs]
+    groups = [group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups]
+    names = dict.fromkeys([*inputs, *(f"ceramic.{key}" for key in LAWS[law])])
+    return tests._replace(groups=tuple(groups)), with_law(scenario, law), [*names]
+
+
 def _with_one_law(
-    tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law | None, on_progress: OnProgress
+    tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law | None, on_progress: OnProgress, *, prior: bool
 ) -> _LawFit:
-    if law is not None:
-        groups = [group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups]
-        tests, scenario = tests._replace(groups=tuple(groups)), with_law(scenario, law)
-        inputs = [*dict.fromkeys([*inputs, *(f"ceramic.{key}" for key in LAWS[law])])]
-    done = fit_inputs(tests, scenario, inputs, on_progress)
+    tests, scenario, inputs = under_law(tests, scenario, inputs, law)
+    done = fit_inputs(tests, scenario, inputs, on_progress, prior=prior)
     computed, left_out = done.likelihood.predicted(done.best.x), _left_out(done)
     residuals = tuple(
         Residual(
@@ -276,6 +290,12 @@ def _unlike(tests: Tests) -> Iterator[str]:
 
 def _bad_fit(done: Fit) -> tuple[str, ...]:
     """Return a warning where the deviations are larger than the uncertainties explain."""
+    if done.p_value is not None and done.p_value < MIN_P_VALUE and done.widened_by == 1.0:
+        return (
+            "the tests deviate from the fit and its prior by more than the uncertainties given explain: chi-squared "
+            f"{done.chi_squared:.2f} on {done.degrees_of_freedom:.3g} degrees of freedom, p = {done.p_value:.2g}; "
+            "the prior, the model or the uncertainties are wrong, and the intervals do not allow for it",
+        )
     if done.widened_by == 1.0:
         return ()
     return (
@@ -296,9 +316,11 @@ def left_out_errors(result: CalibrationResult) -> list[float]:
 def _left_out(done: Fit) -> Floats:
     """Return each measurement's value with inputs fitted to the other tests; NaN where these are too few."""
     tests, count = done.likelihood.tests, len(done.best.x)
+    if tests.weighted:
+        count -= len(done.likelihood.prior.where)
     of_test = np.array([m.test for m in tests.measurements])
     folds = min(len(tests.names), MAX_FOLDS)
-    inputs = np.full((count, len(tests.names)), np.nan)
+    inputs = np.full((len(done.best.x), len(tests.names)), np.nan)
     spare = not tests.weighted and any(m.side for m in tests.measurements)
     for fold in range(folds):
         kept = of_test % folds != fold

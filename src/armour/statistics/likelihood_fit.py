@@ -15,10 +15,11 @@ from armour.analysis.answers import Answers
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, OnProgress, Variants, perforated, variants_of
-from armour.errors import Problem, refuse
+from armour.errors import InputError, Problem, refuse
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, NAMES, VELOCITY, check_names, inputs_of, name_of
+from armour.statistics.prior import NO_PRIOR, Prior, prior_of
 from armour.statistics.test_data import LIMIT, MASS, RESIDUAL, Tests
 
 # Bounds of an input in units of the scenario's own value; of a coefficient of a law, which may be negative.
@@ -53,6 +54,7 @@ class Coefficient:
     interval: tuple[float | None, float | None] | None  # profile-likelihood interval; None for an end that is open
     reason: str = ""  # why it is not identified
     standard_error: float | None = None  # of the model linearised at the estimate
+    prior_share: float | None = None  # part of its precision that the prior has, 0 to 1; None without a prior of it
 
 
 class Likelihood(NamedTuple):
@@ -60,7 +62,8 @@ class Likelihood(NamedTuple):
 
     A measured value is normal about the model's value, with its uncertainty or, where none are given, with a standard
     deviation in proportion to the value, the scatter, that all have in common.  An outcome has the probability that a
-    ballistic limit of the same distribution lies on its side of the impact velocity.
+    ballistic limit of the same distribution lies on its side of the impact velocity.  A prior counts as measured values
+    of its normal scores.
     """
 
     tests: Tests
@@ -70,6 +73,7 @@ class Likelihood(NamedTuple):
     upper: Floats
     kept: Bools  # measurements that count, (m,)
     on_progress: OnProgress
+    prior: Prior = NO_PRIOR
 
     @property
     def sides(self) -> Floats:
@@ -80,6 +84,11 @@ class Likelihood(NamedTuple):
     def scatters(self) -> bool:
         """Whether the scatter is unknown."""
         return not self.tests.weighted
+
+    @property
+    def of_law(self) -> Bools:
+        """Whether each input is a coefficient of a law of the flow stress, (k,)."""
+        return np.array([name.partition(".")[2] in FLOW_STRESS_LAW for name in self.names])
 
     def deviations(self, x: Floats) -> Floats:
         """Return the model's deviations from the measurements that count, divided by uncertainties or values."""
@@ -142,20 +151,23 @@ class Point(NamedTuple):
 
     x: Floats  # in their units, (k,)
     scatter: float  # 1 where uncertainties are given
-    lost: float  # -2 times the logarithm of the likelihood, but for what does not depend on the inputs
+    lost: float  # -2 times the logarithm of likelihood and prior, but for what does not depend on the inputs
 
 
 class Fit(NamedTuple):
     """A fit of inputs to tests.
 
-    ``rows`` and ``residuals`` are those of the least-squares problem whose first step is Newton's from the fit.
+    ``rows`` and ``residuals`` are those of the least-squares problem whose first step is Newton's from the fit, with
+    the q scores of the prior below the m measurements.
     """
 
     likelihood: Likelihood
     best: Point
-    rows: Floats  # (m, k)
-    residuals: Floats  # (m,)
+    rows: Floats  # (m + q, k)
+    residuals: Floats  # (m + q,)
     covariance: Floats  # of the inputs in their units, (k, k)
+    prior_shares: tuple[float | None, ...]  # of the precisions of the inputs, (k,)
+    spread: float  # the scatter, without the bias that fitted inputs give it
     degrees_of_freedom: float
     chi_squared: float  # sum of the squared deviations of the measured values
     p_value: float | None
@@ -166,20 +178,13 @@ class Fit(NamedTuple):
     starts_agreeing: int
 
 
-def fit_inputs(tests: Tests, scenario: Scenario, inputs: Sequence[str], on_progress: OnProgress) -> Fit:
+def fit_inputs(
+    tests: Tests, scenario: Scenario, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False
+) -> Fit:
     """Fit inputs of a scenario to tests, from several starts; see `armour.statistics.calibration.calibrate`."""
-    _check(tests, scenario, inputs)
-    own = inputs_of(tests.groups[0].scenario)
-    of_law = np.array([name.partition(".")[2] in FLOW_STRESS_LAW for name in inputs])
-    likelihood = Likelihood(
-        tests,
-        tuple(inputs),
-        units=np.array([1.0 if law else own[name] for name, law in zip(inputs, of_law, strict=True)]),
-        lower=np.where(of_law, -MAX_COEFFICIENT, MIN_RATIO),
-        upper=np.where(of_law, MAX_COEFFICIENT, MAX_RATIO),
-        kept=np.ones(len(tests.measurements), dtype=bool),
-        on_progress=on_progress,
-    )
+    likelihood = likelihood_of(tests, scenario, inputs, on_progress, prior=prior)
+    check_enough(likelihood)
+    of_law = likelihood.of_law
     starts = [np.where(of_law, 0.0, start) for start in STARTS]
     starts += [np.where(of_law, LAW_START, 1.0)] if of_law.any() else []
     ends = [search(likelihood, start) for start in starts]
@@ -188,10 +193,33 @@ def fit_inputs(tests: Tests, scenario: Scenario, inputs: Sequence[str], on_progr
     return _judged(likelihood, best, len(ends), agreeing)
 
 
+def likelihood_of(
+    tests: Tests, scenario: Scenario, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False
+) -> Likelihood:
+    """Return the likelihood of inputs, which must be such as can be fitted to tests, with or without their prior."""
+    _check(tests, scenario, inputs)
+    first = tests.groups[0].scenario
+    own = inputs_of(first)
+    of_law = np.array([name.partition(".")[2] in FLOW_STRESS_LAW for name in inputs])
+    units = np.array([1.0 if law else own[name] for name, law in zip(inputs, of_law, strict=True)])
+    return Likelihood(
+        tests,
+        tuple(inputs),
+        units=units,
+        lower=np.where(of_law, -MAX_COEFFICIENT, MIN_RATIO),
+        upper=np.where(of_law, MAX_COEFFICIENT, MAX_RATIO),
+        kept=np.ones(len(tests.measurements), dtype=bool),
+        on_progress=on_progress,
+        prior=prior_of(first, inputs, units) if prior else NO_PRIOR,
+    )
+
+
 def search(likelihood: Likelihood, start: Floats, held: int | None = None, scatter: float | None = None) -> Point:
     """Return the most likely inputs by a search from a starting point; one of them, and the scatter, may be held."""
     free = np.flatnonzero(np.arange(len(start)) != held)
-    sides, x = likelihood.sides, start.copy()
+    sides, prior, x = likelihood.sides, likelihood.prior, start.copy()
+    # Without outcomes and prior the scatter has no effect on the most likely inputs.
+    scatter_matters = bool(sides.any() or len(prior.where))
 
     @cache
     def deviations_at(some: tuple[float, ...]) -> Floats:
@@ -203,7 +231,10 @@ def search(likelihood: Likelihood, start: Floats, held: int | None = None, scatt
         """Move to the most likely inputs given the scatter, and return their deviations."""
 
         def losses(some: Floats) -> Floats:
-            return _losses(deviations_at(tuple(some.tolist())) / scatter, sides)
+            of_tests = _losses(deviations_at(tuple(some.tolist())) / scatter, sides)
+            found = x.copy()
+            found[free] = some
+            return np.concatenate([of_tests, prior.scores(found)])
 
         def slopes(some: Floats) -> Floats:
             found: Floats = approx_fprime(some, losses, DIFFERENCE)
@@ -219,17 +250,19 @@ def search(likelihood: Likelihood, start: Floats, held: int | None = None, scatt
             ).x
         return deviations_at(tuple(x[free].tolist()))
 
-    def profile(log_scatter: float) -> float:
-        return _lost(moved(exp(log_scatter)), sides, exp(log_scatter))
+    def lost(deviations: Floats, scatter: float) -> float:
+        return _lost(deviations, sides, scatter) + float((prior.scores(x) ** 2).sum())
 
-    if sides.any() and likelihood.scatters and scatter is None:
+    def profile(log_scatter: float) -> float:
+        return lost(moved(exp(log_scatter)), exp(log_scatter))
+
+    if scatter_matters and likelihood.scatters and scatter is None:
         ends = log(SCATTERS[0]), log(SCATTERS[1])
         scatter = exp(minimize_scalar(profile, bounds=ends, options={"xatol": SCATTER_TOLERANCE}).x)
-    # Without outcomes the scatter has no effect on the most likely inputs.
-    deviations = moved(scatter if scatter and sides.any() else 1.0)
+    deviations = moved(scatter if scatter and scatter_matters else 1.0)
     if scatter is None:
         scatter = float(np.clip(np.sqrt(np.mean(deviations**2)), *SCATTERS)) if likelihood.scatters else 1.0
-    return Point(x, scatter, _lost(deviations, sides, scatter))
+    return Point(x, scatter, lost(deviations, scatter))
 
 
 def _losses(z: Floats, sides: Floats) -> Floats:
@@ -245,59 +278,89 @@ def _lost(deviations: Floats, sides: Floats, scatter: float) -> float:
 def _judged(likelihood: Likelihood, best: Point, starts: int, agreeing: int) -> Fit:
     """Return a fit with its covariance, its p value and the threshold of its intervals.
 
-    Without outcomes the intervals are exact for a linear model.  With them a scatter has as many degrees of freedom as
-    measured values would give that determine it as well.
+    Without outcomes and prior the intervals are exact for a linear model.  With outcomes a scatter has as many degrees
+    of freedom as measured values would give that determine it as well.
     """
-    sides, count = likelihood.sides, len(best.x)
-    exact = sides == 0
-    jacobian = approx_fprime(best.x, likelihood.deviations, DIFFERENCE).reshape(len(sides), count) / best.scatter
+    sides, count, scores = likelihood.sides, len(best.x), likelihood.prior.scores(best.x)
+    exact, of_prior = sides == 0, np.arange(len(sides) + len(scores)) >= len(sides)
     z = likelihood.deviations(best.x) / best.scatter
     toward = sides * z
-    slope = _hazard(toward)
-    weights = np.sqrt(np.where(exact, 1.0, slope * (slope + toward)))
-    rows = all_rows = weights[:, None] * jacobian
+    slope = hazard(toward)
+    weights, of_tests = rows_at(likelihood, best.x, best.scatter)
+    rows = all_rows = np.vstack([of_tests, likelihood.prior.rows(best.x)])
     tail = 0.5 * (1.0 + CONFIDENCE)
     if likelihood.scatters:
-        # The scatter is an unknown too, on which the estimates depend through the outcomes.
-        of_scatter = [*np.where(exact, 0.0, -weights * z), sqrt(2.0 * exact.sum())]
+        # The scatter is an unknown too, on which the estimates depend through the outcomes and the prior.
+        of_scatter = [*np.where(exact, 0.0, -weights * z), *(0.0 * scores), sqrt(2.0 * exact.sum())]
         all_rows = np.column_stack([np.vstack([rows, np.zeros(count)]), of_scatter])
     inverse = np.linalg.pinv(all_rows, rcond=1e-6)
     covariance = (inverse @ inverse.T)[:count, :count]
-    p_value, widened_by, chi_squared = None, 1.0, float((z[exact] ** 2).sum())
+    leverages = (rows * inverse.T[: len(rows), :count]).sum(axis=1)
+    p_value, widened_by, chi_squared, spread = None, 1.0, float((z[exact] ** 2).sum()), best.scatter
+    normal = float(norm.ppf(tail)) ** 2
     if likelihood.scatters:
-        number = float(exact.sum() + 0.5 * (toward**2 * slope * _hazard(-toward))[~exact].sum())
-        freedom = number - count
-        threshold = number * float(np.log1p(t.ppf(tail, freedom) ** 2 / freedom))
-        covariance *= number / freedom
+        number = float(exact.sum() + 0.5 * (toward**2 * slope * hazard(-toward))[~exact].sum())
+        # What the prior determines takes no degree of freedom from the tests, and no part in the error of the scatter.
+        by_tests = count - float(leverages[of_prior].sum())
+        freedom = number - by_tests
+        exactly = number * float(np.log1p(t.ppf(tail, freedom) ** 2 / freedom))
+        threshold = normal + by_tests / count * (exactly - normal)
+        spread *= sqrt(number / freedom)
+        if len(scores):
+            all_rows[: len(sides)] *= sqrt(freedom / number)
+            inverse = np.linalg.pinv(all_rows, rcond=1e-6)
+            covariance = (inverse @ inverse.T)[:count, :count]
+        else:
+            covariance *= number / freedom
         chi_squared *= best.scatter**2
     else:
-        # Less what the measured values, and not the outcomes, determine of the inputs.
-        freedom = float(exact.sum() - count + (rows * inverse.T)[~exact].sum())
+        # Less what the measured values and the prior, and not the outcomes, determine of the inputs.
+        freedom = float(exact.sum() + len(scores) - count + leverages[: len(sides)][~exact].sum())
         freedom = round(freedom, FREEDOM_DIGITS) + 0.0  # outcomes alone leave none, but for rounding
+        chi_squared += float((scores**2).sum())
         p_value = float(chi2.sf(chi_squared, freedom)) if freedom > MIN_FREEDOM else None
-        threshold = float(norm.ppf(tail)) ** 2
-        if p_value is not None and p_value < MIN_P_VALUE:
+        threshold = normal
+        # A prior that the tests contradict is not mended by a wider interval.
+        if p_value is not None and p_value < MIN_P_VALUE and not len(scores):
             widened_by = sqrt(chi_squared / freedom)
             threshold = (widened_by * float(t.ppf(tail, freedom))) ** 2
             covariance *= widened_by**2
+    shares: list[float | None] = [None] * count
+    for i, deviation in zip(likelihood.prior.where, likelihood.prior.deviations(best.x), strict=True):
+        shares[i] = min(float(covariance[i, i]) / (widened_by * deviation) ** 2, 1.0)
     return Fit(
         likelihood=likelihood,
         best=best,
         rows=rows,
-        residuals=np.where(exact, z, -sides * slope / np.maximum(weights, 1e-150)),
+        residuals=np.append(np.where(exact, z, -sides * slope / np.maximum(weights, 1e-150)), scores),
         covariance=covariance,
+        prior_shares=tuple(shares),
+        spread=spread,
         degrees_of_freedom=freedom,
         chi_squared=chi_squared,
         p_value=p_value,
         widened_by=widened_by,
         threshold=threshold,
-        aicc=_aicc(likelihood, best),
+        aicc=None if len(scores) else _aicc(likelihood, best),
         starts=starts,
         starts_agreeing=agreeing,
     )
 
 
-def _hazard(z: Floats) -> Floats:
+def rows_at(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats, Floats]:
+    """Return the weights of the measurements that count, (m,), and their rows of the information at x, (m, k).
+
+    The information that they give of the inputs, in their units, is the transpose of the rows times the rows.
+    """
+    sides, count = likelihood.sides, len(x)
+    jacobian = approx_fprime(x, likelihood.deviations, DIFFERENCE).reshape(len(sides), count) / scatter
+    toward = sides * likelihood.deviations(x) / scatter
+    slope = hazard(toward)
+    weights = np.sqrt(np.where(sides == 0, 1.0, slope * (slope + toward)))
+    return weights, weights[:, None] * jacobian
+
+
+def hazard(z: Floats) -> Floats:
     """Return the density of the normal distribution divided by the distribution function."""
     found: Floats = np.exp(-0.5 * z * z - log_ndtr(z)) / sqrt(2.0 * pi)
     return found
@@ -331,7 +394,8 @@ def intervals(fit: Fit) -> tuple[Coefficient, ...]:
         if reason:
             found.append(Coefficient(name, None, None if ends == (None, None) else ends, reason))
         else:
-            found.append(Coefficient(name, float(fit.best.x[i]) * unit, ends, standard_error=error * unit))
+            estimate, share = float(fit.best.x[i]) * unit, fit.prior_shares[i]
+            found.append(Coefficient(name, estimate, ends, standard_error=error * unit, prior_share=share))
     return tuple(found)
 
 
@@ -368,7 +432,8 @@ def without(fit: Fit, kept: Bools) -> Floats:
     A small change is Newton's step from the fit to all, with an error of second order; else the search is repeated.
     """
     likelihood = fit.likelihood._replace(kept=kept)
-    change = np.linalg.lstsq(fit.rows[kept], -fit.residuals[kept], rcond=1e-6)[0]
+    some = np.append(kept, np.ones(len(fit.residuals) - len(kept), dtype=bool))
+    change = np.linalg.lstsq(fit.rows[some], -fit.residuals[some], rcond=1e-6)[0]
     x: Floats = np.clip(fit.best.x + change, likelihood.lower, likelihood.upper)
     if (np.abs(x - fit.best.x) <= SMALL_CHANGE).all():
         return x
@@ -395,17 +460,29 @@ def _check(tests: Tests, scenario: Scenario, inputs: Sequence[str]) -> None:
                 f"must be the same in all tests where the {role} is fitted, found {', '.join(sorted(map(str, names)))}"
             )
             problems.append(Problem(tests.file, key, message))
-    count = len(inputs)
-    if not enough(tests, np.ones(len(tests.measurements), dtype=bool), count + (not tests.weighted)):
-        needed, kinds, found = f"{count}", "measurements or outcomes", len(tests.measurements)
-        if not tests.weighted:
-            needed, kinds = f"{count + 1}", "measurements without uncertainties"
-            found = sum(m.side == 0 for m in tests.measurements)
-        message = f"must have at least {needed} {kinds} for {count} coefficients, found {found}"
-        if found < len(tests.measurements):
-            message += "; outcomes alone do not tell how measurements scatter"
-        problems.append(Problem(tests.file, "", message))
     refuse(problems)
+
+
+def check_enough(likelihood: Likelihood) -> None:
+    """Check that there are enough tests for a fit."""
+    tests, count, needed = likelihood.tests, len(likelihood.names), needed_of(likelihood)
+    if enough(tests, likelihood.kept, needed):
+        return
+    kinds, found = "measurements or outcomes", len(tests.measurements)
+    if not tests.weighted:
+        kinds, found = "measurements without uncertainties", sum(m.side == 0 for m in tests.measurements)
+    message = f"must have at least {needed} {kinds} for {count} coefficients, found {found}"
+    if found < len(tests.measurements):
+        message += "; outcomes alone do not tell how measurements scatter"
+    elif not tests.weighted and len(likelihood.prior.where):
+        message += "; with a prior one is enough where its uncertainty is given"
+    raise InputError([Problem(tests.file, "", message)])
+
+
+def needed_of(likelihood: Likelihood) -> int:
+    """Return the number of measurements that a fit needs: without uncertainties one more, which tells their scatter."""
+    count = len(likelihood.names)
+    return count + 1 if likelihood.scatters else max(count - len(likelihood.prior.where), 1)
 
 
 def enough(tests: Tests, kept: Bools, needed: int) -> bool:

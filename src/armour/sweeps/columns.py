@@ -138,7 +138,7 @@ def sweep(
     names = (quantities,) if isinstance(quantities, str) else tuple(quantities)
     if not names:
         raise InputError([Problem("sweep", "quantities", "must name at least one quantity, found none")])
-    source = _source(over)
+    source = source_of(over)
     axes = source.axes if isinstance(source, Grid) else ()
     warnings = [f"{axis.key}: {omission(axis)}" for axis in axes if axis.omitted is not None]
     computed: Mapping[str, Any] = {}
@@ -169,7 +169,7 @@ def sweep(
     return SweepResult(scenario, source.keys, names, source.count, output, tuple(warnings), computed)
 
 
-def _source(over: Mapping[str, Values] | str | PathLike[str]) -> Grid | Cases:
+def source_of(over: Mapping[str, Values] | str | PathLike[str]) -> Grid | Cases:
     """Return the rows to compute."""
     if not isinstance(over, Mapping):
         return Cases(Path(over))

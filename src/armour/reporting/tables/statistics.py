@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from armour.reporting.table import Cell, Column, Source, Table, column_of, listing, record
 from armour.reporting.tables.confidence import error_note
-from armour.reporting.tables.planning import prior_table, share_note
+from armour.reporting.tables.planned_shots import prior_table, share_note
 from armour.reporting.text import interval, percent
 from armour.reporting.words import in_words, words_of
 
@@ -23,7 +23,7 @@ def _between(result: Any, unit: str = "", of: str = "", *, prose: bool = False) 
 
 def calibration_table(result: "CalibrationResult") -> Table:
     """Return the quality of a fit to tests."""
-    uncertainties = result.weights == "uncertainties"
+    uncertainties, prior = result.weights == "uncertainties", _has_prior(result)
     return record(
         result,
         (Column("tests", spec="d"), len({residual.test for residual in result.residuals})),
@@ -31,7 +31,7 @@ def calibration_table(result: "CalibrationResult") -> Table:
         (Column("law of the ceramic's flow stress"), result.law or None),
         _error("mean error", result.mean_error_percent),
         _error("mean leave-one-out error", result.left_out_error_percent),
-        (Column("AICc", spec=".1f"), "too few tests" if result.aicc is None else result.aicc),
+        *([] if prior else [(Column("AICc", spec=".1f"), "too few tests" if result.aicc is None else result.aicc)]),
         column_of("degrees_of_freedom", ".4g"),
         *_agreement(result),
         (Column("starting points that reach this solution"), f"{result.starts_agreeing} of {result.starts}"),
@@ -54,19 +54,32 @@ def _error(label: str, value: float | None) -> Source:
     return (Column(label), "too few tests") if value is None else (Column(label, "%", ".2f"), value)
 
 
+def _has_prior(result: "CalibrationResult") -> bool:
+    return any(coefficient.prior_share is not None for coefficient in result.coefficients)
+
+
 def coefficient_table(result: "CalibrationResult") -> Table:
     """Return the fitted coefficients with their intervals, or the reason why one is not identified."""
+    share = Column("part of the prior", "%", ".0f"), lambda c: None if c.prior_share is None else 100.0 * c.prior_share
     return listing(
         result.coefficients,
         (Column("coefficient", prose=True), lambda c: in_words(c.name)),
         (Column("estimate", spec=".4g"), lambda c: "not identified" if c.estimate is None else c.estimate),
         (_between(result, prose=True), lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason)))),
+        *([share] if _has_prior(result) else []),
     )
+
+
+PRIOR_NOTE = (
+    "the part of the prior is its part of the precision, 1 over the variance: at 0 % the tests alone give the "
+    "estimate, at 100 % they tell nothing"
+)
 
 
 def law_table(result: "CalibrationResult") -> Table:
     """Return the laws that were compared."""
     few = "too few tests"
+    without = "none with a prior" if _has_prior(result) else few
     return listing(
         result.laws,
         column_of("law"),
@@ -79,7 +92,7 @@ def law_table(result: "CalibrationResult") -> Table:
             Column("mean leave-one-out error", "%", ".2f"),
             lambda law: few if law.left_out_error_percent is None else law.left_out_error_percent,
         ),
-        (Column("AICc", spec=".1f"), lambda law: few if law.aicc is None else law.aicc),
+        (Column("AICc", spec=".1f"), lambda law: without if law.aicc is None else law.aicc),
     )
 
 
@@ -120,8 +133,9 @@ def deviation_percent(value: float | None, measured: float) -> float | None:
 
 def calibration_tables(result: "CalibrationResult") -> list[Table | str]:
     """Return all tables of a calibration."""
-    tables = [law_table(result)] if result.laws else []
+    tables: list[Table | str] = [law_table(result)] if result.laws else []
     tables += [calibration_table(result), coefficient_table(result)]
+    tables += [PRIOR_NOTE] if _has_prior(result) else []
     if len(result.coefficients) > 1:
         tables.append(correlation_table(result))
     return [*tables, residual_table(result)]

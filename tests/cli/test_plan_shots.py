@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from armour.cli.plan import EXAMPLES
+from armour.cli.plan_shots import EXAMPLES
 
 NEXT = "next velocity"
 

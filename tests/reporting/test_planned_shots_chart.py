@@ -2,7 +2,7 @@
 
 from armour.planning.shot_plan import plan_shots
 from armour.reporting.chart import Line, Points, Rule
-from armour.reporting.plan_charts import shot_plan_chart
+from armour.reporting.planned_shots_chart import shot_plan_chart
 from armour.statistics.v50 import Shots
 from tests.helpers.cases import scenario
 

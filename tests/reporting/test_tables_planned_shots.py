@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from armour.planning.shot_plan import plan_shots
 from armour.reporting.table import Table
-from armour.reporting.tables.planning import share_note, shot_plan_tables
+from armour.reporting.tables.planned_shots import share_note, shot_plan_tables
 from armour.statistics.v50 import Shots
 from tests.helpers.cases import scenario
 from tests.helpers.results import quantities

@@ -1,0 +1,224 @@
+"""Optimal design of experiments: which of n candidate tests to make, given the information that each gives.
+
+A test gives the information f f' of k parameters, f one of the rows (n, k).  The information M of several tests is the
+sum, with that of a base, from tests made before or a prior.  The criterion is least for the best set: for D the
+logarithm of 1 over the determinant of M, for I that of the mean of c' M^-1 c over the targets c, (t, k).
+"""
+
+from collections.abc import Sequence
+from math import exp, log
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import qr
+
+from armour.analysis.variants import Floats, Ints
+
+# Part of the greatest singular value, rows scaled alike, below which a direction is one that no row informs of; the
+# derivatives are accurate to a tenth of it.
+SINGULAR = 1e-3
+# Relative difference below which two sets are equally good; the first candidate is then chosen.
+TIE = 1e-9
+# Accuracy of the efficiency of the continuous design, and most steps towards it.
+GAP, MAX_STEPS = 1e-4, 20_000
+# Exchanges after which a search ends in any case; each makes the set better.
+MAX_EXCHANGES = 1000
+
+
+class Task(NamedTuple):
+    """What to choose from."""
+
+    base: Floats  # information that there is, (k, k)
+    rows: Floats  # of the candidates, (n, k)
+    costs: Floats  # (n,)
+    targets: Floats | None  # of criterion I, (t, k); None for D
+
+    def information(self, chosen: Sequence[int] | Ints) -> Floats:
+        """Return the information of a set of candidates with the base, (k, k)."""
+        rows = self.rows[np.asarray(chosen, dtype=int)]
+        found: Floats = self.base + rows.T @ rows
+        return found
+
+    def loss(self, information: Floats) -> Floats:
+        """Return the criterion of matrices, (..., k, k): less is better, inf where they are singular."""
+        sign, logarithm = np.linalg.slogdet(information)
+        regular = (sign > 0) & np.isfinite(logarithm)
+        if self.targets is None:
+            return np.where(regular, -logarithm, np.inf)
+        safe = np.where(regular[..., None, None], information, np.eye(information.shape[-1]))
+        variances = np.einsum("tk,...kl,tl->...", self.targets, np.linalg.inv(safe), self.targets) / len(self.targets)
+        with np.errstate(all="ignore"):
+            found: Floats = np.where(regular & (variances > 0.0), np.log(variances), np.inf)
+        return found
+
+    def sensitivities(self, information: Floats) -> Floats:
+        """Return how fast the criterion falls when information is added in the direction of each candidate, (n,)."""
+        inverse = np.linalg.inv(information)
+        if self.targets is None:
+            quadratic: Floats = np.einsum("nk,kl,nl->n", self.rows, inverse, self.rows)
+            return quadratic
+        seen = self.rows @ inverse @ self.targets.T
+        found: Floats = (seen**2).sum(axis=1) / np.einsum("tk,kl,tl->", self.targets, inverse, self.targets)
+        return found
+
+
+class Continuous(NamedTuple):
+    """The optimal distribution of a cost over the candidates."""
+
+    shares: Floats  # parts of the cost, (n,)
+    loss: float
+    gap: float  # the least loss is at most this much less, by the equivalence theorem
+
+
+def identified(base: Floats, rows: Floats) -> Floats:
+    """Return the directions, orthonormal columns (k, r), of which base and rows together inform."""
+    root = _root(base)
+    every = np.vstack([root, rows])
+    scale = np.linalg.norm(every, axis=0)
+    scaled = every / np.where(scale > 0.0, scale, 1.0)
+    _, values, directions = np.linalg.svd(scaled, full_matrices=False)
+    kept = directions[values > SINGULAR * values.max(initial=1e-300)] * scale
+    found: Floats = np.linalg.qr(kept.T)[0]
+    return found
+
+
+def _root(information: Floats) -> Floats:
+    """Return rows whose information is that of a matrix, (k, k)."""
+    values, vectors = np.linalg.eigh(information)
+    found: Floats = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
+    return found
+
+
+def missing(base: Floats, rows: Floats) -> int:
+    """Return how many candidates it takes at least to make a regular matrix of the base."""
+    return int(rows.shape[1]) - int(np.linalg.matrix_rank(_scaled(base, rows)[0], tol=SINGULAR))
+
+
+def _scaled(base: Floats, rows: Floats) -> tuple[Floats, Floats]:
+    """Return roots of the base and the rows in coordinates in which all of them together inform alike."""
+    root = _root(base)
+    every = np.vstack([root, rows])
+    triangle = np.linalg.qr(every, mode="r")
+    found = np.linalg.solve(np.asarray(triangle).T, every.T).T
+    # A base alone has lengths up to 1; one candidate of many has little of the whole.
+    longest = np.linalg.norm(found[len(root) :], axis=1).max()
+    return found[: len(root)] / max(longest, 1e-150), found[len(root) :] / max(longest, 1e-150)
+
+
+def best_set(task: Task, number: int) -> list[int]:
+    """Return a good set of candidates, repeats allowed, in the order in which they are best made.
+
+    The first tests, up to a regular matrix, are chosen together, each further one by its gain per cost; then
+    candidates are exchanged as long as the set becomes better and not dearer (Fedorov).
+    """
+    start = _sequence(task, np.arange(len(task.rows)), number)
+    if number < missing(task.base, task.rows):
+        return start
+    return ordered(task, _exchanged(task, start, float(task.costs[start].sum())))
+
+
+def ordered(task: Task, chosen: Sequence[int]) -> list[int]:
+    """Return a set in the order in which its tests are best made."""
+    return _sequence(task, np.array(sorted(chosen)), len(chosen), repeats=False)
+
+
+def _sequence(task: Task, allowed: Ints, number: int, *, repeats: bool = True) -> list[int]:
+    """Choose from the allowed candidates one after the other; without repeats each of them once."""
+    first = _first(task, np.unique(allowed))
+    found, left = first[:number], [*allowed.tolist()]
+    if not repeats:
+        for one in found:
+            left.remove(one)
+    while len(found) < number:
+        some = np.unique(left)
+        information = task.information(found)
+        rows = task.rows[some]
+        gains = task.loss(information) - task.loss(information + rows[:, :, None] * rows[:, None, :])
+        found.append(int(some[_first_best(-gains / task.costs[some])]))
+        if not repeats:
+            left.remove(found[-1])
+    return found
+
+
+def _first(task: Task, allowed: Ints) -> list[int]:
+    """Return as few candidates as make the matrix regular, those of the greatest determinant for their cost."""
+    rows = task.rows[allowed]
+    root, scaled = _scaled(task.base, rows)
+    needed = missing(task.base, rows)
+    if not needed:
+        return []
+    _, values, known = np.linalg.svd(root, full_matrices=False)
+    known = known[values > SINGULAR]
+    pivots = qr((scaled - scaled @ known.T @ known).T, mode="r", pivoting=True)[1]
+    # In these coordinates the determinant differs by a constant.
+    inner = Task(root.T @ root, scaled, task.costs[allowed], None)
+    start = [int(pivot) for pivot in pivots[:needed]]
+    return [int(allowed[one]) for one in ordered_by_length(inner, _exchanged(inner, start, None))]
+
+
+def ordered_by_length(task: Task, chosen: Sequence[int]) -> list[int]:
+    """Return candidates from the one that informs most for its cost on."""
+    lengths = (task.rows[chosen] ** 2).sum(axis=1) / task.costs[chosen]
+    return [chosen[one] for one in np.lexsort((chosen, -np.round(lengths / lengths.max(), 9)))]
+
+
+def _exchanged(task: Task, start: Sequence[int], cost: float | None) -> list[int]:
+    """Exchange one candidate at a time for the one that makes the set best, at most at a cost.
+
+    Without one, the determinant is compared for the same total cost.
+    """
+    found = [*start]
+    products = task.rows[:, :, None] * task.rows[:, None, :]
+    for _ in range(MAX_EXCHANGES):
+        information, total = task.information(found), float(task.costs[found].sum())
+        best, exchange = _worth(task, task.loss(information), np.array(total), cost), None
+        for one in dict.fromkeys(found):
+            losses = task.loss(information - products[one] + products)
+            losses = _worth(task, losses, total - task.costs[one] + task.costs, cost)
+            new = _first_best(losses)
+            if losses[new] < best - TIE * max(1.0, abs(float(best))):
+                best, exchange = losses[new], (one, new)
+        if exchange is None:
+            break
+        found[found.index(exchange[0])] = exchange[1]
+    return found
+
+
+def _worth(task: Task, losses: Floats, totals: Floats, cost: float | None) -> Floats:
+    """Return losses of sets; inf where they are too dear or, without a bound, for the same total cost."""
+    if cost is None:
+        losses, totals = losses + task.rows.shape[1] * np.log(totals), np.zeros_like(totals)
+    found: Floats = np.where(totals <= (cost or 0.0) * (1.0 + TIE), losses, np.inf)
+    return found
+
+
+def _first_best(losses: Floats) -> int:
+    """Return the first of the least losses."""
+    least = float(losses.min())
+    return int(np.flatnonzero(losses <= least + TIE * max(1.0, abs(least)))[0]) if np.isfinite(least) else 0
+
+
+def continuous(task: Task, cost: float) -> Continuous:
+    """Distribute a cost over the candidates by multiplicative steps, each of which makes the distribution better."""
+    rows = task.rows * np.sqrt(cost / task.costs)[:, None]
+    whole = task._replace(rows=rows)
+    shares = np.full(len(rows), 1.0 / len(rows))
+    power = 1.0 if task.targets is None else 0.5
+    for step in range(MAX_STEPS):
+        information = task.base + (rows * shares[:, None]).T @ rows
+        slopes = whole.sensitivities(information)
+        mean = float(shares @ slopes)
+        gap = float(slopes.max()) - mean
+        if gap < GAP or step == MAX_STEPS - 1:
+            break
+        shares = shares * slopes**power
+        shares /= shares.sum()
+    # The logarithm of the variance is no convex function: the bound is that of the variance.
+    bound = gap if task.targets is None else -log(max(1.0 - gap, 1e-300))
+    return Continuous(shares, float(task.loss(information)), bound)
+
+
+def efficiency(task: Task, chosen: Sequence[int], best: Continuous) -> float:
+    """Return the efficiency of a set, 0 to 1: at least this part of the tests would do if they were optimal."""
+    worse = float(task.loss(task.information(chosen))) - (best.loss - best.gap)
+    return min(exp(-worse / (task.rows.shape[1] if task.targets is None else 1)), 1.0)

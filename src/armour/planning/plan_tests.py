@@ -1,0 +1,559 @@
+"""Plans of tests: which armours to test next, so that fitted inputs or the limit of a design become most certain."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from math import isfinite, nan, sqrt
+from os import PathLike
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from scipy.optimize import approx_fprime
+from scipy.stats import norm, t
+
+from armour.analysis.estimates import CONFIDENCE
+from armour.analysis.evaluate import check_keys, scenarios_of
+from armour.analysis.results import TableResult, by_column
+from armour.analysis.variants import Floats, Ints, OnProgress, ignore_progress
+from armour.errors import MAX_PROBLEMS, InputError, Problem, choices, refuse
+from armour.planning import optimal_design
+from armour.planning.optimal_design import Task
+from armour.scenario.assignments import canonical
+from armour.scenario.loading import Scenario
+from armour.scenario.parameters import INPUTS, NAMES, VELOCITY, check_names, name_of
+from armour.statistics.calibration import under_law
+from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, law_of
+from armour.statistics.likelihood_fit import (
+    DIFFERENCE,
+    Fit,
+    Likelihood,
+    enough,
+    fit_inputs,
+    hazard,
+    likelihood_of,
+    needed_of,
+    rows_at,
+)
+from armour.statistics.test_data import LIMIT, MEASURED, MaterialGroup, Measurement, Tests
+from armour.sweeps.cases import Cases, Grid
+from armour.sweeps.columns import Values, source_of
+
+# Column of the cost of a candidate.
+COST = "cost"
+MAX_CANDIDATES, MAX_NUMBER = 10_000, 200
+# Range of the scatter, %, and of costs.
+MIN_SCATTER_PERCENT, MAX_SCATTER_PERCENT = 0.01, 50.0
+MAX_COST = 1e12
+# Information of a relative change of an input below which a test tells nothing: a standard deviation of a million.
+NOTHING = 1e-12
+# Part of a vector that may lie outside of the directions of which tests inform.
+OUTSIDE = 1e-2
+
+Criterion = Literal["D", "I"]
+Measure = Literal["limit", "outcome"]
+Candidates = Mapping[str, Values] | str | PathLike[str] | Grid | Cases
+
+
+@dataclass(frozen=True)
+class PlannedTest:
+    """A planned test, and what is known once it has been made.
+
+    Attributes
+    ----------
+    number : int
+        1 for the first; 0 for what is known before.
+    inputs : dict of str to float or str
+        Its armour, and velocity where the outcome is measured, by key of the scenario.
+    ballistic_limit_m_s : float or None
+        By the model, m/s.
+    cost, total_cost : float or None
+        Of this test, and of all up to it; None without costs.
+    half_widths : dict of str to float or None
+        Expected half-width of the interval of each fitted input, in its unit; None where the tests do not give one.
+    limit_half_widths_m_s : tuple of float or None
+        The same of the ballistic limit of each design, m/s.
+    """
+
+    number: int
+    inputs: dict[str, float | str]
+    ballistic_limit_m_s: float | None
+    cost: float | None
+    total_cost: float | None
+    half_widths: dict[str, float | None]
+    limit_half_widths_m_s: tuple[float | None, ...]
+
+
+@dataclass(frozen=True, repr=False)
+class PlannedTests(TableResult):
+    """Tests to make next, in their order.
+
+    Attributes
+    ----------
+    planned : tuple of PlannedTest
+        Number 0, what is known before, comes first.
+    criterion : {"D", "I"}
+    measure : {"limit", "outcome"}
+    law : str
+        Law of the ceramic's flow stress; empty where the flow stress is not fitted.
+    values : dict of str to float
+        Fitted inputs, at whose values the tests are planned.
+    tests : str
+        File of the tests made before; empty without any.
+    scatter_percent : float
+        Standard deviation of a test, % of the ballistic limit.
+    scatter_known : bool
+        Whether it is given; else it is estimated from the tests, which widens the intervals.
+    designs : tuple of str
+        Files of the designs in question.
+    design_limits_m_s : tuple of float
+        Their ballistic limits, m/s.
+    efficiency : float or None
+        Of these tests compared with the best distribution of the same cost over the candidates, 0 to 1, at least; None
+        where they do not determine the inputs.
+    not_identified : tuple of str
+        Fitted inputs that all candidates together do not determine.
+    candidates : dict of str to tuple
+        Inputs of the candidates, by key of the scenario.
+    sensitivities : tuple of float
+        Gain for its cost of one more test of each candidate, after the planned ones, over their mean; empty where these
+        do not determine the inputs.
+    confidence : float
+        Confidence level of the intervals.
+    warnings : tuple of str
+    """
+
+    planned: tuple[PlannedTest, ...]
+    criterion: Criterion
+    measure: Measure
+    law: str
+    values: dict[str, float]
+    tests: str
+    scatter_percent: float
+    scatter_known: bool
+    designs: tuple[str, ...]
+    design_limits_m_s: tuple[float, ...]
+    efficiency: float | None
+    not_identified: tuple[str, ...]
+    candidates: dict[str, tuple[float | str, ...]]
+    sensitivities: tuple[float, ...]
+    confidence: float
+    warnings: tuple[str, ...]
+
+    def _words(self) -> str:
+        least = "" if self.efficiency is None else f", {self.criterion}-efficiency {self.efficiency:.3f}"
+        return f"{len(self.planned) - 1} tests of {len(self.sensitivities)} candidates{least}"
+
+    def _columns(self) -> Mapping[str, Any]:
+        return by_column(
+            {
+                "number": test.number,
+                **test.inputs,
+                "ballistic_limit_m_s": test.ballistic_limit_m_s,
+                "total_cost": test.total_cost,
+                **{f"half-width of {name}": value for name, value in test.half_widths.items()},
+                **{
+                    f"half-width of the limit of {name}, m/s": value
+                    for name, value in zip(self.designs, test.limit_half_widths_m_s, strict=True)
+                },
+            }
+            for test in self.planned[1:]
+        )
+
+
+def plan_tests(
+    scenario: Scenario,
+    candidates: Candidates,
+    fit: Sequence[str] = (FLOW_STRESS,),
+    law: Law | None = None,
+    *,
+    number: int = 4,
+    tests: Tests | None = None,
+    criterion: Criterion = "D",
+    designs: Sequence[Scenario] = (),
+    measure: Measure = "limit",
+    scatter_percent: float | None = None,
+    cost: float | None = None,
+    prior: bool = False,
+    on_progress: OnProgress = ignore_progress,
+) -> PlannedTests:
+    """Choose the tests that make fitted inputs, or the ballistic limit of designs, most certain.
+
+    The information that a test gives is that of the likelihood of `armour.calibrate`, linearised at the fit to the
+    tests made before or else at the scenario's values.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Inputs that the tests have in common.
+    candidates : mapping of str to values, or path-like
+        Armours that can be tested, as for `armour.sweep`: every combination of values, or a CSV file.  Its column
+        ``cost`` is the cost of a target.
+    fit : sequence of str
+        Names of the inputs to determine.
+    law : {"constant", "ceramic", "backing", "product", "linear"}, optional
+        Law of the ceramic's flow stress, whose coefficients are determined too, see `armour.calibrate`.
+    number : int, default 4
+        Number of tests to plan, 1 to 200.  A candidate may be tested several times.
+    tests : Tests, optional
+        Tests made before.
+    criterion : {"D", "I"}
+        "D" makes the confidence region of the inputs smallest, "I" the mean variance of the limits of the designs.
+    designs : sequence of Scenario, optional
+        Designs in question; by default the scenario's own armour.
+    measure : {"limit", "outcome"}
+        What a test measures: the ballistic limit, or whether one shot at ``impact.velocity_m_s`` perforates.
+    scatter_percent : float, optional
+        Standard deviation of a test, % of the ballistic limit, 0.01 to 50; by default that of the tests made before.
+    cost : float, optional
+        Cost of a test beside that of its target.
+    prior : bool, default False
+        Whether the scenario's distributions of the fitted inputs count.
+    on_progress : callable, optional
+        Called with the number of armours computed since the last call, and None.
+
+    Returns
+    -------
+    PlannedTests
+
+    Raises
+    ------
+    InputError
+        If a setting is out of its range, a candidate is no valid armour or has no ballistic limit in the range of the
+        search, the candidates tell nothing of the inputs, or the scatter is not known.
+    """
+    _check_settings(number, criterion, measure, scatter_percent, cost, law, fit, scenario)
+    rows, costs = _candidates(scenario, candidates, measure, cost)
+    if tests is not None and scatter_percent is not None and not tests.weighted:
+        tests = weighted_by(tests, scatter_percent / 100.0)
+    designs = designs or (scenario,)
+    _check_materials([(design.file, design) for design in designs], rows.groups[0].scenario, fit)
+    all_rows = _with_designs(rows, designs)
+    all_rows, under, names = under_law(all_rows, scenario, fit, law)
+    likelihood = likelihood_of(all_rows, under, names, on_progress, prior=prior)
+    known = _knowledge(tests, likelihood, scenario, fit, law, scatter_percent, prior=prior, on_progress=on_progress)
+    likelihood, gradients, limits = _gradients(likelihood, known.x, len(rows.names))
+    count = len(rows.names)
+    informing = gradients[:count] / known.scatter
+    if measure == "outcome":
+        velocities = np.concatenate([group.column(VELOCITY) for group in rows.groups])
+        velocities = velocities[np.argsort(np.concatenate([group.where for group in rows.groups]), kind="stable")]
+        z = (velocities - limits[:count]) / (known.scatter * limits[:count])
+        informing *= np.sqrt(hazard(z) * hazard(-z))[:, None]
+    if (informing**2).sum(axis=1).max() < NOTHING:
+        message = f"must tell something of {', '.join(names)}, found none that does"
+        raise InputError([Problem(rows.file, "", message)])
+    basis = optimal_design.identified(known.base, informing)
+    found = _Chosen(basis, known, gradients[count:] * limits[count:, None], likelihood)
+    task = Task(
+        base=basis.T @ known.base @ basis,
+        rows=informing @ basis,
+        costs=np.ones(count) if costs is None else costs,
+        targets=found.targets if criterion == "I" else None,
+    )
+    if criterion == "I" and np.isnan(found.targets).any():
+        message = 'must not be "I": the candidates do not determine the limit of a design'
+        raise InputError([Problem("plan_tests", "criterion", message)])
+    chosen = optimal_design.best_set(task, number)
+    total = float(task.costs[chosen].sum())
+    regular = not optimal_design.missing(task.information(chosen), task.rows)
+    slopes = task.sensitivities(task.information(chosen)) / task.costs if regular else np.empty(0)
+    best = optimal_design.continuous(task, total) if regular else None
+    lacking = found.not_identified()
+    return PlannedTests(
+        planned=tuple(found.steps(task, chosen, rows, limits, costs, grows=measure == "limit")),
+        criterion=criterion,
+        measure=measure,
+        law=law or (law_of(all_rows.groups[0].scenario) if FLOW_STRESS in names else ""),
+        values=dict(zip(names, (known.x * likelihood.units).tolist(), strict=True)),
+        tests="" if tests is None else tests.file,
+        scatter_percent=100.0 * known.scatter,
+        scatter_known=known.freedom is None,
+        designs=tuple(design.file for design in designs),
+        design_limits_m_s=tuple(limits[count:].tolist()),
+        efficiency=None if best is None else optimal_design.efficiency(task, chosen, best),
+        not_identified=lacking,
+        candidates={key: tuple(cell[key] for cell in rows.cells) for key in rows.cells[0]},
+        sensitivities=tuple((slopes / (slopes[chosen] @ task.costs[chosen] / total)).tolist() if regular else ()),
+        confidence=CONFIDENCE,
+        warnings=(*known.warnings, *_warnings(lacking, number, task)),
+    )
+
+
+def _check_settings(
+    number: int,
+    criterion: str,
+    measure: str,
+    scatter_percent: float | None,
+    cost: float | None,
+    law: str | None,
+    fit: Sequence[str],
+    scenario: Scenario,
+) -> None:
+    """Check the settings of a plan, all at once."""
+    problems = []
+    for key, value, allowed in (("criterion", criterion, ("D", "I")), ("measure", measure, ("limit", "outcome"))):
+        if value not in allowed:
+            problems.append((key, f'must be {" or ".join(allowed)}, found "{value}"'))
+    if not 1 <= number <= MAX_NUMBER:
+        problems.append(("number", f"must be at least 1 and at most {MAX_NUMBER}, found {number}"))
+    low, high = MIN_SCATTER_PERCENT, MAX_SCATTER_PERCENT
+    if scatter_percent is not None and not low <= scatter_percent <= high:
+        problems.append(
+            ("scatter_percent", f"must be at least {low:g} and at most {high:g}, found {scatter_percent:g}")
+        )
+    if cost is not None and not 0.0 < cost <= MAX_COST:
+        problems.append(("cost", f"must be greater than 0 and at most {MAX_COST:g}, found {cost:g}"))
+    if not fit:
+        problems.append(("fit", "must name at least one input"))
+    if law is not None and law not in LAWS:
+        problems.append(("law", f'must be a law, found "{law}"{choices(law, [*LAWS])}'))
+    elif law is not None and FLOW_STRESS not in fit:
+        problems.append(("law", f"must not be given where {FLOW_STRESS} is not fitted"))
+    refuse(Problem("plan_tests", key, message) for key, message in problems)
+    check_names([name for name in fit if law is None or name == FLOW_STRESS], scenario, scenario.file, "--fit")
+
+
+@contextmanager
+def of_candidates() -> Iterator[None]:
+    """Name the values of a sweep, in the messages on them, candidates."""
+    try:
+        yield
+    except InputError as error:
+        problems = (
+            problem._replace(file="candidates", key=problem.key.removeprefix("over").strip())
+            if problem.file == "sweep"
+            else problem
+            for problem in error.problems
+        )
+        raise InputError(tuple(problems)) from None
+
+
+def _candidates(
+    scenario: Scenario, candidates: Candidates, measure: Measure, cost: float | None
+) -> tuple[Tests, Floats | None]:
+    """Return the candidates as tests that measure the limit, and their costs, (n,); None without costs."""
+    with of_candidates():
+        source = candidates if isinstance(candidates, Grid | Cases) else source_of(candidates)
+    file = str(source.path) if isinstance(source, Cases) else "candidates"
+    if source.count > MAX_CANDIDATES:
+        message = f"must be at most {MAX_CANDIDATES:,} candidates, found {source.count:,}"
+        raise InputError([Problem(file, "", message)])
+    [columns] = source.chunks(source.count)
+    count = source.count
+    costs = columns.pop(COST, None)
+    columns = dict(zip(canonical(columns, file), columns.values(), strict=True))
+    allowed = (*INPUTS, *NAMES.values())
+    unknown = [key for key in columns if key not in allowed]
+    refuse(Problem(file, key, f"must be an input or a name that a test has{choices(key, allowed)}") for key in unknown)
+    if not columns:
+        raise InputError([Problem(file, "", "must have at least one key of an armour")])
+    if measure == "limit" and VELOCITY in columns:
+        message = "must not be given where the ballistic limit is measured; --measure outcome for shots at a velocity"
+        raise InputError([Problem(file, VELOCITY, message)])
+    quantity = "outcome" if measure == "outcome" else LIMIT
+    check_keys(scenario, {key: values[0].item() for key, values in columns.items()}, (quantity,), file)
+    if costs is not None:
+        wrong = np.flatnonzero(~((costs > 0.0) & (costs <= MAX_COST)))[:MAX_PROBLEMS]
+        message = f"must be greater than 0 and at most {MAX_COST:g}, found"
+        refuse(source.place(0, int(row), Problem(file, COST, f"{message} {costs[row]:g}")) for row in wrong)
+    if measure == "outcome" and VELOCITY not in columns:
+        columns[VELOCITY] = np.full(count, scenario.impact.velocity_m_s)
+    cells = tuple({key: values[i].item() for key, values in columns.items()} for i in range(count))
+    inputs = [key for key in columns if key in INPUTS]
+    with of_candidates():
+        groups = tuple(
+            MaterialGroup(made, where, {key: columns[key][where] for key in inputs})
+            for where, made in scenarios_of(scenario, columns, lambda row, problem: source.place(0, row, problem))
+        )
+    places = tuple(source.place(0, row, Problem(file, "", "")).key.removeprefix("over ") for row in range(count))
+    measured = tuple(Measurement(row, LIMIT, 1.0, None, 0) for row in range(count))
+    if costs is not None or cost is not None:
+        costs = (0.0 if costs is None else costs) + np.full(count, cost or 0.0)
+    return Tests(file, places, groups, measured, False, cells), costs
+
+
+def _with_designs(rows: Tests, designs: Sequence[Scenario]) -> Tests:
+    """Return candidates with the designs below them."""
+    count = len(rows.names)
+    groups = [MaterialGroup(design, np.array([count + i]), {}) for i, design in enumerate(designs)]
+    return rows._replace(
+        names=(*rows.names, *(design.file for design in designs)),
+        groups=(*rows.groups, *groups),
+        measurements=tuple(Measurement(row, LIMIT, 1.0, None, 0) for row in range(count + len(designs))),
+    )
+
+
+def weighted_by(tests: Tests, scatter: float) -> Tests:
+    """Return tests whose measurements have this relative uncertainty."""
+    measurements = tuple(m._replace(uncertainty=scatter * m.value) for m in tests.measurements)
+    cells = [dict(cell) for cell in tests.cells]
+    for m in measurements:
+        cells[m.test][MEASURED[m.quantity]] = scatter * m.value
+    return tests._replace(measurements=measurements, weighted=True, cells=tuple(cells))
+
+
+class _Knowledge(NamedTuple):
+    """What is known before the planned tests."""
+
+    x: Floats  # inputs in their units, (k,)
+    base: Floats  # information of the inputs, (k, k)
+    scatter: float  # of a test, relative
+    freedom: float | None  # degrees of freedom of the scatter; None where it is given
+    warnings: tuple[str, ...]
+
+
+def _knowledge(
+    tests: Tests | None,
+    likelihood: Likelihood,
+    scenario: Scenario,
+    inputs: Sequence[str],
+    law: Law | None,
+    scatter_percent: float | None,
+    *,
+    prior: bool,
+    on_progress: OnProgress,
+) -> _Knowledge:
+    """Return what tests made before and the prior tell of the inputs, and how tests scatter."""
+    scatter = None if scatter_percent is None else scatter_percent / 100.0
+    message = "is missing and must be given: too few tests tell how measurements scatter"
+    missing = InputError([Problem("plan_tests", "scatter_percent", message)])
+    if tests is not None:
+        tests, scenario, names = under_law(tests, scenario, inputs, law)
+        made = [(tests.file, group.scenario) for group in tests.groups[:1]]
+        _check_materials(made, likelihood.tests.groups[0].scenario, names)
+        of_tests = likelihood_of(tests, scenario, names, on_progress, prior=prior)
+        if enough(tests, of_tests.kept, needed_of(of_tests)):
+            fit = fit_inputs(tests, scenario, names, on_progress, prior=prior)
+            scatter = scatter or (_given_scatter(tests) if tests.weighted else fit.spread)
+            if scatter is None:
+                raise missing
+            return _fitted(fit, scatter)
+        scatter = scatter or _given_scatter(tests)
+    if scatter is None:
+        raise missing
+    own = np.array([likelihood.tests.groups[0].column(name)[0] for name in likelihood.names])
+    x = likelihood.prior.centred(own / likelihood.units)
+    base = likelihood.prior.rows(x).T @ likelihood.prior.rows(x)
+    warnings = ["the plan is best near the values of the inputs that it is made for, which no tests determine"]
+    if tests is not None:
+        rows = rows_at(of_tests, x, 1.0)[1]
+        base, warnings = base + rows.T @ rows, [f"{warnings[0]}: too few for a fit"]
+    return _Knowledge(x, base, scatter, None, tuple(warnings))
+
+
+def _fitted(fit: Fit, scatter: float) -> _Knowledge:
+    """Return what a fit tells."""
+    tests, rows = fit.likelihood.tests, fit.rows.copy()
+    rows[: len(tests.measurements)] *= fit.best.scatter / fit.spread
+    rows /= fit.widened_by
+    warnings = []
+    if fit.widened_by > 1.0:
+        warnings.append(
+            f"the tests in {tests.file} deviate more than their scatter explains, p = {fit.p_value:.2g}; "
+            f"what they tell is less by a factor of {fit.widened_by:.2f}"
+        )
+    if ((fit.best.x <= fit.likelihood.lower) | (fit.best.x >= fit.likelihood.upper)).any():
+        warnings.append("the fit to the tests ends at the end of the range of its search")
+    freedom = fit.degrees_of_freedom if fit.likelihood.scatters else None
+    return _Knowledge(fit.best.x, rows.T @ rows, scatter, freedom, tuple(warnings))
+
+
+def _given_scatter(tests: Tests) -> float | None:
+    """Return the root mean square of the relative uncertainties of limits and outcomes; None without any."""
+    found = [m.uncertainty / m.value for m in tests.measurements if m.quantity == LIMIT and m.uncertainty]
+    return sqrt(sum(part**2 for part in found) / len(found)) if found else None
+
+
+def _check_materials(found: Sequence[tuple[str, Scenario]], first: Scenario, names: Sequence[str]) -> None:
+    """Check that scenarios, of files, have the materials whose properties are fitted."""
+    refuse(
+        Problem(file, key, f"must be that of the candidates, {name_of(first, role)}, as it is fitted, found {name}")
+        for role, key in NAMES.items()
+        if any(fitted.startswith(f"{role}.") for fitted in names)
+        for file, scenario in found
+        if (name := name_of(scenario, role)) != name_of(first, role)
+    )
+
+
+def _gradients(likelihood: Likelihood, x: Floats, count: int) -> tuple[Likelihood, Floats, Floats]:
+    """Return relative gradients, (n, k), of the limits of candidates and designs, and the limits, m/s, (n,)."""
+    tests = likelihood.tests
+    limits = likelihood.predicted(x)
+    problems = []
+    for group in tests.groups:
+        section = group.scenario.ballistic_limit
+        for row in group.where[_outside(limits[group.where], section.velocity_min_m_s, section.velocity_max_m_s)]:
+            must = f"must have a ballistic limit between {section.velocity_min_m_s:g} and {section.velocity_max_m_s:g}"
+            file, key = (tests.file, tests.names[row]) if row < count else (tests.names[row], "")
+            problems.append(Problem(file, key, f"{must} m/s, the range of the search, found none"))
+    refuse(problems)
+    measured = tuple(m._replace(value=float(limits[m.test])) for m in tests.measurements)
+    scaled = likelihood._replace(tests=tests._replace(measurements=measured))
+    found = approx_fprime(x, scaled.deviations, DIFFERENCE).reshape(len(limits), len(x))
+    return scaled, found, limits
+
+
+def _outside(limits: Floats, low: float, high: float) -> Ints:
+    return np.flatnonzero(~((limits > low) & (limits < high)))
+
+
+class _Chosen:
+    """Expected half-widths after some of the chosen tests."""
+
+    def __init__(self, basis: Floats, known: _Knowledge, gradients: Floats, likelihood: Likelihood) -> None:
+        self.basis, self.known, self.names, self.units = basis, known, likelihood.names, likelihood.units
+        self.inputs = self._seen(np.eye(len(basis)))
+        self.targets = self._seen(gradients)  # m/s, (designs, r); NaN where not determined
+
+    def _seen(self, vectors: Floats) -> Floats:
+        """Return vectors, (m, k), in the directions that the tests determine; NaN for those outside of these."""
+        found: Floats = vectors @ self.basis
+        outside = np.linalg.norm(vectors - found @ self.basis.T, axis=1) > OUTSIDE * np.linalg.norm(vectors, axis=1)
+        found[outside] = nan
+        return found
+
+    def not_identified(self) -> tuple[str, ...]:
+        """Return the inputs that all candidates do not determine."""
+        return tuple(name for name, row in zip(self.names, self.inputs, strict=True) if np.isnan(row).any())
+
+    def steps(
+        self, task: Task, chosen: Sequence[int], rows: Tests, limits: Floats, costs: Floats | None, *, grows: bool
+    ) -> Iterator[PlannedTest]:
+        """Yield what is known before the tests and after each."""
+        total = 0.0
+        for number in range(len(chosen) + 1):
+            made = chosen[:number]
+            information = task.information(made)
+            last = made[-1] if made else None
+            total += 0.0 if costs is None or last is None else float(costs[last])
+            factor = self._factor(number if grows else 0)
+            if factor is None or optimal_design.missing(information, task.rows):
+                halves: list[float | None] = [None] * (len(self.inputs) + len(self.targets))
+            else:
+                every = np.vstack([self.inputs * self.units[:, None], self.targets])
+                variances = np.einsum("mr,rs,ms->m", every, np.linalg.inv(information), every)
+                halves = [factor * sqrt(value) if isfinite(value) else None for value in variances.tolist()]
+            yield PlannedTest(
+                number=number,
+                inputs=dict.fromkeys(rows.cells[0], "") if last is None else dict(rows.cells[last]),
+                ballistic_limit_m_s=None if last is None else float(limits[last]),
+                cost=None if costs is None or last is None else float(costs[last]),
+                total_cost=None if costs is None else total,
+                half_widths=dict(zip(self.names, halves[: len(self.names)], strict=True)),
+                limit_half_widths_m_s=tuple(halves[len(self.names) :]),
+            )
+
+    def _factor(self, more: int) -> float | None:
+        """Return the half-width of an interval over the standard error, given the number of further limits."""
+        tail = 0.5 * (1.0 + CONFIDENCE)
+        if self.known.freedom is None:
+            return float(norm.ppf(tail))
+        return float(t.ppf(tail, self.known.freedom + more))
+
+
+def _warnings(lacking: Sequence[str], number: int, task: Task) -> Iterable[str]:
+    """Give what the candidates do not determine."""
+    if lacking:
+        yield f"the candidates do not determine {', '.join(lacking)}: their limits depend on the inputs alike"
+    if number < (needed := optimal_design.missing(task.base, task.rows)):
+        yield f"{number} tests do not determine the inputs; at least {needed} do"

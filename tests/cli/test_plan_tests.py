@@ -1,0 +1,69 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from armour.statistics.test_data import read_tests
+from tests.helpers.cases import SCENARIOS, shipped_scenario
+
+WILKINS = SCENARIOS / "wilkins.toml"
+TESTS = SCENARIOS / "tests" / "wilkins.csv"
+GRID = ("--candidates", "armour.ceramic_thickness_mm=6:10:2", "--candidates", "armour.backing_thickness_mm=4,8")
+PLAN = ("plan", "tests", WILKINS, *GRID, "--number", "2")
+
+
+def test_a_plan_a_form_and_a_plot(cli, folder: Path):
+    result = cli(*PLAN, "--scatter-percent", "3", "--csv", "next.csv", "--plot", "next.svg")
+    assert result.exit_code == 0, result.output
+    assert "± limit of the design, m/s" in result.stdout
+    assert "no tests determine" in result.stderr
+    form = (folder / "next.csv").read_text()
+    assert form.splitlines()[0].endswith("ballistic_limit_m_s,ballistic_limit_uncertainty_m_s")
+    assert "relative gain of one more test" in (folder / "next.svg").read_text()
+    (folder / "next.csv").write_text(form.replace(",,", ",760,"))
+    assert len(read_tests("next.csv", shipped_scenario("wilkins")).measurements) == 2
+    fitted = cli("calibrate", "next.csv", WILKINS)
+    assert fitted.exit_code == 0, fitted.output
+
+
+def test_the_form_has_the_tests_made_before(cli, folder: Path):
+    result = cli(*PLAN, "--tests", TESTS, "--csv", "next.csv", "--json")
+    data = json.loads(result.stdout)
+    assert (data["tests"], data["scatter_known"], len(data["planned"])) == (str(TESTS), False, 3)
+    lines = (folder / "next.csv").read_text().splitlines()
+    assert (lines[1], len(lines)) == ("line 2,5.8,7.24,735.0", 16)
+    assert lines[-1].startswith("planned 2,")
+
+
+def test_candidates_of_a_file_and_designs(cli, folder: Path):
+    (folder / "c.csv").write_text("armour.ceramic_thickness_mm,cost\n8,100\n10,120\n")
+    optimum = "paper/optimum_7.62mm_AP"
+    words = ("plan", "tests", WILKINS, "--candidates", "c.csv", "--design", WILKINS, "--design", optimum)
+    result = cli(*words, "--scatter-percent", "3", "--criterion", "I", "--plot", "gain.svg")
+    assert result.exit_code == 0, result.output
+    assert "± limit of" in result.stdout
+    assert "total cost" in result.stdout
+
+
+def test_outcomes(cli, folder: Path):
+    words = ("plan", "tests", WILKINS, "--candidates", "impact.velocity_m_s=600:800:50", "--measure", "outcome")
+    result = cli(*words, "--scatter-percent", "3", "--csv", "next.csv")
+    assert result.exit_code == 0, result.output
+    assert (folder / "next.csv").read_text().startswith("test,impact.velocity_m_s,outcome,ballistic_limit_unc")
+
+
+@pytest.mark.usefixtures("folder")
+def test_wrong_input(cli):
+    base = ("plan", "tests", WILKINS, "--scatter-percent", "3")
+    assert cli.fails(2, *base) == ["command line: --candidates: is missing and must be given"]
+    assert "must be KEY=MIN:MAX:STEP" in cli.fails(2, *base, "--candidates", "armour.ceramic_thickness_mm=a")[0]
+    assert "must be one CSV file" in cli.fails(2, *base, *GRID, "--candidates", "c.csv")[0]
+    assert cli.fails(2, *base, "--candidates", "c.csv")[0].startswith("c.csv: cannot be read")
+    wrong = cli.fails(2, *base, "--candidates", "armour.ceramic_thickness_mm=400")[0]
+    assert "candidates: armour.ceramic_thickness_mm=400: must have a ballistic limit between" in wrong
+
+
+def test_a_calibration_with_a_prior(cli):
+    result = cli("calibrate", "unknown_ceramic.csv", "unknown_ceramic", "--prior", "--json")
+    [found] = json.loads(result.stdout)["coefficients"]
+    assert 0.0 < found["prior_share"] < 0.1

@@ -1,0 +1,174 @@
+"""Plans of tests of Wilkins' armour."""
+
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.errors import InputError
+from armour.planning.plan_tests import PlannedTests, plan_tests
+from armour.scenario.loading import Scenario
+from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, with_inputs
+from armour.statistics.calibration import calibrate
+from armour.statistics.flow_stress_laws import FLOW_STRESS
+from armour.statistics.test_data import read_tests
+from tests.helpers.cases import TESTS, csv_file, shipped_scenario
+
+GRID = {CERAMIC: [5.0, 8.0, 11.0], BACKING: [4.0, 6.0, 8.0]}
+
+
+@pytest.fixture(scope="module")
+def wilkins() -> Scenario:
+    return shipped_scenario("wilkins")
+
+
+def chosen(result: PlannedTests) -> list[tuple[float | str, ...]]:
+    return [tuple(step.inputs.values()) for step in result.planned[1:]]
+
+
+def limit(scenario: Scenario, **inputs: float) -> float:
+    names = {"c": CERAMIC, "b": BACKING, "y": FLOW_STRESS}
+    changed = with_inputs(scenario, {names[name]: value for name, value in inputs.items()})
+    return ballistic_limit(changed.replaced({"ballistic_limit.tolerance_m_s": 1e-7})).ballistic_limit_m_s
+
+
+def test_the_flow_stress_is_determined_by_the_greatest_relative_gradient(wilkins: Scenario):
+    result = plan_tests(wilkins, GRID, number=3, scatter_percent=3.0)
+    slopes = {
+        (c, b): (limit(wilkins, c=c, b=b, y=5.2 * (1 + 1e-4)) / limit(wilkins, c=c, b=b) - 1.0) / 1e-4
+        for c in GRID[CERAMIC]
+        for b in GRID[BACKING]
+    }
+    best = max(slopes, key=lambda armour: slopes[armour])
+    assert chosen(result) == [best] * 3
+    assert result.efficiency == pytest.approx(1.0, abs=1e-3)
+    halves = [step.half_widths[FLOW_STRESS] for step in result.planned]
+    first = 1.959964 * 0.03 * 5.2 / slopes[best]
+    assert halves == [None, *(pytest.approx(first / np.sqrt(n), rel=1e-4) for n in (1, 2, 3))]
+    own = (limit(wilkins, y=5.2 * (1 + 1e-4)) - limit(wilkins)) / 5.2e-4
+    assert result.planned[1].limit_half_widths_m_s[0] == pytest.approx(own * first, rel=1e-3)
+    assert any("no tests determine" in warning for warning in result.warnings)
+
+
+def test_a_law_needs_different_armours(wilkins: Scenario):
+    result = plan_tests(wilkins, GRID, law="linear", number=4, scatter_percent=3.0)
+    assert len(set(chosen(result))) >= 3
+    assert list(result.values.values()) == pytest.approx([5.2, 0.0, 0.0])
+    assert [all(step.half_widths.values()) for step in result.planned] == [False, False, False, True, True]
+    few = plan_tests(wilkins, GRID, law="linear", number=2, scatter_percent=3.0)
+    assert (few.efficiency, few.sensitivities) == (None, ())
+    assert few.warnings[-1] == "2 tests do not determine the inputs; at least 3 do"
+
+
+def test_candidates_that_do_not_tell_a_law(wilkins: Scenario):
+    result = plan_tests(wilkins, {BACKING: [6.35], CERAMIC: [5.0, 7.0]}, law="backing", number=2, scatter_percent=3.0)
+    assert result.not_identified == (FLOW_STRESS, "ceramic.flow_stress_backing_exponent")
+    assert any("do not determine" in warning for warning in result.warnings)
+    assert result.planned[-1].half_widths == dict.fromkeys(result.values)
+    # The design has the same back plate, so that its limit is determined.
+    assert isfinite(result.planned[1].limit_half_widths_m_s[0] or np.nan)
+
+
+def test_tests_made_before(wilkins: Scenario):
+    """What is expected without further tests is what the calibration finds, its scatter and its estimate."""
+    read = read_tests(TESTS, wilkins)
+    fitted = calibrate(read, wilkins)
+    [coefficient] = fitted.coefficients
+    result = plan_tests(wilkins, GRID, tests=read, number=2)
+    assert result.values[FLOW_STRESS] == pytest.approx(coefficient.estimate)
+    assert not result.scatter_known
+    assert result.planned[0].half_widths[FLOW_STRESS] == pytest.approx(
+        2.178813 * (coefficient.standard_error or 0.0), rel=1e-4
+    )
+    halves = [step.half_widths[FLOW_STRESS] or 0.0 for step in result.planned]
+    assert halves == sorted(halves, reverse=True)
+
+
+def test_a_prior_counts(wilkins: Scenario):
+    prior = {"distribution": "normal", "standard_deviation_percent": 5.0}
+    known = wilkins.replaced({"uncertainty": {"ceramic": {"flow_stress_GPa": prior}}})
+    result = plan_tests(known, GRID, number=1, scatter_percent=3.0, prior=True)
+    before, after = (step.half_widths[FLOW_STRESS] or 0.0 for step in result.planned)
+    assert before == pytest.approx(1.959964 * 0.26)
+    alone = plan_tests(wilkins, GRID, number=1, scatter_percent=3.0).planned[1].half_widths[FLOW_STRESS] or 0.0
+    assert after**-2 == pytest.approx(before**-2 + alone**-2)
+
+
+def test_an_outcome_tells_most_near_the_limit(wilkins: Scenario):
+    shots = {VELOCITY: np.arange(600.0, 900.0, 5.0)}
+    result = plan_tests(wilkins, shots, number=1, scatter_percent=3.0, measure="outcome")
+    assert abs(chosen(result)[0][0] - limit(wilkins)) <= 5.0  # type: ignore[operator]
+    exact = plan_tests(wilkins, {CERAMIC: [6.35]}, number=1, scatter_percent=3.0)
+    halves = [found.planned[1].half_widths[FLOW_STRESS] or 0.0 for found in (result, exact)]
+    # At the limit an outcome tells 2/pi of what the limit tells.
+    assert halves[0] / halves[1] == pytest.approx(np.sqrt(np.pi / 2.0), rel=2e-3)
+
+
+def test_the_design_in_question(wilkins: Scenario):
+    design = wilkins.replaced({CERAMIC: 10.0, BACKING: 4.0})
+    one = plan_tests(wilkins, GRID, law="backing", number=3, scatter_percent=3.0, criterion="I", designs=[design])
+    other = plan_tests(wilkins, GRID, law="backing", number=3, scatter_percent=3.0, designs=[design])
+    halves = [found.planned[-1].limit_half_widths_m_s[0] or 0.0 for found in (one, other)]
+    assert halves[0] < halves[1]
+
+
+def test_costs_of_targets(wilkins: Scenario, tmp_path: Path):
+    path = csv_file(tmp_path / "c.csv", f"{CERAMIC},{BACKING},cost", "11,4,900", "8,4,100")
+    result = plan_tests(wilkins, path, number=2, scatter_percent=3.0, cost=50.0)
+    assert chosen(result) == [(8.0, 4.0)] * 2
+    assert [step.total_cost for step in result.planned] == [0.0, 150.0, 300.0]
+    assert plan_tests(wilkins, {CERAMIC: [8.0]}, number=1, scatter_percent=3.0).planned[1].cost is None
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        (("armour.ceramic_thickness_mm,cost", "8,0"), "line 2: cost: must be greater than 0"),
+        (("armour.ceramic_thickness_mm", "400"), "must have a ballistic limit between 20 and 4000 m/s"),
+        (("armour.ceramic_thickness_mm", "-4"), "must be at least 0"),
+        (("armour.thickness_mm", "4"), "must be an input or a name that a test has"),
+        (("cost", "4"), "must have at least one key"),
+        (("impact.velocity_m_s", "700"), "must not be given where the ballistic limit is measured"),
+        (("ceramic.flow_stress_GPa", "4"), "must not be a column where it is fitted"),
+        (("armour.ceramic", "AD85", "B4C"), "must be the same in all tests"),
+    ],
+)
+def test_wrong_candidates(wilkins: Scenario, tmp_path: Path, rows: tuple[str, ...], words: str):
+    with pytest.raises(InputError) as caught:
+        plan_tests(wilkins, csv_file(tmp_path / "c.csv", *rows), scatter_percent=3.0)
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"number": 0}, "number: must be at least 1"),
+        ({"scatter_percent": 0.0}, "scatter_percent: must be at least 0.01"),
+        ({"scatter_percent": None}, "too few tests tell how measurements scatter"),
+        ({"cost": 0.0}, "cost: must be greater than 0"),
+        ({"fit": ()}, "fit: must name at least one input"),
+        ({"law": "backin"}, 'did you mean "backing"'),
+        ({"criterion": "A"}, "criterion: must be D or I"),
+        ({"prior": True}, "must be given for a prior"),
+        ({"measure": "outcome", "candidates": {VELOCITY: [20.0]}}, "must tell something of"),
+    ],
+)
+def test_wrong_settings(wilkins: Scenario, settings: dict[str, object], words: str):
+    with pytest.raises(InputError) as caught:
+        plan_tests(wilkins, **{"candidates": GRID, "scatter_percent": 3.0, **settings})  # type: ignore[arg-type]
+    assert words in str(caught.value)
+
+
+def test_a_design_of_another_ceramic(wilkins: Scenario):
+    other = wilkins.replaced({"armour.ceramic": "B4C"})
+    with pytest.raises(InputError, match="must be that of the candidates, AD85"):
+        plan_tests(wilkins, GRID, scatter_percent=3.0, designs=[other])
+
+
+def test_a_result_is_plain_data(wilkins: Scenario):
+    result = plan_tests(wilkins, GRID, number=2, scatter_percent=3.0)
+    assert repr(result) == "<PlannedTests: 2 tests of 9 candidates, D-efficiency 1.000>"
+    assert result._columns()["number"] == [1, 2]
+    assert result.to_dict()["planned"][1]["inputs"][BACKING] == 4.0

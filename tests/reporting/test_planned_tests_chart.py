@@ -1,0 +1,64 @@
+"""Charts and tables of planned tests."""
+
+from dataclasses import replace
+
+import pytest
+
+from armour.planning.plan_tests import PlannedTests, plan_tests
+from armour.reporting.chart import Line, Map, Points
+from armour.reporting.figures import plot
+from armour.reporting.planned_tests_chart import GAIN, planned_chart
+from armour.reporting.tables.planned_tests import form_table, plan_table, planned_tables, step_table
+from armour.scenario.parameters import BACKING, CERAMIC
+from tests.helpers.cases import shipped_scenario
+
+GRID = {CERAMIC: [5.0, 8.0, 11.0], BACKING: [4.0, 8.0]}
+
+
+@pytest.fixture(scope="module")
+def result() -> PlannedTests:
+    return plan_tests(shipped_scenario("wilkins"), GRID, law="backing", number=5, scatter_percent=3.0, cost=10.0)
+
+
+def test_a_map_with_the_number_of_tests_of_each_armour(result: PlannedTests):
+    [panel] = planned_chart(result, "title").panels
+    assert (panel.x.heading, panel.y.heading) == ("ceramic thickness, mm", "back plate thickness, mm")
+    assert isinstance(panel.series[0], Map)
+    assert panel.series[0].heading == GAIN
+    points = {item.label: len(item.x) for item in panel.series if isinstance(item, Points)}
+    assert points == {"2 tests": 1, "3 tests": 1}
+    assert plot(result, title="mine").axes
+
+
+def test_a_curve_over_one_input(result: PlannedTests):
+    one = replace(result, candidates={CERAMIC: result.candidates[CERAMIC], BACKING: (4.0,) * 6})
+    [panel] = planned_chart(one, "").panels
+    assert isinstance(panel.series[0], Line)
+    assert len(panel.series[0].x) == 3
+
+
+def test_candidates_that_are_no_grid(result: PlannedTests):
+    few = {key: values[:3] + values[5:] for key, values in result.candidates.items()}
+    some = replace(result, candidates=few, sensitivities=result.sensitivities[:3] + result.sensitivities[5:])
+    assert planned_chart(some, "").panels[0].series[0].label == "candidates"
+
+
+def test_tests_that_do_not_determine_the_inputs(result: PlannedTests):
+    assert "no gain" in planned_chart(replace(result, sensitivities=()), "").note
+    assert "none: too few tests" in plan_table(replace(result, efficiency=None)).rows[0]
+
+
+def test_the_steps(result: PlannedTests):
+    table = step_table(result)
+    assert [row[0] for row in table.rows] == ["1", "2", "3", "4", "5"]
+    assert table.headings()[4:6] == ["total cost", "± ceramic flow stress, GPa"]
+    assert [row[4] for row in table.rows] == [10.0, 20.0, 30.0, 40.0, 50.0]
+    assert table.rows[0][5] is None
+    assert len(planned_tables(result)) == 3
+
+
+def test_the_form_has_uncertainties_where_the_scatter_is_given(result: PlannedTests):
+    keys = [column.key for column in form_table(result, None).columns]
+    assert keys == ["test", CERAMIC, BACKING, "ballistic_limit_m_s", "ballistic_limit_uncertainty_m_s"]
+    unknown = replace(result, scatter_known=False)
+    assert [column.key for column in form_table(unknown, None).columns] == keys[:-1]
