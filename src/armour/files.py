@@ -130,10 +130,10 @@ def _check_sizes(value: object, depth: int = 0) -> None:
 
 
 def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:
-    """Return the problem of an output file that has none of two or more endings, such as ".csv"; [] if it has one."""
+    """Return the problem of an output file that has none of some endings, such as ".csv"; [] if it has one."""
     if path.suffix.lower() in endings:
         return []
-    listed = f"{', '.join(endings[:-1])} or {endings[-1]}"
+    listed = " or ".join(filter(None, (", ".join(endings[:-1]), endings[-1])))
     return [Problem(str(path), "", f"must end in {listed}, found {path.suffix or 'no ending'}")]
 
 

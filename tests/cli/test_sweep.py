@@ -60,7 +60,7 @@ def test_cases_from_a_file(cli, folder: Path):
         ([], "sweep: give either --over or --cases"),
         (
             ["--over", "armour.ceramic=B4C"],
-            "command line: --over armour.ceramic: must be a key of numbers; names are given",
+            'command line: --over armour.ceramic: must be a key of numbers, found "B4C"; names are given',
         ),
         (["--over", "a"], "command line: --over: must be KEY=MIN:MAX:STEP"),
         (

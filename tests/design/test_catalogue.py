@@ -151,7 +151,7 @@ def test_costs_that_are_asked_for_must_be_given(asked: dict[str, Any]):
                 UNCERTAIN,
                 ceramic=[{"material": "AD85", "thickness_mm": {"min": 4.0, "max": 12.0}}],
             ),
-            "must have a step for each thickness_mm",
+            "design.ceramic[0].thickness_mm: must have a step where a probability is bounded and [uncertainty] has",
         ),
         (
             lambda: catalogue([{**THREATS[0], "probability_of_perforation": 0.001}], UNCERTAIN),

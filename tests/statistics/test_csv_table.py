@@ -53,6 +53,8 @@ def test_a_row_twice_with_names_is_two(tmp_path: Path):
         ),
         ("velocity_m_s,resul", ['resul: unknown column; did you mean "result"?', "result: is missing"]),
         ("velocity_m_s,result,result", ["result: must be the name of one column, found several"]),
+        ("velocity_m_s;result", ["line 1: must separate columns by commas, found semicolons"]),
+        ("velocity_m_s\tresult", ["line 1: must separate columns by commas, found tabs"]),
         ("velocity_m_s,result,", ["header: unknown column; choose from velocity_m_s, shot, result"]),
     ],
 )

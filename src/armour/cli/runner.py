@@ -33,14 +33,20 @@ PLOT_ENDINGS = (".png", ".svg", ".pdf")
 
 
 def check_outputs(
-    *writes: Path | None, plot: Path | None = None, updated: Path | None = None, force: bool = False
+    *writes: Path | None,
+    csv: Path | None = None,
+    plot: Path | None = None,
+    updated: Path | None = None,
+    force: bool = False,
 ) -> None:
     """Check that all outputs can be written, that none is another one, and that none replaces a file unless forced to.
 
     An output that is found to be read later is refused then, but for the updated one, which may exist.
     """
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
-    fresh = [path for path in (*writes, plot) if path is not None]
+    # Streams and pipes have no ending.
+    problems += [] if csv is None or (csv.exists() and not _is_kept(csv)) else wrong_ending(csv, (".csv",))
+    fresh = [path for path in (*writes, csv, plot) if path is not None]
     paths = fresh if updated is None else [*fresh, updated]
     problems += (problem for path in paths for problem in unwritable(path))
     there = [path for path in fresh if not force and _is_kept(path)]
@@ -63,11 +69,12 @@ def read_scenario(
     assignments: Sequence[str] | None,
     reads: Collection[str],
     more: Mapping[str, tuple[str, float | None]] | None = None,
+    what: str = "the answer",
 ) -> "Scenario":
     """Read the scenario of a file, of a shipped one by its name, or of standard input where it is "-".
 
     ``assignments`` are those of ``--set``, which must set keys below those that the command ``reads``; ``more`` are the
-    keys and values of other options, None where one is not given.  A wrong value of an option is a problem of the
+    keys and values of other options, None where one is not given; ``what`` is what it computes, in words.  A wrong value of an option is a problem of the
     command line, whatever the file holds.
     """
     from armour.scenario.assignments import changes_of
@@ -97,7 +104,7 @@ def read_scenario(
         except InputError as without:
             own = without.problems
         raise InputError([p if p in own else _blamed(p, options, file) for p in error.problems]) from None
-    check_read(changes, read_of(loaded, reads))
+    check_read(changes, read_of(loaded, reads), what)
     check_used(changes, loaded)
     return loaded
 

@@ -35,9 +35,9 @@ def simulate(
     from armour.reporting.table import csv_text
     from armour.reporting.tables.impact import history_table, impact_tables
 
-    check_outputs(history, plot=plot, force=force)
+    check_outputs(csv=history, plot=plot, force=force)
     reads = ("impact", "armour", "ballistic_limit", "uncertainty.model")
-    loaded = read_scenario(scenario, changes, reads, {"--velocity": ("impact.velocity_m_s", velocity)})
+    loaded = read_scenario(scenario, changes, reads, {"--velocity": ("impact.velocity_m_s", velocity)}, "the simulated impact")
     result = impact.simulate(loaded, history=history is not None or plot is not None)
     sure = confidence.confidence(loaded)
     respond(
@@ -64,7 +64,7 @@ def ballistic_limit(
     from armour.reporting.tables.impact import limit_tables
 
     check_outputs(plot=plot, force=force)
-    loaded = read_scenario(scenario, changes, LIMIT)
+    loaded = read_scenario(scenario, changes, LIMIT, what="the ballistic limit")
     with progress("impacts", first="searching"):
         result = analysis.ballistic_limit(loaded)
     velocities = analysis.curve_velocities(result, loaded)
@@ -94,7 +94,7 @@ def compare(
     from armour.validation import comparison
 
     check_outputs(plot=plot, force=force)
-    loaded = read_scenario(scenario, changes, LIMIT)
+    loaded = read_scenario(scenario, changes, LIMIT, what="the ballistic limit")
     with progress("impacts", first="searching"):
         result = comparison.compare(loaded)
     respond(
@@ -131,8 +131,8 @@ def optimise(
     from armour.reporting.table import csv_text
     from armour.reporting.tables.design import design_tables, frontier_table, pareto_table, required_margins
 
-    check_outputs(csv, plot=plot, force=force)
-    loaded = read_scenario(scenario, changes, DESIGNS, {"--confidence": ("design.confidence", confidence)})
+    check_outputs(csv=csv, plot=plot, force=force)
+    loaded = read_scenario(scenario, changes, DESIGNS, {"--confidence": ("design.confidence", confidence)}, "the design")
     say_if_compiling()
     with progress("impacts") as count:
         result = design.optimise(loaded, refine=refine, on_progress=count)

@@ -52,7 +52,7 @@ def v50(
         raise InputError([Problem("v50", "--set", "changes a scenario, which is not given")])
     check_outputs(plot=plot, force=force)
     read = statistics.read_shots(table_file(shots))
-    loaded = None if scenario is None else read_scenario(scenario, changes, LIMIT)
+    loaded = None if scenario is None else read_scenario(scenario, changes, LIMIT, what="the ballistic limit")
     with progress("fits", first="fitting"):
         result = statistics.v50(read, loaded, pairs=pairs, span_m_s=span_m_s, confidence=confidence)
     respond(

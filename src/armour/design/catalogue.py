@@ -210,9 +210,11 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
             message = f'must be different for each threat, found "{title}" twice'
             problems.append(Problem(scenario.file, f"threat[{i}].name", message))
         seen.add(title)
-    if bounded and uncertain and any(layer.free_range() for layer in [*section.ceramic, *section.backing]):
-        message = "must have a step for each thickness_mm where probabilities of perforation are bounded by sampling"
-        problems.append(Problem(scenario.file, "design", message))
+    for key, layers in (("ceramic", section.ceramic), ("backing", section.backing)):
+        for i, layer in enumerate(layers):
+            if bounded and uncertain and layer.free_range():
+                message = "must have a step where a probability is bounded and [uncertainty] has distributions to sample"
+                problems.append(Problem(scenario.file, f"design.{key}[{i}].thickness_mm", message))
     if bounded and not uncertain and is_excluded(scenario):
         message = "must be true where a probability is bounded and no input has a distribution, found false"
         problems.append(Problem(scenario.file, "uncertainty.model.included", message))

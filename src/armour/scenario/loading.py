@@ -180,7 +180,7 @@ def parse_scenario(data: Mapping[str, Any], *, file: str = "scenario", folder: s
     try:
         scenario = Scenario.model_validate(source.data, context={"names": names})
     except ValidationError as error:
-        raise InputError([*problems_of(error, Scenario, file), *problems]) from None
+        raise InputError([*problems, *problems_of(error, Scenario, file)]) from None
     refuse(problems)
     scenario._entries = library
     scenario._source = source
@@ -258,7 +258,8 @@ def scenario_schema() -> dict[str, Any]:
 def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[Problem]]:
     """Return the scenario's library, the known names by kind and the mistakes in it.
 
-    A name is known even if its entry has a mistake, so that one mistake gives one message.
+    A name is known even if its entry has a mistake, and none is where a file has one, so that one mistake gives one
+    message.
     """
     library, problems = shipped_library(), []
     tables = _table(source.data, "library")
@@ -273,13 +274,14 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[P
             for problem in error.problems:
                 whole = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
                 problems.append(problem if problem.key else whole)
-    names: dict[Kind, list[str]] = {kind: [*library.names(kind), *_table(tables, kind)] for kind in KINDS}
+    unread = bool(problems)
+    names: dict[Kind, list[str]] = {} if unread else {kind: [*library.names(kind), *_table(tables, kind)] for kind in KINDS}
     try:
         library = library.extended(LibrarySection.model_validate(tables), source.file, "library")
     except ValidationError:
         pass  # the validation of the whole scenario reports it
     except InputError as error:
-        problems.extend(error.problems)
+        problems += (problem for problem in error.problems if not (unread and problem.key.endswith(".based_on")))
     return library, names, problems
 
 

@@ -29,7 +29,7 @@ def _in_library(kind: Kind) -> AfterValidator:
     """Return a validator of a name, which must be in the library."""
 
     def check(name: str, info: ValidationInfo) -> str:
-        known: list[str] = info.context["names"][kind] if info.context else [name]
+        known: list[str] = info.context["names"][kind] if info.context and kind in info.context["names"] else [name]
         if name not in known:
             raise ValueError(f'must name a {kind} of the library, found "{name}"{suggestion(name, known)}')
         return name

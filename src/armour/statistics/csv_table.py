@@ -1,7 +1,8 @@
 """CSV tables of tests and shots; every mistake in a file is reported, with its line."""
 
 import csv
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from io import StringIO
 from math import isfinite
 from os import PathLike
@@ -39,6 +40,8 @@ def read_rows(
         message = f"must have at most {MAX_ROWS} rows below its header, found {len(lines) - 1}"
         raise InputError([Problem(str(path), "", message)])
     header = lines[0][1]
+    if message := other_separator(header):
+        raise InputError([Problem(str(path), lines[0][0], message)])
     wrong = [Problem(str(path), *found) for found in _wrong_columns(header, [*numbers, *texts], needed)]
     rows: list[CsvRow] = []
     problems: list[Problem] = []
@@ -73,6 +76,17 @@ def _lines(path: str | PathLike[str]) -> Iterator[tuple[str, list[str]]]:
             yield f"line {reader.line_num}", [cell.strip() for cell in cells]
     except csv.Error as error:
         raise InputError([Problem(str(path), f"line {reader.line_num}", f"must be CSV: {error}")]) from None
+
+
+def in_line_order(problems: Iterable[Problem]) -> list[Problem]:
+    """Return the problems of a file in the order of their lines, after those of the whole file."""
+    return sorted(problems, key=lambda problem: int((re.match(r"line (\d+)", problem.key) or [0, 0])[1]))
+
+
+def other_separator(header: Sequence[str]) -> str:
+    """Return what is wrong with a header of one cell that semicolons or tabs divide; "" if nothing is."""
+    found = [name for mark, name in ((";", "semicolons"), ("\t", "tabs")) if mark in "".join(header)]
+    return f"must separate columns by commas, found {found[0]}" if found and len(header) == 1 else ""
 
 
 def finite_number(cell: str) -> float | None:

@@ -12,7 +12,7 @@ from armour.analysis.variants import Floats, Ints
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import INPUTS, NAMES, VELOCITY, check_rows, inputs_of, with_inputs
-from armour.statistics.csv_table import CsvRow, read_rows
+from armour.statistics.csv_table import CsvRow, in_line_order, read_rows
 
 LIMIT, RESIDUAL, MASS, OUTCOME = "ballistic_limit_m_s", "residual_velocity_m_s", "residual_mass_g", "outcome"
 # Quantities that a test can measure, and the columns of their uncertainties (one standard deviation).
@@ -100,7 +100,7 @@ def read_tests(path: str | PathLike[str], scenario: Scenario, notes: Sequence[st
         problems.append(Problem(str(path), "", message))
     groups, wrong = _groups(rows, scenario, str(path))
     if problems or wrong:
-        raise InputError([*problems, *wrong])
+        raise InputError(in_line_order([*problems, *wrong]))
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     return Tests(str(path), names, tuple(groups), tuple(measurements), weighted == {True}, tuple(cells))
 

@@ -14,7 +14,7 @@ from armour.analysis.results import Result
 from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import Section, validated
-from armour.statistics.csv_table import read_rows
+from armour.statistics.csv_table import in_line_order, read_rows
 from armour.statistics.penalised_curve import fit_penalised
 from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
 
@@ -156,7 +156,7 @@ def read_shots(path: str | PathLike[str]) -> Shots:
     if not problems and len(set(results)) == 1:
         message = f"must have at least one partial and one complete penetration, found only {results[0]} ones"
         problems.append(Problem(str(path), "result", message))
-    refuse(problems)
+    refuse(in_line_order(problems))
     return Shots(tuple(velocities), tuple(result == "complete" for result in results), str(path))
 
 

@@ -446,7 +446,7 @@ def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) 
         # The title is for people; entries of the library may be based on each other.
         counting = [leaf[0] not in ("title", "library") for leaf in given] + [True] * len(row.inputs)
         keys = compress(canonical([*map(key_name, given), *row.inputs], file), counting)
-        check_reach(scenario, list(keys), quantity.reads, file, closed_forms=bool(row.rivals))
+        check_reach(scenario, list(keys), quantity.reads, file, row.section.quantity, closed_forms=bool(row.rivals))
         check_used(changes, scenario, *([replacement] if replacement else []), file=file, option="")
 
 
