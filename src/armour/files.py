@@ -43,6 +43,11 @@ def shipped_suites() -> dict[str, Path]:
     return {name: path for name, path in shipped_files("suites", ".toml").items() if name != "figures"}
 
 
+def shipped_tests() -> dict[str, Path]:
+    """Return the shipped tables of tests and shots by name, with its ending."""
+    return {path.name: path for path in shipped_files("scenarios/tests", ".csv").values()}
+
+
 def located(path: Path, known: Mapping[str, Path], listed: str = "") -> Path:
     """Return the file at a path or, where there is none, the one that is known by this name.
 

@@ -66,6 +66,15 @@ def test_init_copies_a_shipped_scenario(cli, folder: Path):
     assert (folder / "mine.toml").read_bytes() == (SCENARIOS / "paper" / "fig9_4mm.toml").read_bytes()
 
 
+def test_init_copies_a_suite_and_a_table(cli, folder: Path):
+    assert cli("init", "s.toml", "--from", "paper").stderr.splitlines()[-1] == "next: armour validate s.toml"
+    assert cli("validate", "s.toml", "--only", "lightest against the 7.62 mm AP: areal density").exit_code == 0
+    assert cli("init", "t.csv", "--from", "wilkins.csv").exit_code == 0
+    assert (folder / "t.csv").read_bytes() == (SCENARIOS / "tests" / "wilkins.csv").read_bytes()
+    for file, source, ending in (("t.toml", "shots.csv", "csv"), ("u.csv", "plates", "toml")):
+        assert cli.fails(2, "init", file, "--from", source)[0].startswith(f"{file}: must end in .{ending}")
+
+
 def test_init_does_not_write_over_a_file(cli, folder: Path):
     path = folder / "scenario.toml"
     path.write_text("mine")

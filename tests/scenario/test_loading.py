@@ -189,8 +189,8 @@ def test_missing_sections_are_all_named():
 def test_all_mistakes_are_reported_at_once():
     content = data(projectile="x", ceramic="y", backing="z", velocity=-1.0)
     content["solver"] = {"time_step_us": -1, "step": 2}
-    content["library"] = {"files": ["nothing.toml"], "ceramic": {"a": {"density_kg_m3": -1}}}
-    assert len(messages(content)) == 8
+    content["library"] = {"ceramic": {"a": {"density_kg_m3": -1}}}
+    assert len(messages(content)) == 7
 
 
 def test_a_ceramic_thickness_needs_a_ceramic():
@@ -213,6 +213,12 @@ def test_library_files_are_found_beside_the_scenario(tmp_path: Path):
     (tmp_path / "mine.toml").write_text("[ceramic.mine]\nbased_on = 'AD85'\nflow_stress_GPa = 4.0\n")
     case = parse_scenario(data(ceramic="mine", library={"files": ["mine.toml"]}), folder=tmp_path)
     assert case.core_armour().Yc0 == 4e9
+
+
+def test_a_missing_library_file_is_the_only_mistake_of_what_may_be_in_it():
+    own = {"files": ["nothing.toml"], "ceramic": {"a": {"based_on": "b"}}}
+    [line] = messages(data(projectile="x", ceramic="a", backing="z", library=own))
+    assert line.startswith('library.files[0]: must name a library file, found "nothing.toml", which cannot be read')
 
 
 def test_mistakes_in_a_library_file_name_that_file(tmp_path: Path):

@@ -131,7 +131,8 @@ rows = []
         'case[0].name: must not be empty, found the text ""',
         'case[0].quantity: must name a quantity, found "balistic_limit_m_s"; did you mean "ballistic_limit_m_s"?',
         "case[0].expected: must be a number up to 1e+12, or the outcome in quotes, found true",
-        "case[0].colour: unknown key",
+        "case[0].colour: unknown key; choose from name, scenario, set, quantity, band, band_percent, reason, source, "
+        "regression, not_scored, expected, replaced_by, measured",
         "case[1]: must have a band or band_percent: how far the computed value may be from the expected",
         "table[0].rows: must not be empty, found a list",
     ]

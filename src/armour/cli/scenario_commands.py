@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from armour.cli.console import progress
-from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, option
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, number, option, probability
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling, warnings_of
 
 # What commands read, see `armour.scenario.reach`.
@@ -23,7 +23,15 @@ DESIGNS = (
 
 def simulate(
     scenario: ScenarioFile,
-    velocity: Annotated[float | None, option("Impact velocity in place of the scenario's, m/s.")] = None,
+    velocity: Annotated[
+        float | None,
+        option(
+            "Impact velocity in place of the scenario's, m/s.",
+            "--velocity",
+            parser=number("--velocity"),
+            metavar="NUMBER",
+        ),
+    ] = None,
     history: Annotated[Path | None, option("Write the run over time as CSV.", "--history", metavar="FILE")] = None,
     plot: PlotFile = None,
     force: Force = False,
@@ -37,7 +45,9 @@ def simulate(
 
     check_outputs(csv=history, plot=plot, force=force)
     reads = ("impact", "armour", "ballistic_limit", "uncertainty.model")
-    loaded = read_scenario(scenario, changes, reads, {"--velocity": ("impact.velocity_m_s", velocity)}, "the simulated impact")
+    loaded = read_scenario(
+        scenario, changes, reads, {"--velocity": ("impact.velocity_m_s", velocity)}, "the simulated impact"
+    )
     result = impact.simulate(loaded, history=history is not None or plot is not None)
     sure = confidence.confidence(loaded)
     respond(
@@ -112,7 +122,13 @@ def optimise(
     scenario: ScenarioFile,
     refine: Annotated[bool, option("Also find the best design between the values of the grid.", "--refine")] = False,
     confidence: Annotated[
-        float | None, option("Probability of defeating each threat to design for, such as 0.95.", metavar="PROBABILITY")
+        float | None,
+        option(
+            "Probability of defeating each threat to design for, such as 0.95.",
+            "--confidence",
+            parser=probability("--confidence"),
+            metavar="PROBABILITY",
+        ),
     ] = None,
     csv: Annotated[
         Path | None,
@@ -132,7 +148,9 @@ def optimise(
     from armour.reporting.tables.design import design_tables, frontier_table, pareto_table, required_margins
 
     check_outputs(csv=csv, plot=plot, force=force)
-    loaded = read_scenario(scenario, changes, DESIGNS, {"--confidence": ("design.confidence", confidence)}, "the design")
+    loaded = read_scenario(
+        scenario, changes, DESIGNS, {"--confidence": ("design.confidence", confidence)}, "the design"
+    )
     say_if_compiling()
     with progress("impacts") as count:
         result = design.optimise(loaded, refine=refine, on_progress=count)
@@ -183,7 +201,15 @@ def sensitivity(
 
 def uncertainty(
     scenario: ScenarioFile,
-    samples: Annotated[int | None, option("Number of samples in place of the scenario's, at least 128.")] = None,
+    samples: Annotated[
+        int | None,
+        option(
+            "Number of samples in place of the scenario's, at least 128.",
+            "--samples",
+            parser=number("--samples", int),
+            metavar="NUMBER",
+        ),
+    ] = None,
     plot: PlotFile = None,
     force: Force = False,
     changes: Changes = None,

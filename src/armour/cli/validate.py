@@ -25,7 +25,8 @@ def validate(
         Path | None,
         argument(
             "SUITE",
-            "Suite file (TOML), or a shipped suite: paper, the default, or plates.",
+            "Suite file (TOML), or a shipped suite: paper, the default, or plates. A [[case]] has name, scenario, "
+            "quantity, expected, and band or band_percent. `armour init FILE.toml --from paper` writes an example.",
             autocompletion=completion.suites,
         ),
     ] = None,

@@ -213,7 +213,9 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     for key, layers in (("ceramic", section.ceramic), ("backing", section.backing)):
         for i, layer in enumerate(layers):
             if bounded and uncertain and layer.free_range():
-                message = "must have a step where a probability is bounded and [uncertainty] has distributions to sample"
+                message = (
+                    "must have a step where a probability is bounded and [uncertainty] has distributions to sample"
+                )
                 problems.append(Problem(scenario.file, f"design.{key}[{i}].thickness_mm", message))
     if bounded and not uncertain and is_excluded(scenario):
         message = "must be true where a probability is bounded and no input has a distribution, found false"

@@ -275,7 +275,9 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[P
                 whole = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
                 problems.append(problem if problem.key else whole)
     unread = bool(problems)
-    names: dict[Kind, list[str]] = {} if unread else {kind: [*library.names(kind), *_table(tables, kind)] for kind in KINDS}
+    names: dict[Kind, list[str]] = (
+        {} if unread else {kind: [*library.names(kind), *_table(tables, kind)] for kind in KINDS}
+    )
     try:
         library = library.extended(LibrarySection.model_validate(tables), source.file, "library")
     except ValidationError:

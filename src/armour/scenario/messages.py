@@ -7,7 +7,7 @@ from typing import Annotated, Any, TypeVar, get_origin
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Tag, ValidationError, ValidationInfo
 
-from armour.errors import InputError, Problem, suggestion
+from armour.errors import InputError, Problem, choices
 from armour.files import MAX_INTEGER
 
 # Key of the number where a file may give a number or a table.
@@ -115,7 +115,8 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
         if "expected" in context:
             context["expected"] = context["expected"].replace("'", '"')
         if detail["type"] == "extra_forbidden":
-            message = "unknown key" + suggestion(str(parts[-1]), _known_keys(model, parts[:-1]))
+            known = _known_keys(model, parts[:-1])
+            message = "unknown key" + (choices(str(parts[-1]), known) if known else "")
         elif detail["type"] == "missing":
             message = "is missing and must be given"
         elif detail["type"] == "value_error":

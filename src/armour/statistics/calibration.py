@@ -7,10 +7,11 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from scipy.stats import t
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import TableResult, by_column
-from armour.analysis.variants import Floats, OnProgress, ignore_progress, outside_limits, variants_of
+from armour.analysis.variants import Bools, Floats, OnProgress, ignore_progress, outside_limits, variants_of
 from armour.errors import InputError, Problem, choices
 from armour.scenario.loading import Scenario
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, law_of, with_law
@@ -19,6 +20,8 @@ from armour.statistics.test_data import LIMIT, Tests
 
 # Greatest number of folds of the leave-one-out error.
 MAX_FOLDS = 100
+# Part of the tables of sound tests for which a test is called out of line.
+FALSE_ALARMS = 0.05
 
 
 @dataclass(frozen=True)
@@ -96,7 +99,7 @@ class CalibrationResult(TableResult):
     laws : tuple of LawFit
         The laws that were compared.
     warnings : tuple of str
-        A bad fit, and ways in which tests are unlike what the model was compared with before.
+        A bad fit, tests that do not follow the others, and ways in which tests are unlike what the model was compared with before.
     """
 
     tests: str
@@ -261,8 +264,43 @@ def _with_intervals(found: _LawFit) -> CalibrationResult:
         p_value=done.p_value,
         widened_by=done.widened_by,
         aicc=done.aicc,
-        warnings=(*_bad_fit(done), *_unlike(tests)),
+        warnings=(*_bad_fit(done), *_strange(found), *_unlike(tests)),
     )
+
+
+def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bools:
+    """Return which measurements do not follow the others, (n,), from the deviations of fits with and without each.
+
+    Their studentised left-out deviations exceed a quantile of Student's t, with Bonferroni's correction.  In a linear
+    model, the product of both deviations is what a measurement adds to the sum of squares.
+    """
+    freedom = len(deviations) - coefficients - 1
+    if freedom < 1:
+        return np.zeros(len(deviations), dtype=bool)
+    added = deviations * left_out
+    scatter = np.maximum(deviations @ deviations - added, 0.0) / freedom
+    limit = t.ppf(1.0 - 0.5 * FALSE_ALARMS / len(deviations), freedom)
+    found: Bools = added > limit**2 * scatter
+    return found
+
+
+def _strange(found: _LawFit) -> Iterator[str]:
+    """Give the measurements that do not follow the others, with their lines."""
+    tests = found.tests
+    pairs = [(m, r) for m, r in zip(tests.measurements, found.residuals, strict=True) if not r.bound]
+    scales = np.array([m.uncertainty or m.value for m, _ in pairs])
+    measured, computed, left_out = (
+        np.array([getattr(r, key) for _, r in pairs], dtype=float) for key in ("measured", "computed", "left_out")
+    )
+    far = out_of_line((computed - measured) / scales, (left_out - measured) / scales, len(found.done.best.x))
+    for i in np.flatnonzero(far):
+        m, r = pairs[i]
+        name = "" if r.test == tests.places[m.test] else f" ({r.test})"
+        yield (
+            f"{tests.places[m.test]}{name}: {r.quantity} is out of line with the other tests: measured "
+            f"{r.measured:g}, where a fit to the others gives {r.left_out:.4g}; chance alone makes one such test in "
+            f"{100.0 * FALSE_ALARMS:g} % of tables"
+        )
 
 
 def _unlike(tests: Tests) -> Iterator[str]:

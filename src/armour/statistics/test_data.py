@@ -59,6 +59,7 @@ class Tests(NamedTuple):
     measurements: tuple[Measurement, ...]
     weighted: bool  # by uncertainties; else by the measured values
     cells: tuple[Mapping[str, float | str], ...]  # inputs and measurements as they stand in the table
+    places: tuple[str, ...]  # lines of the file
 
 
 def read_tests(path: str | PathLike[str], scenario: Scenario, notes: Sequence[str] = ()) -> Tests:
@@ -102,7 +103,8 @@ def read_tests(path: str | PathLike[str], scenario: Scenario, notes: Sequence[st
     if problems or wrong:
         raise InputError(in_line_order([*problems, *wrong]))
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
-    return Tests(str(path), names, tuple(groups), tuple(measurements), weighted == {True}, tuple(cells))
+    places = tuple(row.place for row in rows)
+    return Tests(str(path), names, tuple(groups), tuple(measurements), weighted == {True}, tuple(cells), places)
 
 
 def _mistakes(row: CsvRow, repeated: Container[str]) -> list[tuple[str, str]]:

@@ -1,14 +1,15 @@
 """V50 from firing results: the mean of MIL-STD-662F, maximum likelihood and penalised likelihood."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import inf
 from os import PathLike
 from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Field
 
-from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import Result
 from armour.errors import InputError, Problem, refuse
@@ -99,7 +100,7 @@ class FiringResult(Result):
     model_interval_m_s : tuple of float or None
         Interval of it with a probability of 95 %, given the error of the model, m/s; None where that is not known.
     warnings : tuple of str
-        Ways in which the scenario is unlike what the model was compared with.
+        Shots far from the model's limit, and ways in which the scenario is unlike what the model was compared with.
     """
 
     shots: int
@@ -219,8 +220,19 @@ def v50(
         confidence=confidence,
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
         model_interval_m_s=None if model is None else model.interval_m_s,
-        warnings=() if model is None else model.warnings,
+        warnings=() if model is None else (*_far_away(shots, model), *model.warnings),
     )
+
+
+def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
+    """Give a warning where all shots lie on the same side of the interval of the model's limit."""
+    low, high = model.interval_m_s or (-inf, inf)
+    slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
+    if slowest > high or fastest < low:
+        yield (
+            f"all shots, at {slowest:g} to {fastest:g} m/s, lie outside the model's 95 % interval of the limit, {low:.0f} "
+            f"to {high:.0f} m/s; check that they were fired at this armour with this projectile"
+        )
 
 
 def _check(shots: Shots) -> None:

@@ -11,7 +11,7 @@ from typing import Annotated, Any, NamedTuple
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from armour.errors import MAX_PROBLEMS, InputError, Problem, refuse, suggestion
-from armour.files import read_toml
+from armour.files import read_toml, shipped
 from armour.scenario.assignments import canonical, leaves, parts_of
 from armour.scenario.loading import Scenario, parse_changed
 from armour.scenario.messages import Section, SectionT, describe, key_name, validated
@@ -291,7 +291,8 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     Parameters
     ----------
     path : path-like
-        A TOML file; the scenarios that it names are relative to its folder.
+        A TOML file; the files that it names are relative to its folder or, where it has none, to that of the shipped
+        suites.
     changes : mapping of str to object, optional
         Values that replace those of every scenario, by dotted key; tables are merged.
 
@@ -377,7 +378,7 @@ def _rows(suite: SuiteSection) -> Iterator[_Row]:
 
 def _case(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object], read: Read) -> Case:
     section = row.section
-    file = folder / section.scenario
+    file = _beside(folder, section.scenario)
     scenario = _scenario(file, read, section.set, row.inputs, changes)
     replacement = None
     if isinstance(section, CaseSection) and section.replaced_by is not None:
@@ -418,9 +419,10 @@ def _cases_of_file(
     """Yield the cases of a table whose rows are in a file."""
     section = row.section
     assert isinstance(section, TableSection)
-    scenario = _scenario(folder / section.scenario, read, section.set, changes)
+    scenario = _scenario(_beside(folder, section.scenario), read, section.set, changes)
     _check_changes(row, scenario, None)
-    for name, cells, made in selected(folder / section.file, scenario, section.quantity, suite.notes, section.where):
+    file = _beside(folder, section.file)
+    for name, cells, made in selected(file, scenario, section.quantity, suite.notes, section.where):
         expected = float(cells[section.quantity])
         yield Case(
             group=section.name,
@@ -448,6 +450,12 @@ def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) 
         keys = compress(canonical([*map(key_name, given), *row.inputs], file), counting)
         check_reach(scenario, list(keys), quantity.reads, file, row.section.quantity, closed_forms=bool(row.rivals))
         check_used(changes, scenario, *([replacement] if replacement else []), file=file, option="")
+
+
+def _beside(folder: Path, name: str) -> Path:
+    """Return the file of a name in the folder of a suite or, for a copy of a shipped suite, in the shipped folder."""
+    own, other = folder / name, shipped("suites") / name
+    return own if own.exists() or not other.is_file() else other
 
 
 def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenario:
