@@ -81,10 +81,10 @@ def test_outputs_that_cannot_be_written_are_told_before_the_work(cli, folder: Pa
 
 
 def test_a_scenario_is_not_written_over(cli, folder: Path):
-    path = folder / "a.toml"
+    path = folder / "a.csv"
     path.write_text(WILKINS.read_text())
-    [line] = cli.fails(2, "simulate", path, "--history", "a.toml", "--force")
-    assert line == "a.toml: must not be the file that is read; choose another name"
+    [line] = cli.fails(2, "simulate", path, "--history", "a.csv", "--force")
+    assert line == "a.csv: must not be the file that is read; choose another name"
 
 
 def test_a_bare_plate(cli):

@@ -74,7 +74,8 @@ def read_scenario(
     """Read the scenario of a file, of a shipped one by its name, or of standard input where it is "-".
 
     ``assignments`` are those of ``--set``, which must set keys below those that the command ``reads``; ``more`` are the
-    keys and values of other options, None where one is not given; ``what`` is what it computes, in words.  A wrong value of an option is a problem of the
+    keys and values of other options, None where one is not given; ``what`` is what it
+    computes, in words.  A wrong value of an option is a problem of the
     command line, whatever the file holds.
     """
     from armour.scenario.assignments import changes_of

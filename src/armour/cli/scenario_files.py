@@ -39,8 +39,8 @@ def init(
         message = f'must name a shipped scenario, suite or table, found "{source}"{choices(source, list(known))}'
         raise InputError([Problem("init", "--from", message)])
     ending = known[source].suffix
-    refuse(wrong_ending(file, (ending,)) if ending == ".csv" or file.suffix == ".csv" else [])
     check_outputs(file, force=force)
+    refuse(wrong_ending(file, (ending,)) if ".csv" in (ending, file.suffix) else [])
     write({file: known[source].read_bytes()})
     if ending == ".toml":
         say(f"next: armour {'validate' if source in suites else 'simulate'} {file}")

@@ -36,7 +36,7 @@ def sweep(
         Path | None,
         option(
             "CSV file of cases, instead of --over; its header names the keys, such as "
-            "armour.ceramic,impact.velocity_m_s, and a row gives their values, such as SiC,850.",
+            "armour.ceramic, and each row gives their values, such as SiC.",
             metavar="FILE",
         ),
     ] = None,

@@ -143,6 +143,8 @@ def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:
     """Return the keys that the model knows in the table at the given parts of a key."""
     free_name = False
     for part in parts:
+        if isinstance(part, int):
+            continue
         if free_name:
             free_name = False
         elif model is not None and part in model.model_fields:

@@ -99,7 +99,8 @@ class CalibrationResult(TableResult):
     laws : tuple of LawFit
         The laws that were compared.
     warnings : tuple of str
-        A bad fit, tests that do not follow the others, and ways in which tests are unlike what the model was compared with before.
+        A bad fit, tests that do not follow the others, and ways in which tests are unlike what the model was
+        compared with before.
     """
 
     tests: str

@@ -230,8 +230,8 @@ def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
     if slowest > high or fastest < low:
         yield (
-            f"all shots, at {slowest:g} to {fastest:g} m/s, lie outside the model's 95 % interval of the limit, {low:.0f} "
-            f"to {high:.0f} m/s; check that they were fired at this armour with this projectile"
+            f"all shots, at {slowest:g} to {fastest:g} m/s, lie outside the model's 95 % interval of the limit, "
+            f"{low:.0f} to {high:.0f} m/s; check that they were fired at this armour with this projectile"
         )
 
 

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from armour.errors import InputError, Problem, choices
 from armour.files import check_unreserved, reason
 from armour.scenario.assignments import parts_of
-from armour.scenario.messages import key_name
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import key_name
 from armour.scenario.parameters import INPUTS, NAMES, ROLES
 from armour.scenario.schema import MAX_VALUES, Range
 from armour.statistics.csv_table import finite_number, other_separator
