@@ -25,6 +25,15 @@ def test_a_grid_in_memory():
     assert found.to_dict()["outcome"] == found["outcome"].tolist()
 
 
+def test_a_result_compares_and_is_plain_data():
+    over: dict[str, Values] = {CERAMIC: [6.0, 400.0]}
+    found = sweep(scenario(), over)
+    assert found == sweep(scenario(), over)
+    assert found != sweep(scenario(), {CERAMIC: [6.5, 400.0]})
+    assert found != sweep(scenario(backing_mm=7.0), over)
+    assert found.to_dict()["ballistic_limit_m_s"][1] is None
+
+
 def test_the_ballistic_limit_by_default():
     found = sweep(scenario(), {CERAMIC: range(5, 7)})
     assert found["ballistic_limit_m_s"][1] == pytest.approx(

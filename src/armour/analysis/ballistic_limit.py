@@ -120,7 +120,7 @@ def ballistic_limit(scenario: Scenario) -> LimitResult:
         warnings=warnings_of(scenario, limit),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
-    )
+    )._of(scenario=scenario)
 
 
 def not_monotonic(limit: LimitResult) -> tuple[str, ...]:

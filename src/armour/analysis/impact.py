@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
-from armour.analysis.results import Result
+from armour.analysis.results import TableResult, by_column
 from armour.core import stages, stepping
 from armour.core.equations import cross_section
 from armour.core.run import Instant, Run, run
@@ -48,7 +48,7 @@ class StageRecord:
 
 
 @dataclass(frozen=True, repr=False)
-class ImpactResult(Result):
+class ImpactResult(TableResult):
     """Result of an impact.
 
     Attributes
@@ -105,6 +105,9 @@ class ImpactResult(Result):
         residual = f", residual velocity {self.residual_velocity_m_s:.1f} m/s" if self.residual_velocity_m_s else ""
         return f"{self.outcome} at {self.impact_velocity_m_s:g} m/s{residual}"
 
+    def _columns(self) -> dict[str, Any]:
+        return by_column(vars(stage) for stage in self.stages)
+
 
 def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
     """Compute the impact of a scenario.
@@ -124,7 +127,7 @@ def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
     InputError
         If the run does not end within the maximum number of steps.
     """
-    return impact_at(scenario, scenario.impact.velocity_m_s, history=history)
+    return impact_at(scenario, scenario.impact.velocity_m_s, history=history)._of(scenario=scenario)
 
 
 def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> ImpactResult:

@@ -1,14 +1,14 @@
 """Design optimisation: the best design that defeats every threat, and its comparison with the others."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from itertools import chain
 from math import inf, isnan
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from armour.analysis.results import Result, by_column, data_frame
+from armour.analysis.results import Result, data_frame
 from armour.analysis.variants import Ints, OnProgress, grid_of, ignore_progress
 from armour.core.state import Parameters
 from armour.design.candidates import candidates_of
@@ -173,7 +173,8 @@ class DesignResult(Result):
 
     def to_dataframe(self, designs: Literal["frontier", "pareto"] = "frontier") -> Any:
         """Return the frontier, or the Pareto front, as a data frame of pandas, or else of polars."""
-        return data_frame(by_column(vars(design) for design in getattr(self, designs)))
+        names = [item.name for item in fields(Design)]
+        return data_frame({name: [getattr(design, name) for design in getattr(self, designs)] for name in names})
 
     def _words(self) -> str:
         best = self.best
@@ -260,7 +261,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
             *_least_of_the_range(catalogue, pair, found, ceramic_min),
         ),
         ceramic_min_mm=ceramic_min,
-    )
+    )._of(scenario=scenario)
 
 
 def _outside(search: Search, place: int) -> list[str]:

@@ -65,6 +65,8 @@ BEST: dict[str, Any] = {"marker": "*", "size": 11.0, "colour": VERMILION}
 REFINED: dict[str, Any] = {"marker": "D", "colour": ORANGE}
 # Pairs of materials beside the best that are marked, and rows of bars.
 MAX_PAIRS, MAX_ROWS = 11, 40
+# Rows of a sweep whose points are marked on a curve.
+MAX_MARKERS = 40
 # What designs are compared by, named as in their tables.
 CRITERIA = {
     column.key: Axis(column.label, column.unit, spec=spec)
@@ -530,13 +532,36 @@ def energy_chart(energy: "EnergyBalance") -> Chart:
 
 
 def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, scenario: "Scenario") -> Chart:
-    """Describe a quantity over one key of a sweep, as a curve, or two, as a map; thicknesses have areal densities."""
+    """Describe a quantity over one key of a sweep, as a curve, or two, as a map; thicknesses have areal densities.
+
+    Over a key of names there is a bar for each name, and over such a key and numbers a curve for each.
+    """
     axes = [quantity_axis(key) for key in keys]
     answer = quantity_axis(name)
     title = _sweep_title(answer.label, *(axis.label for axis in axes))
-    if len(keys) == 1:
-        values = _or_none(table[name])
-        return Chart(title, (Panel(axes[0], answer, (Line(table[keys[0]].tolist(), values),), height=1.1),))
+    found = table[name]
+    missing = np.count_nonzero(np.isnan(found))
+    note = f"{missing} of {len(found)} rows have no {answer.label}." if missing else ""
+    named = [key for key in keys if table[key].dtype.kind not in "iuf"]
+    if len(named) == len(keys):
+        rows = tuple(dict.fromkeys(table[named[0]].tolist()))
+        values = {
+            label: [
+                dict(zip(table[named[0]][own].tolist(), _or_none(found[own]), strict=True)).get(row) for row in rows
+            ]
+            for label, own in _by_name(table, named[1:])
+        }
+        return Chart(title, (_bars_panel(answer, rows, values),), note)
+    if len(keys) == 1 or named:
+        [key] = [key for key in keys if key not in named]
+        # The axis reaches rows without an answer too, and a single row has a point.
+        x = quantity_axis(key, limits=_span(table[key].tolist()) if missing or len(set(table[key])) == 1 else None)
+        curves = []
+        for index, (label, own) in enumerate(_by_name(table, named)):
+            order = np.flatnonzero(own)[np.argsort(table[key][own], kind="stable")]
+            look = _look(index) if len(order) <= MAX_MARKERS else {"colour": COLOURS[index % len(COLOURS)]}
+            curves.append(Line(table[key][order].tolist(), _or_none(found[order]), label=label, **look))
+        return Chart(title, (Panel(x, answer, tuple(curves), height=1.1),), note)
     x, y = (np.unique(table[key]) for key in keys)
     z = np.full((len(y), len(x)), np.nan)
     z[np.searchsorted(y, table[keys[1]]), np.searchsorted(x, table[keys[0]])] = table[name]
@@ -551,7 +576,15 @@ def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, sce
         areal = (armour.rho_c * MM * ceramic + armour.rho_B * MM * backing).tolist()
         label = f"lines of equal {CRITERIA[AREAL_DENSITY.key].heading}"
         series.append(Contours(x.tolist(), y.tolist(), areal, "dashed", 5, label=label, colour=VERMILION))
-    return Chart(title, (Panel(axes[0], axes[1], tuple(series), height=1.2),))
+    return Chart(title, (Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
+
+
+def _by_name(table: Mapping[str, Any], keys: Sequence[str]) -> list[tuple[str, Any]]:
+    """Return each name of a key with its rows, as a mask; without a key all rows."""
+    if not keys:
+        return [("", np.ones(len(next(iter(table.values()))), dtype=bool))]
+    names = table[keys[0]]
+    return [(name, names == name) for name in dict.fromkeys(names.tolist())]
 
 
 def _sweep_title(answer: str, first: str, second: str = "") -> str:

@@ -44,6 +44,9 @@ class Value(Section, Generic[Number]):
     source: str = ""
     tests: list[dict[str, NumberOrText]] = []
 
+    def __repr__(self) -> str:
+        return f"<Value: {self.value:g}, {self.status}{f', {self.source}' if self.source else ''}>"
+
     @classmethod
     def model_parametrized_name(cls, params: tuple[Any, ...]) -> str:
         """Return the name of a class of bounded numbers without dots, at which pickle splits it."""

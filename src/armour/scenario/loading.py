@@ -93,6 +93,22 @@ class Scenario(Section):
         armour = self.core_armour()
         return armour.rho_c * armour.Hc0 + armour.rho_B * armour.Hb
 
+    def armour_words(self) -> str:
+        """Return thicknesses and names of the layers, such as "6.35 mm AD85 on 6.35 mm 6061-T6"."""
+        armour = self.armour
+        ceramic = f"{armour.ceramic_thickness_mm:g} mm {armour.ceramic} on " if armour.ceramic else ""
+        return f"{ceramic}{armour.backing_thickness_mm:g} mm {armour.backing}"
+
+    def __repr__(self) -> str:
+        impact, title = self.impact, f"'{self.title}', " if self.title else ""
+        return f"<Scenario: {title}{self.armour_words()}, {impact.projectile} at {impact.velocity_m_s:g} m/s>"
+
+    __str__ = __repr__
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the content of a scenario file as plain data, which `parse_scenario` reads."""
+        return deepcopy(self._source.data)
+
     def replaced(self, changes: Mapping[str, object]) -> "Scenario":
         """Return the scenario with other values by dotted key, such as ``{"impact.velocity_m_s": 900.0}``.
 

@@ -60,6 +60,9 @@ class Tests(NamedTuple):
     weighted: bool  # by uncertainties; else by the measured values
     cells: tuple[Mapping[str, float | str], ...]  # inputs and measurements as they stand in the table
 
+    def __repr__(self) -> str:
+        return f"<Tests: {len(self.names)} tests of {self.file}, {len(self.measurements)} measurements>"
+
 
 def read_tests(path: str | PathLike[str], scenario: Scenario, notes: Sequence[str] = ()) -> Tests:
     """Read a table of tests: inputs that differ from test to test, and measurements.

@@ -189,7 +189,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
             *warnings_of(scenario, deterministic),
         ),
         model_error=model_error(scenario),
-    )
+    )._of(scenario=scenario)
 
 
 def probability_of_perforation(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> Estimate:

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import CONFIDENCE
-from armour.analysis.results import Result
+from armour.analysis.results import TableResult, by_column
 from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import Section, validated
@@ -70,7 +70,7 @@ class MeanV50:
 
 
 @dataclass(frozen=True, repr=False)
-class FiringResult(Result):
+class FiringResult(TableResult):
     """V50 estimated from firing results.
 
     With few shots the intervals of maximum likelihood are too short, and separated shots have no curve; those of the
@@ -119,6 +119,9 @@ class FiringResult(Result):
     def _words(self) -> str:
         fit = self.recommended or self.fits[0]
         return f"V50 {fit.v50_m_s:.1f} m/s by {fit.method}, {self.shots} shots"
+
+    def _columns(self) -> dict[str, Any]:
+        return by_column(vars(fit) for fit in (*self.penalised_fits, *self.fits))
 
 
 def read_shots(path: str | PathLike[str]) -> Shots:
@@ -220,7 +223,7 @@ def v50(
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
         model_interval_m_s=None if model is None else model.interval_m_s,
         warnings=() if model is None else model.warnings,
-    )
+    )._of(shots=shots)
 
 
 def _check(shots: Shots) -> None:

@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from armour.analysis.evaluate import evaluate, groups_of
 from armour.analysis.quantities import reads_of
-from armour.analysis.results import TableResult
+from armour.analysis.results import TableResult, same_columns
 from armour.analysis.variants import Floats, OnProgress, ignore_progress, outside_limits
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
@@ -29,8 +30,9 @@ MAX_ROWS = 10_000_000
 # Characters of a wrong value in a message.
 MAX_SHOWN = 60
 
-# Values of a key: numbers or names, or a range with min, max and step.
-Values = Sequence[float] | Sequence[str] | Floats | Mapping[str, float]
+# Values of a key: numbers or names, or a range with min, max and step.  Sequence[object], not of numbers or of names,
+# is what a type checker takes lists of both in one dict for.
+Values = Sequence[object] | NDArray[Any] | Mapping[str, float]
 
 
 class _Range(Section):
@@ -74,12 +76,23 @@ class SweepResult(TableResult):
         """Columns by name."""
         return dict(self._computed) if self.output is None else read_table(self.output)
 
-    def __getitem__(self, name: str) -> Any:
-        return self.columns[name]
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        column: NDArray[Any] = self.columns[name]
+        return column
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, SweepResult)
+            and self.scenario == other.scenario
+            and same_columns(self.columns, other.columns)
+        )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the columns as lists by name."""
-        return {name: values.tolist() for name, values in self.columns.items()}
+        """Return the columns as lists by name; a question without an answer has None."""
+        return {
+            name: [None if value != value else value for value in values.tolist()]
+            for name, values in self.columns.items()
+        }
 
     def _words(self) -> str:
         where = "" if self.output is None else f", in {self.output}"
@@ -166,7 +179,8 @@ def sweep(
             on_chunk=lambda rows, _stored: on_progress(rows, source.count),
             tell=lambda line: warnings.append(line.removeprefix("warning: ")),
         )
-    return SweepResult(scenario, source.keys, names, source.count, output, tuple(warnings), computed)
+    found = SweepResult(scenario, source.keys, names, source.count, output, tuple(warnings), computed)
+    return found._of(scenario=scenario)
 
 
 def _source(over: Mapping[str, Values] | str | PathLike[str]) -> Grid | Cases:

@@ -14,7 +14,7 @@ from armour.analysis.closed_forms import (
 )
 from armour.analysis.florence import FlorenceResult, bodies_of, florence_result, missing_for_florence
 from armour.analysis.impact import ImpactResult
-from armour.analysis.results import Result
+from armour.analysis.results import TableResult
 from armour.errors import NoAnswerError, refuse
 from armour.scenario.library import LibraryEntry
 from armour.scenario.loading import Scenario
@@ -38,7 +38,7 @@ class RuleResult:
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison(Result):
+class Comparison(TableResult):
     """Ballistic limit and residual velocities by the model and by closed forms.
 
     Attributes
@@ -92,6 +92,10 @@ class Comparison(Result):
         others = ", ".join(f"{limit:.1f}" for limit in limits)
         return f"ballistic limit {self.limit.ballistic_limit_m_s:.1f} m/s, by formulas {others} m/s"
 
+    def _columns(self) -> dict[str, Any]:
+        names = "impact_velocity_m_s", "residual_velocity_m_s", "plug_velocity_m_s"
+        return {name: [getattr(impact, name) for impact in self.curve] for name in names}
+
 
 def compare(scenario: Scenario) -> Comparison:
     """Compare the model with closed forms for a scenario's armour.
@@ -142,7 +146,7 @@ def compare(scenario: Scenario) -> Comparison:
         tests=_words(cases),
         rules=tuple(_rule(cases, p, scenario.areal_density_kg_m2()) for p in (1.0, None)) if own else (),
         errors=_errors() if own else (),
-    )
+    )._of(scenario=scenario)
 
 
 @cache
