@@ -69,6 +69,8 @@ def test_the_best_is_the_lightest_and_has_its_limit():
     assert best.ballistic_limit_m_s == ballistic_limit(of_design(case(), best)).ballistic_limit_m_s
     assert best.margins_m_s == {"7.62 mm AP at 850 m/s": best.margin_m_s}
     assert [pair.best for pair in result.pairs] == [best]
+    assert best.cost_per_m2 is None
+    assert {design.cost_per_m2 for design in result.frontier} == {None}
 
 
 @pytest.mark.parametrize("search", [{"velocity_max_m_s": 500.0}, {"velocity_min_m_s": 1500.0}])

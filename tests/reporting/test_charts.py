@@ -232,6 +232,13 @@ def test_parity_of_the_tables_of_a_suite(folder):
     assert panel.square
     assert points.text[0] == "ceramic thickness 6.35 mm\nexpected 720 m/s, computed 723.77 m/s"
     assert labels(panel) == ["t", "agreement", "± 10 %"]
+    assert chart.note.startswith("1 of 3 cases are not shown")
+
+
+def test_parity_has_lines_at_the_band_that_all_cases_have(folder):
+    chart = charts.parity_chart(result(folder, case("a", 700.0, "band = 35.0") + case("b", 800.0, "band = 40.0")))
+    assert labels(*chart.panels) == ["cases", "agreement", "± 5 %"]
+    assert chart.note == ""
 
 
 def test_parity_of_a_suite_without_tables(folder):
@@ -416,7 +423,7 @@ def test_the_rows_of_a_sweep_are_marked_and_in_order(values: list[float]):
     [panel] = charts.sweep_chart(columns, [CERAMIC], "ballistic_limit_m_s", scenario()).panels
     [line] = some(panel, Line)
     assert list(line.x) == sorted(values)
-    assert list(line.y) == [100.0 * value for value in line.x]
+    assert list(line.y) == [100.0 * value for value in sorted(values)]
     assert line.marker
 
 

@@ -45,8 +45,10 @@ class Design:
     ceramic, backing : str
         Names of the materials; the ceramic's is empty for a bare back plate.
     ceramic_thickness_mm, backing_thickness_mm : float
-    areal_density_kg_m2, thickness_mm, cost_per_m2 : float
+    areal_density_kg_m2, thickness_mm : float
         Including what the section ``design`` adds.
+    cost_per_m2 : float or None
+        The same, in the unit of the costs given; None where none is given.
     margin_m_s : float or None
         Least ballistic limit less the velocity of a threat, over the threats; None where it is not computed.
     """
@@ -57,7 +59,7 @@ class Design:
     backing_thickness_mm: float
     areal_density_kg_m2: float
     thickness_mm: float
-    cost_per_m2: float
+    cost_per_m2: float | None
     margin_m_s: float | None
 
 
@@ -325,10 +327,13 @@ def _governing(search: Search, where: Ints) -> list[int]:
 def _designs(search: Search, where: Ints, *, with_margins: bool) -> tuple[Design, ...]:
     """Return designs of a search as results."""
     offers, candidates = search.catalogue.offers, search.candidates.at(where)
-    margins = search.margins(search.limits(where)).min(axis=1).tolist() if with_margins else [None] * len(where)
+    unknown = [None] * len(where)
+    margins = search.margins(search.limits(where)).min(axis=1).tolist() if with_margins else unknown
+    *columns, costs = (column.tolist() for column in candidates)
+    costs = costs if search.catalogue.has_costs() else unknown
     return tuple(
         Design(offers[pair].ceramic.material, offers[pair].backing.material, *numbers)
-        for pair, *numbers in zip(*(column.tolist() for column in candidates), margins, strict=True)
+        for pair, *numbers in zip(*columns, costs, margins, strict=True)
     )
 
 
