@@ -14,7 +14,8 @@ from armour.statistics.v50 import Shots, v50
 from tests.helpers.cases import scenario
 from tests.helpers.results import design_result, impact, uncertainty_result
 
-SHOTS = Shots((700.0, 710.0, 720.0, 730.0), (False, True, False, True))
+# Lists, which a type checker accepts too.
+SHOTS = Shots([700.0, 710.0, 720.0, 730.0], [False, True, False, True])
 
 
 class Frame(dict[str, object]):

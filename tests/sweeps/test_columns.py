@@ -8,11 +8,11 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.errors import InputError
 from armour.sweeps import columns
-from armour.sweeps.columns import Values, sweep
+from armour.sweeps.columns import sweep
 from tests.helpers.cases import csv_file, scenario
 
 CERAMIC, BACKING = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
-OVER: dict[str, Values] = {CERAMIC: {"min": 4.0, "max": 8.0, "step": 2.0}, BACKING: np.array([5.0, 6.0])}
+OVER: dict[str, object] = {CERAMIC: {"min": 4.0, "max": 8.0, "step": 2.0}, BACKING: np.array([5.0, 6.0])}
 
 
 def test_a_grid_in_memory():
@@ -26,12 +26,18 @@ def test_a_grid_in_memory():
 
 
 def test_a_result_compares_and_is_plain_data():
-    over: dict[str, Values] = {CERAMIC: [6.0, 400.0]}
+    over: dict[str, object] = {CERAMIC: [6.0, 400.0]}
     found = sweep(scenario(), over)
     assert found == sweep(scenario(), over)
     assert found != sweep(scenario(), {CERAMIC: [6.5, 400.0]})
     assert found != sweep(scenario(backing_mm=7.0), over)
     assert found.to_dict()["ballistic_limit_m_s"][1] is None
+
+
+def test_lists_and_arrays_of_any_number():
+    """A type checker accepts them too."""
+    over = {CERAMIC: np.arange(5, 7), "armour.ceramic": ["AD85"]}
+    assert sweep(scenario(), over, "areal_density_kg_m2").rows == 2
 
 
 def test_the_ballistic_limit_by_default():
@@ -61,7 +67,7 @@ def test_a_table_of_cases(tmp_path: Path):
 
 @pytest.mark.parametrize("output", [None, "table.csv"])
 def test_names_of_materials(tmp_path: Path, output: str | None):
-    over: dict[str, Values] = {"armour.backing": ["5083-H3", "6061-T6"], BACKING: [5.0, 7.0]}
+    over: dict[str, object] = {"armour.backing": ["5083-H3", "6061-T6"], BACKING: [5.0, 7.0]}
     found = sweep(scenario(), over, "areal_density_kg_m2", output and tmp_path / output)
     assert found["armour.backing"].tolist() == ["5083-H3"] * 2 + ["6061-T6"] * 2
     assert found["areal_density_kg_m2"][1] == pytest.approx(

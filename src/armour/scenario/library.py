@@ -238,11 +238,13 @@ class Library:
             raise KeyError(f'no entry of the library is called "{name}"{suggestion(name, known)}')
         return found
 
-    def extended(self, tables: LibraryTables, file: str, prefix: str = "") -> "Library":
+    def extended(self, tables: LibraryTables | Mapping[str, Any], file: str, prefix: str = "") -> "Library":
         """Return the library with added entries, which may be based on existing ones or replace those of the same name.
 
+        They are given by kind and name, ``{"ceramic": {"Mine": {"based_on": "AD85", "flow_stress_GPa": 4.5}}}``.
         `file` holds the entries and is the source of values without one; `prefix` is the key of the tables in it.
         """
+        tables = tables if isinstance(tables, LibraryTables) else validated(LibraryTables, tables, file)
         entries: dict[Kind, dict[str, LibraryEntry]] = {kind: dict(self.entries[kind]) for kind in KINDS}
         problems: dict[str, Problem] = {}
         for kind in KINDS:
@@ -359,7 +361,7 @@ def read_library(path: str | PathLike[str], onto: Library) -> Library:
     InputError
         With every mistake in the file, or if it cannot be read.
     """
-    return onto.extended(validated(LibraryTables, read_toml(path), str(path)), str(path))
+    return onto.extended(read_toml(path), str(path))
 
 
 def library_toml(tables: Mapping[str, Any]) -> str:

@@ -23,15 +23,27 @@ MAX_FOLDS = 100
 
 @dataclass(frozen=True)
 class Residual:
-    """A measurement and the value of the calibrated model, in the unit of the quantity's name."""
+    """A measurement and the value of the calibrated model, in the unit of the quantity's name.
+
+    Attributes
+    ----------
+    test, quantity : str
+    measured, computed : float
+    left_out : float or None
+        Computed with coefficients fitted to the other tests; None where these are too few.
+    bound : {"", "at least", "at most"}
+        Bound on the ballistic limit that the outcome of a test gives; empty for a measured value.
+    uncertainty : float or None
+        Standard deviation of the measured value, where it is given.
+    """
 
     test: str
     quantity: str
     measured: float
     computed: float
-    left_out: float | None  # computed with coefficients fitted to the other tests; None where these are too few
-    bound: str  # "at least" or "at most": bound on the ballistic limit that the outcome of a test gives
-    uncertainty: float | None = None  # standard deviation of the measured value, where it is given
+    left_out: float | None
+    bound: str
+    uncertainty: float | None = None
 
     @property
     def met(self) -> bool:
@@ -147,7 +159,7 @@ def calibrate(
     Parameters
     ----------
     tests : Tests
-        See `armour.statistics.test_data.read_tests`.
+        See `read_tests`.
     scenario : Scenario
         Inputs that the tests have in common.
     fit : sequence of str

@@ -46,13 +46,27 @@ FIRST_STEP, END_TOLERANCE = 1.8, 1e-3
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A fitted input."""
+    """A fitted input.
+
+    Attributes
+    ----------
+    name : str
+        Name of the input, such as ``"ceramic.flow_stress_GPa"``.
+    estimate : float or None
+        In the unit of the name; None where the tests do not identify it.
+    interval : tuple of float or None, or None
+        Profile-likelihood interval; None for an end that is open.
+    reason : str
+        Why it is not identified.
+    standard_error : float or None
+        Of the model linearised at the estimate.
+    """
 
     name: str
-    estimate: float | None  # None where the tests do not identify it
-    interval: tuple[float | None, float | None] | None  # profile-likelihood interval; None for an end that is open
-    reason: str = ""  # why it is not identified
-    standard_error: float | None = None  # of the model linearised at the estimate
+    estimate: float | None
+    interval: tuple[float | None, float | None] | None
+    reason: str = ""
+    standard_error: float | None = None
 
 
 class Likelihood(NamedTuple):

@@ -37,11 +37,21 @@ FREE = {LIMIT: (VELOCITY,), RESIDUAL: (), OPTIMUM: (CERAMIC, BACKING)}
 
 @dataclass(frozen=True)
 class Elasticity:
-    """Elasticities with respect to an input: relative change of each answer per relative change of the input."""
+    """Elasticities with respect to an input: relative change of each answer per relative change of the input.
+
+    Attributes
+    ----------
+    input : str
+        Name of the input, such as ``"ceramic.flow_stress_GPa"``.
+    value : float
+        Its value, in the unit of its name.
+    elasticities : mapping of str to float or None
+        By answer; None where the answer does not depend on the input or has no value.
+    """
 
     input: str
-    value: float  # of the input, in the unit of its name
-    elasticities: Mapping[str, float | None]  # None where the answer does not depend on the input or has no value
+    value: float
+    elasticities: Mapping[str, float | None]
 
 
 @dataclass(frozen=True, repr=False)

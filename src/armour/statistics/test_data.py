@@ -51,14 +51,29 @@ class MaterialGroup(NamedTuple):
 
 
 class Tests(NamedTuple):
-    """A table of tests."""
+    """A table of tests.
+
+    Attributes
+    ----------
+    file : str
+    names : tuple of str
+        Names of the tests.
+    groups : tuple
+        Tests with the same projectile and materials: their scenario, indices and inputs.
+    measurements : tuple
+        Index of the test, quantity, value, its uncertainty, and the side on which an outcome bounds the limit.
+    weighted : bool
+        Whether by uncertainties; else by the measured values.
+    cells : tuple of dict
+        Inputs and measurements as they stand in the table, test by test.
+    """
 
     file: str
     names: tuple[str, ...]
     groups: tuple[MaterialGroup, ...]
     measurements: tuple[Measurement, ...]
-    weighted: bool  # by uncertainties; else by the measured values
-    cells: tuple[Mapping[str, float | str], ...]  # inputs and measurements as they stand in the table
+    weighted: bool
+    cells: tuple[Mapping[str, float | str], ...]
 
     def __repr__(self) -> str:
         return f"<Tests: {len(self.names)} tests of {self.file}, {len(self.measurements)} measurements>"

@@ -42,14 +42,16 @@ class Shots:
 
     Attributes
     ----------
-    velocities_m_s : tuple of float
-    complete : tuple of bool
+    velocities_m_s : sequence of float
+        Impact velocities, m/s.
+    complete : sequence of bool
         Whether each was a complete penetration.
     file : str
+        Name of their file, for messages and titles.
     """
 
-    velocities_m_s: tuple[float, ...]
-    complete: tuple[bool, ...]
+    velocities_m_s: Sequence[float]
+    complete: Sequence[bool]
     file: str = "shots"
 
     def of(self, *, complete: bool) -> list[float]:
@@ -60,13 +62,27 @@ class Shots:
 
 @dataclass(frozen=True)
 class MeanV50:
-    """V50 as the mean velocity of equal numbers of highest partial and lowest complete penetrations."""
+    """V50 as the mean velocity of equal numbers of highest partial and lowest complete penetrations.
+
+    Attributes
+    ----------
+    v50_m_s : float
+        Mean velocity, m/s.
+    pairs : int
+        Number of shots of each kind.
+    span_m_s : float
+        Difference between the fastest and the slowest of these shots, m/s.
+    span_allowed_m_s : float
+        Greatest span allowed, m/s.
+    rule : {"usual span", "given span", "no usual rule"}
+        Where the span allowed is from; "no usual rule" for other numbers of shots than 2, 3 and 5.
+    """
 
     v50_m_s: float
-    pairs: int  # shots of each kind
-    span_m_s: float  # difference between the fastest and the slowest of these shots
+    pairs: int
+    span_m_s: float
     span_allowed_m_s: float
-    rule: Rule  # "no usual rule": other numbers of shots than 2, 3 and 5
+    rule: Rule
 
 
 @dataclass(frozen=True, repr=False)

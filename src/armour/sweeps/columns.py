@@ -30,10 +30,6 @@ MAX_ROWS = 10_000_000
 # Characters of a wrong value in a message.
 MAX_SHOWN = 60
 
-# Values of a key: numbers or names, or a range with min, max and step.  Sequence[object], not of numbers or of names,
-# is what a type checker takes lists of both in one dict for.
-Values = Sequence[object] | NDArray[Any] | Mapping[str, float]
-
 
 class _Range(Section):
     """Evenly spaced values."""
@@ -104,7 +100,7 @@ class SweepResult(TableResult):
 
 def sweep(
     scenario: Scenario,
-    over: Mapping[str, Values] | str | PathLike[str],
+    over: Mapping[str, object] | str | PathLike[str],
     quantities: str | Sequence[str] = "ballistic_limit_m_s",
     output: str | PathLike[str] | None = None,
     *,
@@ -183,7 +179,7 @@ def sweep(
     return found._of(scenario=scenario)
 
 
-def _source(over: Mapping[str, Values] | str | PathLike[str]) -> Grid | Cases:
+def _source(over: Mapping[str, object] | str | PathLike[str]) -> Grid | Cases:
     """Return the rows to compute."""
     if not isinstance(over, Mapping):
         return Cases(Path(over))
@@ -192,7 +188,7 @@ def _source(over: Mapping[str, Values] | str | PathLike[str]) -> Grid | Cases:
     return Grid(tuple(_axis(key, values) for key, values in over.items()))
 
 
-def _axis(key: str, values: Values) -> Axis:
+def _axis(key: str, values: object) -> Axis:
     """Return a key with its values."""
     if isinstance(values, Mapping):
         section = validated(_Range, dict(values), f"sweep: over {key}")

@@ -29,11 +29,23 @@ TESTS = "table 3, Wilkins' measurements"
 
 @dataclass(frozen=True)
 class RuleResult:
-    """Ballistic limit of an armour by the rule ``k (areal density)^p``, m/s, fitted to tests of the same materials."""
+    """Ballistic limit of an armour by the rule ``k (areal density)^p``, m/s, fitted to tests of the same materials.
 
-    k: float  # m/s, for areal densities in kg/m²
+    Attributes
+    ----------
+    k : float
+        Factor, m/s, for areal densities in kg/m².
+    p : float
+        Exponent.
+    p_fitted : bool
+        Whether the exponent is fitted; else it is 1.
+    ballistic_limit_m_s : float
+        Ballistic limit of the armour, m/s.
+    """
+
+    k: float
     p: float
-    p_fitted: bool  # or 1
+    p_fitted: bool
     ballistic_limit_m_s: float
 
 
@@ -60,7 +72,8 @@ class Comparison(TableResult):
     rules : tuple of RuleResult
         The rule with p = 1 and with p fitted; empty where the tests are of another round or of other materials.
     errors : tuple of Error
-        Errors of every prediction on these tests, by the model with the values of the library; empty with the rules.
+        Errors of every prediction on these tests, by the model with the values of the library, with the attributes that
+        `SuiteResult` lists; empty with the rules.
     """
 
     areal_density_kg_m2: float
