@@ -274,7 +274,7 @@ def test_an_input_changes_an_entry_of_the_scenario():
     ],
 )
 def test_an_input_that_is_refused(changes: dict[str, object], message: str):
-    with pytest.raises(InputError, match=f"scenario: .*{message}"):
+    with pytest.raises(InputError, match=f"replaced: .*{message}"):
         scenario().replaced(changes)
 
 

@@ -86,7 +86,7 @@ coefficient = 0.2
     made = tmp_path / "libs/made.toml"
     made.write_text(scenario_text(result, tests, case, made))
     found: Scenario = load_scenario(made)
-    assert found.library.files == ["own.toml"]
+    assert found.library.files == ("own.toml",)
     assert found.uncertainty is not None
     inputs = found.uncertainty.inputs()
     assert inputs["ceramic.density_kg_m3"].standard_deviation_percent == 1.0

@@ -32,9 +32,8 @@ def read_rows(
     """
     lines = [(place, cells) for place, cells in _lines(path) if any(cells)]
     if not lines:
-        raise InputError(
-            [Problem(str(path), "", f"must have a header with {' and '.join(needed)}, found an empty file")]
-        )
+        columns = f" with {' and '.join(needed)}" if needed else ""
+        raise InputError([Problem(str(path), "", f"must have a header{columns}, found an empty file")])
     if len(lines) > MAX_ROWS + 1:
         message = f"must have at most {MAX_ROWS} rows below its header, found {len(lines) - 1}"
         raise InputError([Problem(str(path), "", message)])

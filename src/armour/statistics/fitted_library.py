@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from math import sqrt
-from os.path import relpath
 from pathlib import Path
 from typing import Any
 
@@ -35,10 +34,7 @@ def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, p
             raise NoAnswerError(f"nothing to write: the tests bound {coefficient.name} on one side only")
     tables, used = _entries(result, tests)
     with_entries = _usable(lambda: scenario.replaced({"library": tables, **used}))
-    data = parse_toml(with_entries.to_toml(), scenario.file)
-    if files := data["library"].get("files"):
-        folder = Path(scenario.file).parent
-        data["library"]["files"] = [relpath(folder / file, path.parent) for file in files]
+    data = parse_toml(with_entries.to_toml(path.parent), scenario.file)
     section, names = data.setdefault("uncertainty", {}), [coefficient.name for coefficient in result.coefficients]
     for coefficient in result.coefficients:
         role, key = coefficient.name.split(".")

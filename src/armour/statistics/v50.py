@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from types import NoneType
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -13,7 +14,7 @@ from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import Result
 from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
-from armour.scenario.messages import Section, validated
+from armour.scenario.messages import PATH, Section, check_types, validated
 from armour.statistics.csv_table import read_rows
 from armour.statistics.penalised_curve import fit_penalised
 from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
@@ -197,6 +198,7 @@ def v50(
         If the complete penetrations were no faster on average than the partial ones, or the scenario has no ballistic
         limit.
     """
+    check_types("v50", shots=(shots, Shots), scenario=(scenario, (Scenario, NoneType)))
     validated(_Settings, {"pairs": pairs, "span_m_s": span_m_s, "confidence": confidence}, "v50")
     if span_m_s is None and pairs is not None and pairs not in SPANS_M_S:
         message = f"must be given for {pairs} pairs; a span is usual with 2, 3 and 5 only"

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
+from types import NoneType
 from typing import Any, Literal
 
 import numpy as np
@@ -12,7 +13,7 @@ from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.results import TableResult, by_column
 from armour.errors import NoAnswerError
 from armour.files import shipped_suites
-from armour.scenario.messages import TINY
+from armour.scenario.messages import TINY, check_types
 from armour.scenario.parameters import INPUTS, NAMES, entry_of, inputs_of, name_of
 from armour.validation.data import GroupSection, meets
 from armour.validation.questions import Asked, answer
@@ -193,6 +194,7 @@ def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
     InputError
         If a run of a scenario does not end.
     """
+    check_types("validate", suite=(suite, Suite), on_check=(on_check, (Callable, NoneType)))
     known: dict[str, Asked] = {}
     of_files = _of_files(suite.cases)
     checks = []
