@@ -72,8 +72,8 @@ class ImpactResult(Result):
     areal_density_kg_m2 : float
         Areal density of the armour, kg/m².
     time_step_us : float
-        Time step, µs: the scenario's, at most 1.6 defaults, or the default.  Each step of the run is this one adapted to
-        the motion, and at least a thousandth of its characteristic time, however short the scenario's is.
+        Time step, µs: the scenario's, at most 1.6 defaults, or the default.  The steps of the run are this one adapted
+        to the motion; none is shorter than a thousandth of its characteristic time.
     stages : tuple of StageRecord
         Stages of the impact, in order.
     warnings : tuple of str

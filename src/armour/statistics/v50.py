@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
 from types import NoneType
 from typing import Annotated, Literal
 
@@ -15,7 +14,7 @@ from armour.analysis.results import Result
 from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import PATH, Section, check_types, validated
-from armour.statistics.csv_table import read_rows
+from armour.statistics.csv_table import lines_of, read_rows
 from armour.statistics.penalised_curve import fit_penalised
 from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
 
@@ -129,7 +128,7 @@ def read_shots(path: str | PathLike[str]) -> Shots:
     ----------
     path : path-like
         File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete", also P or C, in letters of any
-        case) and, optionally, ``shot``.
+        case) and, optionally, ``shot``; or, where there is no such file, the name of a shipped one, ``"shots.csv"``.
 
     Returns
     -------
@@ -141,8 +140,9 @@ def read_shots(path: str | PathLike[str]) -> Shots:
         With every mistake in the file.
     """
     names = ("velocity_m_s", "result")
-    path = Path(path)
-    rows, problems = read_rows(path, numbers=names[:1], texts=("shot", "result"), needed=names)
+    check_types("read_shots", path=(path, PATH))
+    file, lines = lines_of(path)
+    rows, problems = read_rows(file, lines, numbers=names[:1], texts=("shot", "result"), needed=names)
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     given = [row.texts.get("result", "") for row in rows]
     results = [RESULTS.get(text.lower(), "") for text in given]
@@ -150,15 +150,15 @@ def read_shots(path: str | PathLike[str]) -> Shots:
         found = row.texts.get("velocity_m_s", "")
         if not found or not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
             message = f'must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found "{found}"'
-            problems.append(Problem(str(path), f"{row.place}: velocity_m_s", message))
+            problems.append(Problem(file, f"{row.place}: velocity_m_s", message))
         if not result:
             message = f'must be "partial" or "complete", or P or C, found "{text}"'
-            problems.append(Problem(str(path), f"{row.place}: result", message))
+            problems.append(Problem(file, f"{row.place}: result", message))
     if not problems and len(set(results)) == 1:
         message = f"must have at least one partial and one complete penetration, found only {results[0]} ones"
-        problems.append(Problem(str(path), "result", message))
+        problems.append(Problem(file, "result", message))
     refuse(problems)
-    return Shots(tuple(velocities), tuple(result == "complete" for result in results), str(path))
+    return Shots(tuple(velocities), tuple(result == "complete" for result in results), file)
 
 
 def v50(

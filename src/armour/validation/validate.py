@@ -164,15 +164,8 @@ class SuiteResult(TableResult):
 OnCheck = Callable[[Check, int], None]
 
 
-# Shipped suites: everything that the paper publishes, and measured limits of bare plates.
-def suite_file(name: str = "paper") -> Path:
-    """Return the file of a shipped suite, or the name itself if it is a file or none of them."""
-    path = Path(name)
-    return path if path.exists() else shipped_suites().get(name, path)
-
-
 def paper_suite() -> Path:
-    """Return the path of the suite of everything that the paper publishes."""
+    """Return the path of the suite of everything that the paper publishes, ``load_suite("paper")``."""
     return shipped_suites()["paper"]
 
 
