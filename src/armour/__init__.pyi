@@ -34,8 +34,10 @@ from .scenario.loading import parse_scenario as parse_scenario
 from .scenario.loading import save_scenario as save_scenario
 from .statistics.calibration import CalibrationResult as CalibrationResult
 from .statistics.calibration import calibrate as calibrate
+from .statistics.fitted_library import save_fit as save_fit
 from .statistics.sensitivity import SensitivityResult as SensitivityResult
 from .statistics.sensitivity import sensitivity as sensitivity
+from .statistics.test_data import Tests as Tests
 from .statistics.test_data import read_tests as read_tests
 from .statistics.uncertainty import UncertaintyResult as UncertaintyResult
 from .statistics.uncertainty import uncertainty as uncertainty

@@ -119,7 +119,7 @@ def ballistic_limit(scenario: Scenario) -> LimitResult:
         crossings=crossings,
         scanned_velocities=search.SCAN_POINTS,
         scanned_range_m_s=(low, high),
-        warnings=warnings_of(scenario, limit),
+        warnings=warnings_of(scenario, limit, "ballistic_limit"),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
     )

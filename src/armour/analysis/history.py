@@ -1,6 +1,6 @@
 """The history of an impact: the state of projectile and armour over time."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,11 +55,22 @@ class History(TableResult):
     shear_force_kN: NDArray[np.float64]
     stage: NDArray[np.str_]
 
+    def __eq__(self, other: object) -> bool:
+        """Return whether another history has the same values."""
+        return isinstance(other, History) and same_columns(vars(self), vars(other))
+
     def _words(self) -> str:
         return f"{len(self.time_us)} instants from 0 to {self.time_us[-1]:.2f} µs"
 
     def _columns(self) -> dict[str, Any]:
         return vars(self)
+
+
+def same_columns(some: Mapping[str, Any], others: Mapping[str, Any]) -> bool:
+    """Return whether columns, arrays by name, are the same."""
+    return some.keys() == others.keys() and all(
+        np.array_equal(values, others[name], equal_nan=values.dtype.kind == "f") for name, values in some.items()
+    )
 
 
 def history_of(trace: Sequence[Instant], armour: Parameters) -> History:

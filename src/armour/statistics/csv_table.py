@@ -6,7 +6,7 @@ from io import StringIO
 from math import isfinite
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 from armour.errors import InputError, Problem, choices
 from armour.files import read_text, table_file
@@ -16,8 +16,20 @@ from armour.units import missing_unit
 # More rows than tests or shots that anyone has made; their fits take about a minute.
 MAX_ROWS = 100_000
 
-# Rows that are given: mappings by column, or a data frame of pandas or polars.
-Rows = Iterable[Mapping[str, Any]]
+
+class Frame(Protocol):
+    """A data frame of pandas or polars."""
+
+    @property
+    def columns(self) -> Any:
+        """Names of the columns."""
+
+    def __getitem__(self, name: Any, /) -> Any:
+        """Return a column."""
+
+
+# Rows that are given: mappings by column, or a data frame.
+Rows = Iterable[Mapping[str, Any]] | Frame
 # A line: its place, for messages, and its cells.
 Line = tuple[str, list[str]]
 

@@ -51,15 +51,31 @@ class MaterialGroup(NamedTuple):
 
 
 class Tests(NamedTuple):
-    """A table of tests."""
+    """A table of tests; `read_tests` makes one.
+
+    Attributes
+    ----------
+    file : str
+    names : tuple of str
+        Names of the tests.
+    groups : tuple of MaterialGroup
+        Tests with the same projectile and materials.
+    measurements : tuple of Measurement
+    weighted : bool
+        Whether the measured values have uncertainties.
+    cells : tuple of mapping
+        Inputs and measurements of each test as they stand in the table, by column.
+    scenario : Scenario
+        Inputs that the tests have in common.
+    """
 
     file: str
     names: tuple[str, ...]
     groups: tuple[MaterialGroup, ...]
     measurements: tuple[Measurement, ...]
-    weighted: bool  # by uncertainties; else by the measured values
-    cells: tuple[Mapping[str, float | str], ...]  # inputs and measurements as they stand in the table
-    scenario: Scenario  # inputs that the tests have in common
+    weighted: bool
+    cells: tuple[Mapping[str, float | str], ...]
+    scenario: Scenario
 
     def __repr__(self) -> str:
         return f"<Tests: {len(self.names)} tests of {self.file}, {len(self.measurements)} measurements>"

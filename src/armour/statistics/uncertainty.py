@@ -188,7 +188,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
             *_misplaced(section, inputs_of(scenario)),
             *_unknown(scenario),
             *_other_threats(scenario),
-            *warnings_of(scenario, deterministic),
+            *warnings_of(scenario, deterministic, "ballistic_limit"),
         ),
         model_error=model_error(scenario),
     )

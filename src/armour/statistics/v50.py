@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Real
 from os import PathLike
 from types import NoneType
 from typing import Annotated, Literal
@@ -231,6 +232,8 @@ def _check(shots: Shots) -> None:
     message = ""
     if len(velocities) != count:
         message = f"must be as many velocities as results, found {len(velocities)} and {count}"
+    elif not all(isinstance(v, Real) and c in (True, False) for v, c in zip(velocities, shots.complete, strict=True)):
+        message = "must be velocities as numbers, and True for each complete penetration, False for each partial one"
     elif wrong := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
         message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g} m/s, found {wrong[0]:g}"
     elif len(set(shots.complete)) != 2:
