@@ -162,3 +162,32 @@ def test_the_examples_of_the_docstrings(tmp_path: Path, monkeypatch: pytest.Monk
     for name in dir(armour):
         test = doctest.DocTestParser().get_doctest(getattr(armour, name).__doc__, {}, name, None, None)
         assert doctest.DocTestRunner().run(test).failed == 0
+
+
+QUESTIONS = [
+    *("simulate", "ballistic_limit", "confidence", "compare", "sensitivity", "uncertainty", "optimise"),
+    *("v50", "validate", "calibrate", "sweep", "save_scenario", "read_tests"),
+]
+
+
+@pytest.mark.parametrize("name", QUESTIONS)
+@pytest.mark.parametrize("given", ["wilkins", None, {}, 5, Path("x")])
+def test_a_wrong_argument_is_refused_by_name(name: str, given: object):
+    second: dict[str, object] = {"calibrate": given, "sweep": {}, "save_scenario": "x"}
+    more = [second[name]] if name in second else []
+    arguments = ["wilkins.csv", given] if name == "read_tests" else [given, *more]
+    with pytest.raises(armour.InputError, match=rf"{name}: \w+: must be a \w+, found "):
+        getattr(armour, name)(*arguments)
+
+
+def test_a_name_in_place_of_a_scenario_may_be_read():
+    message = 'simulate: scenario: must be a Scenario, found the text "wilkins"; load_scenario("wilkins") reads one'
+    with pytest.raises(armour.InputError, match=re.escape(message)):
+        armour.simulate("wilkins")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["load_scenario", "load_suite", "read_shots", "parse_scenario"])
+@pytest.mark.parametrize("given", [None, 5, [1]])
+def test_a_wrong_path_or_mapping_is_refused(name: str, given: object):
+    with pytest.raises(armour.InputError, match=rf"{name}: \w+: must be a (path|mapping), found "):
+        getattr(armour, name)(given)

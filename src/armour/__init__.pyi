@@ -39,6 +39,7 @@ from .statistics.calibration import CalibrationResult as CalibrationResult
 from .statistics.calibration import LawFit as LawFit
 from .statistics.calibration import Residual as Residual
 from .statistics.calibration import calibrate as calibrate
+from .statistics.fitted_library import save_fit as save_fit
 from .statistics.likelihood_fit import Coefficient as Coefficient
 from .statistics.response_curve import FittedCurve as FittedCurve
 from .statistics.sensitivity import Elasticity as Elasticity

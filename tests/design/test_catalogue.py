@@ -190,8 +190,8 @@ def test_the_rows_of_pairs_and_threats_are_those_of_their_scenarios(ceramic: str
 
 def test_no_scenario_is_made_for_a_material(monkeypatch: pytest.MonkeyPatch):
     """Each would validate the whole library."""
-    case, parsed = catalogue(), Mock(wraps=loading.parse_scenario)
-    monkeypatch.setattr(loading, "parse_scenario", parsed)
+    case, parsed = catalogue(), Mock(wraps=loading._made)
+    monkeypatch.setattr(loading, "_made", parsed)
     found = catalogue_of(case)
     assert not parsed.called
     found.against(0, 0)

@@ -1,6 +1,7 @@
 """Sweeps in Python."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -101,11 +102,15 @@ def test_rows_outside_what_the_model_was_compared_with():
 @pytest.mark.parametrize(
     ("values", "found"),
     [
-        ([], "[]"),
+        ([], "must hold at least one value, found none"),
         ("4:8:2", "4:8:2"),
         ([[4.0]], "[[4.0]]"),
         ([4.0, np.nan], "[4.0, nan]"),
-        (6.0, "6.0"),
+        (6.0, "must be a sequence of numbers, or a range with min, max and step, found 6.0"),
+        ({"min": 8.0, "max": 4.0, "step": 1.0}, "max: must be at least min, which is 8, found 4"),
+        ({"min": 4.0, "max": 8.0, "step": 0.0}, "step: must be greater than 0, found 0.0"),
+        ({"min": 4.0, "max": 8.0, "step": 1e-8}, "must hold at most 100,000 values"),
+        ((x for x in "ab"), "must be a sequence of numbers"),
         ({"min": 4.0}, "max"),
     ],
 )
@@ -134,3 +139,38 @@ def test_a_wrong_row_is_told_by_the_name_of_the_argument(tmp_path: Path, output:
     with pytest.raises(InputError) as error:
         sweep(scenario(), {CERAMIC: [6.0, -5.0]}, output=output and tmp_path / output)
     assert str(error.value) == f"sweep: over {CERAMIC}: must be at least 0, found -5.0"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"over": None}, "sweep: over: must be a mapping or a text or a path, found None"),
+        ({"over": [1]}, "sweep: over: must be a mapping or a text or a path, found a list"),
+        ({"quantities": None}, "sweep: quantities: must be a name or a sequence of names, found None"),
+        ({"quantities": ["outcome", "outcome"]}, "sweep: quantities: must not name anything twice"),
+        ({"threads": "2"}, "sweep: threads: must be a whole number or None, found"),
+        ({"threads": 0}, "sweep: threads: must be at least 1, found 0"),
+        ({"on_progress": None}, "sweep: on_progress: must be a function, found None"),
+    ],
+)
+def test_wrong_arguments(arguments: dict[str, Any], message: str):
+    with pytest.raises(InputError, match=message):
+        sweep(**{"scenario": scenario(), "over": {CERAMIC: [4.0]}, **arguments})
+
+
+def test_results_are_compared_and_searched():
+    found = sweep(scenario(), {CERAMIC: [4.0, 6.0]}, "areal_density_kg_m2")
+    assert found == sweep(scenario(), {CERAMIC: [4.0, 6.0]}, "areal_density_kg_m2")
+    assert found != sweep(scenario(), {CERAMIC: [4.0, 7.0]}, "areal_density_kg_m2")
+    assert list(found) == [CERAMIC, "areal_density_kg_m2"]
+    with pytest.raises(InputError, match='sweep: column: must name a column, found the text "foo"; choose from'):
+        found["foo"]
+
+
+def test_the_file_is_found_from_another_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    found = sweep(scenario(), {CERAMIC: [4.0]}, "areal_density_kg_m2", "out.csv")
+    assert found.output == tmp_path / "out.csv"
+    (tmp_path / "out.csv").unlink()
+    with pytest.raises(InputError, match=r"out\.csv: cannot be read: no such file"):
+        found.columns  # noqa: B018

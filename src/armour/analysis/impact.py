@@ -13,6 +13,7 @@ from armour.core.state import Outcome, Parameters
 from armour.errors import InputError, Problem
 from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_types
 from armour.scenario.schema import Solver
 from armour.units import MM, US, G
 
@@ -71,7 +72,8 @@ class ImpactResult(TableResult):
     areal_density_kg_m2 : float
         Areal density of the armour, kg/m².
     time_step_us : float
-        Time step used, µs.
+        Time step, µs: the scenario's, at most 1.6 defaults, or the default.  The steps of the run are this one adapted
+        to the motion; none is shorter than a thousandth of its characteristic time.
     stages : tuple of StageRecord
         Stages of the impact, in order.
     warnings : tuple of str
@@ -127,6 +129,7 @@ def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
     InputError
         If the run does not end within the maximum number of steps.
     """
+    check_types("simulate", scenario=(scenario, Scenario))
     return impact_at(scenario, scenario.impact.velocity_m_s, history=history)._of(scenario=scenario)
 
 

@@ -317,11 +317,11 @@ def _section_of(scenario: Scenario) -> DesignSection:
     if not ceramics:
         thicknesses = grid_of(scenario).ceramic_thickness_mm
         if armour.ceramic is None:
-            ceramics = [CeramicLayer.model_construct(material="", thickness_mm=[0.0])]
+            ceramics = (CeramicLayer.model_construct(material="", thickness_mm=[0.0]),)
         else:
-            ceramics = [CeramicLayer(material=armour.ceramic, thickness_mm=thicknesses)]
+            ceramics = (CeramicLayer(material=armour.ceramic, thickness_mm=thicknesses),)
     if not backings:
-        backings = [BackingLayer(material=armour.backing, thickness_mm=grid_of(scenario).backing_thickness_mm)]
+        backings = (BackingLayer(material=armour.backing, thickness_mm=grid_of(scenario).backing_thickness_mm),)
     return section.model_copy(update={"ceramic": ceramics, "backing": backings})
 
 

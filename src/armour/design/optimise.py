@@ -1,6 +1,6 @@
 """Design optimisation: the best design that defeats every threat, and its comparison with the others."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from itertools import chain
 from math import inf, isnan
@@ -19,6 +19,7 @@ from armour.errors import NoDesignError, Problem, refuse
 from armour.scenario.applicability import armour_warnings, error_on_tests, given_error, is_excluded
 from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_types
 
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
@@ -197,7 +198,8 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     ----------
     scenario : Scenario
         Its sections ``design`` and ``optimise`` give the materials and thicknesses, its list ``threat`` the threats;
-        without them, they are the scenario's own pair of materials and impact.
+        without them, they are the scenario's own pair of materials and impact.  Where there are threats, the impact is
+        not used.  ``scenario.replaced({"design.confidence": 0.95})`` asks for a probability of defeating each threat.
     refine : bool, default False
         Whether also to find the best design with both layers free within their ranges.
     on_progress : callable, optional
@@ -214,6 +216,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     NoDesignError
         If no design passes.
     """
+    check_types("optimise", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     catalogue = catalogue_of(scenario)
     problems = []
     if refine and catalogue.sampled:
@@ -258,12 +261,21 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         runs=requirement.runs,
         not_monotonic_mm=search.not_monotonic_mm(frontier),
         warnings=(
+            *_unused_impact(scenario),
             *_outside(search, first),
             *_at_the_ends(catalogue, pair, best),
             *_least_of_the_range(catalogue, pair, found, ceramic_min),
         ),
         ceramic_min_mm=ceramic_min,
     )._of(scenario=scenario)
+
+
+def _unused_impact(scenario: Scenario) -> Iterator[str]:
+    """Give a warning where the impact is none of the threats, which are used in its place."""
+    impact = scenario.impact
+    own = (impact.projectile, impact.velocity_m_s)
+    if scenario.threat and own not in [(threat.projectile, threat.velocity_m_s) for threat in scenario.threat]:
+        yield f"impact: {own[0]} at {own[1]:g} m/s is none of the threats, against which the armour is designed"
 
 
 def _outside(search: Search, place: int) -> list[str]:

@@ -15,9 +15,19 @@ from typing import Annotated, Any, Generic, Literal, NamedTuple, TypeVar
 import tomli_w
 from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
-from armour.errors import Problem, refuse, suggestion
+from armour.errors import InputError, Problem, refuse, suggestion
 from armour.files import read_toml, shipped
-from armour.scenario.messages import NOT_TINY, NUMBER, NumberOrText, Section, key_name, validated
+from armour.scenario.messages import (
+    NOT_TINY,
+    NUMBER,
+    PATH,
+    NumberOrText,
+    Section,
+    check_types,
+    describe,
+    key_name,
+    validated,
+)
 from armour.units import GPA, MM, MPA, G
 
 Status = Literal["measured", "fitted", "assumed"]
@@ -224,14 +234,26 @@ class Library:
 
     def names(self, kind: Kind) -> list[str]:
         """Return the names of a kind, in the order of the files."""
+        if kind not in KINDS:
+            message = f"must be one of {', '.join(KINDS)}, found {describe(kind)}"
+            raise InputError([Problem("library", "kind", message)])
         return list(self.entries[kind])
 
     def to_dict(self) -> dict[str, dict[str, dict[str, Any]]]:
         """Return the entries as plain data, by kind and name."""
         return {kind: {name: entry.to_dict() for name, entry in self.entries[kind].items()} for kind in KINDS}
 
+    def entry(self, kind: Kind, name: str) -> LibraryEntry:
+        """Return an entry; if there is none, an InputError suggests the closest name."""
+        known = self.names(kind)
+        if name not in known:
+            message = f"must name a {kind} of the library, found {describe(name)}{suggestion(str(name), known)}"
+            raise InputError([Problem("library", "name", message)])
+        return self.entries[kind][name]
+
     def find(self, name: str) -> list[LibraryEntry]:
         """Return the entries of a name, of any kind; if there is none, a KeyError suggests the closest name."""
+        check_types("find", name=(name, str))
         found = [entries[name] for entries in self.entries.values() if name in entries]
         if not found:
             known = [known for kind in KINDS for known in self.names(kind)]
@@ -361,6 +383,7 @@ def read_library(path: str | PathLike[str], onto: Library) -> Library:
     InputError
         With every mistake in the file, or if it cannot be read.
     """
+    check_types("read_library", path=(path, PATH), onto=(onto, Library))
     return onto.extended(read_toml(path), str(path))
 
 

@@ -391,16 +391,14 @@ def without(fit: Fit, kept: Bools) -> Floats:
 
 def _check(tests: Tests, scenario: Scenario, inputs: Sequence[str]) -> None:
     """Check that the inputs can be fitted to the tests."""
-    check_names(inputs, scenario, scenario.file, "--fit")
+    check_names(inputs, scenario, "calibrate", "fit")
     problems = []
-    if len(set(inputs)) != len(inputs):
-        problems.append(Problem(scenario.file, "--fit", "must not name an input twice"))
     for name in inputs:
         if any(name in group.columns for group in tests.groups):
             problems.append(Problem(tests.file, name, "must not be a column where it is fitted"))
         if name in (VELOCITY, CERAMIC, BACKING):
             problems.append(
-                Problem(scenario.file, "--fit", f'must be a property of a material or projectile, found "{name}"')
+                Problem("calibrate", "fit", f'must be a property of a material or projectile, found "{name}"')
             )
     for role, key in NAMES.items():
         names = {name_of(group.scenario, role) for group in tests.groups}

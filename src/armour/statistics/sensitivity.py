@@ -1,6 +1,6 @@
 """Sensitivity of a scenario's answers to its inputs: elasticities by central differences."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isnan, log
 from typing import Any
@@ -23,6 +23,7 @@ from armour.design.free import least_areal_densities
 from armour.errors import NoAnswerError
 from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_types
 from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of
 
 # Relative change of an input in either direction.
@@ -103,6 +104,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     InputError
         If the scenario has a grid with a ceramic thickness, but no ceramic, or a run does not end.
     """
+    check_types("sensitivity", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     own = {name: value for name, value in inputs_of(scenario).items() if value != 0.0}
     # Each change makes variants of its own, as values derived from one input must not be fixed by the others.
     changed = [

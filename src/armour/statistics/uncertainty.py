@@ -24,6 +24,7 @@ from armour.scenario.applicability import is_excluded, model_error, warnings_of
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_types
 from armour.scenario.parameters import VELOCITY, inputs_of
 from armour.scenario.sampling import REPLICATES, columns_of, moved_mean, points_of, quantiles
 from armour.statistics.sobol_indices import first_order_indices, total_indices
@@ -159,6 +160,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     NoLimitError
         If a sample has no ballistic limit in the range of the search.
     """
+    check_types("uncertainty", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     section = section_of(scenario)
     points = points_of(section)
     total = section.samples + index_samples(section) * (len(_ranked(section)) + 1)
@@ -186,7 +188,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
             *_misplaced(section, inputs_of(scenario)),
             *_unknown(scenario),
             *_other_threats(scenario),
-            *warnings_of(scenario, deterministic),
+            *warnings_of(scenario, deterministic, "ballistic_limit"),
         ),
         model_error=model_error(scenario),
     )._of(scenario=scenario)

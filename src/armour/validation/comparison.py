@@ -18,6 +18,7 @@ from armour.analysis.results import TableResult
 from armour.errors import NoAnswerError, refuse
 from armour.scenario.library import LibraryEntry
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_types
 from armour.scenario.parameters import ROLES, entry_of, name_of
 from armour.validation.rivals import Error, areal_densities, measured_limits
 from armour.validation.suite import Case, Suite, load_suite
@@ -131,6 +132,7 @@ def compare(scenario: Scenario) -> Comparison:
     NoAnswerError
         If the range contains no velocities above the limit.
     """
+    check_types("compare", scenario=(scenario, Scenario))
     problems = missing_for_florence(scenario)
     refuse(problems)
     limit = ballistic_limit(scenario)

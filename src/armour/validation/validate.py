@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
+from types import NoneType
 from typing import Any, Literal
 
 import numpy as np
@@ -12,7 +13,7 @@ from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.results import TableResult, by_column
 from armour.errors import NoAnswerError
 from armour.files import shipped_suites
-from armour.scenario.messages import TINY
+from armour.scenario.messages import TINY, check_types
 from armour.scenario.parameters import INPUTS, NAMES, entry_of, inputs_of, name_of
 from armour.validation.data import GroupSection, meets
 from armour.validation.questions import Asked, answer
@@ -181,15 +182,8 @@ class SuiteResult(TableResult):
 OnCheck = Callable[[Check, int], None]
 
 
-# Shipped suites: everything that the paper publishes, and measured limits of bare plates.
-def suite_file(name: str = "paper") -> Path:
-    """Return the file of a shipped suite, or the name itself if it is a file or none of them."""
-    path = Path(name)
-    return path if path.exists() else shipped_suites().get(name, path)
-
-
 def paper_suite() -> Path:
-    """Return the path of the suite of everything that the paper publishes."""
+    """Return the path of the suite of everything that the paper publishes, ``load_suite("paper")``."""
     return shipped_suites()["paper"]
 
 
@@ -211,6 +205,7 @@ def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
     InputError
         If a run of a scenario does not end.
     """
+    check_types("validate", suite=(suite, Suite), on_check=(on_check, (Callable, NoneType)))
     known: dict[str, Asked] = {}
     of_files = _of_files(suite.cases)
     checks = []
