@@ -5,8 +5,9 @@ from typing import Annotated, Literal, get_args
 
 from armour.cli import completion
 from armour.cli.console import progress
-from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, argument, one_of, option, table_file
-from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, argument, one_of, option
+from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, say_if_compiling
+from armour.files import table_file
 
 Law = Literal["constant", "ceramic", "backing", "product", "linear", "all"]
 
@@ -70,7 +71,7 @@ def calibrate(
 
     read = read_tests(file, loaded)
     say_if_compiling()
-    with progress("tests") as count:
+    with progress("tests") as count, named_as_options("calibrate", "fit", "law"):
         result = calibration.calibrate(read, loaded, fit or [FLOW_STRESS], law, on_progress=count)
     respond(
         result.to_dict(),

@@ -1,7 +1,7 @@
 """Arguments and options that several commands have."""
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -9,7 +9,6 @@ import typer
 
 from armour.cli import completion
 from armour.errors import InputError, Problem, suggestion
-from armour.files import located, shipped_tests
 
 
 def argument(metavar: str, description: str, **settings: Any) -> Any:
@@ -61,28 +60,6 @@ def one_of(name: str, words: Sequence[str]) -> Callable[[Any], Any]:
         return str(text)
 
     return parsed
-
-
-@contextmanager
-def named_as_options(command: str, *names: str) -> Iterator[None]:
-    """Name the arguments of a function of a command, in the messages on them, as the options that give them."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError([_named_as_option(problem, command, names) for problem in error.problems]) from None
-
-
-def _named_as_option(problem: Problem, command: str, names: Sequence[str]) -> Problem:
-    name, *rest = problem.key.split(" ")
-    if problem.file != command or name not in names:
-        return problem
-    return Problem("command line", " ".join([f"--{name.replace('_', '-')}", *rest]), problem.message)
-
-
-def table_file(path: Path) -> Path:
-    """Return the file of a path or, where there is none, of the shipped table of tests or shots of that name."""
-    known = shipped_tests()
-    return located(path, known, f"; shipped are {', '.join(known)}")
 
 
 ScenarioFile = Annotated[

@@ -5,8 +5,8 @@ Files are written before anything is printed, so that a reader that closes the p
 
 import os
 import sys
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from contextvars import copy_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -178,6 +178,22 @@ def _encoded(content: str | bytes) -> bytes:
 def warnings_of(scenario: "Scenario", warnings: Iterable[str]) -> list[str]:
     """Return the warnings on a scenario as lines for standard error."""
     return [f"warning: {scenario.file}: {warning}" for warning in warnings]
+
+
+@contextmanager
+def named_as_options(function: str, *arguments: str) -> Iterator[None]:
+    """Name arguments of a function, in the messages on them, as the options that give them."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(
+            [
+                Problem("command line", f"--{problem.key.replace('span_m_s', 'span-m-s')}", problem.message)
+                if problem.file == function and problem.key.split(" ")[0] in arguments
+                else problem
+                for problem in error.problems
+            ]
+        ) from None
 
 
 def say_if_compiling() -> None:

@@ -38,6 +38,8 @@ def init(
     if source not in known:
         message = f'must name a shipped scenario, suite or table, found "{source}"{choices(source, list(known))}'
         raise InputError([Problem("init", "--from", message)])
+    if str(file) == "-":
+        raise InputError([Problem("init", "FILE", "must be the name of a file to write, found -")])
     ending = known[source].suffix
     check_outputs(file, force=force)
     refuse(wrong_ending(file, (ending,)) if ".csv" in (ending, file.suffix) else [])

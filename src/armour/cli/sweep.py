@@ -9,8 +9,8 @@ import typer
 from armour.analysis.quantities import QUANTITIES, reads_of
 from armour.cli import completion
 from armour.cli.console import progress, say
-from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, named_as_options, number, option
-from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, number, option
+from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, say_if_compiling
 from armour.errors import InputError, Problem
 
 if TYPE_CHECKING:

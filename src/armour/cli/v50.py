@@ -5,21 +5,11 @@ from typing import Annotated
 
 from armour.cli import completion
 from armour.cli.console import progress
-from armour.cli.options import (
-    AsJson,
-    Changes,
-    Force,
-    PlotFile,
-    argument,
-    named_as_options,
-    number,
-    option,
-    probability,
-    table_file,
-)
-from armour.cli.runner import check_outputs, read_scenario, respond, warnings_of
+from armour.cli.options import AsJson, Changes, Force, PlotFile, argument, number, option, probability
+from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, warnings_of
 from armour.cli.scenario_commands import LIMIT
 from armour.errors import InputError, Problem
+from armour.files import table_file
 
 
 def v50(
