@@ -105,7 +105,7 @@ class Simulation:
         group = read.groups[0]._replace(scenario=self.scenario, where=np.arange(len(armours)), columns=columns)
         names = tuple(map(str, range(len(armours))))
         some = tuple(Measurement(i, LIMIT, 700.0, None, 0) for i in range(len(armours)))
-        self.tests = Tests("simulated", names, (group,), some, case.given, ({},) * len(armours))
+        self.tests = Tests("simulated", names, (group,), some, case.given, ({},) * len(armours), self.scenario)
         self.truth = {FLOW_STRESS: TRUE_GPA} | {f"ceramic.{key}": TRUE_EXPONENT for key in LAWS[case.law]}
         true = with_ceramic(self.scenario, {name.split(".")[1]: value for name, value in self.truth.items()})
         self.limits = likelihood_fit.MODELS[LIMIT](variants_of(true, columns, len(armours)))

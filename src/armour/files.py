@@ -59,6 +59,18 @@ def located(path: Path, known: Mapping[str, Path], listed: str = "") -> Path:
     return known[name]
 
 
+def table_file(path: str | PathLike[str]) -> Path:
+    """Return the file of a path or, where there is none, of the shipped table of tests or shots of that name."""
+    known = {found.name: found for found in shipped_files("scenarios/tests", ".csv").values()}
+    return located(Path(path), known, f"; shipped are {', '.join(known)}")
+
+
+def suite_file(path: str | PathLike[str]) -> Path:
+    """Return the file of a path or, where there is none, of the shipped suite of that name."""
+    known = shipped_suites()
+    return located(Path(path), known, f"; shipped are {', '.join(known)}")
+
+
 def reason(error: OSError | ValueError) -> str:
     """Return the message of the operating system, or of a path that is none, in lower case."""
     return (getattr(error, "strerror", None) or str(error)).lower()

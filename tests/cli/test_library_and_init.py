@@ -127,3 +127,11 @@ def test_a_file_of_the_same_name_wins(cli, folder: Path):
 def test_a_name_close_to_a_shipped_one(cli, args: list[str], hint: str):
     [line] = cli.fails(2, *args)
     assert line.endswith(f"cannot be read: no such file or directory; did you mean {hint}")
+
+
+def test_a_scenario_is_not_written_to_a_file_named_dash(cli, folder: Path):
+    before = sorted(folder.iterdir())
+    result = cli("init", "-")
+    assert result.exit_code == 2
+    assert "must be the name of a file to write" in result.stderr
+    assert sorted(folder.iterdir()) == before

@@ -30,6 +30,9 @@ def test_rows_are_columns_of_equal_lengths(folder: Path, monkeypatch: pytest.Mon
     framed = {name: found for name, (found, _) in results(folder).items() if isinstance(found, TableResult)}
     assert framed.keys() == {
         "CalibrationResult",
+        "Comparison",
+        "FiringResult",
+        "ImpactResult",
         "SensitivityResult",
         "SuiteResult",
         "SweepResult",

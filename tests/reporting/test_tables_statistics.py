@@ -26,7 +26,7 @@ from armour.reporting.tables.statistics import (
 from armour.statistics.calibration import CalibrationResult, LawFit, Residual
 from armour.statistics.likelihood_fit import Coefficient
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
-from armour.statistics.uncertainty import Index, ProbabilityCurve, UncertaintyResult
+from armour.statistics.uncertainty import Influence, ProbabilityCurve, UncertaintyResult
 from armour.statistics.v50 import Shots, v50
 from tests.helpers.results import quantities
 
@@ -156,8 +156,10 @@ def test_a_mean_of_no_usual_rule_and_shots_without_a_rising_curve():
 def uncertainty() -> UncertaintyResult:
     limits = {"V05": Estimate(677.7, 675.5, 679.4), "V50": Estimate(722.34, 722.33, 722.35)}
     inputs = (
-        Index("ceramic.flow_stress_GPa", Estimate(0.972, 0.89, 1.054), Estimate(0.974, 0.914, 1.037), (678.0, 769.1)),
-        Index("projectile.penetrator_mass_g", Estimate(0.02, 0.01, 0.03), None, (700.0, 740.0)),
+        Influence(
+            "ceramic.flow_stress_GPa", Estimate(0.972, 0.89, 1.054), Estimate(0.974, 0.914, 1.037), (678.0, 769.1)
+        ),
+        Influence("projectile.penetrator_mass_g", Estimate(0.02, 0.01, 0.03), None, (700.0, 740.0)),
     )
     curve = ProbabilityCurve((), (), (), ())
     chance = Estimate(0.214, 0.201, 0.226)

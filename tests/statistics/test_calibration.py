@@ -315,3 +315,25 @@ def test_tests_left_out_cost_one_prediction_where_they_change_little(
     assert len(counts) > 2 * searches + 2 * len(rows)
     assert [r.left_out for r in quick.residuals] == pytest.approx([r.left_out for r in exact.residuals], rel=2e-6)
     assert quick.residuals[0].left_out != quick.residuals[0].computed
+
+
+@pytest.mark.parametrize(
+    ("changes", "other"),
+    [
+        ({"armour.ceramic": "AD99.5"}, "armour and values of the library"),
+        ({"ceramic.flow_stress_GPa": 4.5}, "values of the library"),
+        ({"solver.time_step_us": 0.1}, "solver"),
+    ],
+)
+def test_another_scenario_than_that_of_the_tests(wilkins: Scenario, changes: dict[str, object], other: str):
+    message = f"calibrate: scenario: must be the one that the tests were read with, found other {other};"
+    with pytest.raises(InputError, match=message):
+        calibrate(read_tests(TESTS, wilkins), wilkins.replaced(changes))
+
+
+def test_the_argument_that_is_wrong_is_named(wilkins: Scenario):
+    tests = read_tests(TESTS, wilkins)
+    with pytest.raises(InputError, match='calibrate: fit: must name an input of the scenario, found "ceramic"'):
+        calibrate(tests, wilkins, "ceramic")
+    with pytest.raises(InputError, match="calibrate: law: must not be given where"):
+        calibrate(tests, wilkins, "backing.shear_strength_MPa", "all")

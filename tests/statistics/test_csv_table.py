@@ -4,13 +4,15 @@ import pytest
 
 from armour.errors import InputError
 from armour.statistics import csv_table
-from armour.statistics.csv_table import read_rows
+from armour.statistics.csv_table import lines_of, read_rows
 
 
 def read(tmp_path: Path, text: str):
     path = tmp_path / "t.csv"
     path.write_text(text)
-    return read_rows(path, numbers=("velocity_m_s",), texts=("shot", "result"), needed=("velocity_m_s", "result"))
+    return read_rows(
+        *lines_of(path), numbers=("velocity_m_s",), texts=("shot", "result"), needed=("velocity_m_s", "result")
+    )
 
 
 def messages(tmp_path: Path, text: str) -> list[str]:

@@ -141,3 +141,12 @@ def test_results_in_other_spellings(tmp_path: Path):
     path = tmp_path / "shots.csv"
     path.write_text("velocity_m_s,result\n700,P\n710,Partial\n715,COMPLETE\n720,c\n")
     assert read_shots(path).complete == (False, False, True, True)
+
+
+@pytest.mark.parametrize(
+    ("velocities", "complete"),
+    [((690.0, 700.0, 710.0), ("partial", "complete", "partial")), (("690", "700"), (True, False))],
+)
+def test_shots_of_other_types(velocities: Any, complete: Any):
+    with pytest.raises(InputError, match="must be velocities as numbers, and True for each complete penetration"):
+        v50(Shots(velocities, complete))

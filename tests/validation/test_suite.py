@@ -253,3 +253,12 @@ def test_a_script_that_makes_many_mistakes(folder: Path):
     assert len(found) == 21
     assert found[19].startswith("table[0].rows[19]: must be a valid scenario")
     assert found[20] == ": must be right up to here; what follows is not checked"
+
+
+def test_a_suite_names_a_shipped_scenario(tmp_path: Path):
+    path = tmp_path / "suite.toml"
+    case = 'name = "one"\nscenario = "wilkins"\nquantity = "outcome"\nexpected = "perforated"\n'
+    path.write_text(f"[[case]]\n{case}")
+    assert load_suite(path).cases[0].scenario.armour.ceramic == "AD85"
+    with pytest.raises(InputError, match="only: text: must be a text, found None"):
+        load_suite(path).only(None)  # type: ignore[arg-type]

@@ -8,6 +8,7 @@ from armour.errors import NoLimitError
 from armour.scenario.applicability import is_excluded, model_error, warnings_of
 from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_types
 
 NO_TEST = "the model was compared with no test of such an armour"
 # Probability above which a lower bound is given as the probability.
@@ -65,6 +66,7 @@ def confidence(scenario: Scenario) -> ConfidenceResult:
     InputError
         If a run does not end within the maximum number of steps.
     """
+    check_types("confidence", scenario=(scenario, Scenario))
     try:
         limit = ballistic_limit(scenario).ballistic_limit_m_s
     except NoLimitError as error:

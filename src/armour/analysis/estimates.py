@@ -17,7 +17,14 @@ TAIL = 0.5 * (1.0 - CONFIDENCE)
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number estimated from samples, with its confidence interval."""
+    """A number estimated from samples, with its confidence interval.
+
+    Attributes
+    ----------
+    value : float
+    low, high : float
+        Ends of the interval.
+    """
 
     value: float
     low: float

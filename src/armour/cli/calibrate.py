@@ -7,8 +7,8 @@ import typer
 
 from armour.cli import completion
 from armour.cli.console import progress
-from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, argument, option, table_file
-from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, argument, option
+from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, say_if_compiling
 
 
 def calibrate(
@@ -57,9 +57,9 @@ def calibrate(
 
     check_outputs(library, fitted, plot=plot, force=force)
     loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
-    read = read_tests(table_file(tests), loaded)
+    read = read_tests(tests, loaded)
     say_if_compiling()
-    with progress("tests") as count:
+    with progress("tests") as count, named_as_options("calibrate", "fit", "law"):
         result = calibration.calibrate(read, loaded, fit or [FLOW_STRESS], law, on_progress=count)
     respond(
         result.to_dict(),

@@ -6,7 +6,6 @@ from typing import Annotated, Any
 import typer
 
 from armour.cli import completion
-from armour.files import located, shipped_files
 
 
 def argument(metavar: str, description: str, **settings: Any) -> Any:
@@ -17,12 +16,6 @@ def argument(metavar: str, description: str, **settings: Any) -> Any:
 def option(description: str, *names: str, **settings: Any) -> Any:
     """Make an option whose default the help does not show."""
     return typer.Option(*names, help=description, show_default=False, **settings)
-
-
-def table_file(path: Path) -> Path:
-    """Return the file of a path or, where there is none, of the shipped table of tests or shots of that name."""
-    known = {found.name: found for found in shipped_files("scenarios/tests", ".csv").values()}
-    return located(path, known, f"; shipped are {', '.join(known)}")
 
 
 ScenarioFile = Annotated[

@@ -5,8 +5,8 @@ Files are written before anything is printed, so that a reader that closes the p
 
 import os
 import sys
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from contextvars import copy_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -176,6 +176,22 @@ def warnings_of(scenario: "Scenario", warnings: Iterable[str], *, of_threats: bo
     found = dict.fromkeys((*unused, *warnings))
     notes = [f"note: {scenario.file}: {note}" for note in replaced_entries(scenario.library)]
     return [*notes, *(f"warning: {scenario.file}: {warning}" for warning in found)]
+
+
+@contextmanager
+def named_as_options(function: str, *arguments: str) -> Iterator[None]:
+    """Name arguments of a function, in the messages on them, as the options that give them."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(
+            [
+                Problem("command line", f"--{problem.key}", problem.message)
+                if problem.file == function and problem.key.split(" ")[0] in arguments
+                else problem
+                for problem in error.problems
+            ]
+        ) from None
 
 
 def say_if_compiling() -> None:

@@ -34,6 +34,8 @@ def init(
         hint = suggestion(source, list(known)) or f"; there are {', '.join(known)}"
         message = f'must name a shipped scenario, found "{source}"{hint}'
         raise InputError([Problem("init", "--from", message)])
+    if str(file) == "-":
+        raise InputError([Problem("init", "FILE", "must be the name of a file to write, found -")])
     check_outputs(file, force=force)
     write({file: known[source].read_bytes()})
     say(f"next: armour simulate {file}")

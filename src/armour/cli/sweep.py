@@ -1,7 +1,7 @@
 """``armour sweep``."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,7 +11,7 @@ from armour.analysis.quantities import QUANTITIES, REQUIRED, reads_of
 from armour.cli import completion
 from armour.cli.console import progress, say
 from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, option
-from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
+from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, say_if_compiling
 from armour.errors import InputError, Problem
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def sweep(
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
     loaded = read_scenario(scenario, changes, ("impact.projectile", "armour", *reads))
-    with _named_as_options():
+    with named_as_options("sweep", "over", "quantities"):
         source = _source(over or [], cases)
     if plot is not None:
         _check_plot(source, names)
@@ -75,7 +75,7 @@ def sweep(
     with (
         connected(scheduler) if scheduler else nullcontext() as client,
         progress("rows", source.count) as count,
-        _named_as_options(),
+        named_as_options("sweep", "over", "quantities"),
     ):
         rows = sweeps.sweep(
             loaded,
@@ -105,20 +105,6 @@ def _notes(names: list[str], *, drawn: bool) -> Iterator[str]:
         yield f"note: {', '.join(required)}: {REQUIRED}"
     if drawn and len(names) > 1:
         yield f"note: --plot draws {names[0]} alone, the first of --quantities"
-
-
-@contextmanager
-def _named_as_options() -> Iterator[None]:
-    """Name the arguments of a sweep, in the messages on them, as the options that give them."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError([_named_as_option(problem) for problem in error.problems]) from None
-
-
-def _named_as_option(problem: Problem) -> Problem:
-    is_argument = problem.file == "sweep" and problem.key.split(" ")[0] in ("over", "quantities")
-    return Problem("command line", f"--{problem.key}", problem.message) if is_argument else problem
 
 
 def _source(over: list[str], cases: Path | None) -> "Grid | Cases":

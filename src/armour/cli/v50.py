@@ -7,7 +7,7 @@ import typer
 
 from armour.cli import completion
 from armour.cli.console import progress
-from armour.cli.options import AsJson, Changes, Force, PlotFile, argument, option, table_file
+from armour.cli.options import AsJson, Changes, Force, PlotFile, argument, option
 from armour.cli.runner import check_outputs, read_scenario, respond, warnings_of
 from armour.cli.scenario_commands import LIMIT
 from armour.errors import InputError, Problem
@@ -51,7 +51,7 @@ def v50(
     if changes and scenario is None:
         raise InputError([Problem("v50", "--set", "changes a scenario, which is not given")])
     check_outputs(plot=plot, force=force)
-    read = statistics.read_shots(table_file(shots))
+    read = statistics.read_shots(shots)
     loaded = None if scenario is None else read_scenario(scenario, changes, LIMIT)
     with progress("fits", first="fitting"):
         result = statistics.v50(read, loaded, pairs=pairs, span_m_s=span_m_s, confidence=confidence)

@@ -94,7 +94,7 @@ def _armour(contents: Contents) -> tuple[Card, Card]:
     if design is not None:
         subject = "Best design"
         areal_density, thickness = design.best.areal_density_kg_m2, design.best.thickness_mm
-        cost = f"cost {COST.text(design.best.cost_per_m2)} per m²" if design.best.cost_per_m2 > 0.0 else ""
+        cost = f"cost {COST.text(design.best.cost_per_m2)} per m²" if design.best.cost_per_m2 else ""
     card = Card(subject, layers(armour), f"{round(thickness, 3):g} mm thick")
     return card, Card("Areal density", f"{AREAL_DENSITY.text(areal_density)} kg/m²", cost)
 

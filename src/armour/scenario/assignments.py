@@ -20,6 +20,8 @@ MAX_PARTS = 20
 def parts_of(key: str) -> Parts:
     """Return the parts of a dotted key as TOML reads it; raise a ValueError if it is not one."""
     parts: Parts = ()
+    if not isinstance(key, str):
+        raise ValueError(key)
     if re.fullmatch(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*", key):
         parts = tuple(key.split("."))
     else:

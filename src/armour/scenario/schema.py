@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo, 
 from armour.core import equations
 from armour.errors import suggestion
 from armour.scenario.library import Kind, LibraryTables
-from armour.scenario.messages import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Section, above
+from armour.scenario.messages import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
 from armour.units import US
 
 # Greatest numbers of values on an axis and of designs on a grid; more are most likely a mistake.
@@ -258,11 +258,11 @@ class DesignSection(Section):
     added_thickness_mm: ThicknessOrNone = 0.0
     added_areal_density_kg_m2: Amount = 0.0
     added_cost_per_m2: Amount = 0.0
-    ceramic: list[CeramicLayer] = []
-    backing: list[BackingLayer] = []
+    ceramic: Items[CeramicLayer] = ()
+    backing: Items[BackingLayer] = ()
 
 
 class LibrarySection(LibraryTables):
     """Library files and entries that the scenario adds to the library."""
 
-    files: list[str] = []
+    files: Items[str] = ()

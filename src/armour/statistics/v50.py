@@ -2,19 +2,20 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Real
 from os import PathLike
-from pathlib import Path
-from typing import Annotated, Literal
+from types import NoneType
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import CONFIDENCE
-from armour.analysis.results import Result
+from armour.analysis.results import TableResult, by_column
 from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
-from armour.scenario.messages import Section, validated
-from armour.statistics.csv_table import read_rows
+from armour.scenario.messages import PATH, Section, check_types, validated
+from armour.statistics.csv_table import lines_of, read_rows
 from armour.statistics.penalised_curve import fit_penalised
 from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
 
@@ -42,14 +43,16 @@ class Shots:
 
     Attributes
     ----------
-    velocities_m_s : tuple of float
-    complete : tuple of bool
+    velocities_m_s : sequence of float
+        Impact velocities, m/s.
+    complete : sequence of bool
         Whether each was a complete penetration.
     file : str
+        Name of their file, for messages and titles.
     """
 
-    velocities_m_s: tuple[float, ...]
-    complete: tuple[bool, ...]
+    velocities_m_s: Sequence[float]
+    complete: Sequence[bool]
     file: str = "shots"
 
     def of(self, *, complete: bool) -> list[float]:
@@ -60,17 +63,31 @@ class Shots:
 
 @dataclass(frozen=True)
 class MeanV50:
-    """V50 as the mean velocity of equal numbers of highest partial and lowest complete penetrations."""
+    """V50 as the mean velocity of equal numbers of highest partial and lowest complete penetrations.
+
+    Attributes
+    ----------
+    v50_m_s : float
+        Mean velocity, m/s.
+    pairs : int
+        Number of shots of each kind.
+    span_m_s : float
+        Difference between the fastest and the slowest of these shots, m/s.
+    span_allowed_m_s : float
+        Greatest span allowed, m/s.
+    rule : {"usual span", "given span", "no usual rule"}
+        Where the span allowed is from; "no usual rule" for other numbers of shots than 2, 3 and 5.
+    """
 
     v50_m_s: float
-    pairs: int  # shots of each kind
-    span_m_s: float  # difference between the fastest and the slowest of these shots
+    pairs: int
+    span_m_s: float
     span_allowed_m_s: float
-    rule: Rule  # "no usual rule": other numbers of shots than 2, 3 and 5
+    rule: Rule
 
 
 @dataclass(frozen=True, repr=False)
-class FiringResult(Result):
+class FiringResult(TableResult):
     """V50 estimated from firing results.
 
     With few shots the intervals of maximum likelihood are too short, and separated shots have no curve; those of the
@@ -120,6 +137,9 @@ class FiringResult(Result):
         fit = self.recommended or self.fits[0]
         return f"V50 {fit.v50_m_s:.1f} m/s by {fit.method}, {self.shots} shots"
 
+    def _columns(self) -> dict[str, Any]:
+        return by_column(vars(fit) for fit in (*self.penalised_fits, *self.fits))
+
 
 def read_shots(path: str | PathLike[str]) -> Shots:
     """Read firing results from a CSV file.
@@ -128,7 +148,7 @@ def read_shots(path: str | PathLike[str]) -> Shots:
     ----------
     path : path-like
         File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete", also P or C, in letters of any
-        case) and, optionally, ``shot``.
+        case) and, optionally, ``shot``; or, where there is no such file, the name of a shipped one, ``"shots.csv"``.
 
     Returns
     -------
@@ -140,8 +160,9 @@ def read_shots(path: str | PathLike[str]) -> Shots:
         With every mistake in the file.
     """
     names = ("velocity_m_s", "result")
-    path = Path(path)
-    rows, problems = read_rows(path, numbers=names[:1], texts=("shot", "result"), needed=names)
+    check_types("read_shots", path=(path, PATH))
+    file, lines = lines_of(path)
+    rows, problems = read_rows(file, lines, numbers=names[:1], texts=("shot", "result"), needed=names)
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     given = [row.texts.get("result", "") for row in rows]
     results = [RESULTS.get(text.lower(), "") for text in given]
@@ -149,15 +170,15 @@ def read_shots(path: str | PathLike[str]) -> Shots:
         found = row.texts.get("velocity_m_s", "")
         if not found or not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
             message = f'must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found "{found}"'
-            problems.append(Problem(str(path), f"{row.place}: velocity_m_s", message))
+            problems.append(Problem(file, f"{row.place}: velocity_m_s", message))
         if not result:
             message = f'must be "partial" or "complete", or P or C, found "{text}"'
-            problems.append(Problem(str(path), f"{row.place}: result", message))
+            problems.append(Problem(file, f"{row.place}: result", message))
     if not problems and len(set(results)) == 1:
         message = f"must have at least one partial and one complete penetration, found only {results[0]} ones"
-        problems.append(Problem(str(path), "result", message))
+        problems.append(Problem(file, "result", message))
     refuse(problems)
-    return Shots(tuple(velocities), tuple(result == "complete" for result in results), str(path))
+    return Shots(tuple(velocities), tuple(result == "complete" for result in results), file)
 
 
 def v50(
@@ -197,6 +218,7 @@ def v50(
         If the complete penetrations were no faster on average than the partial ones, or the scenario has no ballistic
         limit.
     """
+    check_types("v50", shots=(shots, Shots), scenario=(scenario, (Scenario, NoneType)))
     validated(_Settings, {"pairs": pairs, "span_m_s": span_m_s, "confidence": confidence}, "v50")
     if span_m_s is None and pairs is not None and pairs not in SPANS_M_S:
         message = f"must be given for {pairs} pairs; a span is usual with 2, 3 and 5 only"
@@ -220,7 +242,7 @@ def v50(
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
         model_interval_m_s=None if model is None else model.interval_m_s,
         warnings=() if model is None else model.warnings,
-    )
+    )._of(shots=shots)
 
 
 def _check(shots: Shots) -> None:
@@ -229,6 +251,8 @@ def _check(shots: Shots) -> None:
     message = ""
     if len(velocities) != count:
         message = f"must be as many velocities as results, found {len(velocities)} and {count}"
+    elif not all(isinstance(v, Real) and c in (True, False) for v, c in zip(velocities, shots.complete, strict=True)):
+        message = "must be velocities as numbers, and True for each complete penetration, False for each partial one"
     elif wrong := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
         message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g} m/s, found {wrong[0]:g}"
     elif len(set(shots.complete)) != 2:

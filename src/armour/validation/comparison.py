@@ -14,10 +14,11 @@ from armour.analysis.closed_forms import (
 )
 from armour.analysis.florence import FlorenceResult, bodies_of, florence_result, missing_for_florence
 from armour.analysis.impact import ImpactResult
-from armour.analysis.results import Result
+from armour.analysis.results import TableResult
 from armour.errors import NoAnswerError, refuse
 from armour.scenario.library import LibraryEntry
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_types
 from armour.scenario.parameters import ROLES, entry_of, name_of
 from armour.validation.rivals import Error, areal_densities, measured_limits
 from armour.validation.suite import Case, Suite, load_suite
@@ -29,16 +30,28 @@ TESTS = "table 3, Wilkins' measurements"
 
 @dataclass(frozen=True)
 class RuleResult:
-    """Ballistic limit of an armour by the rule ``k (areal density)^p``, m/s, fitted to tests of the same materials."""
+    """Ballistic limit of an armour by the rule ``k (areal density)^p``, m/s, fitted to tests of the same materials.
 
-    k: float  # m/s, for areal densities in kg/m²
+    Attributes
+    ----------
+    k : float
+        Factor, m/s, for areal densities in kg/m².
+    p : float
+        Exponent.
+    p_fitted : bool
+        Whether the exponent is fitted; else it is 1.
+    ballistic_limit_m_s : float
+        Ballistic limit of the armour, m/s.
+    """
+
+    k: float
     p: float
-    p_fitted: bool  # or 1
+    p_fitted: bool
     ballistic_limit_m_s: float
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison(Result):
+class Comparison(TableResult):
     """Ballistic limit and residual velocities by the model and by closed forms.
 
     Attributes
@@ -60,7 +73,8 @@ class Comparison(Result):
     rules : tuple of RuleResult
         The rule with p = 1 and with p fitted; empty where the tests are of another round or of other materials.
     errors : tuple of Error
-        Errors of every prediction on these tests, by the model with the values of the library; empty with the rules.
+        Errors of every prediction on these tests, by the model with the values of the library, with the attributes that
+        `SuiteResult` lists; empty with the rules.
     florence_missing : tuple of str
         Keys of the library that Florence's limit needs and the metal of the back plate lacks.
     """
@@ -97,6 +111,10 @@ class Comparison(Result):
         by_formulas = f", by formulas {others} m/s" if others else ""
         return f"ballistic limit {self.limit.ballistic_limit_m_s:.1f} m/s{by_formulas}"
 
+    def _columns(self) -> dict[str, Any]:
+        names = "impact_velocity_m_s", "residual_velocity_m_s", "plug_velocity_m_s"
+        return {name: [getattr(impact, name) for impact in self.curve] for name in names}
+
 
 def compare(scenario: Scenario) -> Comparison:
     """Compare the model with closed forms for a scenario's armour.
@@ -119,6 +137,7 @@ def compare(scenario: Scenario) -> Comparison:
     NoAnswerError
         If the range contains no velocities above the limit.
     """
+    check_types("compare", scenario=(scenario, Scenario))
     missing = missing_for_florence(scenario)
     refuse(missing if not scenario.armour.ceramic_thickness_mm > 0.0 else ())
     limit = ballistic_limit(scenario)
@@ -148,7 +167,7 @@ def compare(scenario: Scenario) -> Comparison:
         rules=tuple(_rule(cases, p, scenario.areal_density_kg_m2()) for p in (1.0, None)) if own else (),
         errors=_errors() if own else (),
         florence_missing=tuple(problem.key for problem in missing),
-    )
+    )._of(scenario=scenario)
 
 
 @cache

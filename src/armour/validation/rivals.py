@@ -107,6 +107,7 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
         ),
         weighted=False,
         cells=({},) * len(cases),
+        scenario=scenario,
     )
     result = calibrate(tests, scenario)
     [stress] = result.coefficients

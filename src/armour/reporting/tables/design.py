@@ -146,7 +146,7 @@ def margin_table(result: "DesignResult", required: Mapping[str, float]) -> Table
 
 def pair_table(result: "DesignResult") -> Table:
     """Return every pair of materials with its best design, or the reason why it has none."""
-    costs = any(pair.best is not None and pair.best.cost_per_m2 > 0.0 for pair in result.pairs)
+    costs = any(pair.best is not None and pair.best.cost_per_m2 for pair in result.pairs)
     shown = [CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, *((COST,) if costs else ())]
     table = listing(
         result.pairs,
@@ -162,7 +162,8 @@ def pair_table(result: "DesignResult") -> Table:
 
 def pareto_table(result: "DesignResult") -> Table:
     """Return the designs of the Pareto front."""
-    columns = (CERAMIC, BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST)
+    costs = (COST,) if any(design.cost_per_m2 is not None for design in result.pareto) else ()
+    columns = (CERAMIC, BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, *costs)
     table = listing(result.pareto, *columns, *_margin(result.pareto), title="Pareto front")
     return replace(_aligned(table), rest="--csv FILE")
 
