@@ -494,6 +494,6 @@ def test_a_front_over_three_criteria_says_what_is_not_drawn():
     front = tuple(replace(design, margin_m_s=5.0) for design in design_result(pareto=True).pareto)
     found = replace(design_result(pareto=True), criteria=criteria, pareto=front)
     note = "A design of the front that another one beats in both criteria drawn is better in margin."
-    assert charts.pareto_chart(found, "").note == note
-    assert charts.design_chart(found, "").note.endswith(note)
-    assert charts.pareto_chart(replace(found, criteria=criteria[:2]), "").note == ""
+    assert note in charts.pareto_chart(found, "").note
+    assert note in charts.design_chart(found, "").note
+    assert note not in charts.pareto_chart(replace(found, criteria=criteria[:2]), "").note
