@@ -96,6 +96,9 @@ class SweepResult(TableResult):
         column: NDArray[Any] = self.columns[name]
         return column
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
     def __eq__(self, other: object) -> bool:
         """Return whether another sweep is of the same scenario and has the same columns."""
         if not isinstance(other, SweepResult) or self.scenario != other.scenario:
