@@ -1,7 +1,7 @@
 """Sweeps in Python: from values by key to columns, in memory or in a file."""
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
