@@ -153,7 +153,10 @@ def test_every_pair_is_marked_up_to_a_limit(count: int, marked: int):
     first, _ = chart.panels
     looks = {(item.colour, item.marker) for item in first.series[:-1] if isinstance(item, Line | Points)}
     assert len(looks) == marked
-    assert chart.note == ("" if marked == count else f"The best {marked} of {count} pairs of materials are shown.")
+    line = "The line is AD85 on 6061-T6, the pair of the best design; a point is another pair's best."
+    assert chart.note == (
+        line if marked == count else f"{line} The best {marked} of {count} pairs of materials are shown."
+    )
 
 
 def test_designs_of_several_pairs_against_several_threats():
@@ -376,7 +379,7 @@ def test_an_uncertainty():
     found = uncertainty_result()
     chart = charts.uncertainty_chart(found, scenario(velocity=700.0))
     curve, swings = chart.panels
-    assert "at 700 m/s: 0.210, 0.200 to 0.220" in labels(curve)
+    assert "at 700 m/s: 0.210, 0.200 to 0.220 by sampling" in labels(curve)
     assert swings.y.categories == ("ceramic flow stress", "penetrator mass")
     low, high = some(swings, Bars)
     assert (list(low.ends), list(high.ends)) == ([677.0, 729.0], [769.0, 718.0])
@@ -484,3 +487,13 @@ def test_series_differ_in_more_than_colour():
     series: tuple[Series, ...] = charts.figure_chart([figure()]).panels[0].series
     looks = [item.style for item in series if isinstance(item, Line)]
     assert len(set(looks)) == len(looks)
+
+
+def test_a_front_over_three_criteria_says_what_is_not_drawn():
+    criteria = ("areal_density_kg_m2", "cost_per_m2", "margin_m_s")
+    front = tuple(replace(design, margin_m_s=5.0) for design in design_result(pareto=True).pareto)
+    found = replace(design_result(pareto=True), criteria=criteria, pareto=front)
+    note = "A design of the front that another one beats in both criteria drawn is better in margin."
+    assert note in charts.pareto_chart(found, "").note
+    assert note in charts.design_chart(found, "").note
+    assert note not in charts.pareto_chart(replace(found, criteria=criteria[:2]), "").note

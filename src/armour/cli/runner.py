@@ -175,9 +175,15 @@ def _encoded(content: str | bytes) -> bytes:
     return content.encode(errors="backslashreplace") if isinstance(content, str) else content
 
 
-def warnings_of(scenario: "Scenario", warnings: Iterable[str]) -> list[str]:
-    """Return the warnings on a scenario as lines for standard error."""
-    return [f"warning: {scenario.file}: {warning}" for warning in warnings]
+def warnings_of(scenario: "Scenario", warnings: Iterable[str], *, of_threats: bool = False) -> list[str]:
+    """Return the warnings on a scenario as lines for standard error, with those on parts that an answer ignores."""
+    from armour.scenario.applicability import unused_threats
+    from armour.scenario.library import replaced_entries
+
+    unused = () if of_threats else unused_threats(scenario)
+    found = dict.fromkeys((*unused, *warnings))
+    notes = [f"note: {scenario.file}: {note}" for note in replaced_entries(scenario.library)]
+    return [*notes, *(f"warning: {scenario.file}: {warning}" for warning in found)]
 
 
 @contextmanager

@@ -1,12 +1,13 @@
 """``armour sweep``."""
 
+from collections.abc import Iterator
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from armour.analysis.quantities import QUANTITIES, reads_of
+from armour.analysis.quantities import QUANTITIES, REQUIRED, reads_of
 from armour.cli import completion
 from armour.cli.console import progress, say
 from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, number, option
@@ -98,7 +99,7 @@ def sweep(
             approve=lambda plan: _approve(plan, yes),
             tell=say,
         )
-    say(f"wrote {output}: {rows} rows")
+    say(f"wrote {output}: {rows} rows", *_notes(names, drawn=plot is not None))
     respond(
         {"rows": rows, "output": str(output)},
         (),
@@ -106,6 +107,15 @@ def sweep(
         plot=plot,
         chart=lambda charts: charts.sweep_chart(read_table(output), source.keys, names[0], loaded),
     )
+
+
+def _notes(names: list[str], *, drawn: bool) -> Iterator[str]:
+    """Yield what the quantities of a sweep mean, and which is drawn."""
+    required = [name for name in names if QUANTITIES[name].on_grid]
+    if required:
+        yield f"note: {', '.join(required)}: {REQUIRED}"
+    if drawn and len(names) > 1:
+        yield f"note: --plot draws {names[0]} alone, the first of --quantities"
 
 
 def _source(over: list[str], cases: Path | None) -> "Grid | Cases":

@@ -149,6 +149,8 @@ class DesignResult(Result):
     ceramic_min_mm : float or None
         Least ceramic thickness of the best pair's range, mm: where it passes, less may be required. None where the
         ceramic has no range, or one from zero.
+    without_mm : tuple of float
+        Back plate thicknesses of the best pair on which no ceramic passes, mm; the frontier leaves them out.
     """
 
     minimised: str
@@ -166,6 +168,7 @@ class DesignResult(Result):
     not_monotonic_mm: tuple[float, ...]
     warnings: tuple[str, ...]
     ceramic_min_mm: float | None = None
+    without_mm: tuple[float, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data; ``refined`` only where it was asked for."""
@@ -267,6 +270,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
             *_least_of_the_range(catalogue, pair, found, ceramic_min),
         ),
         ceramic_min_mm=ceramic_min,
+        without_mm=_without(search, pair, frontier),
     )._of(scenario=scenario)
 
 
@@ -276,6 +280,14 @@ def _unused_impact(scenario: Scenario) -> Iterator[str]:
     own = (impact.projectile, impact.velocity_m_s)
     if scenario.threat and own not in [(threat.projectile, threat.velocity_m_s) for threat in scenario.threat]:
         yield f"impact: {own[0]} at {own[1]:g} m/s is none of the threats, against which the armour is designed"
+
+
+def _without(search: Search, pair: int, frontier: Ints) -> tuple[float, ...]:
+    """Return the given back plate thicknesses of a pair that its frontier leaves out, mm."""
+    if search.catalogue.offers[pair].backing.free_range() is not None:
+        return ()
+    backings = search.candidates.backing_mm
+    return tuple(np.setdiff1d(backings[search.of_pair(pair)], backings[frontier]).tolist())
 
 
 def _outside(search: Search, place: int) -> list[str]:

@@ -162,11 +162,12 @@ def design_chart(result: "DesignResult", title: str) -> Chart:
     if not result.pareto:
         return frontier
     named = {"best", _pair(result.best), *(name for name, *_ in _others(result))}
-    [front] = pareto_chart(result, "").panels
+    pareto = pareto_chart(result, "")
+    [front] = pareto.panels
     series = tuple(replace(item, label="") if item.label in named else item for item in front.series)
     money = "Costs are in the currency of the scenario." if COST.key in result.criteria[:2] else ""
     panels = *frontier.panels, replace(front, series=series, title="Pareto front")
-    return replace(frontier, panels=panels, note=" ".join(filter(None, (frontier.note, money))))
+    return replace(frontier, panels=panels, note=" ".join(filter(None, (frontier.note, pareto.note, money))))
 
 
 def _others(result: "DesignResult") -> Sequence[tuple[str, str, "Design"]]:
@@ -198,6 +199,8 @@ def frontier_chart(result: "DesignResult", title: str) -> Chart:
     )
     pairs = sum(pair.best is not None for pair in result.pairs)
     notes = []
+    if pairs > 1:
+        notes.append(f"The line is {_pair(result.best)}, the pair of the best design; a point is another pair's best.")
     if pairs > MAX_PAIRS + 1:
         notes.append(f"The best {MAX_PAIRS + 1} of {pairs} pairs of materials are shown.")
     if any(design.ceramic_thickness_mm == result.ceramic_min_mm for design in result.frontier):
@@ -242,7 +245,11 @@ def pareto_chart(result: "DesignResult", title: str) -> Chart:
         series.append(Points(*_at(designs, x, y), filled=False, label=name, text=text, **looks[name]))
     words = (f"best\n{_design_text(result.best, *result.criteria)}",)
     series.append(Points(*_at([result.best], x, y), label="best", text=words, **BEST))
-    return Chart(title, (Panel(CRITERIA[x], CRITERIA[y], tuple(series)),))
+    notes = ""
+    if len(result.criteria) > 2:
+        hidden = " and ".join(CRITERIA[key].label for key in result.criteria[2:])
+        notes = f"A design of the front that another one beats in both criteria drawn is better in {hidden}."
+    return Chart(title, (Panel(CRITERIA[x], CRITERIA[y], tuple(series)),), notes)
 
 
 def _at(designs: Iterable["Design"], x: str, y: str) -> tuple[list[float], list[float]]:
@@ -494,11 +501,11 @@ def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Char
         f"perforated in {100.0 * value:.1f} % at {velocity:.1f} m/s\n{level} interval {low:.3f} to {high:.3f}"
         for velocity, value, low, high in points
     )
-    label = f"at {at:g} m/s: {p.value:.3f}, {p.low:.3f} to {p.high:.3f}"
+    label = f"at {at:g} m/s: {p.value:.3f}, {p.low:.3f} to {p.high:.3f} by sampling"
     quantiles = {name: result.ballistic_limit_m_s[name].value for name in ("V05", "V50", "V95")}
     series: list[Series] = [
         Band(curve.velocity_m_s, curve.low, curve.high),
-        Line(curve.velocity_m_s, curve.probability, label=f"probability, with its {level} band", text=text),
+        Line(curve.velocity_m_s, curve.probability, label=f"probability, with its {level} band by sampling", text=text),
         _velocity_rule("nominal ballistic limit", found, INK, ":"),
         *(_velocity_rule(*item, SOFT, style) for item, style in zip(quantiles.items(), ("-.", "-", "--"), strict=True)),
         Points(

@@ -66,6 +66,15 @@ def closest(armour: Parameters) -> Evidence:
     return min(known, key=lambda evidence: sum(bool(limits.fails(armour)) for limits in evidence.kind))
 
 
+def unused_threats(scenario: "Scenario") -> tuple[str, ...]:
+    """Return a warning, for a result of the section ``impact``, where the scenario has threats of its own."""
+    if not scenario.threat:
+        return ()
+    impact = scenario.impact
+    against = f"the {impact.projectile} at {impact.velocity_m_s:g} m/s of [impact]"
+    return (f"threat: is not used: the results are against {against}; a report has the probability of every threat",)
+
+
 def warnings_of(scenario: "Scenario", velocity: float, key: str = VELOCITY) -> tuple[str, ...]:
     """Return the ways in which a scenario is unlike what the model was compared with, as "key: what, value found".
 

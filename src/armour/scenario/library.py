@@ -400,3 +400,14 @@ def shipped_library() -> Library:
     for path in sorted(shipped("configs").glob("*.toml")):
         library = read_library(path, library)
     return library
+
+
+def replaced_entries(tables: LibraryTables) -> list[str]:
+    """Return a note for each entry that replaces a shipped one of its name, on which it is not based."""
+    shipped = shipped_library().entries
+    return [
+        f"library.{kind}.{name}: replaces the {name} of the shipped library"
+        for kind in KINDS
+        for name, entry in getattr(tables, kind).items()
+        if name in shipped[kind] and entry.based_on != name
+    ]

@@ -20,7 +20,7 @@ from armour.analysis.variants import (
     portions,
 )
 from armour.errors import NoLimitError
-from armour.scenario.applicability import is_excluded, model_error, warnings_of
+from armour.scenario.applicability import is_excluded, model_error, unused_threats, warnings_of
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
@@ -187,7 +187,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         warnings=(
             *_misplaced(section, inputs_of(scenario)),
             *_unknown(scenario),
-            *_other_threats(scenario),
+            *unused_threats(scenario),
             *warnings_of(scenario, deterministic, "ballistic_limit"),
         ),
         model_error=model_error(scenario),
@@ -209,7 +209,7 @@ def _misplaced(section: Uncertainty, own: Mapping[str, float]) -> Iterator[str]:
     for name, distribution in section.inputs().items():
         if name in own:
             if not distribution.contains(own[name]):
-                yield f"uncertainty.{name}: is about a value of its own, not the scenario's {own[name]:g}"
+                yield f"uncertainty.{name}: is given for another value than the scenario's {own[name]:g}"
             moved = moved_mean(distribution, own[name])
             if moved:
                 yield f"uncertainty.{name}: truncation moves its mean from {moved[0]:g} to {moved[1]:.4g}"
@@ -220,15 +220,6 @@ def _unknown(scenario: Scenario) -> tuple[str, ...]:
     if model_error(scenario) is not None or is_excluded(scenario):
         return ()
     return ("uncertainty.model: the error of the model is not known for such an armour, and not included",)
-
-
-def _other_threats(scenario: Scenario) -> tuple[str, ...]:
-    """Return a warning where the scenario has threats of its own."""
-    if not scenario.threat:
-        return ()
-    impact = scenario.impact
-    against = f"the {impact.projectile} at {impact.velocity_m_s:g} m/s of [impact]"
-    return (f"threat: is not used: the results are against {against}; a report has the probability of every threat",)
 
 
 def _in_portions(scenario: Scenario, section: Uncertainty, points: Floats) -> Iterator[tuple[slice, Samples]]:

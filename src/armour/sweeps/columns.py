@@ -1,7 +1,7 @@
 """Sweeps in Python: from values by key to columns, in memory or in a file."""
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -95,6 +95,9 @@ class SweepResult(TableResult):
             raise InputError([Problem("sweep", "column", message)])
         column: NDArray[Any] = self.columns[name]
         return column
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
 
     def __eq__(self, other: object) -> bool:
         """Return whether another sweep is of the same scenario and has the same columns."""

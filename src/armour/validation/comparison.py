@@ -61,7 +61,7 @@ class Comparison(TableResult):
     limit : LimitResult
         Ballistic limit by the model.
     florence : tuple of FlorenceResult
-        One per body with a known mass and diameter.
+        One per body with a known mass and diameter; empty where values of the metal are missing.
     fits : tuple of ResidualVelocityFit
         Fits of Lambert and Jonas and of Recht and Ipson to the model's residual velocities.
     fitted_m_s : tuple of float
@@ -75,6 +75,8 @@ class Comparison(TableResult):
     errors : tuple of Error
         Errors of every prediction on these tests, by the model with the values of the library, with the attributes that
         `SuiteResult` lists; empty with the rules.
+    florence_missing : tuple of str
+        Keys of the library that Florence's limit needs and the metal of the back plate lacks.
     """
 
     areal_density_kg_m2: float
@@ -86,6 +88,7 @@ class Comparison(TableResult):
     tests: str
     rules: tuple[RuleResult, ...]
     errors: tuple[Error, ...]
+    florence_missing: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the comparison, without the curve, as plain data."""
@@ -98,13 +101,15 @@ class Comparison(TableResult):
             "tests": self.tests,
             "areal_density_rules": [asdict(rule) for rule in self.rules],
             "errors": [asdict(error) for error in self.errors],
+            "florence_missing": self.florence_missing,
             "warnings": self.limit.warnings,
         }
 
     def _words(self) -> str:
         limits = [*(f.ballistic_limit_m_s for f in self.florence), *(rule.ballistic_limit_m_s for rule in self.rules)]
         others = ", ".join(f"{limit:.1f}" for limit in limits)
-        return f"ballistic limit {self.limit.ballistic_limit_m_s:.1f} m/s, by formulas {others} m/s"
+        by_formulas = f", by formulas {others} m/s" if others else ""
+        return f"ballistic limit {self.limit.ballistic_limit_m_s:.1f} m/s{by_formulas}"
 
     def _columns(self) -> dict[str, Any]:
         names = "impact_velocity_m_s", "residual_velocity_m_s", "plug_velocity_m_s"
@@ -126,15 +131,15 @@ def compare(scenario: Scenario) -> Comparison:
     Raises
     ------
     InputError
-        If the armour has no ceramic, or its metal no tensile strength or strain to fracture.
+        If the armour has no ceramic.
     NoLimitError
         If the scenario's range contains no ballistic limit.
     NoAnswerError
         If the range contains no velocities above the limit.
     """
     check_types("compare", scenario=(scenario, Scenario))
-    problems = missing_for_florence(scenario)
-    refuse(problems)
+    missing = missing_for_florence(scenario)
+    refuse(missing if not scenario.armour.ceramic_thickness_mm > 0.0 else ())
     limit = ballistic_limit(scenario)
     highest = scenario.ballistic_limit.velocity_max_m_s
     if highest <= limit.ballistic_limit_m_s * (1.0 + 1e-9):
@@ -151,7 +156,7 @@ def compare(scenario: Scenario) -> Comparison:
     return Comparison(
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
         limit=limit,
-        florence=tuple(florence_result(scenario, body) for body in bodies_of(scenario)),
+        florence=() if missing else tuple(florence_result(scenario, body) for body in bodies_of(scenario)),
         fits=(
             fit_lambert_jonas(velocities, residuals, limit.ballistic_limit_m_s),
             fit_recht_ipson(velocities, residuals, limit.ballistic_limit_m_s),
@@ -161,6 +166,7 @@ def compare(scenario: Scenario) -> Comparison:
         tests=_words(cases),
         rules=tuple(_rule(cases, p, scenario.areal_density_kg_m2()) for p in (1.0, None)) if own else (),
         errors=_errors() if own else (),
+        florence_missing=tuple(problem.key for problem in missing),
     )._of(scenario=scenario)
 
 
