@@ -112,7 +112,8 @@ class Simulation:
         group = read.groups[0]._replace(scenario=self.scenario, where=np.arange(len(armours)), columns=columns)
         names = tuple(map(str, range(len(armours))))
         some = tuple(Measurement(i, LIMIT, 700.0, None, 0) for i in range(len(armours)))
-        self.tests = Tests("simulated", names, (group,), some, case.given, ({},) * len(armours))
+        cells: tuple[dict[str, float | str], ...] = ({},) * len(armours)
+        self.tests = Tests("simulated", names, (group,), some, case.given, cells, self.scenario, names)
         self.truth = {FLOW_STRESS: TRUE_GPA} | {f"ceramic.{key}": TRUE_EXPONENT for key in LAWS[case.law]}
         if case.prior_percent:
             prior = {

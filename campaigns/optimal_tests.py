@@ -53,7 +53,9 @@ class Set:
         group = MaterialGroup(scenario, np.arange(count), columns)
         values = np.ones(count) if measured is None else measured
         made = tuple(Measurement(i, LIMIT, float(value), None, 0) for i, value in enumerate(values))
-        tests = Tests(self.name, tuple(map(str, range(count))), (group,), made, False, ({},) * count)
+        tests = Tests(
+            self.name, tuple(map(str, range(count))), (group,), made, False, ({},) * count, scenario, ("",) * count
+        )
         names = (FLOW_STRESS, *(f"ceramic.{key}" for key in LAWS[self.law]))
         found = likelihood_fit.likelihood_of(tests, scenario, names, ignore_progress)
         if measured is not None:

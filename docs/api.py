@@ -30,8 +30,8 @@ INTRODUCTION = """\
 Every name below is imported from `armour`, as in `from armour import load_scenario, simulate`. A name that ends with a
 unit is in this unit. Wrong input raises an `InputError` with every mistake, a question without an answer a
 `NoAnswerError`. A notebook shows a result as the tables that its command prints; `to_dict` returns plain data and
-`to_dataframe`, where a result has rows, a data frame of pandas or polars. `make docs` writes this page from the
-docstrings.
+`to_dataframe`, where a result has rows, a data frame of pandas or polars. In signatures, `OnProgress` and `OnCheck`
+stand for what the parameter's description says. `make docs` writes this page from the docstrings.
 """
 # Sections of numpydoc whose items have a type and a description.
 LISTS = ("Parameters", "Attributes", "Returns", "Raises")

@@ -2,13 +2,17 @@
 
 import ast
 import doctest
+import json
 import pkgutil
 import re
 import subprocess
 import sys
 import tomllib
 import types
+from collections.abc import Iterator
+from dataclasses import is_dataclass
 from pathlib import Path
+from typing import get_args, get_type_hints
 
 import pytest
 
@@ -101,8 +105,89 @@ def test_a_suite_and_a_library_are_shown_in_a_line():
     assert re.fullmatch(r"<Library: \d+ projectiles, \d+ ceramics, \d+ metals>", repr(armour.shipped_library()))
 
 
+def test_a_scenario_a_value_and_tests_are_shown_in_a_line():
+    scenario = armour.load_scenario(SCENARIOS / "wilkins.toml")
+    assert repr(scenario) == str(scenario)
+    assert repr(scenario) == (
+        "<Scenario: '6.35 mm AD85 on 6.35 mm 6061-T6, 7.62 mm AP', 6.35 mm AD85 on 6.35 mm 6061-T6, "
+        "7.62 mm AP at 800 m/s>"
+    )
+    assert repr(scenario.entry("metal", "6061-T6").values["density_kg_m3"]).startswith("<Value: 2750, measured, ")
+    tests = armour.read_tests(SCENARIOS / "tests" / "wilkins.csv", scenario)
+    assert re.fullmatch(r"<Tests: \d+ tests of .*wilkins.csv, \d+ measurements>", repr(tests))
+
+
+def test_a_scenario_as_plain_data_is_the_same_scenario():
+    scenario = armour.load_scenario(SCENARIOS / "wilkins.toml").replaced({"ceramic.flow_stress_GPa": 4.5})
+    data = json.loads(json.dumps(scenario.to_dict()))
+    assert armour.parse_scenario(data).to_toml() == scenario.to_toml()
+    data["impact"]["velocity_m_s"] = 1.0
+    assert scenario.to_dict()["impact"]["velocity_m_s"] == 800.0
+
+
+def classes() -> dict[str, type]:
+    """Public dataclasses by name."""
+    found = {name: getattr(armour, name) for name in dir(armour)}
+    return {name: thing for name, thing in found.items() if isinstance(thing, type) and is_dataclass(thing)}
+
+
+def parts_of(hint: object) -> Iterator[type]:
+    """Dataclasses in a type."""
+    if isinstance(hint, type) and is_dataclass(hint):
+        yield hint
+    for part in get_args(hint):
+        yield from parts_of(part)
+
+
+def words_of(cls: type) -> set[str]:
+    """Words of the docstrings of a class and its bases."""
+    return {word for base in cls.__mro__ for word in re.findall(r"\w+", base.__doc__ or "")}
+
+
+@pytest.mark.parametrize("name", sorted(classes()))
+def test_what_a_result_holds_is_public_or_described_with_it(name: str):
+    cls, public = classes()[name], {item: getattr(armour, item) for item in dir(armour)}
+    words = words_of(cls)
+    assert {item for item in cls.__dataclass_fields__ if not item.startswith("_")} <= words  # type: ignore[attr-defined]
+    # What several results hold is described with one of them, which the others name.
+    for other in words & classes().keys():
+        words |= words_of(classes()[other])
+    for hint in get_type_hints(cls, localns=public).values():
+        for kind in parts_of(hint):
+            assert kind in public.values() or set(kind.__dataclass_fields__) <= words  # type: ignore[attr-defined]
+
+
 def test_the_examples_of_the_docstrings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     for name in dir(armour):
         test = doctest.DocTestParser().get_doctest(getattr(armour, name).__doc__, {}, name, None, None)
         assert doctest.DocTestRunner().run(test).failed == 0
+
+
+QUESTIONS = [
+    *("simulate", "ballistic_limit", "confidence", "compare", "sensitivity", "uncertainty", "optimise"),
+    *("v50", "validate", "calibrate", "sweep", "save_scenario", "read_tests"),
+]
+
+
+@pytest.mark.parametrize("name", QUESTIONS)
+@pytest.mark.parametrize("given", ["wilkins", None, {}, 5, Path("x")])
+def test_a_wrong_argument_is_refused_by_name(name: str, given: object):
+    second: dict[str, object] = {"calibrate": given, "sweep": {}, "save_scenario": "x"}
+    more = [second[name]] if name in second else []
+    arguments = ["wilkins.csv", given] if name == "read_tests" else [given, *more]
+    with pytest.raises(armour.InputError, match=rf"{name}: \w+: must be a \w+, found "):
+        getattr(armour, name)(*arguments)
+
+
+def test_a_name_in_place_of_a_scenario_may_be_read():
+    message = 'simulate: scenario: must be a Scenario, found the text "wilkins"; load_scenario("wilkins") reads one'
+    with pytest.raises(armour.InputError, match=re.escape(message)):
+        armour.simulate("wilkins")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["load_scenario", "load_suite", "read_shots", "parse_scenario"])
+@pytest.mark.parametrize("given", [None, 5, [1]])
+def test_a_wrong_path_or_mapping_is_refused(name: str, given: object):
+    with pytest.raises(armour.InputError, match=rf"{name}: \w+: must be a (path|mapping), found "):
+        getattr(armour, name)(given)

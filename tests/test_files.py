@@ -189,5 +189,6 @@ def test_unwritable_outputs_are_reported(tmp_path: Path):
 
 def test_the_ending_of_an_output_is_checked():
     assert wrong_ending(Path("a.CSV"), (".csv", ".parquet")) == []
+    assert "must end in .csv, found .txt" in str(wrong_ending(Path("a.txt"), (".csv",))[0])
     [problem] = wrong_ending(Path("a.txt"), (".csv", ".json", ".parquet"))
     assert str(problem) == "a.txt: must end in .csv, .json or .parquet, found .txt"

@@ -3,7 +3,7 @@
 The public names are those in the stub file ``__init__.pyi``; each is imported on first use.
 
 >>> from armour import load_scenario, simulate
->>> simulate(load_scenario("scenarios/wilkins.toml")).outcome
+>>> simulate(load_scenario("wilkins")).outcome
 'perforated'
 """
 

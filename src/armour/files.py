@@ -43,6 +43,11 @@ def shipped_suites() -> dict[str, Path]:
     return {name: path for name, path in shipped_files("suites", ".toml").items() if name != "figures"}
 
 
+def shipped_tests() -> dict[str, Path]:
+    """Return the shipped tables of tests and shots by name, with its ending."""
+    return {path.name: path for path in shipped_files("scenarios/tests", ".csv").values()}
+
+
 def located(path: Path, known: Mapping[str, Path], listed: str = "") -> Path:
     """Return the file at a path or, where there is none, the one that is known by this name.
 
@@ -57,6 +62,18 @@ def located(path: Path, known: Mapping[str, Path], listed: str = "") -> Path:
             hint = suggestion(path.with_suffix("").as_posix(), [*known]) or suggestion(path.stem, [*known])
             raise InputError([Problem(str(path), "", f"cannot be read: {reason(error)}{hint}{listed}")]) from None
     return known[name]
+
+
+def table_file(path: str | PathLike[str]) -> Path:
+    """Return the file of a path or, where there is none, of the shipped table of tests or shots of that name."""
+    known = shipped_tests()
+    return located(Path(path), known, f"; shipped are {', '.join(known)}")
+
+
+def suite_file(path: str | PathLike[str]) -> Path:
+    """Return the file of a path or, where there is none, of the shipped suite of that name."""
+    known = shipped_suites()
+    return located(Path(path), known, f"; shipped are {', '.join(known)}")
 
 
 def reason(error: OSError | ValueError) -> str:
@@ -130,10 +147,10 @@ def _check_sizes(value: object, depth: int = 0) -> None:
 
 
 def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:
-    """Return the problem of an output file that has none of two or more endings, such as ".csv"; [] if it has one."""
+    """Return the problem of an output file that has none of some endings, such as ".csv"; [] if it has one."""
     if path.suffix.lower() in endings:
         return []
-    listed = f"{', '.join(endings[:-1])} or {endings[-1]}"
+    listed = " or ".join(filter(None, (", ".join(endings[:-1]), endings[-1])))
     return [Problem(str(path), "", f"must end in {listed}, found {path.suffix or 'no ending'}")]
 
 

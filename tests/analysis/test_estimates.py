@@ -2,19 +2,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from armour.analysis.estimates import Estimate, jackknife, mean_of_replicates, proportion, proportion_of_replicates
+from armour.analysis.estimates import jackknife, mean_of_replicates, proportion, proportion_of_replicates
 
 
 def test_clopper_pearson_intervals():
     for hits in (0, 3, 50, 100):
         found, true = proportion(hits, 100), stats.binomtest(hits, 100).proportion_ci()
         assert (found.low, found.value, found.high) == pytest.approx((true.low, hits / 100, true.high))
-
-
-def test_samples_for_a_last_digit():
-    estimate = Estimate(0.2, 0.19, 0.21)
-    assert estimate.samples_for(0.001, 1000) == 400_000
-    assert estimate.samples_for(0.1, 1000) == 1000
 
 
 def test_the_t_interval_of_replicates():

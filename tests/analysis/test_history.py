@@ -51,3 +51,10 @@ def test_the_interface_force_is_recorded_on_both_sides_of_a_change():
     entered = int(np.flatnonzero(history.stage == "iii.3")[0])
     assert history.time_us[entered] == history.time_us[entered - 1]
     assert history.shear_force_kN[entered] != history.shear_force_kN[entered - 1]
+
+
+def test_histories_are_compared():
+    found = simulate(scenario(), history=True)
+    assert found == simulate(scenario(), history=True)
+    assert found != simulate(scenario(velocity=810.0), history=True)
+    assert found.history != simulate(scenario(velocity=810.0), history=True).history

@@ -1,16 +1,29 @@
 """Results as data frames."""
 
+import json
+import pickle
 import sys
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from armour.analysis.impact import impact_at, simulate
 from armour.analysis.results import data_frame
+from armour.statistics.v50 import Shots, v50
+from tests.helpers.cases import scenario
 from tests.helpers.results import design_result, impact, uncertainty_result
+
+# Lists, which a type checker accepts too.
+SHOTS = Shots([700.0, 710.0, 720.0, 730.0], [False, True, False, True])
 
 
 class Frame(dict[str, object]):
     """A stand-in for a data frame."""
+
+    def __init__(self, columns: dict[str, object], schema_overrides: dict[str, type] | None = None) -> None:
+        super().__init__(columns)
+        self.types = schema_overrides
 
 
 @pytest.fixture(params=["pandas", "polars"])
@@ -32,7 +45,31 @@ def test_rows_of_results():
     design = design_result(pareto=True)
     assert design.to_dataframe()["ceramic_thickness_mm"] == [10.0, 8.0, 7.0]
     assert design.to_dataframe("pareto")["ceramic"] == ["AD85", "AD99.5"]
-    assert design_result().to_dataframe("pareto") == {}
+    empty = design_result().to_dataframe("pareto")
+    assert empty.keys() == design.to_dataframe().keys()
+    assert not any(empty.values())
+    assert list(impact().to_dataframe())[:2] == ["stage", "start_us"]
+    assert v50(SHOTS).to_dataframe()["method"][0] == "penalised likelihood"
+
+
+def test_a_column_without_any_value_is_one_of_numbers(library: str):
+    found = data_frame({"a": [None, None], "b": [1.0, None]})
+    assert np.isnan(found["a"]).all() if library == "pandas" else found.types == {"a": float}
+
+
+def test_a_history_is_plain_data_and_compares():
+    first, second = (simulate(scenario(), history=True) for _ in range(2))
+    assert first == second
+    assert first != simulate(scenario(velocity=700.0), history=True)
+    assert first.history is not None
+    assert json.loads(json.dumps(first.history.to_dict()))["stage"][0] == "i"
+
+
+def test_the_question_of_a_result_is_no_part_of_it():
+    found = simulate(scenario())
+    assert found == impact_at(scenario(), 800.0)
+    assert "scenario" not in found.to_dict()
+    assert pickle.loads(pickle.dumps(found)) == found
 
 
 def test_numbers_and_texts_in_a_column(library: str):

@@ -61,7 +61,7 @@ def test_a_limit_outside_the_data_is_warned_of(cli):
     path = SCENARIOS / "bare_plate.toml"
     result = cli("ballistic-limit", path, "--set", "armour.backing_thickness_mm=5")
     assert result.exit_code == 0
-    words = "impact.velocity_m_s: the model was compared with results at 340 to 1200 m/s, found 176"
+    words = "ballistic_limit: the model was compared with results at 340 to 1200 m/s, found 176"
     assert result.stderr.splitlines()[0] == f"warning: {path}: {words}"
 
 

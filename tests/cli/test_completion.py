@@ -35,7 +35,7 @@ def offered(line: str) -> list[str]:
         ("report bare", ["bare_plate"]),
         ("simulate other/", []),
         ("library show B4", ["B4C"]),
-        ("init --from wi", ["wilkins"]),
+        ("init --from wi", ["wilkins", "wilkins.csv"]),
         ("calibrate w", ["wilkins.csv"]),
         ("calibrate wilkins.csv wilkins --fit ceramic.y", ["ceramic.youngs_modulus_GPa"]),
         ("calibrate wilkins.csv wilkins --law ba", ["backing"]),

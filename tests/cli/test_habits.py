@@ -14,7 +14,7 @@ import pytest
 
 from armour.cli.app import COMMANDS, app
 from tests.cli.test_docs import PAGES, sessions
-from tests.helpers.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS, TESTS
 
 WILKINS = SCENARIOS / "wilkins.toml"
 TAKE_A_SCENARIO = ("simulate", "ballistic-limit", "optimise", "sensitivity", "compare", "uncertainty")
@@ -100,7 +100,7 @@ def test_a_value_nested_too_deeply(cli):
 
 
 def test_two_outputs_of_one_name(cli, folder: Path):
-    told = cli.fails(2, "optimise", WILKINS, "--csv", "same.svg", "--plot", "same.svg")
+    told = cli.fails(2, "calibrate", TESTS, WILKINS, "--write", "same.svg", "--plot", "same.svg")
     assert told == [f"{folder / 'same.svg'}: must not be written twice; choose another name"]
 
 

@@ -1,5 +1,7 @@
 """Tables on terminals of several widths and in pipes."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -73,16 +75,37 @@ def test_headings_are_stacked_first(wide: Table):
 
 
 def test_then_rows_become_blocks(wide: Table):
-    assert printed(wide, width=30) == [
-        "name            AD85 on",
-        "                6061-T6",
-        "areal density    39.2 kg/m²",
-        "ballistic       723.8 m/s",
+    assert printed(wide, width=21) == [
+        "name       AD85 on",
+        "           6061-T6",
+        "areal",
+        "density    39.2 kg/m²",
+        "ballistic  723.8 m/s",
         "limit",
         "",
-        "name             a",
-        "ballistic limit  1.0 m/s",
+        "name          a",
+        "ballistic     1.0 m/s",
+        "limit",
     ]
+
+
+def test_headings_are_abbreviated_before_that(wide: Table):
+    assert printed(wide, width=30) == [
+        "                 areal ballis.",
+        "               density   limit",
+        "name             kg/m²     m/s",
+        "─" * 30,
+        "AD85 on           39.2   723.8",
+        "6061-T6",
+        "a                          1.0",
+    ]
+
+
+def test_a_terminal_shows_the_first_rows_where_the_rest_is_elsewhere():
+    table = Table((Column("a"),), (("1",),) * 30, rest="--csv FILE")
+    assert printed(table, width=80)[-2:] == ["1", "5 more rows: --csv FILE"]
+    assert len(printed(table, width=80)) == 2 + 25 + 1
+    assert len(printed(table, width=PIPE)) == len(printed(replace(table, rest=""), width=80)) == 2 + 30
 
 
 def test_a_record_is_a_list():
@@ -138,8 +161,8 @@ def test_numbers_keep_their_units(text: str, width: int):
 
 
 def test_a_unit_follows_numbers_only():
-    columns = (Column("limit", "m/s", ".1f"), Column("interval", "m/s"), Column("x" * 20, prose=True))
-    rows = (("none", "not bounded", "a"), (1.0, "0.5 to 1.5", "b"))
+    columns = (Column("limit", "m/s", ".1f"), Column("interval", "m/s"), Column("1" * 20), Column("2" * 20))
+    rows = (("none", "not bounded", "a", ""), (1.0, "0.5 to 1.5", "b", ""))
     assert printed(Table(columns, rows), width=40)[:2] == [
         "limit                 none",
         "interval              not bounded",

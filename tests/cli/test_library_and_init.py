@@ -66,6 +66,15 @@ def test_init_copies_a_shipped_scenario(cli, folder: Path):
     assert (folder / "mine.toml").read_bytes() == (SCENARIOS / "paper" / "fig9_4mm.toml").read_bytes()
 
 
+def test_init_copies_a_suite_and_a_table(cli, folder: Path):
+    assert cli("init", "s.toml", "--from", "paper").stderr.splitlines()[-1] == "next: armour validate s.toml"
+    assert cli("validate", "s.toml", "--only", "lightest against the 7.62 mm AP: areal density").exit_code == 0
+    assert cli("init", "t.csv", "--from", "wilkins.csv").exit_code == 0
+    assert (folder / "t.csv").read_bytes() == (SCENARIOS / "tests" / "wilkins.csv").read_bytes()
+    for file, source, ending in (("t.toml", "shots.csv", "csv"), ("u.csv", "plates", "toml")):
+        assert cli.fails(2, "init", file, "--from", source)[0].startswith(f"{file}: must end in .{ending}")
+
+
 def test_init_does_not_write_over_a_file(cli, folder: Path):
     path = folder / "scenario.toml"
     path.write_text("mine")
@@ -127,3 +136,11 @@ def test_a_file_of_the_same_name_wins(cli, folder: Path):
 def test_a_name_close_to_a_shipped_one(cli, args: list[str], hint: str):
     [line] = cli.fails(2, *args)
     assert line.endswith(f"cannot be read: no such file or directory; did you mean {hint}")
+
+
+def test_a_scenario_is_not_written_to_a_file_named_dash(cli, folder: Path):
+    before = sorted(folder.iterdir())
+    result = cli("init", "-")
+    assert result.exit_code == 2
+    assert "must be the name of a file to write" in result.stderr
+    assert sorted(folder.iterdir()) == before

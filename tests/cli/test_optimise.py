@@ -93,7 +93,7 @@ def test_a_confidence_is_designed_for(cli, small: Path):
     assert "probability of defeating the threat  5" in plain.stdout
     assert "a design without a margin is perforated with a probability of 50 %; --confidence 0.95 d" in plain.stdout
     left_out = cli("optimise", small, "--set", "uncertainty.model.included=false").stdout.splitlines()
-    assert left_out[-1] == "the error of the model is not known for such an armour, or not included"
+    assert left_out[-1] == "the error of the model is not included, as uncertainty.model says"
     args = ("optimise", small, "--set", "optimise.ceramic_thickness_mm.max=20")
     best = json.loads(cli(*args, "--confidence", 0.95, "--json").stdout)["best"]
     [probability] = best["probabilities_of_defeat"].values()
@@ -123,10 +123,10 @@ def test_a_catalogue_and_threats(cli, folder: Path):
     assert "Pareto front" in (folder / "study.svg").read_text()
 
 
-@pytest.mark.parametrize("command", ["optimise", "report"])
-def test_an_impact_that_threats_replace_is_not_changed(cli, command: str):
+@pytest.mark.parametrize(("command", "what"), [("optimise", "design"), ("report", "report")])
+def test_an_impact_that_threats_replace_is_not_changed(cli, command: str, what: str):
     [line] = cli.fails(2, command, CATALOGUE, "--set", "impact.velocity_m_s=2000")
-    assert line == "command line: --set impact.velocity_m_s: must have an effect on what is computed, found none"
+    assert line == f"command line: --set impact.velocity_m_s: must have an effect: the {what} does not depend on it"
 
 
 def test_a_catalogue_as_json(cli):
@@ -135,3 +135,8 @@ def test_a_catalogue_as_json(cli):
         assert {"ceramic_thickness_mm", "backing_thickness_mm", "areal_density_kg_m2"} <= design.keys()
     assert data["best"]["ballistic_limit_m_s"] >= 850.0
     assert data["examined"] <= data["designs"] == 282
+
+
+def test_back_plates_on_which_nothing_passes_are_told(cli, small: Path):
+    found = cli("optimise", small, "--confidence", "0.95").stdout
+    assert "without a row" in found

@@ -69,12 +69,13 @@ def test_no_file_stays_where_one_cannot_be_written(cli, own: Path, monkeypatch: 
         ("validate suite.toml --markdown own.toml", "own.toml"),
         ("validate suite.toml --junit lib.toml", "lib.toml"),
         ("validate suite.toml --update --markdown own.toml", "own.toml"),
-        ("simulate own.toml --history lib.toml", "lib.toml"),
+        ("simulate own.toml --history link.csv", "link.csv"),
         ("v50 {shots} own.toml --plot link.svg", "link.svg"),
     ],
 )
 def test_nothing_that_is_read_is_written_over(cli, own: Path, command: str, read: str):
-    (own / "link.svg").symlink_to("lib.toml")
+    for name in ("link.svg", "link.csv"):
+        (own / name).symlink_to("lib.toml")
     before = contents(own)
     words = shlex.split(f"{command} --force".format(tests=SCENARIOS / "tests" / "wilkins.csv", shots=SHOTS))
     assert cli.fails(2, *words) == [f"{read}: must not be the file that is read; choose another name"]
@@ -82,9 +83,10 @@ def test_nothing_that_is_read_is_written_over(cli, own: Path, command: str, read
 
 
 def test_a_file_on_standard_input_is_not_written_over(own: Path):
+    (own / "own.csv").symlink_to("own.toml")
     before = contents(own)
-    code, messages = shell("simulate - --history own.toml --force < own.toml", own)
-    assert (code, messages) == (2, "own.toml: must not be the file that is read; choose another name\n")
+    code, messages = shell("simulate - --history own.csv --force < own.toml", own)
+    assert (code, messages) == (2, "own.csv: must not be the file that is read; choose another name\n")
     assert contents(own) == before
 
 
@@ -112,7 +114,7 @@ def test_nothing_is_replaced_unasked(cli, own: Path, command: str, monkeypatch: 
 
     monkeypatch.setattr("armour.cli.runner.parse_toml", computes)
     (own / "figs").mkdir()
-    names = ["old.md", "old.svg", "figs/fig09.csv", "figs/fig09.png"]
+    names = ["old.csv", "old.svg", "figs/fig09.csv", "figs/fig09.png"]
     for name in names:
         (own / name).write_text("old")
     line = command.format(*names, tests=SCENARIOS / "tests" / "wilkins.csv", shots=SHOTS)
@@ -133,6 +135,13 @@ def test_a_file_is_replaced_where_that_is_asked_for(cli, own: Path):
         assert cli(*words).exit_code == 2
         assert cli(*words, "--force").exit_code == 0
     assert all((own / name).read_text().count("\n") for name in ("h.csv", "t.csv", "r.md"))
+
+
+@pytest.mark.parametrize("words", ["simulate own.toml --history h.xlsx", "optimise own.toml --csv h.md"])
+@pytest.mark.usefixtures("own")
+def test_a_table_is_csv(cli, words: str):
+    ending = Path(words.split()[-1]).suffix
+    assert cli.fails(2, *words.split()) == [f"h{ending}: must end in .csv, found {ending}"]
 
 
 def test_streams_and_pipes_are_no_files_to_keep(own: Path):
@@ -198,7 +207,9 @@ def test_closed_streams(folder: Path):
 def test_a_file_name_that_is_no_text(cli, folder: Path):
     name = os.fsdecode(b"w\xff.toml")
     (folder / name).write_text("x = 1\n" + WILKINS.read_text())
-    assert cli.fails(2, "simulate", name) == ["w\\udcff.toml: x: unknown key (line 1)"]
+    [line] = cli.fails(2, "simulate", name)
+    assert line.startswith("w\\udcff.toml: x: unknown key; choose from title, ")
+    assert line.endswith(" (line 1)")
     (folder / name).write_text(WILKINS.read_text())
     assert cli("report", name, "-o", "r.md").exit_code == 0
     assert "w\\udcff.toml" in (folder / "r.md").read_text()

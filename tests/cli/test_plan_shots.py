@@ -77,11 +77,11 @@ def test_a_simulation(cli, folder: Path):
     ("arguments", "message"),
     [
         (["wilkins", "none.csv"], "none.csv: cannot be read: no such file"),
-        (["wilkins", "--result", "partial"], "plan shots: --result: adds a shot to SHOTS, which is not given"),
-        (["wilkins", "f.csv", "--velocity-m-s", "700"], "plan shots: --velocity-m-s: is the velocity of the shot of"),
+        (["wilkins", "--result", "partial"], "command line: --result: adds a shot to SHOTS, which is not given"),
+        (["wilkins", "f.csv", "--velocity-m-s", "700"], "command line: --velocity-m-s: is the velocity of the shot of"),
         (["wilkins", "f.csv", "--result", "partial", "--velocity-m-s", "nan"], "f.csv: must be at least 1 and at most"),
-        (["wilkins", "f.csv", "--lower-m-s", "600"], "plan shots: --upper-m-s: must be given with the other limit"),
-        (["wilkins", "f.csv", "--half-width-m-s", "0"], "plan shots: half_width_m_s: must be at least 0.1"),
+        (["wilkins", "f.csv", "--lower-m-s", "600"], "command line: --upper-m-s: must be given with the other limit"),
+        (["wilkins", "f.csv", "--half-width-m-s", "0"], "command line: --half-width-m-s: must be at least 0.1"),
         (["wilkins", "bad.csv", "--result", "partial"], 'bad.csv: line 2: result: must be "partial" or "complete"'),
         (["nowhere/f.toml"], "nowhere/f.toml: cannot be read"),
         (["wilkins", "f.csv", "--result", "partial", "--plot", "f.csv"], "f.csv: must end in .png, .svg or .pdf"),
@@ -97,7 +97,7 @@ def test_wrong_input(cli, folder: Path, arguments: list[str], message: str):
 def test_after_the_end_a_shot_needs_its_velocity(cli, folder: Path):
     (folder / "f.csv").write_text("velocity_m_s,result\n723,P\n770,C\n")
     options = ("plan", "shots", "wilkins", "f.csv", "--half-width-m-s", "90", "--result", "partial")
-    assert cli.fails(2, *options) == ["plan shots: --velocity-m-s: must be given: no further shot was planned"]
+    assert cli.fails(2, *options) == ["command line: --velocity-m-s: must be given: no further shot was planned"]
     assert cli(*options, "--velocity-m-s", "740").exit_code == 0
 
 

@@ -8,6 +8,7 @@ from armour import confidence, load_scenario, simulate
 from tests.helpers.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
+THREAT = "[[threat]]\nprojectile = '7.62 mm AP'\nvelocity_m_s = 700.0\n"
 
 
 def test_the_table(cli):
@@ -81,10 +82,10 @@ def test_outputs_that_cannot_be_written_are_told_before_the_work(cli, folder: Pa
 
 
 def test_a_scenario_is_not_written_over(cli, folder: Path):
-    path = folder / "a.toml"
+    path = folder / "a.csv"
     path.write_text(WILKINS.read_text())
-    [line] = cli.fails(2, "simulate", path, "--history", "a.toml", "--force")
-    assert line == "a.toml: must not be the file that is read; choose another name"
+    [line] = cli.fails(2, "simulate", path, "--history", "a.csv", "--force")
+    assert line == "a.csv: must not be the file that is read; choose another name"
 
 
 def test_a_bare_plate(cli):
@@ -103,3 +104,43 @@ def test_what_is_unlike_the_tests_is_warned_of(cli):
     assert len(data["warnings"]) == 3
     assert data["confidence"]["probability_of_defeat"] is None
     assert "no test of such an armour" in data["confidence"]["reason"]
+
+
+@pytest.mark.parametrize("command", ["simulate", "ballistic-limit", "compare"])
+def test_the_armour_computed_is_shown_unless_the_title_is_it(cli, command: str):
+    assert "computed:" not in cli(command, WILKINS).stdout
+    changes = "--set", "armour.backing=7075-T6", "--set", "armour.ceramic_thickness_mm=8"
+    assert (
+        cli(command, WILKINS, *changes).stdout.splitlines()[1] == "computed: 8 mm AD85 on 6.35 mm 7075-T6, 7.62 mm AP"
+    )
+
+
+def test_threats_that_are_not_used_are_told(cli, folder: Path):
+    (folder / "own.toml").write_text(WILKINS.read_text() + THREAT)
+    for command in ("simulate", "ballistic-limit"):
+        assert cli(command, "own.toml").stderr.count("threat: is not used") == 1
+
+
+def test_an_entry_that_replaces_a_shipped_one_is_told(cli, folder: Path):
+    entry = "[library.metal.6061-T6]\ndensity_kg_m3 = 2750.0\ndynamic_yield_strength_MPa = 372.0\n"
+    (folder / "own.toml").write_text(WILKINS.read_text() + entry)
+    note = "note: own.toml: library.metal.6061-T6: replaces the 6061-T6 of the shipped library"
+    assert note in cli("simulate", "own.toml").stderr.splitlines()
+    assert "replaces" not in cli("simulate", WILKINS, "--set", "backing.density_kg_m3=2740").stderr
+
+
+@pytest.mark.parametrize(("name", "kind"), [("paper", "suite"), ("shots.csv", "table of tests")])
+@pytest.mark.usefixtures("folder")
+def test_the_name_of_a_suite_or_of_a_table_is_told(cli, name: str, kind: str):
+    [line] = cli.fails(2, "simulate", name)
+    assert line.startswith(f"{name}: must be a scenario, is the name of a shipped {kind}; ")
+
+
+def test_what_no_velocity_perforates_is_defeated(cli):
+    lines = cli("simulate", WILKINS, "--set", "armour.ceramic_thickness_mm=500").stdout.splitlines()
+    assert "probability of defeating the threat  above 99.5 %" in lines
+
+
+def test_the_probability_of_distributions_is_reconciled_with_an_unknown_one(cli):
+    lines = cli("simulate", SCENARIOS / "uncertain.toml", "--set", "armour.ceramic=SiC").stdout.splitlines()
+    assert lines[-1] == "a probability from the given distributions alone takes the model as exact: armour uncertainty"

@@ -60,7 +60,7 @@ def test_cases_from_a_file(cli, folder: Path):
         ([], "sweep: give either --over or --cases"),
         (
             ["--over", "armour.ceramic=B4C"],
-            "command line: --over armour.ceramic: must be a key of numbers; names are given",
+            'command line: --over armour.ceramic: must be a key of numbers, found "B4C"; names are given',
         ),
         (["--over", "a"], "command line: --over: must be KEY=MIN:MAX:STEP"),
         (
@@ -216,3 +216,12 @@ def test_a_wrong_combination_names_the_axes(cli):
     assert line.startswith(
         "command line: --over projectile.penetrator_mass_g=5000, armour.backing_thickness_mm=7: library"
     )
+
+
+@pytest.mark.usefixtures("folder")
+def test_what_is_required_and_what_is_drawn_are_told(cli):
+    over = "--over", "armour.backing_thickness_mm=6,7"
+    names = "--quantities", "required_ceramic_thickness_mm,areal_density_kg_m2"
+    lines = cli("sweep", "wilkins", *over, *names, "-o", "s.csv", "--plot", "s.svg").stderr.splitlines()
+    assert "note: required_ceramic_thickness_mm: the least thickness in its range of [optimise]" in lines[1]
+    assert lines[2] == "note: --plot draws required_ceramic_thickness_mm alone, the first of --quantities"

@@ -10,7 +10,7 @@ def test_numbers_and_a_plot(cli, folder: Path):
     result = cli("uncertainty", UNCERTAIN, "--samples", "256", "--plot", "u.svg")
     assert result.exit_code == 0
     assert "probability of perforation" in result.stdout
-    assert "samples to settle the last digit" in result.stdout
+    assert "95 % interval, by sampling" in result.stdout
     assert result.stderr == "wrote u.svg\n"
     assert "probability of perforation" in (folder / "u.svg").read_text()
 

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS, csv_file
 
 WILKINS = SCENARIOS / "wilkins.toml"
 SHOTS = SCENARIOS / "tests" / "shots.csv"
@@ -60,7 +60,26 @@ def test_no_answer(cli, folder: Path):
 @pytest.mark.parametrize("option", [("--pairs", "0"), ("--span-m-s", "-1"), ("--confidence", "2")])
 def test_an_option_out_of_range(cli, option: tuple[str, str]):
     [line] = cli.fails(2, "v50", SHOTS, *option)
-    assert line.startswith(f"v50: {option[0][2:].replace('-', '_')}: must be at ")
+    assert line.startswith(f"command line: {option[0]}: must be at ")
+
+
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        (("--confidence", "95%"), '--confidence: must be a probability, found "95%"; did you mean 0.95?'),
+        (("--confidence", "95"), '--confidence: must be a probability, found "95"; did you mean 0.95?'),
+        (("--pairs", "2.5"), '--pairs: must be a whole number, found "2.5"'),
+        (("--pairs", "4"), "--span-m-s: must be given for 4 pairs; a span is usual with 2, 3 and 5 only"),
+    ],
+)
+def test_an_option_that_is_no_number_of_its_kind(cli, option: tuple[str, str], message: str):
+    assert cli.fails(2, "v50", SHOTS, *option) == [f"command line: {message}"]
+
+
+def test_shots_far_from_the_models_limit(cli, folder: Path):
+    csv_file(folder / "s.csv", "velocity_m_s,result", "2600,partial", "2650,complete", "2590,partial", "2605,complete")
+    warning = cli("v50", "s.csv", "wilkins").stderr
+    assert "wilkins.toml: all shots, at 2590 to 2650 m/s, lie outside the model's 95 % interval" in warning
 
 
 def test_the_models_limit_has_its_interval_and_warnings(cli):

@@ -11,7 +11,7 @@ from armour.analysis.variants import Bools, Variants, perforated
 from armour.design.optimise import optimise
 from armour.errors import InputError, NoDesignError
 from armour.scenario.loading import Scenario, load_scenario
-from tests.helpers.cases import SCENARIOS, library, scenario
+from tests.helpers.cases import SCENARIOS, library, scenario, shipped_scenario
 
 GRID = {
     "ceramic_thickness_mm": {"min": 8.0, "max": 14.0, "step": 0.5},
@@ -69,6 +69,8 @@ def test_the_best_is_the_lightest_and_has_its_limit():
     assert best.ballistic_limit_m_s == ballistic_limit(of_design(case(), best)).ballistic_limit_m_s
     assert best.margins_m_s == {"7.62 mm AP at 850 m/s": best.margin_m_s}
     assert [pair.best for pair in result.pairs] == [best]
+    assert best.cost_per_m2 is None
+    assert {design.cost_per_m2 for design in result.frontier} == {None}
 
 
 @pytest.mark.parametrize("search", [{"velocity_max_m_s": 500.0}, {"velocity_min_m_s": 1500.0}])
@@ -262,3 +264,10 @@ def test_the_key_at_fault_of_runs_that_do_not_end(sections: dict[str, Any]):
     of = case().replaced({"solver.arrest_velocity_m_s": 1e-9, **sections})
     with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run .* end"):
         optimise(of)
+
+
+def test_an_impact_that_is_no_threat_is_warned_of():
+    case = shipped_scenario("catalogue").replaced({"design.pareto": None})
+    assert not any("none of the threats" in warning for warning in optimise(case).warnings)
+    changed = optimise(case.replaced({"impact.velocity_m_s": 1500.0}))
+    assert changed.warnings[0].startswith("impact: 7.62 mm AP at 1500 m/s is none of the threats")

@@ -10,7 +10,7 @@ from armour.planning.plan_tests import PlannedTest, PlannedTests
 from armour.reporting.table import Table
 from armour.scenario.evidence import ModelError
 from armour.scenario.parameters import CERAMIC
-from armour.statistics.uncertainty import Index, ProbabilityCurve, UncertaintyResult
+from armour.statistics.uncertainty import Influence, ProbabilityCurve, UncertaintyResult
 from tests.helpers.cases import scenario
 
 THREAT, OTHER = "7.62 mm AP at 800 m/s", "M2"
@@ -96,8 +96,8 @@ def uncertainty_result() -> UncertaintyResult:
             tuple(min(p + 0.01, 1.0) for p in probabilities),
         ),
         inputs=(
-            Index("ceramic.flow_stress_GPa", None, None, (677.0, 769.0)),
-            Index("projectile.penetrator_mass_g", None, None, (729.0, 718.0)),
+            Influence("ceramic.flow_stress_GPa", None, None, (677.0, 769.0)),
+            Influence("projectile.penetrator_mass_g", None, None, (729.0, 718.0)),
         ),
         warnings=(),
     )

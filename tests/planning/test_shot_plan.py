@@ -101,7 +101,7 @@ def test_a_stated_error_is_a_prior_and_an_unknown_one_none():
     ],
 )
 def test_wrong_settings(settings: dict[str, Any], message: str):
-    with pytest.raises(InputError, match=f"plan shots: {message}"):
+    with pytest.raises(InputError, match=f"plan_shots: {message}"):
         plan_shots(scenario(), **settings)
 
 

@@ -153,7 +153,10 @@ def test_every_pair_is_marked_up_to_a_limit(count: int, marked: int):
     first, _ = chart.panels
     looks = {(item.colour, item.marker) for item in first.series[:-1] if isinstance(item, Line | Points)}
     assert len(looks) == marked
-    assert chart.note == ("" if marked == count else f"The best {marked} of {count} pairs of materials are shown.")
+    line = "The line is AD85 on 6061-T6, the pair of the best design; a point is another pair's best."
+    assert chart.note == (
+        line if marked == count else f"{line} The best {marked} of {count} pairs of materials are shown."
+    )
 
 
 def test_designs_of_several_pairs_against_several_threats():
@@ -232,6 +235,13 @@ def test_parity_of_the_tables_of_a_suite(folder):
     assert panel.square
     assert points.text[0] == "ceramic thickness 6.35 mm\nexpected 720 m/s, computed 723.77 m/s"
     assert labels(panel) == ["t", "agreement", "± 10 %"]
+    assert chart.note.startswith("1 of 3 cases are not shown")
+
+
+def test_parity_has_lines_at_the_band_that_all_cases_have(folder):
+    chart = charts.parity_chart(result(folder, case("a", 700.0, "band = 35.0") + case("b", 800.0, "band = 40.0")))
+    assert labels(*chart.panels) == ["cases", "agreement", "± 5 %"]
+    assert chart.note == ""
 
 
 def test_parity_of_a_suite_without_tables(folder):
@@ -369,7 +379,7 @@ def test_an_uncertainty():
     found = uncertainty_result()
     chart = charts.uncertainty_chart(found, scenario(velocity=700.0))
     curve, swings = chart.panels
-    assert "at 700 m/s: 0.210, 0.200 to 0.220" in labels(curve)
+    assert "at 700 m/s: 0.210, 0.200 to 0.220 by sampling" in labels(curve)
     assert swings.y.categories == ("ceramic flow stress", "penetrator mass")
     low, high = some(swings, Bars)
     assert (list(low.ends), list(high.ends)) == ([677.0, 729.0], [769.0, 718.0])
@@ -405,6 +415,36 @@ def test_a_sweep_over_one_key():
     assert chart.title == "Ballistic limit over ceramic thickness"
     assert (panel.x.heading, panel.y.heading) == ("ceramic thickness, mm", "ballistic limit, m/s")
     assert some(panel, Line)[0].y == [500.0, None]
+    assert chart.note == "1 of 2 rows have no ballistic limit."
+    assert panel.x.limits is not None
+    assert panel.x.limits[1] > 6.0
+
+
+@pytest.mark.parametrize("values", [[4.0], [10.0, 4.0, 6.0]])
+def test_the_rows_of_a_sweep_are_marked_and_in_order(values: list[float]):
+    columns = {CERAMIC: np.array(values), "ballistic_limit_m_s": 100.0 * np.array(values)}
+    [panel] = charts.sweep_chart(columns, [CERAMIC], "ballistic_limit_m_s", scenario()).panels
+    [line] = some(panel, Line)
+    assert list(line.x) == sorted(values)
+    assert list(line.y) == [100.0 * value for value in sorted(values)]
+    assert line.marker
+
+
+def test_a_sweep_over_names_has_bars_and_one_over_names_and_numbers_curves():
+    names, limits = ["AD85", "AD85", "Al-N", "Al-N"], np.array([5.0, 7.0, 6.0, np.nan])
+    columns = {"armour.ceramic": np.array(names), CERAMIC: np.array([4.0, 6.0] * 2), "ballistic_limit_m_s": limits}
+    [panel] = charts.sweep_chart(columns, ["armour.ceramic", CERAMIC], "ballistic_limit_m_s", scenario()).panels
+    assert {line.label: list(line.y) for line in some(panel, Line)} == {"AD85": [5.0, 7.0], "Al-N": [6.0, None]}
+    columns["armour.backing"] = np.array(["a", "b"] * 2)
+    for keys, ends in (
+        (["armour.ceramic", "armour.backing"], {"a": [5.0, 6.0], "b": [7.0, None]}),
+        (["armour.backing", "armour.ceramic"], {"AD85": [5.0, 7.0], "Al-N": [6.0, None]}),
+    ):
+        [panel] = charts.sweep_chart(columns, keys, "ballistic_limit_m_s", scenario()).panels
+        assert {bars.label: list(bars.ends) for bars in some(panel, Bars)} == ends
+    first = {key: values[::2] for key, values in columns.items()}
+    [panel] = charts.sweep_chart(first, ["armour.ceramic"], "ballistic_limit_m_s", scenario()).panels
+    assert (panel.y.categories, list(some(panel, Bars)[0].ends)) == (("AD85", "Al-N"), [5.0, 6.0])
 
 
 @pytest.mark.parametrize("keys", [(CERAMIC, BACKING), (BACKING, CERAMIC)])
@@ -447,3 +487,13 @@ def test_series_differ_in_more_than_colour():
     series: tuple[Series, ...] = charts.figure_chart([figure()]).panels[0].series
     looks = [item.style for item in series if isinstance(item, Line)]
     assert len(set(looks)) == len(looks)
+
+
+def test_a_front_over_three_criteria_says_what_is_not_drawn():
+    criteria = ("areal_density_kg_m2", "cost_per_m2", "margin_m_s")
+    front = tuple(replace(design, margin_m_s=5.0) for design in design_result(pareto=True).pareto)
+    found = replace(design_result(pareto=True), criteria=criteria, pareto=front)
+    note = "A design of the front that another one beats in both criteria drawn is better in margin."
+    assert note in charts.pareto_chart(found, "").note
+    assert note in charts.design_chart(found, "").note
+    assert note not in charts.pareto_chart(replace(found, criteria=criteria[:2]), "").note

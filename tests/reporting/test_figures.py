@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from armour.analysis.ballistic_limit import Crossing, LimitResult
+from armour.analysis.ballistic_limit import Crossing, LimitResult, ballistic_limit
 from armour.analysis.history import History
 from armour.analysis.impact import simulate
 from armour.errors import InputError
@@ -24,6 +24,7 @@ from tests.helpers.suites import result as suite_result
 
 SHOTS = Shots((700.0, 710.0, 720.0, 730.0), (False, True, False, True))
 LIMIT = "ballistic_limit_m_s"
+THREE = ["armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "ceramic.flow_stress_GPa"]
 
 
 def results(folder: Path) -> dict[str, tuple[Any, dict[str, Any]]]:
@@ -38,7 +39,7 @@ def results(folder: Path) -> dict[str, tuple[Any, dict[str, Any]]]:
         (calibrated, {}),
         (Comparison(43.6, limit, (), (), (700.0, 800.0), (impact(),), "", (), ()), {}),
         (design_result(), {}),
-        (v50(SHOTS), {"shots": SHOTS}),
+        (v50(SHOTS), {}),
         (plan_shots(scenario(), SHOTS), {}),
         (impact(), {}),
         (limit, {"scenario": scenario()}),
@@ -62,7 +63,26 @@ def test_every_result_is_drawn_with_its_title(folder: Path):
 
 def test_a_scenario_gives_the_title():
     titled = scenario(title="Wilkins")
-    assert plot(simulate(titled, history=True), titled).get_suptitle().startswith("Wilkins\nperforated at 800")
+    assert plot(simulate(titled, history=True)).get_suptitle().startswith("Wilkins\n6.35 mm AD85 on ")
+
+
+def test_a_result_is_drawn_with_its_own_scenario_only():
+    own = scenario(title="Mine, 6.35 mm AD85 on 6.35 mm 6061-T6")
+    limit = ballistic_limit(own)
+    figure = plot(limit)
+    assert figure.get_suptitle() == own.title
+    assert plot(limit, own.replaced({"title": "Other"})).get_suptitle() == "Other\n6.35 mm AD85 on 6.35 mm 6061-T6"
+    with pytest.raises(InputError, match="plot: scenario: must be the scenario of the result"):
+        plot(limit, own.replaced({"impact.velocity_m_s": 700.0}))
+    with pytest.raises(InputError, match="plot: scenario: must be the scenario of the result"):
+        plot(limit, own.replaced({"ceramic.flow_stress_GPa": 4.0}))
+    with pytest.raises(InputError, match="plot: shots: must be the shots of the result"):
+        plot(v50(SHOTS), shots=Shots((1.0, 2.0), (False, True)))
+
+
+def test_a_title_that_names_another_armour_is_followed_by_the_armour():
+    thicker = scenario(title="6.35 mm AD85 on 6.35 mm 6061-T6").replaced({"armour.ceramic_thickness_mm": 12.0})
+    assert "\n12 mm AD85 on 6.35 mm 6061-T6\n" in plot(simulate(thicker, history=True)).get_suptitle()
 
 
 def test_a_notebook_shows_a_figure():
@@ -80,7 +100,14 @@ def test_what_cannot_be_drawn(folder: Path):
         for key in rest:
             with pytest.raises(InputError, match=f"plot: {key}: must be given"):
                 plot(result)
-    with pytest.raises(InputError, match="numbers over one or two keys"):
+    with pytest.raises(InputError, match="a quantity that is a number, found only outcome"):
         plot(sweep(scenario(), {"impact.velocity_m_s": [700.0, 800.0]}, "outcome"))
-    with pytest.raises(InputError, match="numbers over one or two keys"):
-        plot(sweep(scenario(), {"armour.backing": ["6061-T6", "5083-H3"]}, "areal_density_kg_m2"))
+    with pytest.raises(InputError, match="one or two keys, found 3"):
+        plot(sweep(scenario(), {key: [7.0] for key in THREE}, "areal_density_kg_m2"))
+    with pytest.raises(InputError, match="a value of ballistic_limit_m_s in at least one row"):
+        plot(sweep(scenario(), {THREE[0]: [400.0, 500.0]}))
+
+
+def test_the_first_number_of_a_sweep_is_drawn():
+    found = sweep(scenario(), {"impact.velocity_m_s": [700.0, 800.0]}, ["outcome", "residual_velocity_m_s"])
+    assert plot(found).axes[0].get_ylabel() == "residual velocity, m/s"

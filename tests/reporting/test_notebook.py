@@ -31,6 +31,9 @@ def test_rows_are_columns_of_equal_lengths(folder: Path, monkeypatch: pytest.Mon
     assert framed.keys() == {
         "CalibrationResult",
         "PlannedTests",
+        "Comparison",
+        "FiringResult",
+        "ImpactResult",
         "SensitivityResult",
         "SuiteResult",
         "SweepResult",

@@ -13,9 +13,16 @@ from armour.reporting.markdown import markdown_report
 from armour.reporting.report import Report, filled
 from armour.reporting.scenario_report import scenario_report
 from armour.reporting.table import Column, Table
+from armour.reporting.tables.confidence import SAMPLED_ALONE
 from armour.reporting.tables.design import frontier_table
+from armour.scenario.evidence import ModelError
 from tests.helpers.cases import RANGE, THREATS, scenario
-from tests.helpers.results import OTHER, THREAT, design_result, uncertainty_result
+from tests.helpers.results import OTHER, THREAT, best_design, design_result, uncertainty_result
+
+SAMPLED = {
+    "samples": 128,
+    "impact": {"velocity_m_s": {"distribution": "normal", "standard_deviation": 10.0}},
+}
 
 
 @cache
@@ -72,6 +79,8 @@ def test_no_figure_where_nothing_was_tested():
     statement, detail = found["Probability of defeating the threat"]
     assert statement == "unknown"
     assert "no test of such an armour" in detail
+    uncertain = contents_of(scenario(ceramic="SiC", uncertainty=SAMPLED))
+    assert statements(uncertain)["Probability of defeating the threat"][1].endswith(SAMPLED_ALONE)
     assert not any("±" in text for card in found.values() for text in card)
 
 
@@ -86,8 +95,36 @@ def test_the_answer_with_a_design():
     statement, detail = several["Defeats"]
     assert statement == f"{THREAT} and {OTHER}"
     assert f"{THREAT}: margin +20.0 m/s, probability of defeat 60 %" in detail
-    assert f"{OTHER}: margin +20.0 m/s (+10.0 m/s required), probability of defeat 70 %" in detail
+    assert f"{OTHER}: margin +20.0 m/s (+10.0 m/s required, met), probability of defeat 70 %" in detail
     assert f"Probability of defeating the threat that governs, {THREAT}" in several
+
+
+def test_a_design_without_a_margin_is_told():
+    best = replace(best_design(), model_error=ModelError(0.0, 7.0, 12.0, "13 tests"))
+    ask = "50 %; design.confidence = 0.95 in the scenario designs for a probability of 95 %"
+    told = report(designed(replace(design_result(), best=best))).warnings[-1]
+    assert told == f"a design without a margin is perforated with a probability of {ask}"
+    assert not any(
+        "without a margin" in warning
+        for warning in report(designed(replace(design_result(), best=replace(best, model_error=None)))).warnings
+    )
+
+
+def test_a_required_margin_that_is_missed_is_told():
+    found = AgainstThreat("M2", True, 2.4, 20.0, None)
+    contents = replace(wilkins(), threats=(found, found._replace(threat="M3", margin_m_s=30.0)), governing="M2")
+    assert "+2.4 m/s (+20.0 m/s required, not met)" in statements(contents)["Defeats"][1]
+    [table] = next(s.tables for s in report(contents).sections if s.heading == "Margins against the threats")
+    assert [row[table.headings().index("requirement")] for row in table.texts()] == ["not met", "met"]
+
+
+def test_warnings_name_inputs_in_words():
+    warnings = ("backing.flow_stress_GPa: high", "uncertainty.armour.ceramic_thickness_mm: other", "threat: no")
+    assert report(replace(wilkins(), warnings=warnings)).warnings[:3] == (
+        "back plate flow stress, GPa: high",
+        "distribution of the ceramic thickness, mm: other",
+        "threat: no",
+    )
 
 
 def test_the_armour_is_said_to_be_the_best_design_or_the_scenarios_own():

@@ -5,9 +5,10 @@ from armour.design.optimise import DesignResult, Pair
 from armour.reporting.table import Table, csv_text
 from armour.reporting.tables.design import (
     best_table,
-    confidence_notes,
     design_tables,
     frontier_table,
+    left_out,
+    margin_notes,
     margin_table,
     pair_table,
     pareto_table,
@@ -128,12 +129,27 @@ def test_the_note_gives_the_probability_without_a_margin():
     steel = replace(
         best_design(), model_error=ModelError(-10.3, 11.6, 11.0, "39 tests"), probabilities_of_defeat={THREAT: 0.2}
     )
-    assert confidence_notes(steel) == [
-        "error of the model: -10.3 % ± 11.6 %, from 39 tests",
+    assert margin_notes(steel) == [
         "a design without a margin is perforated with a probability of 80 %; --confidence 0.95 designs for a "
         "probability of 95 %",
     ]
     # Samples without the error of the model give a probability all the same.
-    assert confidence_notes(replace(steel, model_error=None)) == [
-        "the error of the model is not known for such an armour, or not included"
-    ]
+    assert margin_notes(replace(steel, model_error=None)) == []
+
+
+def test_the_note_on_the_error_says_whether_it_is_not_known_or_not_included():
+    for excluded, ending in (
+        (None, ", or not included"),
+        (False, "for such an armour"),
+        (True, "uncertainty.model says"),
+    ):
+        found = replace(design_result(), best=replace(best_design(), model_error=None))
+        notes = [item for item in design_tables(found, {}, excluded=excluded) if isinstance(item, str)]
+        assert notes[-1].endswith(ending)
+
+
+def test_back_plates_without_a_row_are_told():
+    assert left_out(replace(design_result(), without_mm=(2.0, 2.5))).startswith(
+        "2 back plate thicknesses without a row, 2, 2.5 mm"
+    )
+    assert "1 to 3 mm" in left_out(replace(design_result(), without_mm=(1.0, 2.0, 3.0)))

@@ -9,7 +9,7 @@ import pytest
 from armour.engine import batch
 from armour.errors import InputError
 from armour.scenario.applicability import model_error, row_errors, row_limits, warnings_of
-from armour.scenario.evidence import BACKING_RATIO, CERAMIC_RATIO, EVIDENCE, SLENDERNESS, Measure
+from armour.scenario.evidence import BACKING_RATIO, CERAMIC_RATIO, EVIDENCE, SLENDERNESS, Measure, ModelError
 from armour.scenario.loading import Scenario
 from armour.validation.suite import load_suite
 from armour.validation.validate import paper_suite
@@ -208,3 +208,24 @@ def test_rows_of_several_kinds_are_counted_apart():
     [silicon] = [count for limit, count in counts.items() if "AD85, AD99.5, Al-N only" in limit]
     assert silicon == 1
     assert not any(limit.startswith("impact.velocity") for limit in counts)
+
+
+def test_quantiles_at_the_ends():
+    error = ModelError(0.0, 7.0, 12.0)
+    assert error.quantile([0.0, 0.5, 1.0]).tolist() == [-0.99, 0.0, np.inf]
+    assert error.probability_of_defeat(700.0, [600.0, 700.0])[1] == 0.5
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda error: error.quantile(1.5), "probability: must be a number of at least 0 and at most 1, found '1.5'"),
+        (lambda error: error.quantile(-1), "probability: must be a number"),
+        (lambda error: error.probability_of_defeat(0, 5), "limit_m_s: must be a number of at least 1e-09, found '0'"),
+        (lambda error: error.probability_of_defeat(700, -5), "velocity_m_s: must be a number of at least 0"),
+        (lambda error: error.interval("700"), "limit_m_s: must be a number of at least 0, found '700'"),
+    ],
+)
+def test_wrong_numbers_for_an_error(call: Any, message: str):
+    with pytest.raises(InputError, match=f"ModelError: {message}"):
+        call(ModelError(0.0, 7.0, 12.0))

@@ -4,7 +4,7 @@ from typing import Any
 import pytest
 
 from armour.errors import InputError
-from armour.scenario.assignments import canonical, changed, changes_of, parts_of
+from armour.scenario.assignments import THREATS, canonical, changed, changes_of, parts_of
 from tests.helpers.cases import data, scenario
 
 
@@ -48,7 +48,7 @@ def test_what_is_no_key(key: str):
             "impact.velocity_m_s.mean",
             'must not go below impact.velocity_m_s, which is 800.0; did you mean "impact.velocity_m_s"?',
         ),
-        ("threat.velocity_m_s", 'must not go below threat, which is a list; did you mean "impact.velocity_m_s"?'),
+        ("threat.velocity_m_s", f"must not go below threat, a list that is set as a whole, such as {THREATS}"),
     ],
 )
 def test_a_key_below_a_value(key: str, message: str):

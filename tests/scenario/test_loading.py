@@ -189,8 +189,8 @@ def test_missing_sections_are_all_named():
 def test_all_mistakes_are_reported_at_once():
     content = data(projectile="x", ceramic="y", backing="z", velocity=-1.0)
     content["solver"] = {"time_step_us": -1, "step": 2}
-    content["library"] = {"files": ["nothing.toml"], "ceramic": {"a": {"density_kg_m3": -1}}}
-    assert len(messages(content)) == 8
+    content["library"] = {"ceramic": {"a": {"density_kg_m3": -1}}}
+    assert len(messages(content)) == 7
 
 
 def test_a_ceramic_thickness_needs_a_ceramic():
@@ -213,6 +213,12 @@ def test_library_files_are_found_beside_the_scenario(tmp_path: Path):
     (tmp_path / "mine.toml").write_text("[ceramic.mine]\nbased_on = 'AD85'\nflow_stress_GPa = 4.0\n")
     case = parse_scenario(data(ceramic="mine", library={"files": ["mine.toml"]}), folder=tmp_path)
     assert case.core_armour().Yc0 == 4e9
+
+
+def test_a_missing_library_file_is_the_only_mistake_of_what_may_be_in_it():
+    own = {"files": ["nothing.toml"], "ceramic": {"a": {"based_on": "b"}}}
+    [line] = messages(data(projectile="x", ceramic="a", backing="z", library=own))
+    assert line.startswith('library.files[0]: must name a library file, found "nothing.toml", which cannot be read')
 
 
 def test_mistakes_in_a_library_file_name_that_file(tmp_path: Path):
@@ -264,6 +270,8 @@ def test_an_input_changes_an_entry_of_the_scenario():
         ({STRESS: "hard"}, f'{STRESS}: must be a number, found the text "hard"'),
         ({"projectile.penetrator_diameter_mm": 90.0}, "projectile.penetrator_diameter_mm: must make a rod"),
         ({"cermic.flow_stress_GPa": 7.0}, f'must name an input of the scenario, .*; did you mean "{STRESS}"'),
+        ({"ceramic": "SiC"}, 'found "ceramic"; did you mean "armour.ceramic"'),
+        ({"threat.margin_m_s": 20.0}, "threat.margin_m_s: must not go below threat, a list that is set as a whole"),
         ({"ceramic.flow_stress_ceramic_slope": 0.1}, "must name an input of the scenario"),
         ({"backing.dynamic_yield_strength_MPa": 400.0, "armour.backing": "x"}, 'must name a metal .*, found "x"'),
         ({STRESS: 7.0, 'ceramic."flow_stress_GPa"': 8.0}, f"{STRESS}: must be given once, found 7.0 and 8.0"),
@@ -274,7 +282,7 @@ def test_an_input_changes_an_entry_of_the_scenario():
     ],
 )
 def test_an_input_that_is_refused(changes: dict[str, object], message: str):
-    with pytest.raises(InputError, match=f"scenario: .*{message}"):
+    with pytest.raises(InputError, match=f"replaced: .*{message}"):
         scenario().replaced(changes)
 
 
@@ -347,3 +355,65 @@ def test_an_unknown_key_is_refused_in_every_table(parts: tuple[str | int, ...]):
     table["colour"] = 1.0
     found = messages(content)
     assert any("colour" in message for message in found), found
+
+
+def test_a_scenario_made_of_sections_is_validated():
+    plain = scenario()
+    made = Scenario(impact=plain.impact, armour=plain.armour)
+    assert made.core_armour() == plain.core_armour()
+    thin = plain.armour.model_copy(update={"ceramic_thickness_mm": -5.0})
+    with pytest.raises(InputError, match=r"armour\.ceramic_thickness_mm: must be at least 0, found -5"):
+        Scenario(impact=plain.impact, armour=thin)
+
+
+def test_a_copy_has_no_values_that_are_not_validated():
+    plain = scenario()
+    assert plain.model_copy() == plain
+    with pytest.raises(InputError, match=r"model_copy: update: .*use replaced"):
+        plain.model_copy(update={"title": "x"})
+
+
+def test_the_lists_of_a_scenario_cannot_change():
+    assert isinstance(scenario(threat=[{"projectile": "7.62 mm AP", "velocity_m_s": 700.0}]).threat, tuple)
+
+
+def test_a_value_that_is_set_says_so_in_its_source():
+    plain = scenario(library={"ceramic": {"AD85": {"based_on": "AD85", "density_kg_m3": 3500.0}}})
+    changed = plain.replaced({"ceramic.flow_stress_GPa": 4.5}).replaced({"title": "x"})
+    values = changed.entry("ceramic", "AD85").values
+    assert values["flow_stress_GPa"].source == "a change to scenario"
+    assert values["density_kg_m3"].source == "scenario"
+    assert changed.file == "scenario"
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (None, "replaced: changes: must be a mapping, found None"),
+        ({5: 900.0}, "replaced: must be a key of the scenario as TOML writes it"),
+        ({"impact.velocity_m_s": -1.0}, "replaced: impact.velocity_m_s: must be greater than 0, found -1"),
+    ],
+)
+def test_what_replaced_refuses_names_the_call(changes: Any, message: str):
+    with pytest.raises(InputError, match=message):
+        scenario().replaced(changes)
+
+
+def test_a_saved_scenario_finds_its_library_files(tmp_path: Path):
+    (tmp_path / "own.toml").write_text('[ceramic.mine]\nbased_on = "AD85"\n')
+    (tmp_path / "below").mkdir()
+    made = parse_scenario(data(ceramic="mine", library={"files": ["own.toml"]}), folder=tmp_path)
+    save_scenario(made, tmp_path / "below" / "saved.toml")
+    assert load_scenario(tmp_path / "below" / "saved.toml").core_armour() == made.core_armour()
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "message"),
+    [
+        ("plastic", "x", "kind: must be one of projectile, ceramic, metal"),
+        ("metal", "6061", 'must name a metal of the library, found the text "6061"; did you mean "6061-T6"'),
+    ],
+)
+def test_an_unknown_entry(kind: Any, name: str, message: str):
+    with pytest.raises(InputError, match=message):
+        scenario().entry(kind, name)

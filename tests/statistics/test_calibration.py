@@ -15,7 +15,7 @@ from armour.errors import InputError
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import with_inputs
 from armour.statistics import calibration, likelihood_fit
-from armour.statistics.calibration import CalibrationResult, calibrate, left_out_errors
+from armour.statistics.calibration import CalibrationResult, calibrate, left_out_errors, out_of_line
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, with_ceramic, with_law
 from armour.statistics.likelihood_fit import Coefficient
 from armour.statistics.test_data import LIMIT, read_tests
@@ -383,3 +383,42 @@ def test_tests_left_out_cost_one_prediction_where_they_change_little(
     assert len(counts) > 2 * searches + 2 * len(rows)
     assert [r.left_out for r in quick.residuals] == pytest.approx([r.left_out for r in exact.residuals], rel=2e-6)
     assert quick.residuals[0].left_out != quick.residuals[0].computed
+
+
+def test_a_mistyped_limit_is_out_of_line(wilkins: Scenario, tmp_path: Path):
+    lines = TESTS.read_text().split()
+    lines[3] += "0"
+    [warning] = calibrate(read_tests(csv_file(tmp_path / "t.csv", *lines), wilkins), wilkins).warnings
+    assert warning.startswith("line 4: ballistic_limit_m_s is out of line with the other tests: measured 7010, where")
+
+
+def test_few_tables_of_sound_tests_have_one_out_of_line():
+    rng = np.random.default_rng(1)
+    found = []
+    for _ in range(2000):
+        values = rng.normal(size=12)
+        deviations = values.mean() - values
+        found.append(out_of_line(deviations, deviations * 12 / 11, 1).any())
+    assert 0.03 < np.mean(found) < 0.065
+
+
+@pytest.mark.parametrize(
+    ("changes", "other"),
+    [
+        ({"armour.ceramic": "AD99.5"}, "armour and values of the library"),
+        ({"ceramic.flow_stress_GPa": 4.5}, "values of the library"),
+        ({"solver.time_step_us": 0.1}, "solver"),
+    ],
+)
+def test_another_scenario_than_that_of_the_tests(wilkins: Scenario, changes: dict[str, object], other: str):
+    message = f"calibrate: scenario: must be the one that the tests were read with, found other {other};"
+    with pytest.raises(InputError, match=message):
+        calibrate(read_tests(TESTS, wilkins), wilkins.replaced(changes))
+
+
+def test_the_argument_that_is_wrong_is_named(wilkins: Scenario):
+    tests = read_tests(TESTS, wilkins)
+    with pytest.raises(InputError, match='calibrate: fit: must name an input of the scenario, found "ceramic"'):
+        calibrate(tests, wilkins, "ceramic")
+    with pytest.raises(InputError, match="calibrate: law: must not be given where"):
+        calibrate(tests, wilkins, "backing.shear_strength_MPa", "all")

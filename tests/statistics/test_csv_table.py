@@ -4,13 +4,15 @@ import pytest
 
 from armour.errors import InputError
 from armour.statistics import csv_table
-from armour.statistics.csv_table import read_rows
+from armour.statistics.csv_table import lines_of, read_rows
 
 
 def read(tmp_path: Path, text: str):
     path = tmp_path / "t.csv"
     path.write_text(text)
-    return read_rows(path, numbers=("velocity_m_s",), texts=("shot", "result"), needed=("velocity_m_s", "result"))
+    return read_rows(
+        *lines_of(path), numbers=("velocity_m_s",), texts=("shot", "result"), needed=("velocity_m_s", "result")
+    )
 
 
 def messages(tmp_path: Path, text: str) -> list[str]:
@@ -53,6 +55,8 @@ def test_a_row_twice_with_names_is_two(tmp_path: Path):
         ),
         ("velocity_m_s,resul", ['resul: unknown column; did you mean "result"?', "result: is missing"]),
         ("velocity_m_s,result,result", ["result: must be the name of one column, found several"]),
+        ("velocity_m_s;result", ["line 1: must separate columns by commas, found semicolons"]),
+        ("velocity_m_s\tresult", ["line 1: must separate columns by commas, found tabs"]),
         ("velocity_m_s,result,", ["header: unknown column; choose from velocity_m_s, shot, result"]),
     ],
 )

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from armour.analysis.evaluate import evaluate
-from armour.errors import NoAnswerError
+from armour.errors import InputError, NoAnswerError
 from armour.scenario.library import read_library, shipped_library
 from armour.scenario.loading import Scenario, load_scenario
 from armour.statistics.calibration import calibrate
-from armour.statistics.fitted_library import library_text, scenario_text
+from armour.statistics.fitted_library import library_text, save_fit, scenario_text
 from armour.statistics.flow_stress_laws import with_ceramic
 from armour.statistics.test_data import read_tests
 from tests.helpers.cases import TESTS, csv_file, scenario, shipped_scenario
@@ -86,7 +86,7 @@ coefficient = 0.2
     made = tmp_path / "libs/made.toml"
     made.write_text(scenario_text(result, tests, case, made))
     found: Scenario = load_scenario(made)
-    assert found.library.files == ["own.toml"]
+    assert found.library.files == ("own.toml",)
     assert found.uncertainty is not None
     inputs = found.uncertainty.inputs()
     assert inputs["ceramic.density_kg_m3"].standard_deviation_percent == 1.0
@@ -133,3 +133,13 @@ def test_an_entry_of_the_scenario_is_written_whole(tmp_path: Path):
         written = read_library(tmp_path / "lib.toml", shipped_library()).entries["ceramic"][f"{name}, calibrated"]
         assert written["density_kg_m3"] == 3500.0
         assert written["youngs_modulus_GPa"] == 267.0
+
+
+def test_a_fit_is_saved_as_the_command_writes_it(tmp_path: Path):
+    wilkins, result = shipped_scenario("wilkins"), wilkins_fit()
+    tests = read_tests(TESTS, wilkins)
+    save_fit(result, tests, wilkins, library=tmp_path / "lib.toml", fitted=tmp_path / "case.toml")
+    assert (tmp_path / "lib.toml").read_text() == library_text(result, tests, wilkins)
+    assert load_scenario(tmp_path / "case.toml").armour.ceramic == "AD85, calibrated"
+    with pytest.raises(InputError, match="save_fit: library: must be given, or fitted"):
+        save_fit(result, tests, wilkins)

@@ -1,10 +1,11 @@
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from armour.errors import InputError
 from armour.statistics.test_data import read_tests
-from tests.helpers.cases import TESTS, csv_file, shipped_scenario
+from tests.helpers.cases import TESTS, csv_file, scenario, shipped_scenario
 
 C, B, V = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "impact.velocity_m_s"
 
@@ -108,3 +109,54 @@ def test_all_mistakes_at_once(tmp_path: Path):
         "line 6:",
         f"line 6: {C}:",
     ]
+
+
+ROWS: list[dict[str, Any]] = [
+    {"test": "a", "armour.ceramic_thickness_mm": 4.06, "ballistic_limit_m_s": 619, "armour.ceramic": "AD85"},
+    {"test": "b", "armour.ceramic_thickness_mm": 6.35, "ballistic_limit_m_s": float("nan"), "outcome": "defeated"}
+    | {"impact.velocity_m_s": 600.0, "armour.ceramic": None},
+]
+
+
+class Frame(dict[str, list[Any]]):
+    """What a table of pandas and one of polars have in common."""
+
+    @property
+    def columns(self) -> list[str]:
+        return list(self)
+
+
+def test_rows_are_read_as_a_file_is(tmp_path: Path):
+    case = scenario()
+    names = list(dict.fromkeys(name for row in ROWS for name in row))
+    frame = Frame({name: [row.get(name) for row in ROWS] for name in names})
+    cells = (",".join(str(row.get(name)) for name in names) for row in ROWS)
+    lines = (line.replace("None", "").replace("nan", "") for line in cells)
+    text = csv_file(tmp_path / "t.csv", ",".join(names), *lines)
+    read = [read_tests(rows, case) for rows in (ROWS, frame, text)]
+    assert read[0].measurements == read[1].measurements == read[2].measurements
+    assert read[0].cells == read[1].cells == read[2].cells
+    assert read[0].scenario == case
+    assert repr(read[0]) == "<Tests: 2 tests of rows, 2 measurements>"
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        (
+            [{**ROWS[0], "ballistic_limit_m_s": "x"}],
+            'rows: row 1: ballistic_limit_m_s: must be a number, found "x"',
+        ),
+        ([{**ROWS[0], "colour": "red"}], "rows: colour: unknown column"),
+        ([], "rows: must have a header, found an empty file"),
+        (5, "rows: must be a path, rows as mappings, or a data frame, found a int"),
+        ([1, 2], "rows: must be a path, rows as mappings, or a data frame, found a list"),
+    ],
+)
+def test_wrong_rows(rows: Any, message: str):
+    with pytest.raises(InputError, match=message):
+        read_tests(rows, scenario())
+
+
+def test_a_shipped_table_goes_by_name():
+    assert len(read_tests("wilkins.csv", scenario()).names) == 13

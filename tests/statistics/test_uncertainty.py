@@ -143,7 +143,7 @@ def test_only_the_velocity():
 )
 def test_a_distribution_away_from_the_scenarios_value_is_told(distribution: dict[str, Any], told: bool):
     found = uncertainty(with_section(samples=128, armour={"ceramic_thickness_mm": distribution}))
-    message = "uncertainty.armour.ceramic_thickness_mm: is about a value of its own, not the scenario's 6.35"
+    message = "uncertainty.armour.ceramic_thickness_mm: is given for another value than the scenario's 6.35"
     assert (message in found.warnings) == told
 
 

@@ -170,3 +170,12 @@ def test_a_prior_needs_a_scenario_with_a_known_error():
         v50(MIXED, prior=True)
     with pytest.raises(InputError, match="must give scale_percent for a prior"):
         v50(MIXED, scenario(uncertainty={"model": {"included": False}}), prior=True)
+
+
+@pytest.mark.parametrize(
+    ("velocities", "complete"),
+    [((690.0, 700.0, 710.0), ("partial", "complete", "partial")), (("690", "700"), (True, False))],
+)
+def test_shots_of_other_types(velocities: Any, complete: Any):
+    with pytest.raises(InputError, match="must be velocities as numbers, and True for each complete penetration"):
+        v50(Shots(velocities, complete))

@@ -64,6 +64,8 @@ def test_cases_in_chunks(tmp_path: Path):
         ("a,b\n1,1_0\n", 'line 2: b: must be a number, found "1_0"'),
         ("a,b\n1,inf\n", 'line 2: b: must be a number, found "inf"'),
         ('a,b\n1,"2\n3"\n', "line 3: must have 2 cells"),
+        ("a;b\n1;2\n", "line 1: must separate columns by commas, found semicolons"),
+        ("test\nx\n", 'line 2: test: must be a number, found "x"; unknown column; choose from .* armour.ceramic,'),
         ("a,a\n1,2\n", "line 1: a: must be the name of one column, found several"),
         ("a,\n1,2\n", "line 1: must name a key in each column, found none in 2"),
         ("a\n1\0\n", "line 2: must be text, found the character 0x00"),

@@ -1,6 +1,7 @@
 """Sweeps in Python."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,11 +9,11 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.errors import InputError
 from armour.sweeps import columns
-from armour.sweeps.columns import Values, sweep
+from armour.sweeps.columns import sweep
 from tests.helpers.cases import csv_file, scenario
 
 CERAMIC, BACKING = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
-OVER: dict[str, Values] = {CERAMIC: {"min": 4.0, "max": 8.0, "step": 2.0}, BACKING: np.array([5.0, 6.0])}
+OVER: dict[str, object] = {CERAMIC: {"min": 4.0, "max": 8.0, "step": 2.0}, BACKING: np.array([5.0, 6.0])}
 
 
 def test_a_grid_in_memory():
@@ -23,6 +24,21 @@ def test_a_grid_in_memory():
     armour = scenario(ceramic_mm=8.0, backing_mm=5.0)
     assert found["areal_density_kg_m2"][4] == pytest.approx(armour.areal_density_kg_m2())
     assert found.to_dict()["outcome"] == found["outcome"].tolist()
+
+
+def test_a_result_compares_and_is_plain_data():
+    over: dict[str, object] = {CERAMIC: [6.0, 400.0]}
+    found = sweep(scenario(), over)
+    assert found == sweep(scenario(), over)
+    assert found != sweep(scenario(), {CERAMIC: [6.5, 400.0]})
+    assert found != sweep(scenario(backing_mm=7.0), over)
+    assert found.to_dict()["ballistic_limit_m_s"][1] is None
+
+
+def test_lists_and_arrays_of_any_number():
+    """A type checker accepts them too."""
+    over = {CERAMIC: np.arange(5, 7), "armour.ceramic": ["AD85"]}
+    assert sweep(scenario(), over, "areal_density_kg_m2").rows == 2
 
 
 def test_the_ballistic_limit_by_default():
@@ -52,7 +68,7 @@ def test_a_table_of_cases(tmp_path: Path):
 
 @pytest.mark.parametrize("output", [None, "table.csv"])
 def test_names_of_materials(tmp_path: Path, output: str | None):
-    over: dict[str, Values] = {"armour.backing": ["5083-H3", "6061-T6"], BACKING: [5.0, 7.0]}
+    over: dict[str, object] = {"armour.backing": ["5083-H3", "6061-T6"], BACKING: [5.0, 7.0]}
     found = sweep(scenario(), over, "areal_density_kg_m2", output and tmp_path / output)
     assert found["armour.backing"].tolist() == ["5083-H3"] * 2 + ["6061-T6"] * 2
     assert found["areal_density_kg_m2"][1] == pytest.approx(
@@ -86,11 +102,15 @@ def test_rows_outside_what_the_model_was_compared_with():
 @pytest.mark.parametrize(
     ("values", "found"),
     [
-        ([], "[]"),
+        ([], "must hold at least one value, found none"),
         ("4:8:2", "4:8:2"),
         ([[4.0]], "[[4.0]]"),
         ([4.0, np.nan], "[4.0, nan]"),
-        (6.0, "6.0"),
+        (6.0, "must be a sequence of numbers, or a range with min, max and step, found 6.0"),
+        ({"min": 8.0, "max": 4.0, "step": 1.0}, "max: must be at least min, which is 8, found 4"),
+        ({"min": 4.0, "max": 8.0, "step": 0.0}, "step: must be greater than 0, found 0.0"),
+        ({"min": 4.0, "max": 8.0, "step": 1e-8}, "must hold at most 100,000 values"),
+        ((x for x in "ab"), "must be a sequence of numbers"),
         ({"min": 4.0}, "max"),
     ],
 )
@@ -119,3 +139,38 @@ def test_a_wrong_row_is_told_by_the_name_of_the_argument(tmp_path: Path, output:
     with pytest.raises(InputError) as error:
         sweep(scenario(), {CERAMIC: [6.0, -5.0]}, output=output and tmp_path / output)
     assert str(error.value) == f"sweep: over {CERAMIC}: must be at least 0, found -5.0"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"over": None}, "sweep: over: must be a mapping or a text or a path, found None"),
+        ({"over": [1]}, "sweep: over: must be a mapping or a text or a path, found a list"),
+        ({"quantities": None}, "sweep: quantities: must be a name or a sequence of names, found None"),
+        ({"quantities": ["outcome", "outcome"]}, "sweep: quantities: must not name anything twice"),
+        ({"threads": "2"}, "sweep: threads: must be a whole number or None, found"),
+        ({"threads": 0}, "sweep: threads: must be at least 1, found 0"),
+        ({"on_progress": None}, "sweep: on_progress: must be a function, found None"),
+    ],
+)
+def test_wrong_arguments(arguments: dict[str, Any], message: str):
+    with pytest.raises(InputError, match=message):
+        sweep(**{"scenario": scenario(), "over": {CERAMIC: [4.0]}, **arguments})
+
+
+def test_results_are_compared_and_searched():
+    found = sweep(scenario(), {CERAMIC: [4.0, 6.0]}, "areal_density_kg_m2")
+    assert found == sweep(scenario(), {CERAMIC: [4.0, 6.0]}, "areal_density_kg_m2")
+    assert found != sweep(scenario(), {CERAMIC: [4.0, 7.0]}, "areal_density_kg_m2")
+    assert list(found) == [CERAMIC, "areal_density_kg_m2"]
+    with pytest.raises(InputError, match='sweep: column: must name a column, found the text "foo"; choose from'):
+        found["foo"]
+
+
+def test_the_file_is_found_from_another_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    found = sweep(scenario(), {CERAMIC: [4.0]}, "areal_density_kg_m2", "out.csv")
+    assert found.output == tmp_path / "out.csv"
+    (tmp_path / "out.csv").unlink()
+    with pytest.raises(InputError, match=r"out\.csv: cannot be read: no such file"):
+        found.columns  # noqa: B018

@@ -86,9 +86,21 @@ def test_an_interrupted_sweep_is_resumed(tmp_path: Path):
         sweep(case, source, ["outcome"], tmp_path / "a.csv", size=40, on_chunk=stop)
     assert not (tmp_path / "a.csv").exists()
     after: list[bool] = []
-    sweep(case, source, ["outcome"], tmp_path / "a.csv", size=40, on_chunk=lambda _, stored: after.append(stored))
+    told: list[str] = []
+    sweep(
+        case,
+        source,
+        ["outcome"],
+        tmp_path / "a.csv",
+        size=40,
+        on_chunk=lambda _, stored: after.append(stored),
+        tell=told.append,
+    )
     assert after == [True] * 7 + [False] * 6
-    sweep(case, source, ["outcome"], tmp_path / "b.csv", size=40)
+    whole: list[str] = []
+    sweep(case, source, ["outcome"], tmp_path / "b.csv", size=40, tell=whole.append)
+    assert told == whole
+    assert told
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
 
 
@@ -116,6 +128,11 @@ def test_another_sweep_does_not_resume_with_its_chunks(
         ("armour.ceramic_thickness_mm=-1,5", "armour.ceramic_thickness_mm: must be at least 0, found -1"),
         ("impact.velocity_m_s=800,nan", "over impact.velocity_m_s: must be a finite number"),
         ("impact.speed=800", "impact.speed: unknown key"),
+        ("impact.velocity_m_s=900:800:10", "must have a MAX of at least MIN in MIN:MAX:STEP, found 900:800:10"),
+        ("impact.velocity_m_s=800:900", 'must be MIN:MAX:STEP, found 2 numbers in "800:900"'),
+        ("impact.velocity_m_s=800:900:0", "must have a STEP greater than 0"),
+        ("impact.velocity_m_s=8-9", 'must be a finite number at each place of .*, found "8-9"'),
+        ("impact.velocity_m_s=800:900:1e-4", "must be at most 100,000 numbers"),
         ("a b=800", "must be KEY=MIN:MAX:STEP"),
         ("solver.arrest_velocity_m_s=1,2,-1", "solver.arrest_velocity_m_s: must be greater than 0, found -1"),
     ],

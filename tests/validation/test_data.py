@@ -10,7 +10,7 @@ from armour.reporting.junit import suite_junit
 from armour.validation.data import Condition
 from armour.validation.suite import load_suite
 from armour.validation.update import updates_of
-from armour.validation.validate import SuiteResult, suite_file
+from armour.validation.validate import SuiteResult
 from tests.helpers.cases import scenario
 from tests.helpers.suites import load, result
 
@@ -148,9 +148,11 @@ def test_conditions(condition: Condition, cell: float | str | None, met: bool):
 
 def test_shipped_suites_go_by_name(folder: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(folder)
-    assert suite_file().name == "paper.toml"
-    assert suite_file("plates").is_file()
-    assert suite_file("other") == Path("other")
+    assert load_suite("paper").file.name == "paper.toml"
+    with pytest.raises(
+        InputError, match=r"plate: cannot be read.*did you mean \"plates\"\?; shipped are paper, plates"
+    ):
+        load_suite("plate")
     (folder / "plates").write_text("")
-    assert suite_file("plates") == Path("plates")
-    assert load_suite(suite_file("paper")).title
+    with pytest.raises(InputError, match="plates: case: is missing"):
+        load_suite("plates")

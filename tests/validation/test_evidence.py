@@ -14,7 +14,7 @@ from armour.scenario.library import shipped_library
 from armour.statistics.calibration import left_out_errors
 from armour.statistics.flow_stress_laws import Law
 from armour.validation.suite import load_suite
-from armour.validation.validate import SuiteResult, suite_file, validate
+from armour.validation.validate import SuiteResult, validate
 from tests.helpers.cases import TESTS, scenario
 from tests.helpers.fits import wilkins_fit
 
@@ -25,7 +25,7 @@ Cells = Mapping[str, Any]
 
 @pytest.fixture(scope="module")
 def plates() -> SuiteResult:
-    return validate(load_suite(suite_file("plates")))
+    return validate(load_suite("plates"))
 
 
 def is_steel_core(cells: Cells) -> bool:

@@ -13,7 +13,7 @@ from armour.reporting.suite_report import suite_report
 from armour.scenario.library import shipped_library
 from armour.scenario.parameters import INPUTS, with_inputs
 from armour.validation.suite import Suite, load_suite
-from armour.validation.validate import Check, SuiteResult, result_of, suite_file, validate
+from armour.validation.validate import Check, SuiteResult, result_of, validate
 from tests.helpers.cases import SCENARIOS
 from tests.numerics.reference import Reference
 
@@ -39,7 +39,7 @@ def rows() -> tuple[dict[str, str], ...]:
 
 @cache
 def suite() -> Suite:
-    return load_suite(suite_file("plates"))
+    return load_suite("plates")
 
 
 @pytest.fixture(scope="module")

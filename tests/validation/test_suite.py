@@ -131,7 +131,8 @@ rows = []
         'case[0].name: must not be empty, found the text ""',
         'case[0].quantity: must name a quantity, found "balistic_limit_m_s"; did you mean "ballistic_limit_m_s"?',
         "case[0].expected: must be a number up to 1e+12, or the outcome in quotes, found true",
-        "case[0].colour: unknown key",
+        "case[0].colour: unknown key; choose from name, scenario, set, quantity, band, band_percent, reason, source, "
+        "regression, not_scored, expected, replaced_by, measured",
         "case[1]: must have a band or band_percent: how far the computed value may be from the expected",
         "table[0].rows: must not be empty, found a list",
     ]
@@ -253,3 +254,12 @@ def test_a_script_that_makes_many_mistakes(folder: Path):
     assert len(found) == 21
     assert found[19].startswith("table[0].rows[19]: must be a valid scenario")
     assert found[20] == ": must be right up to here; what follows is not checked"
+
+
+def test_a_suite_names_a_shipped_scenario(tmp_path: Path):
+    path = tmp_path / "suite.toml"
+    case = 'name = "one"\nscenario = "wilkins"\nquantity = "outcome"\nexpected = "perforated"\n'
+    path.write_text(f"[[case]]\n{case}")
+    assert load_suite(path).cases[0].scenario.armour.ceramic == "AD85"
+    with pytest.raises(InputError, match="only: text: must be a text, found None"):
+        load_suite(path).only(None)  # type: ignore[arg-type]

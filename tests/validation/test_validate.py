@@ -8,7 +8,7 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.florence import florence_ballistic_limit
 from armour.validation.questions import Asked
-from armour.validation.validate import Check, Summary, result_of, validate
+from armour.validation.validate import Check, TableSummary, result_of, validate
 from tests.helpers.cases import scenario
 from tests.helpers.suites import TABLE, case, load, result
 
@@ -24,7 +24,7 @@ def the_check(folder: Path, text: str) -> Check:
     return check
 
 
-def the_summary(folder: Path, text: str) -> Summary:
+def the_summary(folder: Path, text: str) -> TableSummary:
     [summary] = result(folder, text).summaries
     return summary
 

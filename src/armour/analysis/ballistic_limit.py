@@ -11,6 +11,7 @@ from armour.errors import NoLimitError
 from armour.scenario.applicability import model_error, warnings_of
 from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_types
 
 # Number of intervals above the limit in a plotted curve.
 CURVE_POINTS = 60
@@ -102,6 +103,7 @@ def ballistic_limit(scenario: Scenario) -> LimitResult:
     InputError
         If a run does not end within the maximum number of steps.
     """
+    check_types("ballistic_limit", scenario=(scenario, Scenario))
     section = scenario.ballistic_limit
     low, high = section.velocity_min_m_s, section.velocity_max_m_s
     crossings, runs, lowest_perforates = find_crossings(scenario)
@@ -117,10 +119,10 @@ def ballistic_limit(scenario: Scenario) -> LimitResult:
         crossings=crossings,
         scanned_velocities=search.SCAN_POINTS,
         scanned_range_m_s=(low, high),
-        warnings=warnings_of(scenario, limit),
+        warnings=warnings_of(scenario, limit, "ballistic_limit"),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
-    )
+    )._of(scenario=scenario)
 
 
 def not_monotonic(limit: LimitResult) -> tuple[str, ...]:

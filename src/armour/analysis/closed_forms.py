@@ -127,12 +127,21 @@ def fit_areal_density_rule(areal_densities: Floats, limits: Floats, p: float | N
 
 @dataclass(frozen=True)
 class ResidualVelocityFit:
-    """Fit of ``ratio (V^exponent - limit^exponent)^(1/exponent)`` to residual velocities."""
+    """Fit of ``ratio (V^exponent - limit^exponent)^(1/exponent)`` to residual velocities.
 
-    name: str  # of the closed form
+    Attributes
+    ----------
+    name : str
+        Name of the closed form.
+    ratio, exponent : float
+    rms_m_s : float
+        Root mean square of the residuals, m/s.
+    """
+
+    name: str
     ratio: float
     exponent: float
-    rms_m_s: float  # root mean square of the residuals
+    rms_m_s: float
 
 
 def residual_velocity(V: float, limit: float, ratio: float, exponent: float) -> float:

@@ -2,14 +2,17 @@
 
 from dataclasses import dataclass
 
-from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.ballistic_limit import ballistic_limit, find_crossings
 from armour.analysis.results import Result
 from armour.errors import NoLimitError
 from armour.scenario.applicability import is_excluded, model_error, warnings_of
 from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_types
 
 NO_TEST = "the model was compared with no test of such an armour"
+# Probability above which a lower bound is given as the probability.
+SURE = 0.995
 EXCLUDED = "uncertainty.model says not to include the error of the model"
 
 
@@ -21,6 +24,7 @@ class ConfidenceResult(Result):
     ----------
     probability_of_defeat : float or None
         Probability that the ballistic limit of the armour exceeds the impact velocity; None where it is not known.
+        Where no velocity of the search perforates, it is a lower bound, given if it exceeds 0.995.
     ballistic_limit_m_s : float or None
         By the model, m/s; None where there is none in the range of the search.
     model_error : ModelError or None
@@ -62,12 +66,25 @@ def confidence(scenario: Scenario) -> ConfidenceResult:
     InputError
         If a run does not end within the maximum number of steps.
     """
+    check_types("confidence", scenario=(scenario, Scenario))
     try:
         limit = ballistic_limit(scenario).ballistic_limit_m_s
     except NoLimitError as error:
-        warnings = warnings_of(scenario, scenario.impact.velocity_m_s)
-        return ConfidenceResult(None, None, model_error(scenario), str(error), warnings)
+        return without_limit(scenario, str(error))
     return of_limit(scenario, limit, scenario.impact.velocity_m_s)
+
+
+def without_limit(scenario: Scenario, reason: str) -> ConfidenceResult:
+    """Return the confidence in an armour without a ballistic limit in the range searched, which has a reason."""
+    error, velocity = model_error(scenario), scenario.impact.velocity_m_s
+    warnings = warnings_of(scenario, velocity)
+    crossings, _, lowest_perforates = find_crossings(scenario)
+    if error is not None and not crossings and not lowest_perforates:
+        # The limit is above the highest velocity.
+        least = float(error.probability_of_defeat(scenario.ballistic_limit.velocity_max_m_s, velocity))
+        if least > SURE:
+            return ConfidenceResult(least, None, error, warnings=warnings)
+    return ConfidenceResult(None, None, error, reason, warnings)
 
 
 def of_limit(scenario: Scenario, limit_m_s: float, velocity_m_s: float) -> ConfidenceResult:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import ceil, log, sqrt
+from math import log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,16 +17,18 @@ TAIL = 0.5 * (1.0 - CONFIDENCE)
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number estimated from samples, with its confidence interval."""
+    """A number estimated from samples, with its confidence interval.
+
+    Attributes
+    ----------
+    value : float
+    low, high : float
+        Ends of the interval.
+    """
 
     value: float
     low: float
     high: float
-
-    def samples_for(self, last_digit: float, samples: int) -> int:
-        """Estimate the number of samples that determine a digit of this value, given the number that it is based on."""
-        half = 0.5 * (self.high - self.low)
-        return max(samples, ceil(samples * (half / (0.5 * last_digit)) ** 2)) if half > 0.5 * last_digit else samples
 
 
 def proportion(hits: int, samples: int) -> Estimate:

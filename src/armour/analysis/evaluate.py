@@ -79,7 +79,7 @@ def check_keys(scenario: Scenario, row: Mapping[str, float | str], quantities: S
     except InputError:
         made = scenario  # the check of the rows reports it
     check_known(made, row, file)
-    check_reach(made, list(row), reads_of(quantities), file)
+    check_reach(made, list(row), reads_of(quantities), file, " or ".join(quantities))
 
 
 def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:

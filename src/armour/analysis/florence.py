@@ -22,18 +22,35 @@ TENSILE = ("ultimate_tensile_strength_MPa", "strain_to_fracture")
 
 @dataclass(frozen=True)
 class FlorenceResult:
-    """Florence's limit of an armour, and the best armour of the same areal density according to this formula."""
+    """Florence's limit of an armour, and the best armour of the same areal density according to this formula.
 
-    projectile: Body  # body taken as the projectile
-    mass_g: float  # of that body
+    Attributes
+    ----------
+    projectile : {"penetrator", "whole projectile"}
+        Body that is taken as the projectile.
+    mass_g, diameter_mm : float
+        Mass, g, and diameter, mm, of that body.
+    ballistic_limit_m_s : float
+        Florence's limit, m/s.
+    best_ceramic_thickness_mm, best_backing_thickness_mm : float
+        Thicknesses with the highest Florence limit at the same areal density, mm.
+    best_thickness_ratio : float
+        Their ratio, ceramic to back plate.
+    best_ballistic_limit_m_s : float
+        Florence's limit of the best armour, m/s.
+    model_ballistic_limit_m_s : float or None
+        Ballistic limit of the best armour by the model, m/s; None where the scenario's range contains none.
+    """
+
+    projectile: Body
+    mass_g: float
     diameter_mm: float
-    ballistic_limit_m_s: float  # Florence's limit
-    # Thicknesses with the highest Florence limit at the same areal density, and their ratio, ceramic to back plate.
+    ballistic_limit_m_s: float
     best_ceramic_thickness_mm: float
     best_backing_thickness_mm: float
     best_thickness_ratio: float
-    best_ballistic_limit_m_s: float  # Florence's limit of the best armour
-    model_ballistic_limit_m_s: float | None  # the model's limit of it; None if the scenario's range contains none
+    best_ballistic_limit_m_s: float
+    model_ballistic_limit_m_s: float | None
 
 
 def missing_for_florence(scenario: Scenario) -> list[Problem]:

@@ -1,13 +1,13 @@
 """The history of an impact: the state of projectile and armour over time."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from armour.analysis.results import TableResult
+from armour.analysis.results import TableResult, same_columns
 from armour.core import stages
 from armour.core.run import Instant
 from armour.core.state import Parameters
@@ -55,11 +55,18 @@ class History(TableResult):
     shear_force_kN: NDArray[np.float64]
     stage: NDArray[np.str_]
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, History) and same_columns(self._columns(), other._columns())
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the quantities as lists by name."""
+        return {name: values.tolist() for name, values in self._columns().items()}
+
     def _words(self) -> str:
         return f"{len(self.time_us)} instants from 0 to {self.time_us[-1]:.2f} µs"
 
     def _columns(self) -> dict[str, Any]:
-        return vars(self)
+        return {item.name: getattr(self, item.name) for item in fields(self)}
 
 
 def history_of(trace: Sequence[Instant], armour: Parameters) -> History:

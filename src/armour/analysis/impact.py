@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
-from armour.analysis.results import Result
+from armour.analysis.results import TableResult, by_column
 from armour.core import stages, stepping
 from armour.core.equations import cross_section
 from armour.core.run import Instant, Run, run
@@ -13,6 +13,7 @@ from armour.core.state import Outcome, Parameters
 from armour.errors import InputError, Problem
 from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_types
 from armour.scenario.schema import Solver
 from armour.units import MM, US, G
 
@@ -48,7 +49,7 @@ class StageRecord:
 
 
 @dataclass(frozen=True, repr=False)
-class ImpactResult(Result):
+class ImpactResult(TableResult):
     """Result of an impact.
 
     Attributes
@@ -71,7 +72,8 @@ class ImpactResult(Result):
     areal_density_kg_m2 : float
         Areal density of the armour, kg/m².
     time_step_us : float
-        Time step used, µs.
+        Time step, µs: the scenario's, at most 1.6 defaults, or the default.  The steps of the run are this one adapted
+        to the motion; none is shorter than a thousandth of its characteristic time.
     stages : tuple of StageRecord
         Stages of the impact, in order.
     warnings : tuple of str
@@ -105,6 +107,9 @@ class ImpactResult(Result):
         residual = f", residual velocity {self.residual_velocity_m_s:.1f} m/s" if self.residual_velocity_m_s else ""
         return f"{self.outcome} at {self.impact_velocity_m_s:g} m/s{residual}"
 
+    def _columns(self) -> dict[str, Any]:
+        return by_column(vars(stage) for stage in self.stages)
+
 
 def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
     """Compute the impact of a scenario.
@@ -124,7 +129,8 @@ def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
     InputError
         If the run does not end within the maximum number of steps.
     """
-    return impact_at(scenario, scenario.impact.velocity_m_s, history=history)
+    check_types("simulate", scenario=(scenario, Scenario))
+    return impact_at(scenario, scenario.impact.velocity_m_s, history=history)._of(scenario=scenario)
 
 
 def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> ImpactResult:

@@ -7,6 +7,11 @@ from armour.scenario.evidence import ERROR
 from armour.units import words_and_unit
 
 DEFEAT = "probability of defeating the threat"
+# What the quantities on the grid are.
+REQUIRED = (
+    "the least thickness in its range of [optimise] that defeats the impact with the scenario's other layer (total: "
+    "both in proportion; areal density: of that ceramic on the scenario's back plate); none where no thickness does"
+)
 
 
 class Quantity(NamedTuple):

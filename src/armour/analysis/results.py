@@ -3,7 +3,8 @@
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from importlib import import_module
-from typing import Any, ClassVar
+from math import nan
+from typing import Any, ClassVar, Self
 
 
 @dataclass(frozen=True, repr=False)
@@ -12,6 +13,13 @@ class Result:
 
     # Makes the tables of a result as HTML.  They belong to a layer above; `armour/__init__.py` sets this.
     _in_html: ClassVar[Callable[["Result"], str] | None] = None
+    # The scenario or the shots that a result answers, for its figure; no field, so that they are no part of its data.
+    _question: ClassVar[Mapping[str, Any]] = {}
+
+    def _of(self, **question: Any) -> Self:
+        """Note the scenario or the shots of the result."""
+        vars(self)["_question"] = question
+        return self
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data."""
@@ -36,8 +44,9 @@ class TableResult(Result):
     def to_dataframe(self) -> Any:
         """Return the rows as a data frame of pandas, or else of polars.
 
-        They are the instants of a history, the residuals of a calibration, the inputs of a sensitivity, the points of
-        the curve of an uncertainty, the checks of a suite or the rows of a sweep.
+        They are the stages of an impact, the instants of a history, the impacts of a comparison, the fitted curves of
+        a V50, the residuals of a calibration, the inputs of a sensitivity, the points of the curve of an uncertainty,
+        the checks of a suite or the rows of a sweep.
         """
         return data_frame(self._columns())
 
@@ -48,12 +57,18 @@ class TableResult(Result):
 
 def data_frame(columns: Mapping[str, Any]) -> Any:
     """Return columns as a data frame of pandas, or else of polars."""
-    for name, made in (("pandas", dict), ("polars", _uniform)):
+    # What has no value in any row is a number that is not known.
+    empty = [key for key, values in columns.items() if isinstance(values, list) and set(values) == {None}]
+    for name in ("pandas", "polars"):
         try:
-            return import_module(name).DataFrame(made(columns))
+            made = import_module(name).DataFrame
         except ModuleNotFoundError as error:
             if error.name != name:
                 raise
+            continue
+        if name == "pandas":
+            return made({**columns, **{key: [nan] * len(columns[key]) for key in empty}})
+        return made(_uniform(columns), schema_overrides=dict.fromkeys(empty, float))
     raise ModuleNotFoundError("a data frame needs pandas or polars; install one of them")
 
 
@@ -70,3 +85,11 @@ def by_column(rows: Any) -> dict[str, list[Any]]:
     """Return rows, mappings with the same keys, as columns."""
     rows = list(rows)
     return {key: [row[key] for row in rows] for key in (rows[0] if rows else ())}
+
+
+def same_columns(columns: Mapping[str, Any], others: Mapping[str, Any]) -> bool:
+    """Return whether arrays by name are the same, NaN included."""
+    return columns.keys() == others.keys() and all(
+        values.dtype == others[name].dtype and values.tobytes() == others[name].tobytes()
+        for name, values in columns.items()
+    )

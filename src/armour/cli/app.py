@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from armour import MODEL_VERSION, __version__
-from armour.analysis.quantities import QUANTITIES
+from armour.analysis.quantities import QUANTITIES, REQUIRED
 from armour.cli.calibrate import calibrate
 from armour.cli.console import emit
 from armour.cli.figures import figures
@@ -76,7 +76,7 @@ for _command, _examples in COMMANDS.items():
     _parts = ["Examples:", *(f"`armour {example}`" for example in _examples)]
     if _command is sweep:
         # As a text, since the column of descriptions is too narrow for the names.
-        _parts.insert(0, f"Quantities: {', '.join(QUANTITIES)}.")
+        _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED}."]
     _epilog = "\n\n".join(_parts)
     app.command(_command.__name__.replace("_", "-"), cls=Command, epilog=_epilog)(_command)
 app.add_typer(library, name="library")

@@ -1,19 +1,27 @@
 """``armour calibrate``."""
 
 from pathlib import Path
-from typing import Annotated, Literal
-
-import typer
+from typing import Annotated, Literal, get_args
 
 from armour.cli import completion
 from armour.cli.console import progress
-from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, argument, option, table_file
-from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, argument, one_of, option
+from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, say_if_compiling
+from armour.files import table_file
+
+Law = Literal["constant", "ceramic", "backing", "product", "linear", "all"]
 
 
 def calibrate(
     tests: Annotated[
-        Path, argument("TESTS", "CSV file of tests: inputs and measured values.", autocompletion=completion.tables)
+        Path,
+        argument(
+            "TESTS",
+            "CSV file of tests. Its columns are test (a name); armour.ceramic and other names and inputs that differ; "
+            "and ballistic_limit_m_s, residual_velocity_m_s, residual_mass_g or outcome. "
+            "`armour init FILE.csv --from wilkins.csv` writes an example.",
+            autocompletion=completion.tables,
+        ),
     ],
     scenario: ScenarioFile,
     fit: Annotated[
@@ -25,13 +33,15 @@ def calibrate(
         ),
     ] = None,
     law: Annotated[
-        Literal["constant", "ceramic", "backing", "product", "linear", "all"] | None,
-        typer.Option(
-            metavar="LAW",
-            show_default=False,
-            help="Law of the ceramic's flow stress: constant, ceramic (linear in its thickness), backing (a power of "
+        Law | None,
+        option(
+            "Law of the ceramic's flow stress: constant, ceramic (linear in its thickness), backing (a power of "
             "the back plate's), product (a power of both), linear (in both), or all, to compare them; "
             "by default that of the scenario.",
+            "--law",
+            metavar="LAW",
+            parser=one_of("--law", get_args(Law)),
+            autocompletion=lambda: list(get_args(Law)),
         ),
     ] = None,
     prior: Annotated[
@@ -52,19 +62,20 @@ def calibrate(
     as_json: AsJson = False,
 ) -> None:
     """Fit model inputs to tests."""
+    check_outputs(library, fitted, plot=plot, force=force)
+    reads = ("impact", "armour", "ballistic_limit", *(["uncertainty"] if prior else []))
+    loaded = read_scenario(scenario, changes, reads)
+    file = table_file(tests)
+    # Imported here, as what they need takes long to load.
     from armour.reporting.tables.statistics import calibration_tables
     from armour.statistics import calibration
     from armour.statistics.fitted_library import library_text, scenario_text
     from armour.statistics.flow_stress_laws import FLOW_STRESS
     from armour.statistics.test_data import read_tests
 
-    check_outputs(library, fitted, plot=plot, force=force)
-    loaded = read_scenario(
-        scenario, changes, ("impact", "armour", "ballistic_limit", *(["uncertainty"] if prior else []))
-    )
-    read = read_tests(table_file(tests), loaded)
+    read = read_tests(file, loaded)
     say_if_compiling()
-    with progress("tests") as count:
+    with progress("tests") as count, named_as_options("calibrate", "fit", "law"):
         result = calibration.calibrate(read, loaded, fit or [FLOW_STRESS], law, prior=prior, on_progress=count)
     respond(
         result.to_dict(),

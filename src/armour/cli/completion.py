@@ -15,7 +15,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from armour.analysis.quantities import QUANTITIES
 from armour.cli.console import emit
-from armour.files import shipped_files, shipped_suites
+from armour.files import shipped_files, shipped_suites, shipped_tests
 
 # What bash splits words at, and what the shell takes for more than itself.
 _SPLIT = re.compile("[=:]+")
@@ -23,13 +23,17 @@ _UNSAFE = re.compile(r"[^\w@%+=:,./-]")
 
 
 def shipped_names() -> list[str]:
-    """Return the names of shipped scenarios."""
+    """Return the names of shipped scenarios, suites and tables."""
+    return [*_shipped_scenarios(), *shipped_suites(), *shipped_tests()]
+
+
+def _shipped_scenarios() -> list[str]:
     return list(shipped_files("scenarios", ".toml"))
 
 
 def scenarios(incomplete: str) -> list[str]:
     """Return shipped scenarios, and files beside them; where there are none, shells offer files and folders."""
-    return _with_files(shipped_names(), incomplete, ".toml")
+    return _with_files(_shipped_scenarios(), incomplete, ".toml")
 
 
 def suites(incomplete: str) -> list[str]:
@@ -39,12 +43,12 @@ def suites(incomplete: str) -> list[str]:
 
 def scenarios_and_suites(incomplete: str) -> list[str]:
     """Return shipped scenarios and suites, and files beside them."""
-    return _with_files([*shipped_suites(), *shipped_names()], incomplete, ".toml")
+    return _with_files([*shipped_suites(), *_shipped_scenarios()], incomplete, ".toml")
 
 
 def tables(incomplete: str) -> list[str]:
     """Return shipped tables of tests and shots, and files beside them."""
-    return _with_files([f"{name}.csv" for name in shipped_files("scenarios/tests", ".csv")], incomplete, ".csv")
+    return _with_files([*shipped_tests()], incomplete, ".csv")
 
 
 def entries() -> list[str]:

@@ -11,13 +11,10 @@ from typing import IO, Any
 
 import typer
 
-from armour.cli.layout import rendered
+from armour.cli.layout import UNLIMITED, rendered
 from armour.errors import InputError, Problem
 from armour.files import reason
 from armour.reporting.table import Table
-
-# Width of what goes into a pipe, where each row of a table stays on one line.
-UNLIMITED = 1_000_000
 
 
 def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:

@@ -1,10 +1,12 @@
 """Tables and lines laid out for a given width, with every word, name and number whole.
 
-A table that is too wide first gets headings of several lines, then becomes a block of lines for each row.
+A table that is too wide first gets headings of several lines, then abbreviated ones with texts of several lines, and
+at last becomes a block of lines for each row.  A terminal shows the first rows of a long table.
 """
 
 import re
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 from rich.cells import cell_len
 
@@ -13,6 +15,13 @@ from armour.reporting.text import printable
 from armour.units import ENDINGS
 
 GAP = "  "
+# Width of what goes into a pipe, where each row of a table stays on one line.
+UNLIMITED = 1_000_000
+# Rows on a terminal of a table that has the rest elsewhere.
+MOST_ROWS = 25
+# How headings are made to fit, one after the other, and the words that abbreviation cuts after 6 letters.
+PLAIN, STACKED, ABBREVIATED = range(3)
+LONG = re.compile(r"\b([^\W\d]{6})[^\W\d]{3,}")
 # Least width of a column of prose before the table becomes blocks.
 PROSE_WIDTH = 16
 # A space at which a line may end: any but the one between a number and its unit.
@@ -35,30 +44,39 @@ def rendered(items: Iterable[Table | str], room: int, *, title: str = "", bold: 
 
 
 def _table_lines(table: Table, room: int, bold: Callable[[str], str]) -> list[str]:
+    more = len(table.rows) - MOST_ROWS
+    if table.rest and room < UNLIMITED and more > 0:
+        table = replace(table, rows=table.rows[:MOST_ROWS])
+        last = _wrapped(f"{more} more rows: {table.rest}", room)
+        return [*_table_lines(table, room, bold), *last]
     texts = [[printable(text) for text in row] for row in table.texts()]
-    for stacked in () if table.record else (False, True):
-        headings = [_heading(column, stacked=stacked) for column in table.columns]
+    for fit in () if table.record else (PLAIN, STACKED, ABBREVIATED):
+        headings = [_heading(column, fit) for column in table.columns]
         cells = [[row[index] for row in texts] for index in range(len(headings))]
-        limits = [_limits(*column, stacked=stacked) for column in zip(table.columns, headings, cells, strict=True)]
-        widths = _shared(limits, room)
+        limits = [_limits(*column, fit) for column in zip(table.columns, headings, cells, strict=True)]
+        gap = GAP if fit != ABBREVIATED else " "
+        widths = _shared(limits, room, gap)
         if widths is not None:
             right = [column.numeric for column in table.columns]
-            head = [bold(line) for line in _grid([headings], widths, right, at_bottom=True)]
-            rule = "─" * (sum(widths) + len(GAP) * (len(widths) - 1))
-            return [*head, rule, *_grid(texts, widths, right)]
+            head = [bold(line) for line in _grid([headings], widths, right, gap, at_bottom=True)]
+            rule = "─" * (sum(widths) + len(gap) * (len(widths) - 1))
+            return [*head, rule, *_grid(texts, widths, right, gap)]
     return _blocks(table, texts, room)
 
 
-def _heading(column: Column, *, stacked: bool) -> str:
-    """Return a heading; stacked, its unit has a line of its own."""
-    separator = ",\n" if stacked else ", "
-    return separator.join(printable(part) for part in (column.label, column.unit) if part)
+def _heading(column: Column, fit: int) -> str:
+    """Return a heading; unless plain, its unit has a line of its own."""
+    label = LONG.sub(r"\1.", column.label) if fit == ABBREVIATED else column.label
+    separator = (", ", ",\n", "\n")[fit]
+    return separator.join(printable(part) for part in (label, column.unit) if part)
 
 
-def _limits(column: Column, heading: str, cells: Sequence[str], *, stacked: bool) -> tuple[int, int]:
+def _limits(column: Column, heading: str, cells: Sequence[str], fit: int) -> tuple[int, int]:
     """Return the least and the greatest width that a column can use."""
-    longest = _longest(cells)
+    longest, stacked = _longest(cells), fit != PLAIN
     least = max(_longest_word(cells), min(longest, PROSE_WIDTH)) if column.prose else longest
+    if fit == ABBREVIATED and not column.numeric:
+        least = _longest_word(cells)
     # Stacked headings are wrapped, and take no room from prose.
     least = max(least, _longest_word([heading]) if stacked else cell_len(heading))
     return least, max(least, longest)
@@ -72,10 +90,10 @@ def _longest_word(texts: Iterable[str]) -> int:
     return _longest(word for text in texts for line in text.split("\n") for word in BREAK.split(line))
 
 
-def _shared(limits: Sequence[tuple[int, int]], room: int) -> list[int] | None:
+def _shared(limits: Sequence[tuple[int, int]], room: int, gap: str = GAP) -> list[int] | None:
     """Return the widths of columns, with room for those first that lack least; None where it is too little."""
     widths = [least for least, _ in limits]
-    spare = room - sum(widths) - len(GAP) * (len(widths) - 1)
+    spare = room - sum(widths) - len(gap) * (len(widths) - 1)
     if spare < 0:
         return None
     lacking = [greatest - least for least, greatest in limits]
@@ -88,7 +106,12 @@ def _shared(limits: Sequence[tuple[int, int]], room: int) -> list[int] | None:
 
 
 def _grid(
-    rows: Iterable[Sequence[str]], widths: Sequence[int], right: Sequence[bool], *, at_bottom: bool = False
+    rows: Iterable[Sequence[str]],
+    widths: Sequence[int],
+    right: Sequence[bool],
+    gap: str = GAP,
+    *,
+    at_bottom: bool = False,
 ) -> list[str]:
     """Lay rows out in columns; a row is as high as its text of most lines."""
     lines = []
@@ -99,7 +122,7 @@ def _grid(
             missing = [""] * (height - len(cell))
             cell[:] = [*missing, *cell] if at_bottom else [*cell, *missing]
         for parts in zip(*cells, strict=True):
-            lines.append(GAP.join(map(_padded, parts, widths, right)))
+            lines.append(gap.join(map(_padded, parts, widths, right)))
     return lines
 
 

@@ -1,12 +1,14 @@
 """Arguments and options that several commands have."""
 
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from armour.cli import completion
-from armour.files import located, shipped_files
+from armour.errors import InputError, Problem, suggestion
 
 
 def argument(metavar: str, description: str, **settings: Any) -> Any:
@@ -19,10 +21,45 @@ def option(description: str, *names: str, **settings: Any) -> Any:
     return typer.Option(*names, help=description, show_default=False, **settings)
 
 
-def table_file(path: Path) -> Path:
-    """Return the file of a path or, where there is none, of the shipped table of tests or shots of that name."""
-    known = {found.name: found for found in shipped_files("scenarios/tests", ".csv").values()}
-    return located(path, known, f"; shipped are {', '.join(known)}")
+def number(name: str, kind: type[float] = float, least: float | None = None) -> Callable[[Any], Any]:
+    """Make the parser of an option of a number, which refuses a text with its value."""
+
+    def parsed(text: Any) -> float:
+        with suppress(ValueError):
+            value = kind(text)
+            if least is None or value >= least:
+                return value
+        must = "a whole number" if kind is int else "a number"
+        bound = "" if least is None else f" of at least {least:g}"
+        raise InputError([Problem("command line", name, f'must be {must}{bound}, found "{text}"')])
+
+    return parsed
+
+
+def probability(name: str) -> Callable[[Any], Any]:
+    """Make the parser of an option of a probability, which is not given in per cent."""
+
+    def parsed(text: Any) -> float:
+        percent = str(text).removesuffix("%")
+        value = number(name)(percent)
+        if 50.0 <= value < 100.0 or percent != str(text):
+            message = f'must be a probability, found "{text}"; did you mean {value / 100.0:g}?'
+            raise InputError([Problem("command line", name, message)])
+        return float(value)
+
+    return parsed
+
+
+def one_of(name: str, words: Sequence[str]) -> Callable[[Any], Any]:
+    """Make the parser of an option of one of some words."""
+
+    def parsed(text: Any) -> str:
+        if text not in words:
+            message = f'must be one of {", ".join(words)}, found "{text}"{suggestion(text, words)}'
+            raise InputError([Problem("command line", name, message)])
+        return str(text)
+
+    return parsed
 
 
 ScenarioFile = Annotated[

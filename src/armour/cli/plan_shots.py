@@ -8,7 +8,7 @@ import typer
 
 from armour.cli import completion
 from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, argument, option
-from armour.cli.runner import check_outputs, read_scenario, respond, warnings_of
+from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, warnings_of
 from armour.cli.scenario_commands import LIMIT
 from armour.errors import InputError, Problem
 
@@ -16,6 +16,20 @@ EXAMPLES = (
     "plan shots wilkins",
     "plan shots wilkins firing.csv --result partial --plot plan.svg",
     "plan shots wilkins --simulate --true-v50-m-s 770 --true-scatter-m-s 15",
+)
+# Arguments of plan_shots that options give.
+SETTINGS = (
+    "half_width_m_s",
+    "confidence",
+    "requirement_m_s",
+    "requirement_fraction",
+    "scatter_percent",
+    "scatter_factor",
+    "lower_m_s",
+    "upper_m_s",
+    "true_v50_m_s",
+    "true_scatter_m_s",
+    "seed",
 )
 
 
@@ -105,13 +119,14 @@ def plan_of_shots(
         seed=seed,
     )
     text: str | None = None
-    if updated is not None and result is not None:
-        velocity = velocity_m_s if velocity_m_s is not None else plan_of(fired).next_velocity_m_s
-        if velocity is None:
-            raise _problem("--velocity-m-s", "must be given: no further shot was planned")
-        fired = added(fired, velocity, result)
-        text = with_shot(updated, velocity, result)
-    plan = plan_of(fired, simulate=simulate, true_v50_m_s=true_v50_m_s, true_scatter_m_s=true_scatter_m_s)
+    with named_as_options("plan_shots", *SETTINGS):
+        if updated is not None and result is not None:
+            velocity = velocity_m_s if velocity_m_s is not None else plan_of(fired).next_velocity_m_s
+            if velocity is None:
+                raise _problem("--velocity-m-s", "must be given: no further shot was planned")
+            fired = added(fired, velocity, result)
+            text = with_shot(updated, velocity, result)
+        plan = plan_of(fired, simulate=simulate, true_v50_m_s=true_v50_m_s, true_scatter_m_s=true_scatter_m_s)
     respond(
         plan.to_dict(),
         shot_plan_tables(plan),
@@ -125,4 +140,4 @@ def plan_of_shots(
 
 
 def _problem(option: str, message: str) -> InputError:
-    return InputError([Problem("plan shots", option, message)])
+    return InputError([Problem("command line", option, message)])

@@ -1,7 +1,5 @@
 """``armour plan tests``."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -9,9 +7,10 @@ import typer
 
 from armour.cli import completion
 from armour.cli.console import progress, say
-from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, option, table_file
-from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, option
+from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, say_if_compiling
 from armour.errors import InputError, Problem
+from armour.files import table_file
 
 if TYPE_CHECKING:
     from armour.sweeps.cases import Cases, Grid
@@ -22,6 +21,8 @@ EXAMPLES = (
     "plan tests wilkins --candidates armour.ceramic_thickness_mm=4:12:1 --tests wilkins.csv --law ceramic "
     "--csv next.csv --plot next.svg",
 )
+# Arguments of plan_tests that options give.
+SETTINGS = ("candidates", "fit", "law", "number", "criterion", "measure", "scatter_percent", "cost", "prior")
 
 
 def plan_of_tests(
@@ -96,11 +97,12 @@ def plan_of_tests(
     check_outputs(csv, plot=plot, force=force)
     reads = ("impact", "armour", "ballistic_limit", *(["uncertainty"] if prior else []))
     loaded = read_scenario(scenario, changes, reads)
-    source = _source(candidates or [])
+    with named_as_options("plan_tests", *SETTINGS):
+        source = _source(candidates or [])
     read = None if made is None else read_tests(table_file(made), loaded)
     designs = [read_scenario(path, None, reads) for path in design or []]
     say_if_compiling()
-    with progress("armours") as count, _named_as_options():
+    with progress("armours") as count, named_as_options("plan_tests", *SETTINGS):
         result = plan_tests(
             loaded,
             source,
@@ -128,22 +130,6 @@ def plan_of_tests(
         chart=lambda _charts: planned_chart(result, loaded.title),
         warnings=[f"warning: {loaded.file}: {warning}" for warning in result.warnings],
     )
-
-
-@contextmanager
-def _named_as_options() -> Iterator[None]:
-    """Name the settings of a plan, in the messages on them, as the options that give them."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(
-            [
-                Problem("command line", f"--{problem.key.replace('_', '-')}", problem.message)
-                if problem.file == "plan_tests"
-                else problem
-                for problem in error.problems
-            ]
-        ) from None
 
 
 def _source(candidates: list[str]) -> "Grid | Cases":

@@ -67,7 +67,7 @@ def _scenario_report(source: Path, changes: list[str], command: str, *, as_is: b
     from armour.reporting.contents import contents_of
     from armour.reporting.scenario_report import scenario_report
 
-    loaded = read_scenario(source, changes, (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS)))
+    loaded = read_scenario(source, changes, (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS)), what="the report")
     say_if_compiling()
     with progress("armours") as count:
         contents = contents_of(loaded, count, as_is=as_is)

@@ -5,8 +5,8 @@ Files are written before anything is printed, so that a reader that closes the p
 
 import os
 import sys
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from contextvars import copy_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,14 +33,20 @@ PLOT_ENDINGS = (".png", ".svg", ".pdf")
 
 
 def check_outputs(
-    *writes: Path | None, plot: Path | None = None, updated: Path | None = None, force: bool = False
+    *writes: Path | None,
+    csv: Path | None = None,
+    plot: Path | None = None,
+    updated: Path | None = None,
+    force: bool = False,
 ) -> None:
     """Check that all outputs can be written, that none is another one, and that none replaces a file unless forced to.
 
     An output that is found to be read later is refused then, but for the updated one, which may exist.
     """
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
-    fresh = [path for path in (*writes, plot) if path is not None]
+    # Streams and pipes have no ending.
+    problems += [] if csv is None or (csv.exists() and not _is_kept(csv)) else wrong_ending(csv, (".csv",))
+    fresh = [path for path in (*writes, csv, plot) if path is not None]
     paths = fresh if updated is None else [*fresh, updated]
     problems += (problem for path in paths for problem in unwritable(path))
     there = [path for path in fresh if not force and _is_kept(path)]
@@ -63,11 +69,13 @@ def read_scenario(
     assignments: Sequence[str] | None,
     reads: Collection[str],
     more: Mapping[str, tuple[str, float | None]] | None = None,
+    what: str = "the answer",
 ) -> "Scenario":
     """Read the scenario of a file, of a shipped one by its name, or of standard input where it is "-".
 
     ``assignments`` are those of ``--set``, which must set keys below those that the command ``reads``; ``more`` are the
-    keys and values of other options, None where one is not given.  A wrong value of an option is a problem of the
+    keys and values of other options, None where one is not given; ``what`` is what it
+    computes, in words.  A wrong value of an option is a problem of the
     command line, whatever the file holds.
     """
     from armour.scenario.assignments import changes_of
@@ -97,7 +105,7 @@ def read_scenario(
         except InputError as without:
             own = without.problems
         raise InputError([p if p in own else _blamed(p, options, file) for p in error.problems]) from None
-    check_read(changes, read_of(loaded, reads))
+    check_read(changes, read_of(loaded, reads), what)
     check_used(changes, loaded)
     return loaded
 
@@ -167,9 +175,32 @@ def _encoded(content: str | bytes) -> bytes:
     return content.encode(errors="backslashreplace") if isinstance(content, str) else content
 
 
-def warnings_of(scenario: "Scenario", warnings: Iterable[str]) -> list[str]:
-    """Return the warnings on a scenario as lines for standard error."""
-    return [f"warning: {scenario.file}: {warning}" for warning in warnings]
+def warnings_of(scenario: "Scenario", warnings: Iterable[str], *, of_threats: bool = False) -> list[str]:
+    """Return the warnings on a scenario as lines for standard error, with those on parts that an answer ignores."""
+    from armour.scenario.applicability import unused_threats
+    from armour.scenario.library import replaced_entries
+
+    unused = () if of_threats else unused_threats(scenario)
+    found = dict.fromkeys((*unused, *warnings))
+    notes = [f"note: {scenario.file}: {note}" for note in replaced_entries(scenario.library)]
+    return [*notes, *(f"warning: {scenario.file}: {warning}" for warning in found)]
+
+
+@contextmanager
+def named_as_options(function: str, *arguments: str) -> Iterator[None]:
+    """Name arguments of a function, in the messages on them, as the options that give them."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(
+            [
+                Problem("command line", " ".join((f"--{name.replace('_', '-')}", *rest)), problem.message)
+                if problem.file == function and name in arguments
+                else problem
+                for problem in error.problems
+                for name, *rest in [problem.key.split(" ")]
+            ]
+        ) from None
 
 
 def say_if_compiling() -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from armour.cli.console import progress
-from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, option
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, number, option, probability
 from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling, warnings_of
 
 # What commands read, see `armour.scenario.reach`.
@@ -23,7 +23,15 @@ DESIGNS = (
 
 def simulate(
     scenario: ScenarioFile,
-    velocity: Annotated[float | None, option("Impact velocity in place of the scenario's, m/s.")] = None,
+    velocity: Annotated[
+        float | None,
+        option(
+            "Impact velocity in place of the scenario's, m/s.",
+            "--velocity",
+            parser=number("--velocity"),
+            metavar="NUMBER",
+        ),
+    ] = None,
     history: Annotated[Path | None, option("Write the run over time as CSV.", "--history", metavar="FILE")] = None,
     plot: PlotFile = None,
     force: Force = False,
@@ -33,16 +41,22 @@ def simulate(
     """Simulate one impact."""
     from armour.analysis import confidence, impact
     from armour.reporting.table import csv_text
+    from armour.reporting.tables.confidence import SAMPLED_ALONE
     from armour.reporting.tables.impact import history_table, impact_tables
+    from armour.reporting.words import computed
 
-    check_outputs(history, plot=plot, force=force)
+    check_outputs(csv=history, plot=plot, force=force)
     reads = ("impact", "armour", "ballistic_limit", "uncertainty.model")
-    loaded = read_scenario(scenario, changes, reads, {"--velocity": ("impact.velocity_m_s", velocity)})
+    loaded = read_scenario(
+        scenario, changes, reads, {"--velocity": ("impact.velocity_m_s", velocity)}, "the simulated impact"
+    )
     result = impact.simulate(loaded, history=history is not None or plot is not None)
     sure = confidence.confidence(loaded)
+    distributed = loaded.uncertainty is not None and bool(loaded.uncertainty.inputs())
+    alone = [f"{SAMPLED_ALONE}: armour uncertainty"] if sure.model_error is None and distributed else []
     respond(
         {**result.to_dict(), "confidence": sure.to_dict()},
-        impact_tables(result, sure),
+        [*computed(loaded), *impact_tables(result, sure), *alone],
         as_json=as_json,
         title=loaded.title,
         files=[(history, lambda: None if result.history is None else csv_text(history_table(result.history)))],
@@ -62,15 +76,17 @@ def ballistic_limit(
     """Find the ballistic limit."""
     from armour.analysis import ballistic_limit as analysis
     from armour.reporting.tables.impact import limit_tables
+    from armour.reporting.words import computed
+    from armour.scenario.applicability import is_excluded
 
     check_outputs(plot=plot, force=force)
-    loaded = read_scenario(scenario, changes, LIMIT)
+    loaded = read_scenario(scenario, changes, LIMIT, what="the ballistic limit")
     with progress("impacts", first="searching"):
         result = analysis.ballistic_limit(loaded)
     velocities = analysis.curve_velocities(result, loaded)
     respond(
         result.to_dict(),
-        limit_tables(result),
+        [*computed(loaded), *limit_tables(result, excluded=is_excluded(loaded))],
         as_json=as_json,
         title=loaded.title,
         plot=plot,
@@ -91,15 +107,16 @@ def compare(
     """Compare the model with closed-form formulas."""
     from armour.analysis.ballistic_limit import not_monotonic
     from armour.reporting.tables.comparison import comparison_tables
+    from armour.reporting.words import computed
     from armour.validation import comparison
 
     check_outputs(plot=plot, force=force)
-    loaded = read_scenario(scenario, changes, LIMIT)
+    loaded = read_scenario(scenario, changes, LIMIT, what="the ballistic limit")
     with progress("impacts", first="searching"):
         result = comparison.compare(loaded)
     respond(
         result.to_dict(),
-        comparison_tables(result),
+        [*computed(loaded), *comparison_tables(result)],
         as_json=as_json,
         title=loaded.title,
         plot=plot,
@@ -112,7 +129,13 @@ def optimise(
     scenario: ScenarioFile,
     refine: Annotated[bool, option("Also find the best design between the values of the grid.", "--refine")] = False,
     confidence: Annotated[
-        float | None, option("Probability of defeating each threat to design for, such as 0.95.", metavar="PROBABILITY")
+        float | None,
+        option(
+            "Probability of defeating each threat to design for, such as 0.95.",
+            "--confidence",
+            parser=probability("--confidence"),
+            metavar="PROBABILITY",
+        ),
     ] = None,
     csv: Annotated[
         Path | None,
@@ -130,9 +153,12 @@ def optimise(
     from armour.design import optimise as design
     from armour.reporting.table import csv_text
     from armour.reporting.tables.design import design_tables, frontier_table, pareto_table, required_margins
+    from armour.scenario.applicability import is_excluded
 
-    check_outputs(csv, plot=plot, force=force)
-    loaded = read_scenario(scenario, changes, DESIGNS, {"--confidence": ("design.confidence", confidence)})
+    check_outputs(csv=csv, plot=plot, force=force)
+    loaded = read_scenario(
+        scenario, changes, DESIGNS, {"--confidence": ("design.confidence", confidence)}, "the design"
+    )
     say_if_compiling()
     with progress("impacts") as count:
         result = design.optimise(loaded, refine=refine, on_progress=count)
@@ -140,13 +166,13 @@ def optimise(
     perforated = [f"a thicker ceramic was perforated on a back plate of {thicknesses} mm"] if thicknesses else []
     respond(
         result.to_dict(),
-        design_tables(result, required_margins(loaded)),
+        design_tables(result, required_margins(loaded), excluded=is_excluded(loaded)),
         as_json=as_json,
         title=loaded.title,
         files=[(csv, lambda: csv_text(pareto_table(result) if result.pareto else frontier_table(result)))],
         plot=plot,
         chart=lambda charts: charts.design_chart(result, loaded.title),
-        warnings=[*perforated, *warnings_of(loaded, result.warnings)],
+        warnings=[*perforated, *warnings_of(loaded, result.warnings, of_threats=True)],
     )
 
 
@@ -163,6 +189,7 @@ def sensitivity(
     when an input grows by 1 %.
     """
     from armour.reporting.tables.statistics import sensitivity_tables
+    from armour.reporting.words import computed
     from armour.statistics import sensitivity as statistics
 
     check_outputs(plot=plot, force=force)
@@ -172,7 +199,7 @@ def sensitivity(
         result = statistics.sensitivity(loaded, on_progress=count)
     respond(
         result.to_dict(),
-        sensitivity_tables(result),
+        [*computed(loaded), *sensitivity_tables(result)],
         as_json=as_json,
         title=loaded.title,
         plot=plot,
@@ -183,7 +210,15 @@ def sensitivity(
 
 def uncertainty(
     scenario: ScenarioFile,
-    samples: Annotated[int | None, option("Number of samples in place of the scenario's, at least 128.")] = None,
+    samples: Annotated[
+        int | None,
+        option(
+            "Number of samples in place of the scenario's, at least 128.",
+            "--samples",
+            parser=number("--samples", int),
+            metavar="NUMBER",
+        ),
+    ] = None,
     plot: PlotFile = None,
     force: Force = False,
     changes: Changes = None,
@@ -191,6 +226,8 @@ def uncertainty(
 ) -> None:
     """Propagate input uncertainty to the outcome and the ballistic limit."""
     from armour.reporting.tables.statistics import uncertainty_tables
+    from armour.reporting.words import computed
+    from armour.scenario.applicability import is_excluded
     from armour.statistics import uncertainty as statistics
 
     check_outputs(plot=plot, force=force)
@@ -205,7 +242,7 @@ def uncertainty(
         result = statistics.uncertainty(loaded, on_progress=count)
     respond(
         result.to_dict(),
-        uncertainty_tables(result),
+        [*computed(loaded), *uncertainty_tables(result, excluded=is_excluded(loaded))],
         as_json=as_json,
         title=loaded.title,
         plot=plot,

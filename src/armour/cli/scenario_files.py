@@ -9,34 +9,43 @@ from armour.cli import completion
 from armour.cli.console import say, show, show_json
 from armour.cli.options import Force, option
 from armour.cli.runner import check_outputs, write
-from armour.errors import InputError, Problem, suggestion
-from armour.files import shipped_files
+from armour.errors import InputError, Problem, choices, refuse
+from armour.files import shipped_files, shipped_suites, shipped_tests, wrong_ending
 
 
 def init(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write the scenario to.")] = Path(
-        "scenario.toml"
-    ),
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write to.")] = Path("scenario.toml"),
     source: Annotated[
-        str, option("Copy a shipped scenario.", "--from", metavar="NAME", autocompletion=completion.shipped_names)
+        str,
+        option(
+            "Copy a shipped scenario, suite or table of tests.",
+            "--from",
+            metavar="NAME",
+            autocompletion=completion.shipped_names,
+        ),
     ] = "template",
     names: Annotated[bool, option("List the shipped scenarios, suites and tables of tests.", "--list")] = False,
     force: Force = False,
 ) -> None:
-    """Write a scenario to start from."""
-    known = shipped_files("scenarios", ".toml")
+    """Write a scenario, a suite or a table of tests to start from."""
     if names:
         from armour.reporting.tables.library import shipped_tables
 
         show(*shipped_tables())
         return
+    suites = shipped_suites()
+    known = {**shipped_files("scenarios", ".toml"), **suites, **shipped_tests()}
     if source not in known:
-        hint = suggestion(source, list(known)) or f"; there are {', '.join(known)}"
-        message = f'must name a shipped scenario, found "{source}"{hint}'
+        message = f'must name a shipped scenario, suite or table, found "{source}"{choices(source, list(known))}'
         raise InputError([Problem("init", "--from", message)])
+    if str(file) == "-":
+        raise InputError([Problem("init", "FILE", "must be the name of a file to write, found -")])
+    ending = known[source].suffix
     check_outputs(file, force=force)
+    refuse(wrong_ending(file, (ending,)) if ".csv" in (ending, file.suffix) else [])
     write({file: known[source].read_bytes()})
-    say(f"next: armour simulate {file}")
+    if ending == ".toml":
+        say(f"next: armour {'validate' if source in suites else 'simulate'} {file}")
 
 
 def schema() -> None:

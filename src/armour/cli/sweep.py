@@ -1,17 +1,17 @@
 """``armour sweep``."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from armour.analysis.quantities import QUANTITIES, reads_of
+from armour.analysis.quantities import QUANTITIES, REQUIRED, reads_of
 from armour.cli import completion
 from armour.cli.console import progress, say
-from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, option
-from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, number, option
+from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, say_if_compiling
 from armour.errors import InputError, Problem
 
 if TYPE_CHECKING:
@@ -34,7 +34,12 @@ def sweep(
         ),
     ] = None,
     cases: Annotated[
-        Path | None, option("CSV file of cases, instead of --over; its header names the keys.", metavar="FILE")
+        Path | None,
+        option(
+            "CSV file of cases, instead of --over; its header names the keys, such as "
+            "armour.ceramic, and each row gives their values, such as SiC.",
+            metavar="FILE",
+        ),
     ] = None,
     quantities: Annotated[
         str,
@@ -47,7 +52,13 @@ def sweep(
     plot: PlotFile = None,
     force: Force = False,
     threads: Annotated[
-        int | None, option("Threads, at least 1; by default one per core.", min=1, metavar="NUMBER")
+        int | None,
+        option(
+            "Threads, at least 1; by default one per core.",
+            "--threads",
+            parser=number("--threads", int, 1),
+            metavar="NUMBER",
+        ),
     ] = None,
     scheduler: Annotated[
         str, option('Compute on the Dask cluster at this address; "local" starts one.', metavar="ADDRESS")
@@ -66,8 +77,8 @@ def sweep(
     check_outputs(None if begun else output, plot=plot, updated=output if begun else None, force=force)
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
-    loaded = read_scenario(scenario, changes, ("impact.projectile", "armour", *reads))
-    with _named_as_options():
+    loaded = read_scenario(scenario, changes, ("impact.projectile", "armour", *reads), what="the sweep")
+    with named_as_options("sweep", "over", "quantities"):
         source = _source(over or [], cases)
     if plot is not None:
         _check_plot(source, names)
@@ -75,7 +86,7 @@ def sweep(
     with (
         connected(scheduler) if scheduler else nullcontext() as client,
         progress("rows", source.count) as count,
-        _named_as_options(),
+        named_as_options("sweep", "over", "quantities"),
     ):
         rows = sweeps.sweep(
             loaded,
@@ -88,7 +99,7 @@ def sweep(
             approve=lambda plan: _approve(plan, yes),
             tell=say,
         )
-    say(f"wrote {output}: {rows} rows")
+    say(f"wrote {output}: {rows} rows", *_notes(names, drawn=plot is not None))
     respond(
         {"rows": rows, "output": str(output)},
         (),
@@ -98,18 +109,13 @@ def sweep(
     )
 
 
-@contextmanager
-def _named_as_options() -> Iterator[None]:
-    """Name the arguments of a sweep, in the messages on them, as the options that give them."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError([_named_as_option(problem) for problem in error.problems]) from None
-
-
-def _named_as_option(problem: Problem) -> Problem:
-    is_argument = problem.file == "sweep" and problem.key.split(" ")[0] in ("over", "quantities")
-    return Problem("command line", f"--{problem.key}", problem.message) if is_argument else problem
+def _notes(names: list[str], *, drawn: bool) -> Iterator[str]:
+    """Yield what the quantities of a sweep mean, and which is drawn."""
+    required = [name for name in names if QUANTITIES[name].on_grid]
+    if required:
+        yield f"note: {', '.join(required)}: {REQUIRED}"
+    if drawn and len(names) > 1:
+        yield f"note: --plot draws {names[0]} alone, the first of --quantities"
 
 
 def _source(over: list[str], cases: Path | None) -> "Grid | Cases":

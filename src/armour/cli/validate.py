@@ -12,7 +12,7 @@ from armour.cli.console import progress, say, show
 from armour.cli.options import AsJson, Force, argument, option
 from armour.cli.runner import CHECK_FAILED, check_outputs, respond, say_if_compiling
 from armour.errors import Problem, refuse
-from armour.files import located, shipped_suites
+from armour.files import suite_file
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -25,7 +25,8 @@ def validate(
         Path | None,
         argument(
             "SUITE",
-            "Suite file (TOML), or a shipped suite: paper, the default, or plates.",
+            "Suite file (TOML), or a shipped suite: paper, the default, or plates. A [[case]] has name, scenario, "
+            "quantity, expected, and band or band_percent. `armour init FILE.toml --from paper` writes an example.",
             autocompletion=completion.suites,
         ),
     ] = None,
@@ -59,8 +60,7 @@ def validate(
     from armour.validation.suite import load_suite
     from armour.validation.update import kept_by_update
 
-    known = shipped_suites()
-    path = known["paper"] if suite is None else located(suite, known, f"; shipped are {', '.join(known)}")
+    path = suite_file("paper" if suite is None else suite)
     if update:
         _check_update(suite if path == suite else None, changes)
     updated = suite if update else None

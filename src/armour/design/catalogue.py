@@ -22,6 +22,7 @@ from armour.scenario.schema import (
     CeramicLayer,
     DesignSection,
     FreeRange,
+    Layer,
     Range,
     Threat,
 )
@@ -189,6 +190,11 @@ class Catalogue:
                 found.append((key, name, values[0], values[-1]))
         return found
 
+    def has_costs(self) -> bool:
+        """Return whether a cost is given."""
+        layers = [*self.section.ceramic, *self.section.backing]
+        return "added_cost_per_m2" in self.section.model_fields_set or any(map(_has_cost, layers))
+
     def with_more_margin(self, margin_m_s: float) -> "Catalogue":
         """Return the catalogue with greater margins required, m/s."""
         return replace(self, more_margin_m_s=self.more_margin_m_s + margin_m_s)
@@ -210,16 +216,20 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
             message = f'must be different for each threat, found "{title}" twice'
             problems.append(Problem(scenario.file, f"threat[{i}].name", message))
         seen.add(title)
-    if bounded and uncertain and any(layer.free_range() for layer in [*section.ceramic, *section.backing]):
-        message = "must have a step for each thickness_mm where probabilities of perforation are bounded by sampling"
-        problems.append(Problem(scenario.file, "design", message))
+    for key, layers in (("ceramic", section.ceramic), ("backing", section.backing)):
+        for i, layer in enumerate(layers):
+            if bounded and uncertain and layer.free_range():
+                message = (
+                    "must have a step where a probability is bounded and [uncertainty] has distributions to sample"
+                )
+                problems.append(Problem(scenario.file, f"design.{key}[{i}].thickness_mm", message))
     if bounded and not uncertain and is_excluded(scenario):
         message = "must be true where a probability is bounded and no input has a distribution, found false"
         problems.append(Problem(scenario.file, "uncertainty.model.included", message))
     if COST in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None:
         for key, layers in (("ceramic", section.ceramic), ("backing", section.backing)):
             for i, layer in enumerate(layers):
-                if layer.material and not layer.model_fields_set & {"cost_per_kg", COST}:
+                if layer.material and not _has_cost(layer):
                     message = f'must have a cost where [design] asks for costs, found none for "{layer.material}"'
                     problems.append(Problem(scenario.file, f"design.{key}[{i}]", message))
     refuse(problems)
@@ -255,6 +265,10 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
             if (role := name.split(".")[0]) in ROLES
         },
     )
+
+
+def _has_cost(layer: Layer) -> bool:
+    return bool(layer.model_fields_set & {"cost_per_kg", COST})
 
 
 def _bound_of(threat: Threat, section: DesignSection) -> float:
@@ -307,11 +321,11 @@ def _section_of(scenario: Scenario) -> DesignSection:
     if not ceramics:
         thicknesses = grid_of(scenario).ceramic_thickness_mm
         if armour.ceramic is None:
-            ceramics = [CeramicLayer.model_construct(material="", thickness_mm=[0.0])]
+            ceramics = (CeramicLayer.model_construct(material="", thickness_mm=[0.0]),)
         else:
-            ceramics = [CeramicLayer(material=armour.ceramic, thickness_mm=thicknesses)]
+            ceramics = (CeramicLayer(material=armour.ceramic, thickness_mm=thicknesses),)
     if not backings:
-        backings = [BackingLayer(material=armour.backing, thickness_mm=grid_of(scenario).backing_thickness_mm)]
+        backings = (BackingLayer(material=armour.backing, thickness_mm=grid_of(scenario).backing_thickness_mm),)
     return section.model_copy(update={"ceramic": ceramics, "backing": backings})
 
 

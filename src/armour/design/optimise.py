@@ -1,14 +1,14 @@
 """Design optimisation: the best design that defeats every threat, and its comparison with the others."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, fields
 from itertools import chain
 from math import inf, isnan
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from armour.analysis.results import Result, by_column, data_frame
+from armour.analysis.results import Result, data_frame
 from armour.analysis.variants import Ints, OnProgress, grid_of, ignore_progress
 from armour.core.state import Parameters
 from armour.design.candidates import candidates_of
@@ -19,6 +19,7 @@ from armour.errors import NoDesignError, Problem, refuse
 from armour.scenario.applicability import armour_warnings, error_on_tests, given_error, is_excluded
 from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_types
 
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
@@ -45,8 +46,10 @@ class Design:
     ceramic, backing : str
         Names of the materials; the ceramic's is empty for a bare back plate.
     ceramic_thickness_mm, backing_thickness_mm : float
-    areal_density_kg_m2, thickness_mm, cost_per_m2 : float
+    areal_density_kg_m2, thickness_mm : float
         Including what the section ``design`` adds.
+    cost_per_m2 : float or None
+        The same, in the unit of the costs given; None where none is given.
     margin_m_s : float or None
         Least ballistic limit less the velocity of a threat, over the threats; None where it is not computed.
     """
@@ -57,7 +60,7 @@ class Design:
     backing_thickness_mm: float
     areal_density_kg_m2: float
     thickness_mm: float
-    cost_per_m2: float
+    cost_per_m2: float | None
     margin_m_s: float | None
 
 
@@ -146,6 +149,8 @@ class DesignResult(Result):
     ceramic_min_mm : float or None
         Least ceramic thickness of the best pair's range, mm: where it passes, less may be required. None where the
         ceramic has no range, or one from zero.
+    without_mm : tuple of float
+        Back plate thicknesses of the best pair on which no ceramic passes, mm; the frontier leaves them out.
     """
 
     minimised: str
@@ -163,6 +168,7 @@ class DesignResult(Result):
     not_monotonic_mm: tuple[float, ...]
     warnings: tuple[str, ...]
     ceramic_min_mm: float | None = None
+    without_mm: tuple[float, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data; ``refined`` only where it was asked for."""
@@ -173,7 +179,8 @@ class DesignResult(Result):
 
     def to_dataframe(self, designs: Literal["frontier", "pareto"] = "frontier") -> Any:
         """Return the frontier, or the Pareto front, as a data frame of pandas, or else of polars."""
-        return data_frame(by_column(vars(design) for design in getattr(self, designs)))
+        names = [item.name for item in fields(Design)]
+        return data_frame({name: [getattr(design, name) for design in getattr(self, designs)] for name in names})
 
     def _words(self) -> str:
         best = self.best
@@ -194,7 +201,8 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     ----------
     scenario : Scenario
         Its sections ``design`` and ``optimise`` give the materials and thicknesses, its list ``threat`` the threats;
-        without them, they are the scenario's own pair of materials and impact.
+        without them, they are the scenario's own pair of materials and impact.  Where there are threats, the impact is
+        not used.  ``scenario.replaced({"design.confidence": 0.95})`` asks for a probability of defeating each threat.
     refine : bool, default False
         Whether also to find the best design with both layers free within their ranges.
     on_progress : callable, optional
@@ -211,6 +219,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     NoDesignError
         If no design passes.
     """
+    check_types("optimise", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     catalogue = catalogue_of(scenario)
     problems = []
     if refine and catalogue.sampled:
@@ -255,12 +264,30 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         runs=requirement.runs,
         not_monotonic_mm=search.not_monotonic_mm(frontier),
         warnings=(
+            *_unused_impact(scenario),
             *_outside(search, first),
             *_at_the_ends(catalogue, pair, best),
             *_least_of_the_range(catalogue, pair, found, ceramic_min),
         ),
         ceramic_min_mm=ceramic_min,
-    )
+        without_mm=_without(search, pair, frontier),
+    )._of(scenario=scenario)
+
+
+def _unused_impact(scenario: Scenario) -> Iterator[str]:
+    """Give a warning where the impact is none of the threats, which are used in its place."""
+    impact = scenario.impact
+    own = (impact.projectile, impact.velocity_m_s)
+    if scenario.threat and own not in [(threat.projectile, threat.velocity_m_s) for threat in scenario.threat]:
+        yield f"impact: {own[0]} at {own[1]:g} m/s is none of the threats, against which the armour is designed"
+
+
+def _without(search: Search, pair: int, frontier: Ints) -> tuple[float, ...]:
+    """Return the given back plate thicknesses of a pair that its frontier leaves out, mm."""
+    if search.catalogue.offers[pair].backing.free_range() is not None:
+        return ()
+    backings = search.candidates.backing_mm
+    return tuple(np.setdiff1d(backings[search.of_pair(pair)], backings[frontier]).tolist())
 
 
 def _outside(search: Search, place: int) -> list[str]:
@@ -324,10 +351,13 @@ def _governing(search: Search, where: Ints) -> list[int]:
 def _designs(search: Search, where: Ints, *, with_margins: bool) -> tuple[Design, ...]:
     """Return designs of a search as results."""
     offers, candidates = search.catalogue.offers, search.candidates.at(where)
-    margins = search.margins(search.limits(where)).min(axis=1).tolist() if with_margins else [None] * len(where)
+    unknown = [None] * len(where)
+    margins = search.margins(search.limits(where)).min(axis=1).tolist() if with_margins else unknown
+    *columns, costs = (column.tolist() for column in candidates)
+    costs = costs if search.catalogue.has_costs() else unknown
     return tuple(
         Design(offers[pair].ceramic.material, offers[pair].backing.material, *numbers)
-        for pair, *numbers in zip(*(column.tolist() for column in candidates), margins, strict=True)
+        for pair, *numbers in zip(*columns, costs, margins, strict=True)
     )
 
 

@@ -83,7 +83,8 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
     for name, distribution in catalogue.scenario.uncertainty.inputs().items():
         if distribution.placed and (name in (VELOCITY, CERAMIC, BACKING) or len(catalogue.values[name]) > 1):
             message = (
-                "must be centred on the value of each design or threat: normal or lognormal, without mean, min and max"
+                "must be centred on the value of each design or threat: normal or lognormal, without mean, min and "
+                'max, such as { distribution = "normal", standard_deviation_percent = 1.0 }'
             )
             problems.append(Problem(file, f"uncertainty.{name}", message))
     bound = float(catalogue.bounds.min())

@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isfinite, nan, sqrt
 from os import PathLike
+from types import NoneType
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from armour.planning import optimal_design
 from armour.planning.optimal_design import Task
 from armour.scenario.assignments import canonical
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_sequence, check_types
 from armour.scenario.parameters import INPUTS, NAMES, VELOCITY, check_names, name_of
 from armour.statistics.calibration import under_law
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, law_of
@@ -36,7 +38,7 @@ from armour.statistics.likelihood_fit import (
 )
 from armour.statistics.test_data import LIMIT, MEASURED, MaterialGroup, Measurement, Tests
 from armour.sweeps.cases import Cases, Grid
-from armour.sweeps.columns import Values, source_of
+from armour.sweeps.columns import source_of
 
 # Column of the cost of a candidate.
 COST = "cost"
@@ -51,7 +53,7 @@ OUTSIDE = 1e-2
 
 Criterion = Literal["D", "I"]
 Measure = Literal["limit", "outcome"]
-Candidates = Mapping[str, Values] | str | PathLike[str] | Grid | Cases
+Candidates = Mapping[str, object] | str | PathLike[str] | Grid | Cases
 
 
 @dataclass(frozen=True)
@@ -163,7 +165,7 @@ class PlannedTests(TableResult):
 def plan_tests(
     scenario: Scenario,
     candidates: Candidates,
-    fit: Sequence[str] = (FLOW_STRESS,),
+    fit: str | Sequence[str] = FLOW_STRESS,
     law: Law | None = None,
     *,
     number: int = 4,
@@ -188,7 +190,7 @@ def plan_tests(
     candidates : mapping of str to values, or path-like
         Armours that can be tested, as for `armour.sweep`: every combination of values, or a CSV file.  Its column
         ``cost`` is the cost of a target.
-    fit : sequence of str
+    fit : str or sequence of str, default "ceramic.flow_stress_GPa"
         Names of the inputs to determine.
     law : {"constant", "ceramic", "backing", "product", "linear"}, optional
         Law of the ceramic's flow stress, whose coefficients are determined too, see `armour.calibrate`.
@@ -221,6 +223,8 @@ def plan_tests(
         If a setting is out of its range, a candidate is no valid armour or has no ballistic limit in the range of the
         search, the candidates tell nothing of the inputs, or the scatter is not known.
     """
+    check_types("plan_tests", scenario=(scenario, Scenario), number=(number, int), tests=(tests, (Tests, NoneType)))
+    fit = check_sequence("plan_tests", "fit", fit)
     _check_settings(number, criterion, measure, scatter_percent, cost, law, fit, scenario)
     rows, costs = _candidates(scenario, candidates, measure, cost)
     if tests is not None and scatter_percent is not None and not tests.weighted:
@@ -310,7 +314,7 @@ def _check_settings(
     elif law is not None and FLOW_STRESS not in fit:
         problems.append(("law", f"must not be given where {FLOW_STRESS} is not fitted"))
     refuse(Problem("plan_tests", key, message) for key, message in problems)
-    check_names([name for name in fit if law is None or name == FLOW_STRESS], scenario, scenario.file, "--fit")
+    check_names([name for name in fit if law is None or name == FLOW_STRESS], scenario, "plan_tests", "fit")
 
 
 @contextmanager
@@ -320,7 +324,7 @@ def of_candidates() -> Iterator[None]:
         yield
     except InputError as error:
         problems = (
-            problem._replace(file="candidates", key=problem.key.removeprefix("over").strip())
+            problem._replace(file="plan_tests", key=f"candidates {problem.key.removeprefix('over').strip()}".strip())
             if problem.file == "sweep"
             else problem
             for problem in error.problems
@@ -369,7 +373,7 @@ def _candidates(
     measured = tuple(Measurement(row, LIMIT, 1.0, None, 0) for row in range(count))
     if costs is not None or cost is not None:
         costs = (0.0 if costs is None else costs) + np.full(count, cost or 0.0)
-    return Tests(file, places, groups, measured, False, cells), costs
+    return Tests(file, places, groups, measured, False, cells, scenario, places), costs
 
 
 def _with_designs(rows: Tests, designs: Sequence[Scenario]) -> Tests:

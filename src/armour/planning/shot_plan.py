@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import ModuleType
+from types import ModuleType, NoneType
 from typing import Annotated, Literal
 
 import numpy as np
@@ -17,7 +17,7 @@ from armour.planning.procedures.settings import ShotSettings
 from armour.planning.procedures.stopping import recommended_fit
 from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
-from armour.scenario.messages import Section, validated
+from armour.scenario.messages import Section, check_types, validated
 from armour.statistics.firing_posterior import (
     SCATTER_FACTOR,
     SCATTER_PERCENT,
@@ -121,7 +121,8 @@ class ShotPlan(Result):
     true_v50_m_s, true_scatter_m_s : float or None
         V50 and scatter that shots were simulated with, m/s.
     curve : PlanCurve or None
-        Prior and posterior over velocity.
+        Over ``velocity_m_s``, m/s: the densities of V50, ``prior`` and ``posterior``, s/m, and by the posterior the
+        ``probability`` of complete penetration.
     warnings : tuple of str
         Ways in which the scenario is unlike what the model was compared with.
     """
@@ -243,7 +244,8 @@ def plan_shots(
         "true_scatter_m_s": true_scatter_m_s,
         "seed": seed,
     }
-    asked = validated(_Settings, given, "plan shots")
+    check_types("plan_shots", scenario=(scenario, Scenario), shots=(shots, (Shots, NoneType)))
+    asked = validated(_Settings, given, "plan_shots")
     fired = Shots((), ()) if shots is None else shots
     check_shots(fired, one_kind=True)
     _check(asked, simulate)
@@ -334,7 +336,7 @@ def _check(asked: _Settings, simulate: bool) -> None:
     elif len([value for value in truths.values() if value is not None]) == 1:
         problems.append(("true_v50_m_s", "must be given together with true_scatter_m_s"))
     if problems:
-        raise InputError([Problem("plan shots", *problem) for problem in problems])
+        raise InputError([Problem("plan_shots", *problem) for problem in problems])
 
 
 def _limits(asked: _Settings, prior: FiringPrior | None) -> tuple[float, float] | None:
@@ -345,7 +347,7 @@ def _limits(asked: _Settings, prior: FiringPrior | None) -> tuple[float, float] 
         return asked.lower_m_s, asked.upper_m_s
     if prior is None:
         message = "must be given: the error of the model, which they follow from by default, is not known"
-        raise InputError([Problem("plan shots", "limits_m_s", message)])
+        raise InputError([Problem("plan_shots", "limits_m_s", message)])
     return limits_of(prior)
 
 
@@ -362,7 +364,7 @@ def _truth(asked: _Settings, prior: FiringPrior | None, fired: Shots, dice: np.r
         return asked.true_v50_m_s, asked.true_scatter_m_s
     if prior is None:
         message = "must be given: the error of the model, to draw it from, is not known"
-        raise InputError([Problem("plan shots", "true_v50_m_s", message)])
+        raise InputError([Problem("plan_shots", "true_v50_m_s", message)])
     known = posterior_of(prior, fired.velocities_m_s, fired.complete)
     drawn = dice.choice(len(known.weights), p=known.weights)
     return float(known.grid.v50_m_s[drawn]), float(known.grid.scatter_m_s[drawn])

@@ -40,6 +40,7 @@ from armour.reporting.tables.impact import AREAL_DENSITY, STAGES, energy_table
 from armour.reporting.tables.statistics import deviation_percent
 from armour.reporting.text import interval, percent
 from armour.reporting.words import words_of
+from armour.scenario.messages import TINY
 from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY
 from armour.units import MM
 
@@ -66,11 +67,15 @@ BEST: dict[str, Any] = {"marker": "*", "size": 11.0, "colour": VERMILION}
 REFINED: dict[str, Any] = {"marker": "D", "colour": ORANGE}
 # Pairs of materials beside the best that are marked, and rows of bars.
 MAX_PAIRS, MAX_ROWS = 11, 40
+# Rows of a sweep whose points are marked on a curve.
+MAX_MARKERS = 40
 # What designs are compared by, named as in their tables.
 CRITERIA = {
     column.key: Axis(column.label, column.unit, spec=spec)
     for column, spec in ((AREAL_DENSITY, ".2f"), (THICKNESS, ".5g"), (COST, ".2f"), (MARGIN, "+.1f"))
 }
+# Cases that the chart of a suite does not show.
+LEFT_OUT = "of no table, of outcomes, of relative differences and without an answer"
 # Probabilities between which the curve of a chart is shown whole.
 SHOWN_PROBABILITY = 0.002
 
@@ -158,9 +163,12 @@ def design_chart(result: "DesignResult", title: str) -> Chart:
     if not result.pareto:
         return frontier
     named = {"best", _pair(result.best), *(name for name, *_ in _others(result))}
-    [front] = pareto_chart(result, "").panels
+    pareto = pareto_chart(result, "")
+    [front] = pareto.panels
     series = tuple(replace(item, label="") if item.label in named else item for item in front.series)
-    return replace(frontier, panels=(*frontier.panels, replace(front, series=series, title="Pareto front")))
+    money = "Costs are in the currency of the scenario." if COST.key in result.criteria[:2] else ""
+    panels = *frontier.panels, replace(front, series=series, title="Pareto front")
+    return replace(frontier, panels=panels, note=" ".join(filter(None, (frontier.note, pareto.note, money))))
 
 
 def _others(result: "DesignResult") -> Sequence[tuple[str, str, "Design"]]:
@@ -192,6 +200,8 @@ def frontier_chart(result: "DesignResult", title: str) -> Chart:
     )
     pairs = sum(pair.best is not None for pair in result.pairs)
     notes = []
+    if pairs > 1:
+        notes.append(f"The line is {_pair(result.best)}, the pair of the best design; a point is another pair's best.")
     if pairs > MAX_PAIRS + 1:
         notes.append(f"The best {MAX_PAIRS + 1} of {pairs} pairs of materials are shown.")
     if any(design.ceramic_thickness_mm == result.ceramic_min_mm for design in result.frontier):
@@ -236,7 +246,11 @@ def pareto_chart(result: "DesignResult", title: str) -> Chart:
         series.append(Points(*_at(designs, x, y), filled=False, label=name, text=text, **looks[name]))
     words = (f"best\n{_design_text(result.best, *result.criteria)}",)
     series.append(Points(*_at([result.best], x, y), label="best", text=words, **BEST))
-    return Chart(title, (Panel(CRITERIA[x], CRITERIA[y], tuple(series)),))
+    notes = ""
+    if len(result.criteria) > 2:
+        hidden = " and ".join(CRITERIA[key].label for key in result.criteria[2:])
+        notes = f"A design of the front that another one beats in both criteria drawn is better in {hidden}."
+    return Chart(title, (Panel(CRITERIA[x], CRITERIA[y], tuple(series)),), notes)
 
 
 def _at(designs: Iterable["Design"], x: str, y: str) -> tuple[list[float], list[float]]:
@@ -295,8 +309,13 @@ def parity_chart(result: "SuiteResult") -> Chart:
             ]
             for group, found in _grouped(same, lambda check: check.case.group).items()
         }
-        panels.append(_agreement_panel(quantity, "expected", groups, 0.1))
-    return Chart("", tuple(panels), width=COLUMN_INCHES)
+        # A band that all have in common, as a part of the expected values; else a tenth.
+        bands = {round((c.case.band or 0.0) / abs(c.case.expected), 4) for c in same if abs(c.case.expected) > TINY}
+        [part] = bands if len(bands) == 1 else [0.0]
+        panels.append(_agreement_panel(quantity, "expected", groups, part or 0.1))
+    left_out = len(result.checks) - len(checks)
+    note = f"{left_out} of {len(result.checks)} cases are not shown: those {LEFT_OUT}." if left_out else ""
+    return Chart("", tuple(panels), note, width=COLUMN_INCHES)
 
 
 def _agreement_panel(
@@ -320,6 +339,9 @@ def _agreement_panel(
     span = _span(end for points in groups.values() for *_, k, c, s in points for end in (k - s, k + s, c))
     lines = [(1.0, "agreement", "-")]
     if part:
+        # Few points that are near each other are shown with the lines beside them.
+        margin = part * span[1] if span[1] - span[0] < part * span[1] else 0.0
+        span = span[0] - margin, span[1] + margin
         lines += [(1.0 - part, f"± {percent(part)}", ":"), (1.0 + part, "", ":")]
     for factor, label, style in lines:
         across = [factor * end for end in span]
@@ -483,11 +505,11 @@ def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Char
         f"perforated in {100.0 * value:.1f} % at {velocity:.1f} m/s\n{level} interval {low:.3f} to {high:.3f}"
         for velocity, value, low, high in points
     )
-    label = f"at {at:g} m/s: {p.value:.3f}, {p.low:.3f} to {p.high:.3f}"
+    label = f"at {at:g} m/s: {p.value:.3f}, {p.low:.3f} to {p.high:.3f} by sampling"
     quantiles = {name: result.ballistic_limit_m_s[name].value for name in ("V05", "V50", "V95")}
     series: list[Series] = [
         Band(curve.velocity_m_s, curve.low, curve.high),
-        Line(curve.velocity_m_s, curve.probability, label=f"probability, with its {level} band", text=text),
+        Line(curve.velocity_m_s, curve.probability, label=f"probability, with its {level} band by sampling", text=text),
         _velocity_rule("nominal ballistic limit", found, INK, ":"),
         *(_velocity_rule(*item, SOFT, style) for item, style in zip(quantiles.items(), ("-.", "-", "--"), strict=True)),
         Points(
@@ -534,13 +556,36 @@ def energy_chart(energy: "EnergyBalance") -> Chart:
 
 
 def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, scenario: "Scenario") -> Chart:
-    """Describe a quantity over one key of a sweep, as a curve, or two, as a map; thicknesses have areal densities."""
+    """Describe a quantity over one key of a sweep, as a curve, or two, as a map; thicknesses have areal densities.
+
+    Over a key of names there is a bar for each name, and over such a key and numbers a curve for each.
+    """
     axes = [quantity_axis(key) for key in keys]
     answer = quantity_axis(name)
     title = _sweep_title(answer.label, *(axis.label for axis in axes))
-    if len(keys) == 1:
-        values = _or_none(table[name])
-        return Chart(title, (Panel(axes[0], answer, (Line(table[keys[0]].tolist(), values),), height=1.1),))
+    found = table[name]
+    missing = np.count_nonzero(np.isnan(found))
+    note = f"{missing} of {len(found)} rows have no {answer.label}." if missing else ""
+    named = [key for key in keys if table[key].dtype.kind not in "iuf"]
+    if len(named) == len(keys):
+        names = tuple(dict.fromkeys(table[named[0]].tolist()))
+        values = {
+            label: [
+                dict(zip(table[named[0]][own].tolist(), _or_none(found[own]), strict=True)).get(name) for name in names
+            ]
+            for label, own in _by_name(table, named[1:])
+        }
+        return Chart(title, (_bars_panel(answer, names, values),), note)
+    if len(keys) == 1 or named:
+        [key] = [key for key in keys if key not in named]
+        # The axis reaches rows without an answer too, and a single row has a point.
+        across = quantity_axis(key, limits=_span(table[key].tolist()) if missing or len(set(table[key])) == 1 else None)
+        curves = []
+        for index, (label, own) in enumerate(_by_name(table, named)):
+            order = np.flatnonzero(own)[np.argsort(table[key][own], kind="stable")]
+            look = _look(index) if len(order) <= MAX_MARKERS else {"colour": COLOURS[index % len(COLOURS)]}
+            curves.append(Line(table[key][order].tolist(), _or_none(found[order]), label=label, **look))
+        return Chart(title, (Panel(across, answer, tuple(curves), height=1.1),), note)
     x, y = (np.unique(table[key]) for key in keys)
     z = np.full((len(y), len(x)), np.nan)
     z[np.searchsorted(y, table[keys[1]]), np.searchsorted(x, table[keys[0]])] = table[name]
@@ -555,7 +600,15 @@ def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, sce
         areal = (armour.rho_c * MM * ceramic + armour.rho_B * MM * backing).tolist()
         label = f"lines of equal {CRITERIA[AREAL_DENSITY.key].heading}"
         series.append(Contours(x.tolist(), y.tolist(), areal, "dashed", 5, label=label, colour=VERMILION))
-    return Chart(title, (Panel(axes[0], axes[1], tuple(series), height=1.2),))
+    return Chart(title, (Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
+
+
+def _by_name(table: Mapping[str, Any], keys: Sequence[str]) -> list[tuple[str, Any]]:
+    """Return each name of a key with its rows, as a mask; without a key all rows."""
+    if not keys:
+        return [("", np.ones(len(next(iter(table.values()))), dtype=bool))]
+    names = table[keys[0]]
+    return [(name, names == name) for name in dict.fromkeys(names.tolist())]
 
 
 def _sweep_title(answer: str, first: str, second: str = "") -> str:

@@ -6,7 +6,7 @@ from math import inf
 from typing import NamedTuple
 
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, not_monotonic
-from armour.analysis.confidence import ConfidenceResult, of_limit
+from armour.analysis.confidence import ConfidenceResult, of_limit, without_limit
 from armour.analysis.energy import EnergyBalance, energy_balance
 from armour.analysis.impact import ImpactResult, simulate
 from armour.analysis.variants import OnProgress, ignore_progress
@@ -112,8 +112,7 @@ def _limit(scenario: Scenario) -> tuple[LimitResult | None, ConfidenceResult]:
     with suppress(NoLimitError):
         limit = ballistic_limit(scenario)
         return limit, of_limit(scenario, limit.ballistic_limit_m_s, scenario.impact.velocity_m_s)
-    reason = "there is no ballistic limit in the range searched"
-    return None, ConfidenceResult(None, None, model_error(scenario), reason)
+    return None, without_limit(scenario, "there is no ballistic limit in the range searched")
 
 
 def _faced(scenario: Scenario) -> list[tuple[Scenario, Threat]]:
@@ -179,8 +178,8 @@ def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[str, ...]:
         return ()
     own, found = inputs_of(scenario), inputs_of(answer)
     return tuple(
-        f"uncertainty.{name}: is about a value of its own, not the {found[name]:g} of the armour or threat; "
-        "no probability of perforation is given"
+        f"uncertainty.{name}: is given for another value than {found[name]:g}, that of the armour and threat reported; "
+        "the report has no sampled probability of perforation"
         for name, distribution in scenario.uncertainty.inputs().items()
         if name in found
         and ((distribution.placed and own.get(name) != found[name]) or not distribution.contains(found[name]))

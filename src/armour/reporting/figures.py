@@ -4,6 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from armour.analysis.ballistic_limit import curve_velocities, residual_velocity_curve
 from armour.errors import InputError, Problem
 from armour.reporting import charts
@@ -11,6 +13,7 @@ from armour.reporting.chart import Chart
 from armour.reporting.planned_shots_chart import shot_plan_chart
 from armour.reporting.planned_tests_chart import planned_chart
 from armour.reporting.plots import draw
+from armour.scenario.parameters import inputs_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,8 +22,13 @@ if TYPE_CHECKING:
     from armour.analysis.impact import ImpactResult
     from armour.analysis.results import Result
     from armour.scenario.loading import Scenario
+    from armour.statistics.uncertainty import UncertaintyResult
     from armour.statistics.v50 import FiringResult, Shots
     from armour.sweeps.columns import SweepResult
+
+
+# Texts of a scenario that no result depends on.
+TEXTS = {"title", "author", "project", "date"}
 
 
 class _Source(NamedTuple):
@@ -32,6 +40,13 @@ class _Source(NamedTuple):
     @property
     def title(self) -> str:
         return "" if self.scenario is None else self.scenario.title
+
+    @property
+    def heading(self) -> str:
+        """Title, followed by the armour where the title does not name it, as after a change of its thickness."""
+        if self.scenario is None or self.scenario.armour_words() in self.title:
+            return self.title
+        return f"{self.title}\n{self.scenario.armour_words()}".strip()
 
 
 def plot(
@@ -47,9 +62,9 @@ def plot(
 CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepResult
         An impact must have its history, and a sweep one or two keys.
     scenario : Scenario, optional
-        Scenario of the result, for its title; a ballistic limit and an uncertainty need it.
+        Scenario of the result, perhaps with another title.  Only a result that is made by hand needs it.
     shots : Shots, optional
-        Shots of a V50, which needs them.
+        Shots of a V50.  Only a result that is made by hand needs them.
     title : str, optional
         In place of the chart's own.
 
@@ -60,20 +75,31 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
     Raises
     ------
     InputError
-        If the result cannot be drawn, or not without what is missing.
+        If the result cannot be drawn, or not without what is missing, or the scenario or the shots are of another one.
 
     Examples
     --------
     >>> import armour
     >>> scenario = armour.load_scenario("wilkins")
-    >>> figure = armour.plot(armour.simulate(scenario, history=True), scenario)
+    >>> figure = armour.plot(armour.simulate(scenario, history=True))
     >>> figure.savefig("impact.png")
     """
     chart = CHARTS.get(type(result).__name__)
     if chart is None:
         raise _missing("result", f"must be one of {', '.join(CHARTS)}, found {type(result).__name__}")
-    made = chart(result, _Source(scenario, shots))
+    own = result._question
+    if scenario is not None and "scenario" in own and not _same(scenario, own["scenario"]):
+        raise _missing("scenario", "must be the scenario of the result, found another; it can be left out")
+    if shots is not None and shots != own.get("shots", shots):
+        raise _missing("shots", "must be the shots of the result, found others; they can be left out")
+    made = chart(result, _Source(scenario or own.get("scenario"), shots or own.get("shots")))
     return draw(made if title is None else replace(made, title=title))
+
+
+def _same(scenario: "Scenario", other: "Scenario") -> bool:
+    """Return whether two scenarios give the same results."""
+    first, second = (item.model_dump(exclude=TEXTS | {"library"}) for item in (scenario, other))
+    return first == second and inputs_of(scenario) == inputs_of(other)
 
 
 def _missing(key: str, message: str) -> InputError:
@@ -83,24 +109,33 @@ def _missing(key: str, message: str) -> InputError:
 def _impact(result: "ImpactResult", source: _Source) -> Chart:
     if result.history is None:
         raise _missing("result", "must have its history: simulate(scenario, history=True)")
-    return charts.impact_chart(result, source.title)
+    return charts.impact_chart(result, source.heading)
 
 
 def _limit(result: "LimitResult", source: _Source) -> Chart:
     scenario = _needed(source.scenario, "scenario")
     curve = residual_velocity_curve(scenario, curve_velocities(result, scenario))
-    return charts.limit_chart(result, curve, scenario.title)
+    return charts.limit_chart(result, curve, source.heading)
 
 
 def _v50(result: "FiringResult", source: _Source) -> Chart:
     return charts.v50_chart(_needed(source.shots, "shots"), result)
 
 
+def _uncertainty(result: "UncertaintyResult", source: _Source) -> Chart:
+    made = charts.uncertainty_chart(result, _needed(source.scenario, "scenario"))
+    return replace(made, title=source.heading)
+
+
 def _sweep(result: "SweepResult", source: _Source) -> Chart:
-    drawn = [result[name] for name in (*result.keys, result.quantities[0])]
-    if len(result.keys) > 2 or any(values.dtype.kind not in "iuf" for values in drawn):
-        raise _missing("result", "must be a sweep of numbers over one or two keys")
-    return charts.sweep_chart(result.columns, result.keys, result.quantities[0], source.scenario or result.scenario)
+    if len(result.keys) > 2:
+        raise _missing("result", f"must be a sweep over one or two keys, found {len(result.keys)}")
+    numbers = [name for name in result.quantities if result[name].dtype.kind in "iuf"]
+    if not numbers:
+        raise _missing("result", f"must have a quantity that is a number, found only {', '.join(result.quantities)}")
+    if np.isnan(result[numbers[0]]).all():
+        raise _missing("result", f"must have a value of {numbers[0]} in at least one row, found none")
+    return charts.sweep_chart(result.columns, result.keys, numbers[0], source.scenario or result.scenario)
 
 
 def _needed(value: Any, key: str) -> Any:
@@ -112,15 +147,15 @@ def _needed(value: Any, key: str) -> Any:
 # By the name of the result's class: the modules of most need not be imported for one.
 CHARTS: Mapping[str, Callable[[Any, _Source], Chart]] = {
     "CalibrationResult": lambda result, _source: charts.calibration_chart(result),
-    "Comparison": lambda result, source: charts.comparison_chart(result, source.title),
+    "Comparison": lambda result, source: charts.comparison_chart(result, source.heading),
     "DesignResult": lambda result, source: charts.design_chart(result, source.title),
     "FiringResult": _v50,
     "ImpactResult": _impact,
     "LimitResult": _limit,
     "PlannedTests": lambda result, source: planned_chart(result, source.title),
-    "SensitivityResult": lambda result, source: charts.sensitivity_chart(result, source.title),
+    "SensitivityResult": lambda result, source: charts.sensitivity_chart(result, source.heading),
     "ShotPlan": lambda result, _source: shot_plan_chart(result),
     "SuiteResult": lambda result, _source: charts.parity_chart(result),
     "SweepResult": _sweep,
-    "UncertaintyResult": lambda result, source: charts.uncertainty_chart(result, _needed(source.scenario, "scenario")),
+    "UncertaintyResult": _uncertainty,
 }

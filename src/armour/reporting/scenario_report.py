@@ -10,13 +10,14 @@ from armour.reporting.chart import Chart
 from armour.reporting.contents import AgainstThreat, Contents, asks_for_design
 from armour.reporting.report import Card, CrossSection, Report, Section, filled, origin_section
 from armour.reporting.table import Column, Table, listing
-from armour.reporting.tables.confidence import DEFEAT, chance, extrapolation, from_tests
+from armour.reporting.tables.confidence import DEFEAT, SAMPLED_ALONE, chance, extrapolation, from_tests
 from armour.reporting.tables.design import (
     COST,
     MARGIN,
     REQUIRED,
     best_table,
     frontier_table,
+    margin_notes,
     margin_table,
     pair_table,
     pareto_table,
@@ -25,9 +26,9 @@ from armour.reporting.tables.design import (
 from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT, energy_table, stage_table
 from armour.reporting.tables.library import entry_table
 from armour.reporting.tables.statistics import elasticity_table, estimate_table
-from armour.reporting.words import in_words
+from armour.reporting.words import in_words, layers
 from armour.scenario.applicability import is_excluded
-from armour.scenario.schema import ArmourSection
+from armour.scenario.parameters import INPUTS
 from armour.units import MM
 
 
@@ -47,7 +48,7 @@ def scenario_report(contents: Contents, command: str) -> Report:
         ),
         charts=tuple(_charts(contents)),
         cards=(*_armour(contents), _outcome(contents), _reliability(contents)),
-        warnings=(*contents.warnings, *_extrapolated(contents)),
+        warnings=(*map(_told, contents.warnings), *_extrapolated(contents), *_without_margin(contents)),
         cross_section=_cross_section(contents),
     )
 
@@ -77,19 +78,11 @@ def _byline(contents: Contents) -> tuple[tuple[str, str], ...]:
 def _remarks(contents: Contents) -> tuple[str, ...]:
     """Return which armour is reported where the scenario asks for a design, and how to get the other."""
     if contents.design is not None:
-        own = _layers(contents.scenario.armour)
+        own = layers(contents.scenario.armour)
         return (f"The armour is the best design found. With --as-is, the report is on the scenario's own, {own}.",)
     if asks_for_design(contents.scenario):
         return ("The armour is the scenario's own. Without --as-is, the report is on the best design.",)
     return ()
-
-
-def _layers(armour: ArmourSection) -> str:
-    """Return the materials of an armour with their thicknesses."""
-    layers = f"{round(armour.backing_thickness_mm, 3):g} mm {armour.backing}"
-    if armour.ceramic is None or armour.ceramic_thickness_mm == 0.0:
-        return layers
-    return f"{round(armour.ceramic_thickness_mm, 3):g} mm {armour.ceramic} on {layers}"
 
 
 def _armour(contents: Contents) -> tuple[Card, Card]:
@@ -101,8 +94,8 @@ def _armour(contents: Contents) -> tuple[Card, Card]:
     if design is not None:
         subject = "Best design"
         areal_density, thickness = design.best.areal_density_kg_m2, design.best.thickness_mm
-        cost = f"cost {COST.text(design.best.cost_per_m2)} per m²" if design.best.cost_per_m2 > 0.0 else ""
-    card = Card(subject, _layers(armour), f"{round(thickness, 3):g} mm thick")
+        cost = f"cost {COST.text(design.best.cost_per_m2)} per m²" if design.best.cost_per_m2 else ""
+    card = Card(subject, layers(armour), f"{round(thickness, 3):g} mm thick")
     return card, Card("Areal density", f"{AREAL_DENSITY.text(areal_density)} kg/m²", cost)
 
 
@@ -134,7 +127,7 @@ def _against(found: AgainstThreat, *, exact: bool) -> str:
     if found.margin_m_s is not None:
         margin = f"margin {MARGIN.text(found.margin_m_s)} m/s"
     if found.required_margin_m_s:
-        margin = f"{margin} ({MARGIN.text(found.required_margin_m_s)} m/s required)"
+        margin = f"{margin} ({MARGIN.text(found.required_margin_m_s)} m/s required, {_requirement(found)})"
     probability = f"probability of defeat {chance(found.probability_of_defeat)}"
     if exact and found.probability_of_defeat is not None:
         probability += " with exact inputs"
@@ -151,6 +144,8 @@ def _reliability(contents: Contents) -> Card:
         subject = f"{subject} that governs, {contents.governing}"
     if sampled is None or (sampled.model_error is None and not is_excluded(contents.scenario)):
         note = sure.reason or (from_tests(sure.model_error) if sure.model_error else "")
+        if sampled is not None and sure.probability_of_defeat is None:
+            note = f"{note}; {SAMPLED_ALONE}"
         return Card(subject, chance(sure.probability_of_defeat), note)
     p = sampled.probability_of_perforation
     given = ", without the error of the model"
@@ -164,6 +159,21 @@ def _extrapolated(contents: Contents) -> list[str]:
     """Return a warning where the error of the model is extrapolated."""
     error = contents.confidence.model_error
     return [] if error is None else [f"the error of the model is {text}" for text in extrapolation(error)]
+
+
+def _told(warning: str) -> str:
+    """Return a warning with the words of the input that it is about, in place of its key."""
+    key, separator, text = warning.partition(": ")
+    name = key.removeprefix("uncertainty.")
+    if name not in INPUTS:
+        return warning
+    words = in_words(name)
+    return f"{words if name == key else f'distribution of the {words}'}{separator}{text}"
+
+
+def _without_margin(contents: Contents) -> list[str]:
+    ask = "design.confidence = 0.95 in the scenario designs for a probability of 95 %"
+    return [] if contents.design is None else margin_notes(contents.design.best, ask)
 
 
 def _energy(contents: Contents) -> Section:
@@ -208,9 +218,18 @@ def _margins(contents: Contents) -> Table:
         (Column("outcome"), lambda found: "defeated" if found.defeated else "perforates"),
         MARGIN,
         (REQUIRED, lambda found: found.required_margin_m_s or None),
+        (Column("requirement"), _requirement),
         (DEFEAT, lambda found: chance(found.probability_of_defeat)),
         (Column("note"), lambda found: "governs" if found.threat == contents.governing else ""),
     )
+
+
+def _requirement(found: AgainstThreat) -> str:
+    """Return whether an armour has the margin that a threat requires; "" where none is required."""
+    if not found.required_margin_m_s:
+        return ""
+    has = found.defeated if found.margin_m_s is None else found.margin_m_s >= found.required_margin_m_s
+    return "met" if has else "not met"
 
 
 def _in_words(table: Table) -> Table:

@@ -50,6 +50,7 @@ class Table:
     rows: tuple[tuple[Cell, ...], ...]
     title: str = ""
     record: bool = False
+    rest: str = ""  # how to get all rows, where a terminal shows the first ones only
 
     def headings(self) -> list[str]:
         """Return the headings of the columns, with units."""

@@ -66,18 +66,30 @@ def closest(armour: Parameters) -> Evidence:
     return min(known, key=lambda evidence: sum(bool(limits.fails(armour)) for limits in evidence.kind))
 
 
-def warnings_of(scenario: "Scenario", velocity: float) -> tuple[str, ...]:
+def unused_threats(scenario: "Scenario") -> tuple[str, ...]:
+    """Return a warning, for a result of the section ``impact``, where the scenario has threats of its own."""
+    if not scenario.threat:
+        return ()
+    impact = scenario.impact
+    against = f"the {impact.projectile} at {impact.velocity_m_s:g} m/s of [impact]"
+    return (f"threat: is not used: the results are against {against}; a report has the probability of every threat",)
+
+
+def warnings_of(scenario: "Scenario", velocity: float, key: str = VELOCITY) -> tuple[str, ...]:
     """Return the ways in which a scenario is unlike what the model was compared with, as "key: what, value found".
 
-    `velocity` is the impact velocity or the ballistic limit, m/s.
+    `velocity` is the impact velocity, m/s, or the ballistic limit, whose key is then given.
     """
-    return armour_warnings(scenario.core_armour(), scenario.armour.ceramic, velocity)
+    return armour_warnings(scenario.core_armour(), scenario.armour.ceramic, velocity, key)
 
 
-def armour_warnings(armour: Parameters, ceramic: str | None, velocity: float) -> tuple[str, ...]:
+def armour_warnings(
+    armour: Parameters, ceramic: str | None, velocity: float, velocity_key: str = VELOCITY
+) -> tuple[str, ...]:
     """Return the warnings of `warnings_of` on an armour, given the name of its ceramic."""
-    limits = limits_of(closest(armour), armour, velocity)
-    return tuple(f"{limit.key}: {limit.words}, found {_found(ceramic, limit)}" for limit in limits if limit.outside)
+    outside = (limit for limit in limits_of(closest(armour), armour, velocity) if limit.outside)
+    keyed = (limit._replace(key=velocity_key) if limit.key == VELOCITY else limit for limit in outside)
+    return tuple(f"{limit.key}: {limit.words}, found {_found(ceramic, limit)}" for limit in keyed)
 
 
 def _found(ceramic: str | None, limit: Limit) -> str:

@@ -13,6 +13,8 @@ from armour.scenario.messages import describe, key_name
 from armour.scenario.parameters import INPUTS, NAMES
 
 Parts = tuple[str, ...]
+# A list of tables, whose keys cannot be set one by one.
+THREATS = 'threat=[{ projectile = "7.62 mm AP", velocity_m_s = 850.0, margin_m_s = 20.0 }]'
 # More parts than any key of a scenario has; deeper tables exhaust the stack.
 MAX_PARTS = 20
 
@@ -20,6 +22,8 @@ MAX_PARTS = 20
 def parts_of(key: str) -> Parts:
     """Return the parts of a dotted key as TOML reads it; raise a ValueError if it is not one."""
     parts: Parts = ()
+    if not isinstance(key, str):
+        raise ValueError(key)
     if re.fullmatch(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*", key):
         parts = tuple(key.split("."))
     else:
@@ -104,6 +108,8 @@ def _put_at(data: dict[str, Any], parts: Parts, value: object) -> str:
 
     Tables that change are copied first: those of the data may be shared.
     """
+    if parts[0] == "threat" and len(parts) > 1:
+        return f"must not go below threat, a list that is set as a whole, such as {THREATS}"
     table: dict[str, Any] = data
     for i, part in enumerate(parts[:-1], 1):
         there = table.get(part, {})

@@ -5,10 +5,11 @@ The errors follow from the shipped suites and tests; `tests/validation/test_evid
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import nan
+from math import inf, nan
 from typing import Any, NamedTuple
 
 from armour.core.state import Parameters
+from armour.errors import InputError, Problem
 from armour.units import GPA
 
 
@@ -35,24 +36,44 @@ class ModelError:
     extrapolated: tuple[str, ...] = ()
 
     def quantile(self, probability: Any) -> Any:
-        """Return a quantile, as a fraction, at least -0.99; float or array."""
+        """Return a quantile, as a fraction, at least -0.99, for a probability of 0 to 1; float or array."""
         # Imported here because most commands that name the error need no quantile.
+        import numpy as np
         from scipy.special import stdtrit
 
-        error = (self.mean_percent + self.scale_percent * stdtrit(self.degrees_of_freedom, probability)) / 100.0
-        return error.clip(min=-0.99)
+        wanted = _numbers("probability", probability, 0.0, 1.0)
+        # scipy has +inf at 0.
+        deviation = np.where(wanted > 0.0, stdtrit(self.degrees_of_freedom, wanted), -np.inf)
+        return ((self.mean_percent + self.scale_percent * deviation) / 100.0).clip(min=-0.99)
 
     def interval(self, limit_m_s: float) -> tuple[float, float]:
         """Return the interval of the armour's ballistic limit with a probability of 95 %, given that of the model."""
+        _numbers("limit_m_s", limit_m_s, 0.0)
         low, high = (float(limit_m_s * (1.0 + self.quantile(end))) for end in (0.025, 0.975))
         return low, high
 
     def probability_of_defeat(self, limit_m_s: Any, velocity_m_s: Any) -> Any:
-        """Return the probability that the ballistic limit of the armour exceeds a velocity, given that of the model."""
+        """Return the probability that the ballistic limit of the armour exceeds a velocity, given that of the model.
+
+        The limit must be above 0; numbers or arrays, m/s.
+        """
         from scipy.special import stdtr
 
-        error = 100.0 * (velocity_m_s / limit_m_s - 1.0)
+        limit, velocity = _numbers("limit_m_s", limit_m_s, 1e-9), _numbers("velocity_m_s", velocity_m_s, 0.0)
+        error = 100.0 * (velocity / limit - 1.0)
         return stdtr(self.degrees_of_freedom, (self.mean_percent - error) / self.scale_percent)
+
+
+def _numbers(name: str, given: Any, low: float, high: float = inf) -> Any:
+    """Return a number or numbers as an array; they must lie within bounds."""
+    import numpy as np
+
+    found = np.asarray(given)
+    is_number = found.dtype.kind in "iuf"
+    if not is_number or (found < low).any() or (found > high).any():
+        must = f"a number of at least {low:g}" + (f" and at most {high:g}" if high < inf else "")
+        raise InputError([Problem("ModelError", name, f"must be {must}, found {str(given)[:40]!r}")])
+    return found
 
 
 # The error of the model as an input.

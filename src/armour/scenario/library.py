@@ -15,9 +15,19 @@ from typing import Annotated, Any, Generic, Literal, NamedTuple, TypeVar
 import tomli_w
 from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
-from armour.errors import Problem, refuse, suggestion
+from armour.errors import InputError, Problem, refuse, suggestion
 from armour.files import read_toml, shipped
-from armour.scenario.messages import NOT_TINY, NUMBER, NumberOrText, Section, key_name, validated
+from armour.scenario.messages import (
+    NOT_TINY,
+    NUMBER,
+    PATH,
+    NumberOrText,
+    Section,
+    check_types,
+    describe,
+    key_name,
+    validated,
+)
 from armour.units import GPA, MM, MPA, G
 
 Status = Literal["measured", "fitted", "assumed"]
@@ -43,6 +53,9 @@ class Value(Section, Generic[Number]):
     status: Status = "assumed"
     source: str = ""
     tests: list[dict[str, NumberOrText]] = []
+
+    def __repr__(self) -> str:
+        return f"<Value: {self.value:g}, {self.status}{f', {self.source}' if self.source else ''}>"
 
     @classmethod
     def model_parametrized_name(cls, params: tuple[Any, ...]) -> str:
@@ -221,25 +234,39 @@ class Library:
 
     def names(self, kind: Kind) -> list[str]:
         """Return the names of a kind, in the order of the files."""
+        if kind not in KINDS:
+            message = f"must be one of {', '.join(KINDS)}, found {describe(kind)}"
+            raise InputError([Problem("library", "kind", message)])
         return list(self.entries[kind])
 
     def to_dict(self) -> dict[str, dict[str, dict[str, Any]]]:
         """Return the entries as plain data, by kind and name."""
         return {kind: {name: entry.to_dict() for name, entry in self.entries[kind].items()} for kind in KINDS}
 
+    def entry(self, kind: Kind, name: str) -> LibraryEntry:
+        """Return an entry; if there is none, an InputError suggests the closest name."""
+        known = self.names(kind)
+        if name not in known:
+            message = f"must name a {kind} of the library, found {describe(name)}{suggestion(str(name), known)}"
+            raise InputError([Problem("library", "name", message)])
+        return self.entries[kind][name]
+
     def find(self, name: str) -> list[LibraryEntry]:
         """Return the entries of a name, of any kind; if there is none, a KeyError suggests the closest name."""
+        check_types("find", name=(name, str))
         found = [entries[name] for entries in self.entries.values() if name in entries]
         if not found:
             known = [known for kind in KINDS for known in self.names(kind)]
             raise KeyError(f'no entry of the library is called "{name}"{suggestion(name, known)}')
         return found
 
-    def extended(self, tables: LibraryTables, file: str, prefix: str = "") -> "Library":
+    def extended(self, tables: LibraryTables | Mapping[str, Any], file: str, prefix: str = "") -> "Library":
         """Return the library with added entries, which may be based on existing ones or replace those of the same name.
 
+        They are given by kind and name, ``{"ceramic": {"Mine": {"based_on": "AD85", "flow_stress_GPa": 4.5}}}``.
         `file` holds the entries and is the source of values without one; `prefix` is the key of the tables in it.
         """
+        tables = tables if isinstance(tables, LibraryTables) else validated(LibraryTables, tables, file)
         entries: dict[Kind, dict[str, LibraryEntry]] = {kind: dict(self.entries[kind]) for kind in KINDS}
         problems: dict[str, Problem] = {}
         for kind in KINDS:
@@ -356,7 +383,8 @@ def read_library(path: str | PathLike[str], onto: Library) -> Library:
     InputError
         With every mistake in the file, or if it cannot be read.
     """
-    return onto.extended(validated(LibraryTables, read_toml(path), str(path)), str(path))
+    check_types("read_library", path=(path, PATH), onto=(onto, Library))
+    return onto.extended(read_toml(path), str(path))
 
 
 def library_toml(tables: Mapping[str, Any]) -> str:
@@ -372,3 +400,14 @@ def shipped_library() -> Library:
     for path in sorted(shipped("configs").glob("*.toml")):
         library = read_library(path, library)
     return library
+
+
+def replaced_entries(tables: LibraryTables) -> list[str]:
+    """Return a note for each entry that replaces a shipped one of its name, on which it is not based."""
+    shipped = shipped_library().entries
+    return [
+        f"library.{kind}.{name}: replaces the {name} of the shipped library"
+        for kind in KINDS
+        for name, entry in getattr(tables, kind).items()
+        if name in shipped[kind] and entry.based_on != name
+    ]

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from os import PathLike
+from os.path import relpath
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,7 +12,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem, refuse, suggestion
-from armour.files import located, read_toml, shipped_files, write_atomic
+from armour.files import located, read_toml, shipped_files, shipped_suites, write_atomic
 from armour.scenario.assignments import Parts, changed, leaves, parts_of
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.library import (
@@ -23,7 +24,7 @@ from armour.scenario.library import (
     read_library,
     shipped_library,
 )
-from armour.scenario.messages import Section, key_name, problems_of
+from armour.scenario.messages import NUMBER, PATH, Items, Section, check_types, key_name, problems_of
 from armour.scenario.parameters import ROLES, entry_of, fields_of, inputs_of, with_inputs
 from armour.scenario.reach import check_not_twice
 from armour.scenario.schema import (
@@ -46,12 +47,13 @@ class _Source(NamedTuple):
     data: dict[str, Any]
     file: str  # name for messages
     folder: Path  # of the library files that the scenario names
+    set_by_hand: frozenset[Parts] = frozenset()  # keys of values of the library that the file does not hold
 
 
 class Scenario(Section):
     """A validated scenario: an impact, an armour and settings of the computations.
 
-    `load_scenario` and `parse_scenario` make scenarios.
+    `load_scenario` and `parse_scenario` make scenarios, and `replaced` one with other values.
     """
 
     title: Line = ""
@@ -64,7 +66,7 @@ class Scenario(Section):
     solver: Solver = Solver()
     ballistic_limit: BallisticLimitSection = BallisticLimitSection()
     optimise: Optimise | None = None
-    threat: list[Threat] = []
+    threat: Items[Threat] = ()
     design: DesignSection | None = None
     uncertainty: Uncertainty | None = None
     library: LibrarySection = LibrarySection()
@@ -72,14 +74,28 @@ class Scenario(Section):
     _entries: Library = PrivateAttr(default_factory=Library)
     _source: _Source = PrivateAttr(default_factory=lambda: _Source({}, "", Path()))
 
+    def model_post_init(self, context: Any) -> None:
+        """Validate a scenario that is made of its sections as `parse_scenario` does."""
+        if context is None:
+            made = parse_scenario(self.model_dump(exclude_unset=True))
+            self._entries, self._source = made._entries, made._source
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
+        """Return a copy; `replaced` makes one with other values, which are validated."""
+        if update is not None:
+            raise InputError(
+                [Problem("model_copy", "update", "must be left out, as it is not validated; use replaced")]
+            )
+        return super().model_copy(deep=deep)
+
     @property
     def file(self) -> str:
         """Name of the scenario's file, for messages."""
         return self._source.file
 
     def entry(self, kind: Kind, name: str) -> LibraryEntry:
-        """Return an entry of the scenario's library."""
-        return self._entries.entries[kind][name]
+        """Return an entry of the scenario's library; if there is none, an InputError suggests the closest name."""
+        return self._entries.entry(kind, name)
 
     def core_armour(self) -> Parameters:
         """Return projectile and armour as parameters of the core, SI units."""
@@ -93,18 +109,46 @@ class Scenario(Section):
         armour = self.core_armour()
         return armour.rho_c * armour.Hc0 + armour.rho_B * armour.Hb
 
+    def armour_words(self) -> str:
+        """Return thicknesses and names of the layers, such as "6.35 mm AD85 on 6.35 mm 6061-T6"."""
+        armour = self.armour
+        ceramic = f"{armour.ceramic_thickness_mm:g} mm {armour.ceramic} on " if armour.ceramic else ""
+        return f"{ceramic}{armour.backing_thickness_mm:g} mm {armour.backing}"
+
+    def __repr__(self) -> str:
+        impact, title = self.impact, f"'{self.title}', " if self.title else ""
+        return f"<Scenario: {title}{self.armour_words()}, {impact.projectile} at {impact.velocity_m_s:g} m/s>"
+
+    __str__ = __repr__
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the content of a scenario file as plain data, which `parse_scenario` reads."""
+        return deepcopy(self._source.data)
+
     def replaced(self, changes: Mapping[str, object]) -> "Scenario":
         """Return the scenario with other values by dotted key, such as ``{"impact.velocity_m_s": 900.0}``.
 
         A key may also be an input, such as ``"ceramic.flow_stress_GPa"``.  A table is merged into an existing one.  The
         scenario is validated again; an InputError lists every mistake.
         """
-        data, file, folder = self._source
-        return parse_changed(data, changes, file=file, folder=folder)
+        check_types("replaced", changes=(changes, Mapping))
+        data, file, folder, set_by_hand = self._source
+        try:
+            return parse_changed(data, changes, file=file, folder=folder, set_by_hand=set_by_hand)
+        except InputError as error:
+            own = [problem._replace(file="replaced") if problem.file == file else problem for problem in error.problems]
+            raise InputError(own) from None
 
-    def to_toml(self) -> str:
-        """Return the scenario as the text of a TOML file."""
-        return tomli_w.dumps(self._source.data)
+    def to_toml(self, folder: str | PathLike[str] | None = None) -> str:
+        """Return the scenario as the text of a TOML file, in which paths of library files are relative to a folder.
+
+        By default this is the folder that they are relative to already.
+        """
+        data = dict(self._source.data)
+        if folder is not None and self.library.files:
+            files = [relpath(self._source.folder / file, folder) for file in self.library.files]
+            data["library"] = {**data["library"], "files": files}
+        return tomli_w.dumps(data)
 
 
 def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | None = None) -> Scenario:
@@ -128,30 +172,40 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
     InputError
         With every mistake in the file and in the library files that it names.
     """
+    changes = {} if changes is None else changes
+    check_types("load_scenario", path=(path, PATH), changes=(changes, Mapping))
     path = scenario_file(Path(path))
-    return parse_changed(read_toml(path), changes or {}, file=str(path), folder=path.parent)
+    return parse_changed(read_toml(path), changes, file=str(path), folder=path.parent)
 
 
 def scenario_file(path: Path, others: Mapping[str, Path] | None = None) -> Path:
     """Return the file at a path or, where there is none, the shipped scenario, or other file, of that name."""
     known = {**shipped_files("scenarios", ".toml"), **(others or {})}
-    return located(path, known, "; `armour init --list` lists the shipped scenarios")
+    listed = "; `armour init --list` lists the shipped scenarios"
+    if str(path) not in known and not path.exists():
+        kinds = {f"{name}.csv": "table of tests" for name in shipped_files("scenarios/tests", ".csv")}
+        if kind := (kinds | dict.fromkeys(shipped_suites(), "suite")).get(str(path)):
+            raise InputError([Problem(str(path), "", f"must be a scenario, is the name of a shipped {kind}{listed}")])
+    return located(path, known, listed)
 
 
 def save_scenario(scenario: Scenario, path: str | PathLike[str]) -> None:
-    """Write a scenario to a TOML file, atomically.
+    """Write a scenario to a TOML file, atomically; a file of this name is replaced.
 
     Parameters
     ----------
     scenario : Scenario
     path : path-like
+        Paths of library files in the scenario are made relative to the folder of the file.
 
     Raises
     ------
     InputError
         If the file cannot be written.
     """
-    write_atomic(Path(path), scenario.to_toml().encode())
+    check_types("save_scenario", scenario=(scenario, Scenario), path=(path, PATH))
+    path = Path(path)
+    write_atomic(path, scenario.to_toml(path.parent).encode())
 
 
 def parse_scenario(data: Mapping[str, Any], *, file: str = "scenario", folder: str | PathLike[str] = ".") -> Scenario:
@@ -175,22 +229,34 @@ def parse_scenario(data: Mapping[str, Any], *, file: str = "scenario", folder: s
     InputError
         With every mistake.
     """
-    source = _Source(deepcopy(dict(data)), file, Path(folder))
+    check_types("parse_scenario", data=(data, Mapping), file=(file, str), folder=(folder, PATH))
+    return _made(_Source(deepcopy(dict(data)), file, Path(folder)))
+
+
+def _made(source: _Source) -> Scenario:
+    """Make a scenario from its source."""
     library, names, problems = _library_of(source)
     try:
         scenario = Scenario.model_validate(source.data, context={"names": names})
     except ValidationError as error:
-        raise InputError([*problems_of(error, Scenario, file), *problems]) from None
+        raise InputError([*problems, *problems_of(error, Scenario, source.file)]) from None
     refuse(problems)
     scenario._entries = library
     scenario._source = source
     return scenario
 
 
-def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file: str, folder: Path) -> Scenario:
+def parse_changed(
+    data: Mapping[str, Any],
+    *changes: Mapping[str, object],
+    file: str,
+    folder: Path,
+    set_by_hand: frozenset[Parts] = frozenset(),
+) -> Scenario:
     """Make a scenario from plain data with other values by dotted key or input, one mapping after the other.
 
-    Inputs are those of the scenario with all other changes, whatever their order.
+    Inputs are those of the scenario with all other changes, whatever their order.  `set_by_hand` are the keys of values
+    of the library that were set before.
     """
     inputs: dict[str, Any] = {}
     others: list[Parts] = []
@@ -200,14 +266,15 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
         rest = {key: value for key, value in group.items() if key not in by_role}
         data = _based(changed(data, rest, file), data, rest, file, folder)
         others += (leaf for key, value in rest.items() for leaf, _ in leaves(value, parts_of(key)))
-    made = parse_scenario(data, file=file, folder=folder)
+    set_by_hand = set_by_hand.union(leaf[:4] for leaf in others if leaf[0] == "library" and len(leaf) > 3)
+    made = _made(_Source(deepcopy(dict(data)), file, folder, set_by_hand))
     if not inputs:
         return made
     check_not_twice(made, inputs, others)
     try:
         return with_inputs(made, inputs)
     except InputError as error:
-        raise InputError([_told_of(made, inputs, problem) for problem in error.problems]) from None
+        raise InputError([_told_of(made, inputs, problem._replace(file=file)) for problem in error.problems]) from None
 
 
 def _told_of(scenario: Scenario, inputs: Iterable[str], problem: Problem) -> Problem:
@@ -258,7 +325,8 @@ def scenario_schema() -> dict[str, Any]:
 def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[Problem]]:
     """Return the scenario's library, the known names by kind and the mistakes in it.
 
-    A name is known even if its entry has a mistake, so that one mistake gives one message.
+    A name is known even if its entry has a mistake, and none is where a file has one, so that one mistake gives one
+    message.
     """
     library, problems = shipped_library(), []
     tables = _table(source.data, "library")
@@ -273,14 +341,28 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[P
             for problem in error.problems:
                 whole = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
                 problems.append(problem if problem.key else whole)
-    names: dict[Kind, list[str]] = {kind: [*library.names(kind), *_table(tables, kind)] for kind in KINDS}
+    unread = bool(problems)
+    names: dict[Kind, list[str]] = (
+        {} if unread else {kind: [*library.names(kind), *_table(tables, kind)] for kind in KINDS}
+    )
     try:
-        library = library.extended(LibrarySection.model_validate(tables), source.file, "library")
+        section = LibrarySection.model_validate(_with_sources(source, tables))
+        library = library.extended(section, source.file, "library")
     except ValidationError:
         pass  # the validation of the whole scenario reports it
     except InputError as error:
-        problems.extend(error.problems)
+        problems += (problem for problem in error.problems if not (unread and problem.key.endswith(".based_on")))
     return library, names, problems
+
+
+def _with_sources(source: _Source, tables: dict[str, Any]) -> dict[str, Any]:
+    """Return the tables of the library in which numbers that were set by hand have a source that says so."""
+    found = deepcopy(tables)
+    for _, kind, name, key in source.set_by_hand:
+        entry = _table(_table(found, kind), name)
+        if isinstance(entry.get(key), int | float):
+            entry[key] = {NUMBER: entry[key], "source": f"a change to {source.file}"}
+    return found
 
 
 def _table(data: Mapping[str, Any], key: str) -> dict[str, Any]:

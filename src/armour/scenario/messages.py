@@ -2,12 +2,14 @@
 
 import json
 import re
-from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, TypeVar, get_origin
+from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
+from types import NoneType
+from typing import Annotated, Any, TypeVar, cast, get_origin
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Tag, ValidationError, ValidationInfo
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, ValidationInfo
 
-from armour.errors import InputError, Problem, suggestion
+from armour.errors import InputError, Problem, choices, refuse
 from armour.files import MAX_INTEGER
 
 # Key of the number where a file may give a number or a table.
@@ -23,6 +25,9 @@ NumberOrText = Annotated[
 
 
 SectionT = TypeVar("SectionT", bound="Section")
+Item = TypeVar("Item")
+# A list of a file, which becomes a tuple.
+Items = Annotated[tuple[Item, ...], Field(strict=False)]
 
 
 class Section(BaseModel):
@@ -56,6 +61,65 @@ def describe(value: object) -> str:
     text = str(value)
     text = text if len(text) <= 40 else f"{text[:37]}..."
     return f'the text "{text}"' if isinstance(value, str) else text
+
+
+# Types of arguments of the public functions, what they are called, and the functions that make objects of ours.
+PATH = (str, PathLike)
+_WORDS: dict[object, str] = {
+    str: "a text",
+    int: "a whole number",
+    float: "a number",
+    Mapping: "a mapping",
+    Callable: "a function",
+}
+_WORDS |= {PATH: "a path", PathLike: "a path", NoneType: "None"}
+_MAKERS = {"Scenario": "load_scenario", "Suite": "load_suite", "Tests": "read_tests", "Shots": "read_shots"}
+_MAKERS |= {"Library": "shipped_library", "SuiteResult": "validate", "CalibrationResult": "calibrate"}
+
+
+def check_types(function: str, **given: tuple[object, Any]) -> None:
+    """Check the types of arguments of a public function, given by name: value, and a type or several."""
+    refuse(
+        Problem(function, name, f"must be {_called(kind)}, found {_found(value)}{_maker(value, kind)}")
+        for name, (value, kind) in given.items()
+        if not isinstance(value, kind) or (isinstance(value, bool) and kind is int)
+    )
+
+
+def check_sequence(function: str, name: str, given: object) -> tuple[str, ...]:
+    """Check that an argument of a public function is a name or a sequence of different names, and return them."""
+    names: Any = (given,) if isinstance(given, str) else given
+    if isinstance(names, Mapping) or not hasattr(names, "__iter__"):
+        raise InputError([Problem(function, name, f"must be a name or a sequence of names, found {_found(given)}")])
+    names = tuple(names)
+    wrong = [one for one in names if not isinstance(one, str)]
+    refuse(Problem(function, name, f"must be a sequence of names, found {_found(one)} in it") for one in wrong)
+    refuse(
+        Problem(function, name, f"must not name anything twice, found {describe(one)} twice")
+        for one in dict.fromkeys(names)
+        if names.count(one) > 1
+    )
+    return cast("tuple[str, ...]", names)
+
+
+def _called(kind: Any) -> str:
+    if kind in _WORDS:
+        return _WORDS[kind]
+    return " or ".join(map(_called, kind)) if isinstance(kind, tuple) else f"a {kind.__name__}"
+
+
+def _found(value: object) -> str:
+    """Return a wrong argument in words; of an object, its type."""
+    known = value is None or isinstance(value, str | int | float)
+    return describe(value) if known else f"a {type(value).__name__}"
+
+
+def _maker(value: object, kind: Any) -> str:
+    """Return which function makes what is wanted, "" if none does; a name or path given in its place, it may read."""
+    maker = _MAKERS.get(getattr(kind, "__name__", ""), "")
+    if maker.startswith(("load", "read")):
+        return f"; {maker}({json.dumps(str(value))}) reads one" if isinstance(value, PATH) else f"; {maker} reads one"
+    return f"; {maker} makes one" if maker else ""
 
 
 def above(key: str, *, or_equal: bool = False) -> AfterValidator:
@@ -96,6 +160,7 @@ _REQUIREMENTS = {
     "too_short": "must list at least {min_length} values",
     "too_long": "must list at most {max_length} values",
     "list_type": "must be a list",
+    "tuple_type": "must be a list",
     "dict_type": "must be a table",
     "model_type": "must be a table",
     "model_attributes_type": "must be a table",
@@ -115,7 +180,8 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
         if "expected" in context:
             context["expected"] = context["expected"].replace("'", '"')
         if detail["type"] == "extra_forbidden":
-            message = "unknown key" + suggestion(str(parts[-1]), _known_keys(model, parts[:-1]))
+            known = _known_keys(model, parts[:-1])
+            message = "unknown key" + (choices(str(parts[-1]), known) if known else "")
         elif detail["type"] == "missing":
             message = "is missing and must be given"
         elif detail["type"] == "value_error":
@@ -142,6 +208,8 @@ def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:
     """Return the keys that the model knows in the table at the given parts of a key."""
     free_name = False
     for part in parts:
+        if isinstance(part, int):
+            continue
         if free_name:
             free_name = False
         elif model is not None and part in model.model_fields:

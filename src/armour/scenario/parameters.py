@@ -109,7 +109,8 @@ def check_names(names: Iterable[str], scenario: "Scenario", file: str, key: str 
     problems = []
     for name in names:
         if name not in known:
-            hint = missing_unit(name, known) or choices(name, known)
+            named = f'; did you mean "{NAMES[name]}"?' if name in NAMES else ""
+            hint = named or missing_unit(name, known) or choices(name, known)
             problems.append(Problem(file, key or name, f'must name an input of the scenario, found "{name}"{hint}'))
     refuse(problems)
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 # What every computation reads.
 ALWAYS = ("model", "solver")
-NO_EFFECT = "must have an effect on what is computed, found none"
+NO_EFFECT = "must have an effect: {} does not depend on it"
 
 
 def check_known(scenario: "Scenario", keys: Iterable[str], file: str) -> None:
@@ -41,15 +41,15 @@ def check_known(scenario: "Scenario", keys: Iterable[str], file: str) -> None:
     refuse(problems)
 
 
-def check_read(changes: Mapping[str, object], reads: Collection[str]) -> None:
+def check_read(changes: Mapping[str, object], reads: Collection[str], what: str = "the answer") -> None:
     """Check that a command reads what options set, but for the library, see `check_used`, and the title.
 
-    It reads an input of a role where it reads the name in that role.
+    `what` is what it computes, in words.  It reads an input of a role where it reads the name in that role.
     """
     read = {*ALWAYS, *reads, "title", "library"}
     keys = [leaf for key, value in changes.items() for leaf, _ in leaves(value, parts_of(key))]
     refuse(
-        Problem("command line", f"--set {key_name(key)}", NO_EFFECT)
+        Problem("command line", f"--set {key_name(key)}", NO_EFFECT.format(what))
         for key in keys
         if read.isdisjoint(upwards(NAMES.get(key[0]) or key_name(key)))
     )
@@ -66,9 +66,15 @@ def read_of(scenario: "Scenario", reads: Collection[str]) -> set[str]:
 
 
 def check_reach(
-    scenario: "Scenario", keys: Sequence[str], reads: Collection[str], file: str, *, closed_forms: bool = False
+    scenario: "Scenario",
+    keys: Sequence[str],
+    reads: Collection[str],
+    file: str,
+    what: str = "the answer",
+    *,
+    closed_forms: bool = False,
 ) -> None:
-    """Check that each of the keys counts for a computation.
+    """Check that each of the keys counts for a computation, of `what` in words.
 
     Closed forms also read the optional values of the library.
     """
@@ -84,7 +90,7 @@ def check_reach(
         if not counts and not (closed_forms and {*rest} & {*UNUSED}):
             used = ", ".join(f'{role} "{name_of(scenario, role)}"' for role in ROLES if name_of(scenario, role))
             hint = f"; the scenario has the {used}" if section == "library" else ""
-            problems.append(Problem(file, key, NO_EFFECT + hint))
+            problems.append(Problem(file, key, NO_EFFECT.format(what) + hint))
         elif name.startswith("ceramic.") and bare:
             problems.append(Problem(file, key, f"must not be given where {CERAMIC} is 0"))
         elif name and given.setdefault(name, key) != key:

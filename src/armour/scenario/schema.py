@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo, 
 from armour.core import equations
 from armour.errors import suggestion
 from armour.scenario.library import Kind, LibraryTables
-from armour.scenario.messages import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Section, above
+from armour.scenario.messages import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
 from armour.units import US
 
 # Greatest numbers of values on an axis and of designs on a grid; more are most likely a mistake.
@@ -29,7 +29,7 @@ def _in_library(kind: Kind) -> AfterValidator:
     """Return a validator of a name, which must be in the library."""
 
     def check(name: str, info: ValidationInfo) -> str:
-        known: list[str] = info.context["names"][kind] if info.context else [name]
+        known: list[str] = info.context["names"][kind] if info.context and kind in info.context["names"] else [name]
         if name not in known:
             raise ValueError(f'must name a {kind} of the library, found "{name}"{suggestion(name, known)}')
         return name
@@ -258,11 +258,11 @@ class DesignSection(Section):
     added_thickness_mm: ThicknessOrNone = 0.0
     added_areal_density_kg_m2: Amount = 0.0
     added_cost_per_m2: Amount = 0.0
-    ceramic: list[CeramicLayer] = []
-    backing: list[BackingLayer] = []
+    ceramic: Items[CeramicLayer] = ()
+    backing: Items[BackingLayer] = ()
 
 
 class LibrarySection(LibraryTables):
     """Library files and entries that the scenario adds to the library."""
 
-    files: list[str] = []
+    files: Items[str] = ()

@@ -1,37 +1,53 @@
 """Calibration: inputs of a scenario fitted to tests, with intervals and leave-one-out errors."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from scipy.stats import t
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import TableResult, by_column
-from armour.analysis.variants import Floats, OnProgress, ignore_progress, outside_limits, variants_of
+from armour.analysis.variants import Bools, Floats, OnProgress, ignore_progress, outside_limits, variants_of
 from armour.errors import InputError, Problem, choices
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_sequence, check_types
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, law_of, with_law
 from armour.statistics.likelihood_fit import MIN_P_VALUE, Coefficient, Fit, enough, fit_inputs, intervals, without
-from armour.statistics.test_data import LIMIT, Tests
+from armour.statistics.test_data import LIMIT, Tests, common_of
 
 # Greatest number of folds of the leave-one-out error.
 MAX_FOLDS = 100
+# Part of the tables of sound tests for which a test is called out of line.
+FALSE_ALARMS = 0.05
 
 
 @dataclass(frozen=True)
 class Residual:
-    """A measurement and the value of the calibrated model, in the unit of the quantity's name."""
+    """A measurement and the value of the calibrated model, in the unit of the quantity's name.
+
+    Attributes
+    ----------
+    test, quantity : str
+    measured, computed : float
+    left_out : float or None
+        Computed with coefficients fitted to the other tests; None where these are too few.
+    bound : {"", "at least", "at most"}
+        Bound on the ballistic limit that the outcome of a test gives; empty for a measured value.
+    uncertainty : float or None
+        Standard deviation of the measured value, where it is given.
+    """
 
     test: str
     quantity: str
     measured: float
     computed: float
-    left_out: float | None  # computed with coefficients fitted to the other tests; None where these are too few
-    bound: str  # "at least" or "at most": bound on the ballistic limit that the outcome of a test gives
-    uncertainty: float | None = None  # standard deviation of the measured value, where it is given
+    left_out: float | None
+    bound: str
+    uncertainty: float | None = None
 
     @property
     def met(self) -> bool:
@@ -97,7 +113,8 @@ class CalibrationResult(TableResult):
     laws : tuple of LawFit
         The laws that were compared.
     warnings : tuple of str
-        A bad fit, and ways in which tests are unlike what the model was compared with before.
+        A bad fit, tests that do not follow the others, and ways in which tests are unlike what the model was
+        compared with before.
     """
 
     tests: str
@@ -133,7 +150,7 @@ class CalibrationResult(TableResult):
 def calibrate(
     tests: Tests,
     scenario: Scenario,
-    fit: Sequence[str] = (FLOW_STRESS,),
+    fit: str | Sequence[str] = FLOW_STRESS,
     law: Law | Literal["all"] | None = None,
     *,
     prior: bool = False,
@@ -149,10 +166,10 @@ def calibrate(
     Parameters
     ----------
     tests : Tests
-        See `armour.statistics.test_data.read_tests`.
+        See `read_tests`.
     scenario : Scenario
-        Inputs that the tests have in common.
-    fit : sequence of str
+        Inputs that the tests have in common: the scenario that the tests were read with.
+    fit : str or sequence of str, default "ceramic.flow_stress_GPa"
         Names of the inputs to fit.
     law : {"constant", "ceramic", "backing", "product", "linear", "all"}, optional
         Law of the ceramic's flow stress, whose coefficients are fitted beside the flow stress, in place of that of the
@@ -172,9 +189,14 @@ def calibrate(
     Raises
     ------
     InputError
-        If a name is not an input, the tests differ in the material that is fitted, there are too few of them, a prior
-        is neither normal nor lognormal, or a run does not end.
+        If the tests were read with another scenario, a name is not an input, the tests differ in the material that is
+        fitted, there are too few of them, a prior is neither normal nor lognormal, or a run does not end.
     """
+    check_types("calibrate", tests=(tests, Tests), scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
+    fit = check_sequence("calibrate", "fit", fit)
+    if other := [name for name, own in common_of(tests.scenario).items() if common_of(scenario)[name] != own]:
+        message = f"must be the one that the tests were read with, found other {' and '.join(other)}"
+        raise InputError([Problem("calibrate", "scenario", f"{message}; read_tests reads them with this one")])
     if law not in (None, "all", *LAWS):
         names = [*LAWS, "all"]
         raise InputError([Problem("calibrate", "law", f'must be a law, found "{law}"{choices(str(law), names)}')])
@@ -182,14 +204,14 @@ def calibrate(
         raise InputError([Problem("calibrate", "fit", "must name at least one input")])
     if law is not None and FLOW_STRESS not in fit:
         message = f'must not be given where {FLOW_STRESS} is not fitted, found "{law}"'
-        raise InputError([Problem(scenario.file, "--law", message)])
+        raise InputError([Problem("calibrate", "law", message)])
     if law != "all":
         return _with_intervals(_with_one_law(tests, scenario, fit, law, on_progress, prior=prior))
     fits = [_with_one_law(tests, scenario, fit, "constant", on_progress, prior=prior)]
-    for other in [*LAWS][1:]:
+    for each in [*LAWS][1:]:
         # Some laws have more coefficients than there are tests for.
         with suppress(InputError):
-            fits.append(_with_one_law(tests, scenario, fit, other, on_progress, prior=prior))
+            fits.append(_with_one_law(tests, scenario, fit, each, on_progress, prior=prior))
     rows = [LawFit(f.law, len(f.done.best.x), f.mean_error, f.left_out_error, f.done.aicc) for f in fits]
     results: list[CalibrationResult] = []
     for candidate in sorted(fits, key=_rank):
@@ -275,8 +297,43 @@ def _with_intervals(found: _LawFit) -> CalibrationResult:
         p_value=done.p_value,
         widened_by=done.widened_by,
         aicc=done.aicc,
-        warnings=(*_bad_fit(done), *_unlike(tests)),
+        warnings=(*_bad_fit(done), *_strange(found), *_unlike(tests)),
     )
+
+
+def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bools:
+    """Return which measurements do not follow the others, (n,), from the deviations of fits with and without each.
+
+    Their studentised left-out deviations exceed a quantile of Student's t, with Bonferroni's correction.  In a linear
+    model, the product of both deviations is what a measurement adds to the sum of squares.
+    """
+    freedom = len(deviations) - coefficients - 1
+    if freedom < 1:
+        return np.zeros(len(deviations), dtype=bool)
+    added = deviations * left_out
+    scatter = np.maximum(deviations @ deviations - added, 0.0) / freedom
+    limit = t.ppf(1.0 - 0.5 * FALSE_ALARMS / len(deviations), freedom)
+    found: Bools = added > limit**2 * scatter
+    return found
+
+
+def _strange(found: _LawFit) -> Iterator[str]:
+    """Give the measurements that do not follow the others, with their lines."""
+    tests = found.tests
+    pairs = [(m, r) for m, r in zip(tests.measurements, found.residuals, strict=True) if not r.bound]
+    scales = np.array([m.uncertainty or m.value for m, _ in pairs])
+    measured, computed, left_out = (
+        np.array([getattr(r, key) for _, r in pairs], dtype=float) for key in ("measured", "computed", "left_out")
+    )
+    far = out_of_line((computed - measured) / scales, (left_out - measured) / scales, len(found.done.best.x))
+    for i in np.flatnonzero(far):
+        m, r = pairs[i]
+        name = "" if r.test == tests.places[m.test] else f" ({r.test})"
+        yield (
+            f"{tests.places[m.test]}{name}: {r.quantity} is out of line with the other tests: measured "
+            f"{r.measured:g}, where a fit to the others gives {r.left_out:.4g}; chance alone makes one such test in "
+            f"{100.0 * FALSE_ALARMS:g} % of tables"
+        )
 
 
 def _unlike(tests: Tests) -> Iterator[str]:

@@ -2,20 +2,64 @@
 
 from collections.abc import Callable
 from math import sqrt
-from os.path import relpath
+from os import PathLike
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
-from armour.errors import InputError, NoAnswerError
-from armour.files import parse_toml
+from armour.errors import InputError, NoAnswerError, Problem
+from armour.files import parse_toml, written
 from armour.scenario.library import FLOW_STRESS_LAW, LibraryEntry, library_toml, shipped_library
 from armour.scenario.loading import Scenario, parse_scenario
+from armour.scenario.messages import PATH, check_types
 from armour.scenario.parameters import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY, entry_of, name_of
 from armour.statistics.calibration import CalibrationResult, left_out_errors
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS
 from armour.statistics.test_data import LIMIT, MEASURED, OUTCOME, Tests
 
 SUFFIX = ", calibrated"
+
+
+def save_fit(
+    result: CalibrationResult,
+    tests: Tests,
+    scenario: Scenario,
+    *,
+    library: str | PathLike[str] | None = None,
+    fitted: str | PathLike[str] | None = None,
+) -> None:
+    """Write what a calibration found to files, all or none; files of these names are replaced.
+
+    Parameters
+    ----------
+    result : CalibrationResult
+    tests : Tests
+    scenario : Scenario
+        The tests and the scenario that were given to `calibrate`.
+    library : path-like, optional
+        Library file to write, with the calibrated entries and the tests that they were calibrated to.
+    fitted : path-like, optional
+        Scenario file to write, with these entries and the uncertainty of the fitted inputs.
+
+    Raises
+    ------
+    InputError
+        If no file is given, or one cannot be written.
+    NoAnswerError
+        If an input is not identified, or no scenario could use the fit.
+    """
+    path = (*PATH, NoneType)
+    check_types("save_fit", result=(result, CalibrationResult), tests=(tests, Tests), scenario=(scenario, Scenario))
+    check_types("save_fit", library=(library, path), fitted=(fitted, path))
+    contents: dict[Path, bytes] = {}
+    if library is not None:
+        contents[Path(library)] = library_text(result, tests, scenario).encode()
+    if fitted is not None:
+        contents[Path(fitted)] = scenario_text(result, tests, scenario, Path(fitted)).encode()
+    if not contents:
+        raise InputError([Problem("save_fit", "library", "must be given, or fitted: the file to write")])
+    with written(contents):
+        pass
 
 
 def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario) -> str:
@@ -35,10 +79,7 @@ def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, p
             raise NoAnswerError(f"nothing to write: the tests bound {coefficient.name} on one side only")
     tables, used = _entries(result, tests)
     with_entries = _usable(lambda: scenario.replaced({"library": tables, **used}))
-    data = parse_toml(with_entries.to_toml(), scenario.file)
-    if files := data["library"].get("files"):
-        folder = Path(scenario.file).parent
-        data["library"]["files"] = [relpath(folder / file, path.parent) for file in files]
+    data = parse_toml(with_entries.to_toml(path.parent), scenario.file)
     section, names = data.setdefault("uncertainty", {}), [coefficient.name for coefficient in result.coefficients]
     for coefficient in result.coefficients:
         role, key = coefficient.name.split(".")

@@ -47,14 +47,30 @@ FIRST_STEP, END_TOLERANCE = 1.8, 1e-3
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A fitted input."""
+    """A fitted input.
+
+    Attributes
+    ----------
+    name : str
+        Name of the input, such as ``"ceramic.flow_stress_GPa"``.
+    estimate : float or None
+        In the unit of the name; None where the tests do not identify it.
+    interval : tuple of float or None, or None
+        Profile-likelihood interval; None for an end that is open.
+    reason : str
+        Why it is not identified.
+    standard_error : float or None
+        Of the model linearised at the estimate.
+    prior_share : float or None
+        Part of its precision that the prior has, 0 to 1; None without a prior of it.
+    """
 
     name: str
-    estimate: float | None  # None where the tests do not identify it
-    interval: tuple[float | None, float | None] | None  # profile-likelihood interval; None for an end that is open
-    reason: str = ""  # why it is not identified
-    standard_error: float | None = None  # of the model linearised at the estimate
-    prior_share: float | None = None  # part of its precision that the prior has, 0 to 1; None without a prior of it
+    estimate: float | None
+    interval: tuple[float | None, float | None] | None
+    reason: str = ""
+    standard_error: float | None = None
+    prior_share: float | None = None
 
 
 class Likelihood(NamedTuple):
@@ -442,16 +458,14 @@ def without(fit: Fit, kept: Bools) -> Floats:
 
 def _check(tests: Tests, scenario: Scenario, inputs: Sequence[str]) -> None:
     """Check that the inputs can be fitted to the tests."""
-    check_names(inputs, scenario, scenario.file, "--fit")
+    check_names(inputs, scenario, "calibrate", "fit")
     problems = []
-    if len(set(inputs)) != len(inputs):
-        problems.append(Problem(scenario.file, "--fit", "must not name an input twice"))
     for name in inputs:
         if any(name in group.columns for group in tests.groups):
             problems.append(Problem(tests.file, name, "must not be a column where it is fitted"))
         if name in (VELOCITY, CERAMIC, BACKING):
             problems.append(
-                Problem(scenario.file, "--fit", f'must be a property of a material or projectile, found "{name}"')
+                Problem("calibrate", "fit", f'must be a property of a material or projectile, found "{name}"')
             )
     for role, key in NAMES.items():
         names = {name_of(group.scenario, role) for group in tests.groups}

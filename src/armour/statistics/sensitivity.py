@@ -1,6 +1,6 @@
 """Sensitivity of a scenario's answers to its inputs: elasticities by central differences."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isnan, log
 from typing import Any
@@ -23,6 +23,7 @@ from armour.design.free import least_areal_densities
 from armour.errors import NoAnswerError
 from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_types
 from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of
 
 # Relative change of an input in either direction.
@@ -37,11 +38,21 @@ FREE = {LIMIT: (VELOCITY,), RESIDUAL: (), OPTIMUM: (CERAMIC, BACKING)}
 
 @dataclass(frozen=True)
 class Elasticity:
-    """Elasticities with respect to an input: relative change of each answer per relative change of the input."""
+    """Elasticities with respect to an input: relative change of each answer per relative change of the input.
+
+    Attributes
+    ----------
+    input : str
+        Name of the input, such as ``"ceramic.flow_stress_GPa"``.
+    value : float
+        Its value, in the unit of its name.
+    elasticities : mapping of str to float or None
+        By answer; None where the answer does not depend on the input or has no value.
+    """
 
     input: str
-    value: float  # of the input, in the unit of its name
-    elasticities: Mapping[str, float | None]  # None where the answer does not depend on the input or has no value
+    value: float
+    elasticities: Mapping[str, float | None]
 
 
 @dataclass(frozen=True, repr=False)
@@ -93,6 +104,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     InputError
         If the scenario has a grid with a ceramic thickness, but no ceramic, or a run does not end.
     """
+    check_types("sensitivity", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     own = {name: value for name, value in inputs_of(scenario).items() if value != 0.0}
     # Each change makes variants of its own, as values derived from one input must not be fixed by the others.
     changed = [
@@ -121,7 +133,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         answers={answer: _number(values[0]) for answer, values in answers.items()},
         inputs=tuple(sorted(inputs, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
         warnings=warnings_of(scenario, scenario.impact.velocity_m_s),
-    )
+    )._of(scenario=scenario)
 
 
 def _answers(scenario: Scenario, variants: Variants, on_progress: OnProgress) -> dict[str, Floats]:

@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Container, Mapping, Sequence
 from os import PathLike
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -11,8 +10,9 @@ import numpy as np
 from armour.analysis.variants import Floats, Ints
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
-from armour.scenario.parameters import INPUTS, NAMES, VELOCITY, check_rows, inputs_of, with_inputs
-from armour.statistics.csv_table import CsvRow, read_rows
+from armour.scenario.messages import check_sequence, check_types
+from armour.scenario.parameters import INPUTS, NAMES, ROLES, VELOCITY, check_rows, inputs_of, with_inputs
+from armour.statistics.csv_table import CsvRow, Rows, in_line_order, lines_of, read_rows
 
 LIMIT, RESIDUAL, MASS, OUTCOME = "ballistic_limit_m_s", "residual_velocity_m_s", "residual_mass_g", "outcome"
 # Quantities that a test can measure, and the columns of their uncertainties (one standard deviation).
@@ -51,27 +51,59 @@ class MaterialGroup(NamedTuple):
 
 
 class Tests(NamedTuple):
-    """A table of tests."""
+    """A table of tests; `read_tests` makes one.
+
+    Attributes
+    ----------
+    file : str
+    names : tuple of str
+        Names of the tests.
+    groups : tuple of MaterialGroup
+        Tests with the same projectile and materials.
+    measurements : tuple of Measurement
+    weighted : bool
+        Whether the measured values have uncertainties.
+    cells : tuple of mapping
+        Inputs and measurements of each test as they stand in the table, by column.
+    scenario : Scenario
+        Inputs that the tests have in common.
+    places : tuple of str
+        Lines of the tests in the file.
+    """
 
     file: str
     names: tuple[str, ...]
     groups: tuple[MaterialGroup, ...]
     measurements: tuple[Measurement, ...]
-    weighted: bool  # by uncertainties; else by the measured values
-    cells: tuple[Mapping[str, float | str], ...]  # inputs and measurements as they stand in the table
+    weighted: bool
+    cells: tuple[Mapping[str, float | str], ...]
+    scenario: Scenario
+    places: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<Tests: {len(self.names)} tests of {self.file}, {len(self.measurements)} measurements>"
 
 
-def read_tests(path: str | PathLike[str], scenario: Scenario, notes: Sequence[str] = ()) -> Tests:
+def common_of(scenario: Scenario) -> dict[str, object]:
+    """Return what tests can have in common: sections of a scenario, and the values that it takes from the library."""
+    sections = ("impact", "armour", "model", "solver", "ballistic_limit")
+    values = {name: value for name, value in inputs_of(scenario).items() if name.split(".")[0] in ROLES}
+    return {**{name: getattr(scenario, name) for name in sections}, "values of the library": values}
+
+
+def read_tests(path: str | PathLike[str] | Rows, scenario: Scenario, notes: str | Sequence[str] = ()) -> Tests:
     """Read a table of tests: inputs that differ from test to test, and measurements.
 
     Parameters
     ----------
-    path : path-like
-        CSV file.  Its columns are inputs of the scenario, names of projectiles and materials, measured quantities and
-        their uncertainties, ``outcome``, and ``test``, the name of the test.
+    path : path-like, sequence of mappings or data frame
+        CSV file or, where there is no such file, a shipped table of this name, such as ``"wilkins.csv"``; or the rows
+        themselves, each a mapping by column, or a data frame of pandas or polars, where None and NaN are empty cells.
+        Its columns are inputs of the scenario, names of projectiles and materials, measured quantities and their
+        uncertainties, ``outcome``, and ``test``, the name of the test.
     scenario : Scenario
         Inputs that the tests have in common.
-    notes : sequence of str, optional
+    notes : str or sequence of str, optional
         Further columns, which are kept as text.
 
     Returns
@@ -81,15 +113,26 @@ def read_tests(path: str | PathLike[str], scenario: Scenario, notes: Sequence[st
     Raises
     ------
     InputError
-        With every mistake in the file.
+        With every mistake in the table.
+
+    Examples
+    --------
+    >>> import armour
+    >>> scenario = armour.load_scenario("wilkins")
+    >>> armour.read_tests([{"armour.ceramic_thickness_mm": 8.0, "ballistic_limit_m_s": 780.0}], scenario)
+    <Tests: 1 tests of rows, 1 measurements>
     """
-    path = Path(path)
+    check_types("read_tests", scenario=(scenario, Scenario))
+    notes = check_sequence("read_tests", "notes", notes)
     numbers = (*INPUTS, *MEASURED, *MEASURED.values())
-    rows, problems = read_rows(path, numbers=numbers, texts=("test", OUTCOME, *NAMES.values(), *notes), needed=())
+    file, lines = lines_of(path)
+    rows, problems = read_rows(
+        file, lines, numbers=numbers, texts=("test", OUTCOME, *NAMES.values(), *notes), needed=()
+    )
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated = {name for name, count in Counter(names).items() if count > 1}
     problems += [
-        Problem(str(path), f"{row.place}: {key}" if key else row.place, message)
+        Problem(file, f"{row.place}: {key}" if key else row.place, message)
         for row in rows
         for key, message in _mistakes(row, repeated)
     ]
@@ -97,12 +140,13 @@ def read_tests(path: str | PathLike[str], scenario: Scenario, notes: Sequence[st
     weighted = {MEASURED[m.quantity] in rows[m.test].texts for m in measurements}
     if len(weighted) == 2:
         message = "uncertainties must be given for every measurement and outcome, or for none"
-        problems.append(Problem(str(path), "", message))
-    groups, wrong = _groups(rows, scenario, str(path))
+        problems.append(Problem(file, "", message))
+    groups, wrong = _groups(rows, scenario, file)
     if problems or wrong:
-        raise InputError([*problems, *wrong])
+        raise InputError(in_line_order([*problems, *wrong]))
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
-    return Tests(str(path), names, tuple(groups), tuple(measurements), weighted == {True}, tuple(cells))
+    places = tuple(row.place for row in rows)
+    return Tests(file, names, tuple(groups), tuple(measurements), weighted == {True}, tuple(cells), scenario, places)
 
 
 def _mistakes(row: CsvRow, repeated: Container[str]) -> list[tuple[str, str]]:

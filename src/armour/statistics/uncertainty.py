@@ -20,10 +20,11 @@ from armour.analysis.variants import (
     portions,
 )
 from armour.errors import NoLimitError
-from armour.scenario.applicability import is_excluded, model_error, warnings_of
+from armour.scenario.applicability import is_excluded, model_error, unused_threats, warnings_of
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_types
 from armour.scenario.parameters import VELOCITY, inputs_of
 from armour.scenario.sampling import REPLICATES, columns_of, moved_mean, points_of, quantiles
 from armour.statistics.sobol_indices import first_order_indices, total_indices
@@ -40,7 +41,7 @@ SAMPLES_AT_A_TIME = 2**12
 
 
 @dataclass(frozen=True)
-class Index:
+class Influence:
     """Influence of an input on the ballistic limit.
 
     Attributes
@@ -106,7 +107,7 @@ class UncertaintyResult(TableResult):
     deterministic_m_s : float
         Ballistic limit with the scenario's own values, m/s.
     curve : ProbabilityCurve
-    inputs : tuple of Index
+    inputs : tuple of Influence
         In descending order of influence.
     model_error : ModelError or None
         Error of the model, which is one of the inputs; None where it is not known or not included.
@@ -126,7 +127,7 @@ class UncertaintyResult(TableResult):
     standard_deviation_m_s: float
     deterministic_m_s: float
     curve: ProbabilityCurve
-    inputs: tuple[Index, ...]
+    inputs: tuple[Influence, ...]
     warnings: tuple[str, ...]
     model_error: ModelError | None = None
 
@@ -159,6 +160,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     NoLimitError
         If a sample has no ballistic limit in the range of the search.
     """
+    check_types("uncertainty", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     section = section_of(scenario)
     points = points_of(section)
     total = section.samples + index_samples(section) * (len(_ranked(section)) + 1)
@@ -185,11 +187,11 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         warnings=(
             *_misplaced(section, inputs_of(scenario)),
             *_unknown(scenario),
-            *_other_threats(scenario),
-            *warnings_of(scenario, deterministic),
+            *unused_threats(scenario),
+            *warnings_of(scenario, deterministic, "ballistic_limit"),
         ),
         model_error=model_error(scenario),
-    )
+    )._of(scenario=scenario)
 
 
 def probability_of_perforation(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> Estimate:
@@ -207,7 +209,7 @@ def _misplaced(section: Uncertainty, own: Mapping[str, float]) -> Iterator[str]:
     for name, distribution in section.inputs().items():
         if name in own:
             if not distribution.contains(own[name]):
-                yield f"uncertainty.{name}: is about a value of its own, not the scenario's {own[name]:g}"
+                yield f"uncertainty.{name}: is given for another value than the scenario's {own[name]:g}"
             moved = moved_mean(distribution, own[name])
             if moved:
                 yield f"uncertainty.{name}: truncation moves its mean from {moved[0]:g} to {moved[1]:.4g}"
@@ -218,15 +220,6 @@ def _unknown(scenario: Scenario) -> tuple[str, ...]:
     if model_error(scenario) is not None or is_excluded(scenario):
         return ()
     return ("uncertainty.model: the error of the model is not known for such an armour, and not included",)
-
-
-def _other_threats(scenario: Scenario) -> tuple[str, ...]:
-    """Return a warning where the scenario has threats of its own."""
-    if not scenario.threat:
-        return ()
-    impact = scenario.impact
-    against = f"the {impact.projectile} at {impact.velocity_m_s:g} m/s of [impact]"
-    return (f"threat: is not used: the results are against {against}; a report has the probability of every threat",)
 
 
 def _in_portions(scenario: Scenario, section: Uncertainty, points: Floats) -> Iterator[tuple[slice, Samples]]:
@@ -295,7 +288,7 @@ def index_samples(section: Uncertainty) -> int:
 
 def influences(
     scenario: Scenario, points: Floats, limits: Floats, on_samples: Callable[[int], None]
-) -> tuple[Index, ...]:
+) -> tuple[Influence, ...]:
     """Estimate the influence of each input on the ballistic limit, from its samples and samples of its own."""
     section, own = section_of(scenario), own_values(scenario)
     names, inputs = _ranked(section), list(section.inputs())
@@ -325,13 +318,13 @@ def influences(
             found = total_indices(limits_at, places, len(inputs), index_samples(section), section.seed)
             total = dict(zip(names, found, strict=True))
     result = [
-        Index(name, first.get(name), total.get(name), (low, high))
+        Influence(name, first.get(name), total.get(name), (low, high))
         for name, (low, high) in zip(names, limits_at_ends, strict=True)
     ]
     return tuple(sorted(result, key=_influence, reverse=True))
 
 
-def _influence(index: Index) -> float:
+def _influence(index: Influence) -> float:
     """Return the total index or, without one, the first-order index."""
     found = index.total or index.first
     return found.value if found else 0.0

@@ -1,20 +1,22 @@
 """V50 from firing results: the mean of MIL-STD-662F, maximum likelihood and penalised likelihood."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import inf
+from numbers import Real
 from os import PathLike
-from pathlib import Path
-from typing import Annotated, Literal
+from types import NoneType
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE
-from armour.analysis.results import Result
+from armour.analysis.results import TableResult, by_column
 from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
-from armour.scenario.messages import Section, validated
-from armour.statistics.csv_table import read_rows
+from armour.scenario.messages import PATH, Section, check_types, validated
+from armour.statistics.csv_table import in_line_order, lines_of, read_rows
 from armour.statistics.firing_posterior import FiringEstimate, no_prior, posterior_of, prior_of, prior_share
 from armour.statistics.penalised_curve import fit_penalised
 from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
@@ -43,14 +45,16 @@ class Shots:
 
     Attributes
     ----------
-    velocities_m_s : tuple of float
-    complete : tuple of bool
+    velocities_m_s : sequence of float
+        Impact velocities, m/s.
+    complete : sequence of bool
         Whether each was a complete penetration.
     file : str
+        Name of their file, for messages and titles.
     """
 
-    velocities_m_s: tuple[float, ...]
-    complete: tuple[bool, ...]
+    velocities_m_s: Sequence[float]
+    complete: Sequence[bool]
     file: str = "shots"
 
     def of(self, *, complete: bool) -> list[float]:
@@ -61,17 +65,31 @@ class Shots:
 
 @dataclass(frozen=True)
 class MeanV50:
-    """V50 as the mean velocity of equal numbers of highest partial and lowest complete penetrations."""
+    """V50 as the mean velocity of equal numbers of highest partial and lowest complete penetrations.
+
+    Attributes
+    ----------
+    v50_m_s : float
+        Mean velocity, m/s.
+    pairs : int
+        Number of shots of each kind.
+    span_m_s : float
+        Difference between the fastest and the slowest of these shots, m/s.
+    span_allowed_m_s : float
+        Greatest span allowed, m/s.
+    rule : {"usual span", "given span", "no usual rule"}
+        Where the span allowed is from; "no usual rule" for other numbers of shots than 2, 3 and 5.
+    """
 
     v50_m_s: float
-    pairs: int  # shots of each kind
-    span_m_s: float  # difference between the fastest and the slowest of these shots
+    pairs: int
+    span_m_s: float
     span_allowed_m_s: float
-    rule: Rule  # "no usual rule": other numbers of shots than 2, 3 and 5
+    rule: Rule
 
 
 @dataclass(frozen=True, repr=False)
-class FiringResult(Result):
+class FiringResult(TableResult):
     """V50 estimated from firing results.
 
     With few shots the intervals of maximum likelihood are too short, and separated shots have no curve; those of the
@@ -100,7 +118,7 @@ class FiringResult(Result):
     model_interval_m_s : tuple of float or None
         Interval of it with a probability of 95 %, given the error of the model, m/s; None where that is not known.
     warnings : tuple of str
-        Ways in which the scenario is unlike what the model was compared with.
+        Shots far from the model's limit, and ways in which the scenario is unlike what the model was compared with.
     prior, posterior : FiringEstimate or None
         V50 and the scatter by the model with its error, without and with the shots; None unless asked for.
     prior_share : float or None
@@ -130,6 +148,9 @@ class FiringResult(Result):
         fit = self.recommended or self.fits[0]
         return f"V50 {fit.v50_m_s:.1f} m/s by {fit.method}, {self.shots} shots"
 
+    def _columns(self) -> dict[str, Any]:
+        return by_column(vars(fit) for fit in (*self.penalised_fits, *self.fits))
+
 
 def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     """Read firing results from a CSV file.
@@ -138,7 +159,7 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     ----------
     path : path-like
         File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete", also P or C, in letters of any
-        case) and, optionally, ``shot``.
+        case) and, optionally, ``shot``; or, where there is no such file, the name of a shipped one, ``"shots.csv"``.
     one_kind : bool
         Whether all penetrations may be partial, or all complete: enough for a plan and for a posterior.
 
@@ -152,8 +173,9 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
         With every mistake in the file.
     """
     names = ("velocity_m_s", "result")
-    path = Path(path)
-    rows, problems = read_rows(path, numbers=names[:1], texts=("shot", "result"), needed=names)
+    check_types("read_shots", path=(path, PATH))
+    file, lines = lines_of(path)
+    rows, problems = read_rows(file, lines, numbers=names[:1], texts=("shot", "result"), needed=names)
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     given = [row.texts.get("result", "") for row in rows]
     results = [RESULTS.get(text.lower(), "") for text in given]
@@ -161,15 +183,15 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
         found = row.texts.get("velocity_m_s", "")
         if not found or not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
             message = f'must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found "{found}"'
-            problems.append(Problem(str(path), f"{row.place}: velocity_m_s", message))
+            problems.append(Problem(file, f"{row.place}: velocity_m_s", message))
         if not result:
             message = f'must be "partial" or "complete", or P or C, found "{text}"'
-            problems.append(Problem(str(path), f"{row.place}: result", message))
+            problems.append(Problem(file, f"{row.place}: result", message))
     if not problems and not one_kind and len(set(results)) == 1:
         message = f"must have at least one partial and one complete penetration, found only {results[0]} ones"
-        problems.append(Problem(str(path), "result", message))
-    refuse(problems)
-    return Shots(tuple(velocities), tuple(result == "complete" for result in results), str(path))
+        problems.append(Problem(file, "result", message))
+    refuse(in_line_order(problems))
+    return Shots(tuple(velocities), tuple(result == "complete" for result in results), file)
 
 
 def v50(
@@ -213,6 +235,7 @@ def v50(
         If the complete penetrations were no faster on average than the partial ones, unless there is a prior, or the
         scenario has no ballistic limit.
     """
+    check_types("v50", shots=(shots, Shots), scenario=(scenario, (Scenario, NoneType)))
     validated(_Settings, {"pairs": pairs, "span_m_s": span_m_s, "confidence": confidence}, "v50")
     if span_m_s is None and pairs is not None and pairs not in SPANS_M_S:
         message = f"must be given for {pairs} pairs; a span is usual with 2, 3 and 5 only"
@@ -246,11 +269,22 @@ def v50(
         confidence=confidence,
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
         model_interval_m_s=None if model is None else model.interval_m_s,
-        warnings=() if model is None else model.warnings,
+        warnings=() if model is None else (*_far_away(shots, model), *model.warnings),
         prior=before,
         posterior=after,
         prior_share=None if before is None or after is None else prior_share(before, after),
-    )
+    )._of(shots=shots)
+
+
+def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
+    """Give a warning where all shots lie on the same side of the interval of the model's limit."""
+    low, high = model.interval_m_s or (-inf, inf)
+    slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
+    if slowest > high or fastest < low:
+        yield (
+            f"all shots, at {slowest:g} to {fastest:g} m/s, lie outside the model's 95 % interval of the limit, "
+            f"{low:.0f} to {high:.0f} m/s; check that they were fired at this armour with this projectile"
+        )
 
 
 def _with_prior(
@@ -271,6 +305,8 @@ def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
     message = ""
     if len(velocities) != count:
         message = f"must be as many velocities as results, found {len(velocities)} and {count}"
+    elif not all(isinstance(v, Real) and c in (True, False) for v, c in zip(velocities, shots.complete, strict=True)):
+        message = "must be velocities as numbers, and True for each complete penetration, False for each partial one"
     elif wrong := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
         message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g} m/s, found {wrong[0]:g}"
     elif not one_kind and len(set(shots.complete)) != 2:

@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from armour.errors import InputError, Problem
+from armour.errors import InputError, Problem, choices
 from armour.files import check_unreserved, reason
 from armour.scenario.assignments import parts_of
+from armour.scenario.loading import Scenario
 from armour.scenario.messages import key_name
-from armour.scenario.parameters import NAMES
+from armour.scenario.parameters import INPUTS, NAMES, ROLES
 from armour.scenario.schema import MAX_VALUES, Range
-from armour.statistics.csv_table import finite_number
+from armour.statistics.csv_table import finite_number, other_separator
 
 # More rows than a sweep can compute in years.
 MAX_ROWS = 10**12
@@ -165,6 +166,8 @@ class Cases:
 
     def _keys(self, number: int, line: str) -> tuple[str, ...]:
         keys = tuple(cell.strip() for cell in _cells(line))
+        if message := other_separator(keys):
+            raise self._error(f"line {number}", message)
         if "" in keys:
             raise self._error(f"line {number}", f"must name a key in each column, found none in {keys.index('') + 1}")
         if twice := [key for key in dict.fromkeys(keys) if keys.count(key) > 1]:
@@ -199,7 +202,8 @@ class Cases:
                     if not _is_name(cell):
                         return self._error(f"line {number}: {key}", f'must be a name, found "{cell[:40]}"')
                 elif finite_number(cell) is None or "_" in cell or not cell.isascii():
-                    return self._error(f"line {number}: {key}", f'must be a number, found "{cell[:40]}"')
+                    hint = "" if _is_key(key) else f"; unknown column{choices(key, [*NAMES.values(), *INPUTS])}"
+                    return self._error(f"line {number}: {key}", f'must be a number, found "{cell[:40]}"{hint}')
         return self._error(f"line {block[0][0]}", "must be a table of numbers from here")
 
     def _error(self, key: str, message: str) -> InputError:
@@ -209,6 +213,11 @@ class Cases:
 def _cells(line: str) -> list[str]:
     """Return the cells of a line; a quote that is not closed ends with the line."""
     return next(csv.reader([line]))
+
+
+def _is_key(name: str) -> bool:
+    """Return whether a column is in a section of a scenario or of a role."""
+    return name.split(".")[0] in {*Scenario.model_fields, *ROLES}
 
 
 def _is_name(cell: str) -> bool:
@@ -243,17 +252,29 @@ def axis_of(text: str) -> Axis:
     key, _, values = text.rpartition("=")
     try:
         key = key_name(parts_of(key))
-        if key in NAMES.values():
-            raise InputError([Problem("sweep", f"over {key}", "must be a key of numbers; names are given by --cases")])
-        if "_" in values or not values.isascii():
-            raise ValueError
-        if ":" in values:
-            low, high, step = (float(part) for part in values.split(":"))
-            return range_axis(key, low, high, step)
-        found = tuple(float(part) for part in values.split(","))
-        if len(found) <= MAX_VALUES:
-            return Axis(key, found)
     except ValueError:
-        pass
-    message = f'must be KEY=MIN:MAX:STEP or KEY=VALUE,VALUE,... of at most {MAX_VALUES} numbers, found "{text}"'
-    raise InputError([Problem("sweep", "over", message)])
+        message = f'must be KEY=MIN:MAX:STEP or KEY=VALUE,VALUE,..., found "{text}"'
+        raise InputError([Problem("sweep", "over", message)]) from None
+    if key in NAMES.values():
+        message = f'must be a key of numbers, found "{values}"; names are given by --cases, in a column {key}'
+        raise InputError([Problem("sweep", f"over {key}", message)])
+    cells = values.split(":" if ":" in values else ",")
+    numbers = [finite_number(cell) for cell in cells]
+    found = tuple(number for number in numbers if number is not None)
+    message = ""
+    if "_" in values or not values.isascii() or len(found) < len(cells):
+        wrong = next((cell for cell, number in zip(cells, numbers, strict=True) if number is None), values)
+        message = f'must be a finite number at each place of MIN:MAX:STEP or VALUE,VALUE,..., found "{wrong}"'
+    elif ":" in values and len(found) != 3:
+        message = f'must be MIN:MAX:STEP, found {len(found)} numbers in "{values}"'
+    elif ":" in values and found[1] < found[0]:
+        message = f"must have a MAX of at least MIN in MIN:MAX:STEP, found {values}"
+    elif ":" in values and found[2] <= 0.0:
+        message = f"must have a STEP greater than 0 in MIN:MAX:STEP, found {values}"
+    elif len(found) <= MAX_VALUES:
+        try:
+            return range_axis(key, *found) if ":" in values else Axis(key, found)
+        except ValueError:
+            pass
+    message = message or f"must be at most {MAX_VALUES:,} numbers, found more in {values[:40]}"
+    raise InputError([Problem("sweep", f"over {key}", message)])

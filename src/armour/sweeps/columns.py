@@ -1,23 +1,36 @@
 """Sweeps in Python: from values by key to columns, in memory or in a file."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from types import NoneType
+from typing import Annotated, Any
 
 import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
 
 from armour.analysis.evaluate import evaluate, groups_of
 from armour.analysis.quantities import reads_of
-from armour.analysis.results import TableResult
+from armour.analysis.results import TableResult, same_columns
 from armour.analysis.variants import Floats, OnProgress, ignore_progress, outside_limits
-from armour.errors import InputError, Problem
+from armour.errors import InputError, Problem, choices
+from armour.files import reason
 from armour.scenario.loading import Scenario
-from armour.scenario.messages import Section, describe, validated
+from armour.scenario.messages import (
+    NOT_TINY,
+    PATH,
+    Section,
+    above,
+    check_sequence,
+    check_types,
+    describe,
+    validated,
+)
 from armour.scenario.parameters import NAMES
 from armour.scenario.schema import MAX_VALUES
 from armour.sweeps import sweep as in_chunks
@@ -29,23 +42,20 @@ MAX_ROWS = 10_000_000
 # Characters of a wrong value in a message.
 MAX_SHOWN = 60
 
-# Values of a key: numbers or names, or a range with min, max and step.
-Values = Sequence[float] | Sequence[str] | Floats | Mapping[str, float]
-
 
 class _Range(Section):
     """Evenly spaced values."""
 
     min: float
-    max: float
-    step: float
+    max: Annotated[float, above("min", or_equal=True)]
+    step: Annotated[float, Field(gt=0.0), NOT_TINY]
 
 
 @dataclass(frozen=True, repr=False)
 class SweepResult(TableResult):
     """Quantities of a scenario over rows of values.
 
-    ``result["ballistic_limit_m_s"]`` is a column.
+    ``result["ballistic_limit_m_s"]`` is a column; iteration gives the names of the columns.
 
     Attributes
     ----------
@@ -72,14 +82,35 @@ class SweepResult(TableResult):
     @cached_property
     def columns(self) -> dict[str, Any]:
         """Columns by name."""
-        return dict(self._computed) if self.output is None else read_table(self.output)
+        if self.output is None:
+            return dict(self._computed)
+        try:
+            return read_table(self.output)
+        except OSError as error:
+            raise InputError([Problem(str(self.output), "", f"cannot be read: {reason(error)}")]) from None
 
-    def __getitem__(self, name: str) -> Any:
-        return self.columns[name]
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name not in self.columns:
+            message = f"must name a column, found {describe(name)}{choices(str(name), list(self.columns))}"
+            raise InputError([Problem("sweep", "column", message)])
+        column: NDArray[Any] = self.columns[name]
+        return column
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether another sweep is of the same scenario and has the same columns."""
+        if not isinstance(other, SweepResult) or self.scenario != other.scenario:
+            return False
+        return same_columns(self.columns, other.columns)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the columns as lists by name."""
-        return {name: values.tolist() for name, values in self.columns.items()}
+        """Return the columns as lists by name; a question without an answer has None."""
+        return {
+            name: [None if value != value else value for value in values.tolist()]
+            for name, values in self.columns.items()
+        }
 
     def _words(self) -> str:
         where = "" if self.output is None else f", in {self.output}"
@@ -91,7 +122,7 @@ class SweepResult(TableResult):
 
 def sweep(
     scenario: Scenario,
-    over: Mapping[str, Values] | str | PathLike[str],
+    over: Mapping[str, object] | str | PathLike[str],
     quantities: str | Sequence[str] = "ballistic_limit_m_s",
     output: str | PathLike[str] | None = None,
     *,
@@ -135,7 +166,17 @@ def sweep(
     >>> found["ballistic_limit_m_s"].round(1)
     array([607.7, 711. , 778.2, 841.8])
     """
-    names = (quantities,) if isinstance(quantities, str) else tuple(quantities)
+    check_types(
+        "sweep",
+        scenario=(scenario, Scenario),
+        over=(over, (Mapping, *PATH)),
+        output=(output, (*PATH, NoneType)),
+        threads=(threads, (int, NoneType)),
+        on_progress=(on_progress, Callable),
+    )
+    if threads is not None and threads < 1:
+        raise InputError([Problem("sweep", "threads", f"must be at least 1, found {threads}")])
+    names = check_sequence("sweep", "quantities", quantities)
     if not names:
         raise InputError([Problem("sweep", "quantities", "must name at least one quantity, found none")])
     source = source_of(over)
@@ -156,7 +197,7 @@ def sweep(
         warnings += _outside(scenario, columns, names)
         on_progress(source.count, source.count)
     else:
-        output = Path(output)
+        output = Path(output).absolute()
         in_chunks.sweep(
             scenario,
             source,
@@ -166,10 +207,11 @@ def sweep(
             on_chunk=lambda rows, _stored: on_progress(rows, source.count),
             tell=lambda line: warnings.append(line.removeprefix("warning: ")),
         )
-    return SweepResult(scenario, source.keys, names, source.count, output, tuple(warnings), computed)
+    found = SweepResult(scenario, source.keys, names, source.count, output, tuple(warnings), computed)
+    return found._of(scenario=scenario)
 
 
-def source_of(over: Mapping[str, Values] | str | PathLike[str]) -> Grid | Cases:
+def source_of(over: Mapping[str, object] | str | PathLike[str]) -> Grid | Cases:
     """Return the rows to compute."""
     if not isinstance(over, Mapping):
         return Cases(Path(over))
@@ -178,22 +220,27 @@ def source_of(over: Mapping[str, Values] | str | PathLike[str]) -> Grid | Cases:
     return Grid(tuple(_axis(key, values) for key, values in over.items()))
 
 
-def _axis(key: str, values: Values) -> Axis:
+def _axis(key: str, values: object) -> Axis:
     """Return a key with its values."""
-    if isinstance(values, Mapping):
+    shown = describe(values) if isinstance(values, str) else repr(values)[:MAX_SHOWN]
+    is_name = key in NAMES.values()
+    must = f"be a sequence of {'names' if is_name else 'numbers, or a range with min, max and step'}"
+    if isinstance(values, Mapping) and not is_name:
         section = validated(_Range, dict(values), f"sweep: over {key}")
         with suppress(ValueError):
             return range_axis(key, section.min, section.max, section.step)
-    found = np.asarray(values)
-    is_name = key in NAMES.values()
-    if found.ndim == 1 and found.size and found.dtype.kind in ("U" if is_name else "iuf"):
-        if is_name:
-            return Axis(key, tuple(found.tolist()))
-        if np.isfinite(found).all():
-            return Axis(key, tuple(found.astype(np.float64).tolist()))
-    must = "names" if is_name else f"numbers, or a range with min, max and step of at most {MAX_VALUES:,} values"
-    shown = describe(values) if isinstance(values, str) else repr(values)[:MAX_SHOWN]
-    raise InputError([Problem("sweep", f"over {key}", f"must be {must}, found {shown}")])
+        must = f"hold at most {MAX_VALUES:,} values"
+    elif not isinstance(values, Mapping):
+        found = np.asarray(values)
+        if found.ndim == 1 and not found.size:
+            must, shown = "hold at least one value", "none"
+        elif found.ndim == 1 and found.dtype.kind in ("U" if is_name else "iuf"):
+            if is_name:
+                return Axis(key, tuple(found.tolist()))
+            if np.isfinite(found).all():
+                return Axis(key, tuple(found.astype(np.float64).tolist()))
+            must = "be finite numbers"
+    raise InputError([Problem("sweep", f"over {key}", f"must {must}, found {shown}")])
 
 
 def _outside(scenario: Scenario, columns: Mapping[str, Floats], quantities: Sequence[str]) -> list[str]:

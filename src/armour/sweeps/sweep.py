@@ -75,12 +75,17 @@ def sweep(
         count = -(-source.count // size)
         pending: dict[int, Mapping[str, Floats]] = {}
         outside: Counter[str] = Counter()
-        computed = 0
+        counted = 0  # chunks
         flying = "impact" in reads_of(quantities)
 
         def missing_chunks() -> Chunks:
-            nonlocal computed
+            nonlocal counted
             for index, values in enumerate(source.chunks(size)):
+                groups = groups_of(scenario, values)
+                # Also those that an earlier process computed, each once.
+                for group in groups if index >= counted else ():
+                    outside.update(dict(outside_limits(group.variants, velocities=flying)))
+                counted = max(counted, index + 1)
                 try:
                     if store.has(index, values):
                         on_chunk(len(values[source.keys[0]]), True)
@@ -88,10 +93,6 @@ def sweep(
                 except DamagedError as error:
                     tell(f"{error}: damaged, computed anew")
                 pending[index] = values
-                groups = groups_of(scenario, values)
-                computed += len(values[source.keys[0]])
-                for group in groups:
-                    outside.update(dict(outside_limits(group.variants, velocities=flying)))
                 yield index, groups
 
         try:
@@ -103,7 +104,7 @@ def sweep(
                 with suppress(DamagedError):
                     rows = store.finish(count, source.count)
                     for limit, number in outside.items():
-                        tell(f"warning: {limit}; this concerns {number:,} of {computed:,} rows")
+                        tell(f"warning: {limit}; this concerns {number:,} of {rows:,} rows")
                     return rows
                 on_chunk = ignore_progress  # each was, in the first pass
         except KeyboardInterrupt:

@@ -14,10 +14,11 @@ from armour.analysis.closed_forms import (
 )
 from armour.analysis.florence import FlorenceResult, bodies_of, florence_result, missing_for_florence
 from armour.analysis.impact import ImpactResult
-from armour.analysis.results import Result
+from armour.analysis.results import TableResult
 from armour.errors import NoAnswerError, refuse
 from armour.scenario.library import LibraryEntry
 from armour.scenario.loading import Scenario
+from armour.scenario.messages import check_types
 from armour.scenario.parameters import ROLES, entry_of, name_of
 from armour.validation.rivals import Error, areal_densities, measured_limits
 from armour.validation.suite import Case, Suite, load_suite
@@ -29,16 +30,28 @@ TESTS = "table 3, Wilkins' measurements"
 
 @dataclass(frozen=True)
 class RuleResult:
-    """Ballistic limit of an armour by the rule ``k (areal density)^p``, m/s, fitted to tests of the same materials."""
+    """Ballistic limit of an armour by the rule ``k (areal density)^p``, m/s, fitted to tests of the same materials.
 
-    k: float  # m/s, for areal densities in kg/m²
+    Attributes
+    ----------
+    k : float
+        Factor, m/s, for areal densities in kg/m².
+    p : float
+        Exponent.
+    p_fitted : bool
+        Whether the exponent is fitted; else it is 1.
+    ballistic_limit_m_s : float
+        Ballistic limit of the armour, m/s.
+    """
+
+    k: float
     p: float
-    p_fitted: bool  # or 1
+    p_fitted: bool
     ballistic_limit_m_s: float
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison(Result):
+class Comparison(TableResult):
     """Ballistic limit and residual velocities by the model and by closed forms.
 
     Attributes
@@ -48,7 +61,7 @@ class Comparison(Result):
     limit : LimitResult
         Ballistic limit by the model.
     florence : tuple of FlorenceResult
-        One per body with a known mass and diameter.
+        One per body with a known mass and diameter; empty where values of the metal are missing.
     fits : tuple of ResidualVelocityFit
         Fits of Lambert and Jonas and of Recht and Ipson to the model's residual velocities.
     fitted_m_s : tuple of float
@@ -60,7 +73,10 @@ class Comparison(Result):
     rules : tuple of RuleResult
         The rule with p = 1 and with p fitted; empty where the tests are of another round or of other materials.
     errors : tuple of Error
-        Errors of every prediction on these tests, by the model with the values of the library; empty with the rules.
+        Errors of every prediction on these tests, by the model with the values of the library, with the attributes that
+        `SuiteResult` lists; empty with the rules.
+    florence_missing : tuple of str
+        Keys of the library that Florence's limit needs and the metal of the back plate lacks.
     """
 
     areal_density_kg_m2: float
@@ -72,6 +88,7 @@ class Comparison(Result):
     tests: str
     rules: tuple[RuleResult, ...]
     errors: tuple[Error, ...]
+    florence_missing: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the comparison, without the curve, as plain data."""
@@ -84,13 +101,19 @@ class Comparison(Result):
             "tests": self.tests,
             "areal_density_rules": [asdict(rule) for rule in self.rules],
             "errors": [asdict(error) for error in self.errors],
+            "florence_missing": self.florence_missing,
             "warnings": self.limit.warnings,
         }
 
     def _words(self) -> str:
         limits = [*(f.ballistic_limit_m_s for f in self.florence), *(rule.ballistic_limit_m_s for rule in self.rules)]
         others = ", ".join(f"{limit:.1f}" for limit in limits)
-        return f"ballistic limit {self.limit.ballistic_limit_m_s:.1f} m/s, by formulas {others} m/s"
+        by_formulas = f", by formulas {others} m/s" if others else ""
+        return f"ballistic limit {self.limit.ballistic_limit_m_s:.1f} m/s{by_formulas}"
+
+    def _columns(self) -> dict[str, Any]:
+        names = "impact_velocity_m_s", "residual_velocity_m_s", "plug_velocity_m_s"
+        return {name: [getattr(impact, name) for impact in self.curve] for name in names}
 
 
 def compare(scenario: Scenario) -> Comparison:
@@ -108,14 +131,15 @@ def compare(scenario: Scenario) -> Comparison:
     Raises
     ------
     InputError
-        If the armour has no ceramic, or its metal no tensile strength or strain to fracture.
+        If the armour has no ceramic.
     NoLimitError
         If the scenario's range contains no ballistic limit.
     NoAnswerError
         If the range contains no velocities above the limit.
     """
-    problems = missing_for_florence(scenario)
-    refuse(problems)
+    check_types("compare", scenario=(scenario, Scenario))
+    missing = missing_for_florence(scenario)
+    refuse(missing if not scenario.armour.ceramic_thickness_mm > 0.0 else ())
     limit = ballistic_limit(scenario)
     highest = scenario.ballistic_limit.velocity_max_m_s
     if highest <= limit.ballistic_limit_m_s * (1.0 + 1e-9):
@@ -132,7 +156,7 @@ def compare(scenario: Scenario) -> Comparison:
     return Comparison(
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
         limit=limit,
-        florence=tuple(florence_result(scenario, body) for body in bodies_of(scenario)),
+        florence=() if missing else tuple(florence_result(scenario, body) for body in bodies_of(scenario)),
         fits=(
             fit_lambert_jonas(velocities, residuals, limit.ballistic_limit_m_s),
             fit_recht_ipson(velocities, residuals, limit.ballistic_limit_m_s),
@@ -142,7 +166,8 @@ def compare(scenario: Scenario) -> Comparison:
         tests=_words(cases),
         rules=tuple(_rule(cases, p, scenario.areal_density_kg_m2()) for p in (1.0, None)) if own else (),
         errors=_errors() if own else (),
-    )
+        florence_missing=tuple(problem.key for problem in missing),
+    )._of(scenario=scenario)
 
 
 @cache

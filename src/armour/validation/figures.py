@@ -14,7 +14,7 @@ from armour.scenario.loading import load_scenario
 from armour.scenario.messages import Section
 from armour.scenario.schema import Range
 from armour.validation.suite import load_suite, read_sections
-from armour.validation.validate import SuiteResult, suite_file, validate
+from armour.validation.validate import SuiteResult, validate
 
 # Suites whose expected values a parity figure shows, with the text that names of its cases contain.
 PARITIES = {"parity_table3": ("paper", "table 3"), "parity_plates": ("plates", "")}
@@ -128,4 +128,4 @@ def compute_figure(section: FigureSection, folder: Path) -> Figure:
 def parity(name: str) -> SuiteResult:
     """Compute the cases of a parity figure."""
     suite, text = PARITIES[name]
-    return validate(load_suite(suite_file(suite)).only(text))
+    return validate(load_suite(suite).only(text))

@@ -107,6 +107,8 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
         ),
         weighted=False,
         cells=({},) * len(cases),
+        scenario=scenario,
+        places=tuple(case.name for case in cases),
     )
     result = calibrate(tests, scenario)
     [stress] = result.coefficients

@@ -11,10 +11,10 @@ from typing import Annotated, Any, NamedTuple
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from armour.errors import MAX_PROBLEMS, InputError, Problem, refuse, suggestion
-from armour.files import read_toml
+from armour.files import read_toml, shipped, shipped_files, suite_file
 from armour.scenario.assignments import canonical, leaves, parts_of
 from armour.scenario.loading import Scenario, parse_changed
-from armour.scenario.messages import Section, SectionT, describe, key_name, validated
+from armour.scenario.messages import PATH, Section, SectionT, check_types, describe, key_name, validated
 from armour.scenario.reach import check_reach, check_read, check_used
 from armour.statistics.test_data import MEASURED
 from armour.units import words_and_unit
@@ -267,6 +267,7 @@ class Suite:
 
     def only(self, text: str) -> "Suite":
         """Return the suite with only the cases whose name contains the text; raise InputError if there is none."""
+        check_types("only", text=(text, str))
         named = [text.lower() in case.full_name.lower() for case in self.cases]
         cases = tuple(compress(self.cases, named))
         if not cases:
@@ -291,7 +292,8 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     Parameters
     ----------
     path : path-like
-        A TOML file; the scenarios that it names are relative to its folder.
+        A TOML file or, where there is no such file, the name of a shipped suite, "paper" or "plates".  The files that
+        it names are relative to its folder or, where there is no such file, shipped ones.
     changes : mapping of str to object, optional
         Values that replace those of every scenario, by dotted key; tables are merged.
 
@@ -304,11 +306,12 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     InputError
         With every mistake in the suite and in its scenarios.
     """
-    path = Path(path)
+    changes = {} if changes is None else changes
+    check_types("load_suite", path=(path, PATH), changes=(changes, Mapping))
+    path = suite_file(path)
     suite = read_sections(path, SuiteSection)
     if not suite.case and not suite.table:
         raise InputError([Problem(str(path), "case", "is missing: a suite must have at least one case or table")])
-    changes = changes or {}
     read = cache(read_toml)
     cases: list[Case] = []
     # A mistake of many rows of a table is told of the first of them.
@@ -377,7 +380,7 @@ def _rows(suite: SuiteSection) -> Iterator[_Row]:
 
 def _case(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object], read: Read) -> Case:
     section = row.section
-    file = folder / section.scenario
+    file = _file(folder, section.scenario)
     scenario = _scenario(file, read, section.set, row.inputs, changes)
     replacement = None
     if isinstance(section, CaseSection) and section.replaced_by is not None:
@@ -418,9 +421,10 @@ def _cases_of_file(
     """Yield the cases of a table whose rows are in a file."""
     section = row.section
     assert isinstance(section, TableSection)
-    scenario = _scenario(folder / section.scenario, read, section.set, changes)
+    scenario = _scenario(_file(folder, section.scenario), read, section.set, changes)
     _check_changes(row, scenario, None)
-    for name, cells, made in selected(folder / section.file, scenario, section.quantity, suite.notes, section.where):
+    file = _file(folder, section.file)
+    for name, cells, made in selected(file, scenario, section.quantity, suite.notes, section.where):
         expected = float(cells[section.quantity])
         yield Case(
             group=section.name,
@@ -446,13 +450,20 @@ def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) 
         # The title is for people; entries of the library may be based on each other.
         counting = [leaf[0] not in ("title", "library") for leaf in given] + [True] * len(row.inputs)
         keys = compress(canonical([*map(key_name, given), *row.inputs], file), counting)
-        check_reach(scenario, list(keys), quantity.reads, file, closed_forms=bool(row.rivals))
+        check_reach(scenario, list(keys), quantity.reads, file, row.section.quantity, closed_forms=bool(row.rivals))
         check_used(changes, scenario, *([replacement] if replacement else []), file=file, option="")
 
 
 def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenario:
     """Return the scenario of a file with changes, one after the other."""
     return parse_changed(read(file), *changes, file=str(file), folder=file.parent)
+
+
+def _file(folder: Path, name: str) -> Path:
+    """Return the file that a suite in a folder names: a path there or in the shipped folder, or a shipped scenario."""
+    own = folder / name
+    other = shipped_files("scenarios", ".toml").get(name, shipped("suites") / name)
+    return own if own.exists() or not other.is_file() else other
 
 
 def _in_words(key: str, value: float) -> str:

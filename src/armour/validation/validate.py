@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
+from types import NoneType
 from typing import Any, Literal
 
 import numpy as np
@@ -12,7 +13,7 @@ from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.results import TableResult, by_column
 from armour.errors import NoAnswerError
 from armour.files import shipped_suites
-from armour.scenario.messages import TINY
+from armour.scenario.messages import TINY, check_types
 from armour.scenario.parameters import INPUTS, NAMES, entry_of, inputs_of, name_of
 from armour.validation.data import GroupSection, meets
 from armour.validation.questions import Asked, answer
@@ -82,11 +83,26 @@ class Check:
 
 
 @dataclass(frozen=True)
-class Summary:
+class TableSummary:
     """Mean, root mean square and magnitudes of the deviations of a table's rows, or of those of a group of them.
 
     They have the unit of the quantity or, where a band is relative or the rows are those of a file, are in per cent.
-    The mean is held to ``mean_expected`` within ``mean_band``.
+
+    Attributes
+    ----------
+    name, group : str
+        Name of the table and of the group of its rows; the group is empty for all rows.
+    count : int
+        Number of rows with a value.
+    unit : str
+        Unit of the deviations.
+    mean, rms, largest, mean_magnitude : float
+        Mean, root mean square and greatest magnitude of the deviations, and mean of their magnitudes.
+    rms_band : float or None
+        Greatest root mean square allowed.
+    status : {"within", "outside", "no answer", "not scored"}
+    mean_expected, mean_band : float or None
+        Mean that is expected, and its greatest deviation from it allowed.
     """
 
     name: str
@@ -116,10 +132,13 @@ class SuiteResult(TableResult):
     ----------
     title, file : str
     checks : tuple of Check
-    summaries : tuple of Summary
+    summaries : tuple of TableSummary
         One per table and one per group of it.
     errors : tuple of Error
-        For each table with rival predictions: errors of the rivals, of this model and of simpler formulas.
+        For each table with rival predictions: errors of the rivals, of this model and of simpler formulas.  Each has
+        the ``table``, the ``predictor``, the ``count`` of rows, the mean and the largest magnitude of the relative
+        errors, ``mean_percent`` and ``largest_percent``, and, where something is ``fitted`` to the table, which it
+        says, ``left_out_percent``, the mean with each test left out of the fit that predicts it, or None.
     description : str
         What the suite says of itself.
     """
@@ -127,7 +146,7 @@ class SuiteResult(TableResult):
     title: str
     file: str
     checks: tuple[Check, ...]
-    summaries: tuple[Summary, ...]
+    summaries: tuple[TableSummary, ...]
     errors: tuple[Error, ...]
     description: str = ""
 
@@ -163,15 +182,8 @@ class SuiteResult(TableResult):
 OnCheck = Callable[[Check, int], None]
 
 
-# Shipped suites: everything that the paper publishes, and measured limits of bare plates.
-def suite_file(name: str = "paper") -> Path:
-    """Return the file of a shipped suite, or the name itself if it is a file or none of them."""
-    path = Path(name)
-    return path if path.exists() else shipped_suites().get(name, path)
-
-
 def paper_suite() -> Path:
-    """Return the path of the suite of everything that the paper publishes."""
+    """Return the path of the suite of everything that the paper publishes, ``load_suite("paper")``."""
     return shipped_suites()["paper"]
 
 
@@ -193,6 +205,7 @@ def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
     InputError
         If a run of a scenario does not end.
     """
+    check_types("validate", suite=(suite, Suite), on_check=(on_check, (Callable, NoneType)))
     known: dict[str, Asked] = {}
     of_files = _of_files(suite.cases)
     checks = []
@@ -286,7 +299,7 @@ def _status(case: Case, computed: float | str) -> Status:
     return "within" if abs(computed - case.expected) <= case.band else "outside"
 
 
-def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[Summary]:
+def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[TableSummary]:
     """Yield the summary of a table and of each group of it."""
     yield _summary(table, table, rows)
     for group in table.group:
@@ -294,7 +307,7 @@ def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[Summary]:
             yield _summary(table, group, own)
 
 
-def _summary(table: TableSection, bands: TableSection | GroupSection, rows: Sequence[Check]) -> Summary:
+def _summary(table: TableSection, bands: TableSection | GroupSection, rows: Sequence[Check]) -> TableSummary:
     percent = bool(table.file) or table.rms_band_percent is not None
     deviations = [row.deviation_percent if percent else row.deviation for row in rows]
     numbers = [deviation for deviation in deviations if deviation is not None]
@@ -310,7 +323,7 @@ def _summary(table: TableSection, bands: TableSection | GroupSection, rows: Sequ
     status: Status = "not scored"
     if held:
         status = "within" if count and all(held) else "outside"
-    return Summary(
+    return TableSummary(
         name=table.name,
         count=count,
         unit="%" if percent else rows[0].case.unit,

@@ -8,6 +8,7 @@
 In parts 2 and 3 the next velocity is the one that makes the determinant of the Fisher information greatest.
 """
 
+from collections.abc import Sequence
 from math import copysign
 
 import numpy as np
@@ -83,7 +84,7 @@ def _gaps(shots: Shots) -> list[float]:
     return [gap for gap in gaps if gap < np.inf]
 
 
-def _best(velocities: tuple[float, ...], v50: float, scatter: float) -> float:
+def _best(velocities: Sequence[float], v50: float, scatter: float) -> float:
     """Return the velocity whose shot makes the determinant of the information on V50 and scatter greatest, m/s."""
     z = (np.array(velocities) - v50) / scatter
     weights = _weights(z)

@@ -19,13 +19,13 @@ def comparison_table(result: "Comparison") -> Table:
             Column("formula", prose=True),
             lambda f: f"Florence, {f.projectile} ({f.mass_g:g} g, {f.diameter_mm:g} mm)",
         ),
-        column_of("ballistic_limit_m_s", ".2f"),
+        column_of("ballistic_limit_m_s", ".1f"),
         (Column("difference from the model", "%", "+.1f"), lambda f: 100.0 * (f.ballistic_limit_m_s / found - 1.0)),
-        column_of("best_ceramic_thickness_mm", ".3f", "optimal ceramic thickness"),
-        column_of("best_backing_thickness_mm", ".3f", "optimal back plate thickness"),
-        column_of("best_thickness_ratio", ".3f", "thickness ratio"),
-        column_of("best_ballistic_limit_m_s", ".2f", "Florence's limit of the optimum"),
-        column_of("model_ballistic_limit_m_s", ".2f", "model's limit of the optimum"),
+        column_of("best_ceramic_thickness_mm", ".2f", "optimal ceramic thickness"),
+        column_of("best_backing_thickness_mm", ".2f", "optimal back plate thickness"),
+        column_of("best_thickness_ratio", ".2f", "thickness ratio"),
+        column_of("best_ballistic_limit_m_s", ".1f", "Florence's limit of the optimum"),
+        column_of("model_ballistic_limit_m_s", ".1f", "model's limit of the optimum"),
     )
     empty = (None,) * 5
     rules = [
@@ -51,7 +51,7 @@ def fit_table(result: "Comparison") -> Table:
         column_of("name", label="residual velocity by", prose=True),
         column_of("ratio", ".4f", "velocity ratio a"),
         column_of("exponent", ".3f"),
-        column_of("rms_m_s", ".2f", "RMS deviation"),
+        column_of("rms_m_s", ".1f", "RMS deviation"),
     )
 
 
@@ -61,6 +61,7 @@ def comparison_tables(result: "Comparison") -> list[Table | str]:
     return [
         record(result, AREAL_DENSITY),
         comparison_table(result),
+        *([f"Florence's limit: none, without {', '.join(result.florence_missing)}"] if result.florence_missing else []),
         rule_note(result),
         *([error_table(result.errors)] if result.errors else []),
         fit_table(result),

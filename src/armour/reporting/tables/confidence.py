@@ -10,7 +10,10 @@ if TYPE_CHECKING:
 
 DEFEAT = Column("probability of defeating the threat", prose=True)
 
-NO_ERROR = "the error of the model is not known for such an armour, or not included"
+UNKNOWN = "the error of the model is not known for such an armour"
+EXCLUDED = "the error of the model is not included, as uncertainty.model says"
+# What distributions tell where the error of the model is not known.
+SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 
 
 def chance(probability: float | None) -> str:
@@ -22,10 +25,10 @@ def chance(probability: float | None) -> str:
     return "above 99.5 %" if probability > 0.995 else f"{100.0 * probability:.0f} %"
 
 
-def error_note(error: "ModelError | None") -> str:
-    """Return what the error of the model is and rests on, in a sentence."""
+def error_note(error: "ModelError | None", *, excluded: bool | None = None) -> str:
+    """Return what the error of the model is and rests on, in a sentence; `excluded` is None where not known."""
     if error is None:
-        return NO_ERROR
+        return f"{UNKNOWN}, or not included" if excluded is None else EXCLUDED if excluded else UNKNOWN
     return "; ".join([from_tests(error), *extrapolation(error)])
 
 

@@ -8,7 +8,7 @@ from armour.design.optimise import SUPERLATIVES
 from armour.reporting.table import Column, Source, Table, column_of, listing, record
 from armour.reporting.tables.confidence import DEFEAT, chance, error_note
 from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT
-from armour.reporting.text import interval, number
+from armour.reporting.text import interval, number, percent
 
 if TYPE_CHECKING:
     from armour.design.optimise import BestDesign, DesignResult
@@ -98,6 +98,13 @@ def frontier_table(result: "DesignResult") -> Table:
     return _aligned(table)
 
 
+def left_out(result: "DesignResult") -> str:
+    """Return the back plates without a row in the frontier, on which no ceramic passes."""
+    first, last = result.without_mm[0], result.without_mm[-1]
+    plates = f"{first:g} to {last:g}" if len(result.without_mm) > 2 else ", ".join(f"{t:g}" for t in result.without_mm)
+    return f"{len(result.without_mm)} back plate thicknesses without a row, {plates} mm: no ceramic on them passes"
+
+
 def _thicknesses(design: Any) -> tuple[float, float]:
     return design.ceramic_thickness_mm, design.backing_thickness_mm
 
@@ -114,6 +121,9 @@ def _governed(result: "DesignResult", threat: Any) -> tuple[Source, ...]:
 
 def margin_table(result: "DesignResult", required: Mapping[str, float]) -> Table:
     """Return the best design's margin against each threat, and the probabilities of defeat and of perforation."""
+    # Imported here because commands without tables do not need scipy.
+    from armour.analysis.estimates import CONFIDENCE
+
     best = result.best
     defeat = best.probabilities_of_defeat
     sampled: list[Source] = [(REQUIRED, required.get)] if required else []
@@ -121,7 +131,9 @@ def margin_table(result: "DesignResult", required: Mapping[str, float]) -> Table
         values = {threat: estimate.value for threat, estimate in best.probabilities.items()}
         ends = {threat: (estimate.low, estimate.high) for threat, estimate in best.probabilities.items()}
         sampled.append((Column("probability of perforation", spec=".4f"), values.get))
-        sampled.append((Column("interval"), lambda threat: interval(ends.get(threat), ".4f")))
+        sampled.append(
+            (Column(f"{percent(CONFIDENCE)} interval, by sampling"), lambda threat: interval(ends.get(threat), ".4f"))
+        )
     return listing(
         best.margins_m_s,
         (Column("threat", prose=True), str),
@@ -134,7 +146,7 @@ def margin_table(result: "DesignResult", required: Mapping[str, float]) -> Table
 
 def pair_table(result: "DesignResult") -> Table:
     """Return every pair of materials with its best design, or the reason why it has none."""
-    costs = any(pair.best is not None and pair.best.cost_per_m2 > 0.0 for pair in result.pairs)
+    costs = any(pair.best is not None and pair.best.cost_per_m2 for pair in result.pairs)
     shown = [CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, *((COST,) if costs else ())]
     table = listing(
         result.pairs,
@@ -145,16 +157,20 @@ def pair_table(result: "DesignResult") -> Table:
         (Column("result", prose=True), lambda pair: pair.reason or "best"),
         title="pairs of materials",
     )
-    return _aligned(table)
+    return replace(_aligned(table), rest="--json")
 
 
 def pareto_table(result: "DesignResult") -> Table:
     """Return the designs of the Pareto front."""
-    columns = (CERAMIC, BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST)
-    return _aligned(listing(result.pareto, *columns, *_margin(result.pareto), title="Pareto front"))
+    costs = (COST,) if any(design.cost_per_m2 is not None for design in result.pareto) else ()
+    columns = (CERAMIC, BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, *costs)
+    table = listing(result.pareto, *columns, *_margin(result.pareto), title="Pareto front")
+    return replace(_aligned(table), rest="--csv FILE")
 
 
-def design_tables(result: "DesignResult", required: Mapping[str, float]) -> list[Table | str]:
+def design_tables(
+    result: "DesignResult", required: Mapping[str, float], *, excluded: bool | None = None
+) -> list[Table | str]:
     """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
     tables: list[Table | str] = [best_table(result, required)]
     if result.refined is not None:
@@ -163,16 +179,19 @@ def design_tables(result: "DesignResult", required: Mapping[str, float]) -> list
     if len(result.threats) > 1 or result.best.probabilities:
         tables.append(margin_table(result, required))
     tables.append(frontier_table(result) if len(result.pairs) == 1 else pair_table(result))
+    if len(result.pairs) == 1 and result.without_mm:
+        tables.append(left_out(result))
     if result.pareto:
         tables.append(pareto_table(result))
-    return [*tables, f"{number(result.examined, 'd')} designs computed", *confidence_notes(result.best)]
+    error = error_note(result.best.model_error, excluded=excluded)
+    return [*tables, f"{number(result.examined, 'd')} designs computed", error, *margin_notes(result.best)]
 
 
-def confidence_notes(best: "BestDesign") -> list[str]:
-    """Return what the probability of defeating the threat rests on, and how to ask for more."""
-    error, notes = best.model_error, [error_note(best.model_error)]
+def margin_notes(best: "BestDesign", ask: str = ASK) -> list[str]:
+    """Return how likely a design without a margin is perforated, and how to ask for more, where its margin is low."""
+    error = best.model_error
     least = min((p for p in best.probabilities_of_defeat.values() if p is not None), default=1.0)
-    if error is not None and least < LOW:
-        perforated = chance(1.0 - error.probability_of_defeat(1.0, 1.0))
-        notes.append(f"a design without a margin is perforated with a probability of {perforated}; {ASK}")
-    return notes
+    if error is None or least >= LOW:
+        return []
+    perforated = chance(1.0 - error.probability_of_defeat(1.0, 1.0))
+    return [f"a design without a margin is perforated with a probability of {perforated}; {ask}"]

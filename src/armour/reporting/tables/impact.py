@@ -121,11 +121,11 @@ def crossing_table(result: "LimitResult") -> Table:
     )
 
 
-def limit_tables(result: "LimitResult") -> list[Table | str]:
+def limit_tables(result: "LimitResult", *, excluded: bool | None = None) -> list[Table | str]:
     """Return all tables of a ballistic limit, and what was looked at; the changes of the outcome only where several."""
     low, high = result.scanned_range_m_s
     scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
-    error = error_note(result.model_error)
+    error = error_note(result.model_error, excluded=excluded)
     if result.monotonic:
         return [limit_table(result), f"{scanned}; all above the ballistic limit perforate", error]
     return [

@@ -17,13 +17,13 @@ TESTS = {
 
 
 def library_table(library: "Library", kind: "Kind") -> Table:
-    """Return the library's entries of a kind: name, the numbers that every entry has, and description."""
+    """Return the library's entries of a kind: name, the numbers that every entry has, 4 digits, and description."""
     entries = library.entries[kind].values()
     keys = dict.fromkeys(key for entry in entries for key in entry.values if key not in OPTIONAL)
     return listing(
         entries,
         column_of("name", label=kind),
-        *((column_of(key, "g"), lambda entry, key=key: entry[key]) for key in keys),
+        *((column_of(key, "g"), lambda entry, key=key: float(f"{entry[key]:.4g}")) for key in keys),
         column_of("description", prose=True),
     )
 

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from armour.reporting.table import Cell, Column, Source, Table, column_of, listing, record
-from armour.reporting.tables.confidence import error_note
+from armour.reporting.tables.confidence import SAMPLED_ALONE, error_note
 from armour.reporting.tables.planned_shots import prior_table, share_note
 from armour.reporting.text import interval, percent
 from armour.reporting.words import in_words, words_of
@@ -14,6 +14,16 @@ if TYPE_CHECKING:
     from armour.statistics.sensitivity import SensitivityResult
     from armour.statistics.uncertainty import UncertaintyResult
     from armour.statistics.v50 import FiringResult
+
+
+# What the intervals of a propagated uncertainty are of.
+SAMPLING = ", by sampling"
+SAMPLING_NOTE = (
+    "the intervals are those of the estimates, from the number of samples alone; the spread of the ballistic limit is "
+    "V05 to V95"
+)
+INDEX_NOTE = "indices are from 0 to 1; estimates of small and large ones, and their intervals, may fall outside"
+ELASTICITY_NOTE = "% per %: change of the answer, in per cent of it, when the input grows by 1 %"
 
 
 def _between(result: Any, unit: str = "", of: str = "", *, prose: bool = False) -> Column:
@@ -159,7 +169,7 @@ def elasticity_table(result: "SensitivityResult") -> Table:
         (Column("input", prose=True), lambda item: in_words(item.input)),
         column_of("value", "g"),
         *(
-            (Column(words_of(name)[0], "% per %", "+.3f"), lambda item, name=name: item.elasticities[name])
+            (Column(words_of(name)[0], "% per %", "+.2f"), lambda item, name=name: item.elasticities[name])
             for name in answers
         ),
     )
@@ -167,7 +177,7 @@ def elasticity_table(result: "SensitivityResult") -> Table:
 
 def sensitivity_tables(result: "SensitivityResult") -> list[Table | str]:
     """Return all tables of a sensitivity analysis."""
-    return [sensitivity_table(result), elasticity_table(result)]
+    return [sensitivity_table(result), elasticity_table(result), ELASTICITY_NOTE]
 
 
 def v50_table(result: "FiringResult") -> Table:
@@ -280,7 +290,7 @@ def uncertainty_table(result: "UncertaintyResult") -> Table:
 
 
 def estimate_table(result: "UncertaintyResult") -> Table:
-    """Return the estimated probability, quantiles and mean, and whether the samples settle their last digits."""
+    """Return the estimated probability, quantiles and mean."""
     # Imported here because commands without tables do not need scipy.
     from armour.analysis.estimates import Estimate
 
@@ -288,8 +298,7 @@ def estimate_table(result: "UncertaintyResult") -> Table:
         Column("quantity"),
         Column("unit"),
         Column("estimate", spec="g"),
-        _between(result),
-        Column("samples to settle the last digit", spec="d"),
+        _between(result, of=SAMPLING),
     )
     found = [("probability of perforation", "", result.probability_of_perforation, 3)]
     limits = {
@@ -300,10 +309,8 @@ def estimate_table(result: "UncertaintyResult") -> Table:
     rows = []
     for name, unit, estimate, decimals in found:
         spec = f".{decimals}f"
-        needed = estimate.samples_for(10.0**-decimals, result.samples)
-        settling = "settled" if needed <= result.samples else int(float(f"{needed:.2g}"))
         # A probability and velocities have different decimals, so that the number is formatted here.
-        rows.append((name, unit, f"{estimate.value:{spec}}", interval((estimate.low, estimate.high), spec), settling))
+        rows.append((name, unit, f"{estimate.value:{spec}}", interval((estimate.low, estimate.high), spec)))
     return Table(columns, tuple(rows))
 
 
@@ -314,12 +321,12 @@ def index_table(result: "UncertaintyResult") -> Table:
         (Column("input", prose=True), lambda item: in_words(item.input)),
         (Column("first-order index", spec=".3f"), lambda item: getattr(item.first, "value", None)),
         (
-            _between(result, of=" of the first-order index"),
+            _between(result, of=SAMPLING),
             lambda item: item.first and interval((item.first.low, item.first.high), ".3f"),
         ),
         (Column("total index", spec=".3f"), lambda item: getattr(item.total, "value", None)),
         (
-            _between(result, of=" of the total index"),
+            _between(result, of=SAMPLING),
             lambda item: item.total and interval((item.total.low, item.total.high), ".3f"),
         ),
         (Column("ballistic limit at its 5 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[0]),
@@ -327,10 +334,15 @@ def index_table(result: "UncertaintyResult") -> Table:
     )
 
 
-def uncertainty_tables(result: "UncertaintyResult") -> list[Table | str]:
+def uncertainty_tables(result: "UncertaintyResult", *, excluded: bool | None = None) -> list[Table | str]:
     """Return all tables of a propagated uncertainty."""
-    found: list[Table | str] = [uncertainty_table(result), estimate_table(result), index_table(result)]
-    found.append(error_note(result.model_error))
+    found: list[Table | str] = [uncertainty_table(result), estimate_table(result), SAMPLING_NOTE, index_table(result)]
+    estimates = [estimate for index in result.inputs for estimate in (index.first, index.total) if estimate]
+    if any(estimate.low < 0.0 or estimate.high > 1.0 for estimate in estimates):
+        found.append(INDEX_NOTE)
+    found.append(error_note(result.model_error, excluded=excluded))
+    if result.model_error is None:
+        found.append(SAMPLED_ALONE)
     if any(index.first and not index.total for index in result.inputs):
         found.append(
             "inputs are correlated: a first-order index includes what an input shares with those that it is correlated "

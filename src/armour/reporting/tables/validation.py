@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from armour.validation.rivals import Error
     from armour.validation.suite import Case
     from armour.validation.update import Update
-    from armour.validation.validate import Check, SuiteResult, Summary
+    from armour.validation.validate import Check, SuiteResult, TableSummary
 
 
 def check_groups(result: "SuiteResult") -> dict[str, list["Check"]]:
@@ -92,7 +92,7 @@ def group_table(result: "SuiteResult", name: str) -> Table:
     )
 
 
-def held_to(summary: "Summary") -> str:
+def held_to(summary: "TableSummary") -> str:
     """Return mean and root mean square of a table or group with the bands that they are held to."""
     unit, parts = summary.unit, []
     if summary.rms_band is not None:
