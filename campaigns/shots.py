@@ -7,8 +7,9 @@ The armour is the paper's lightest against the 7.62 mm AP, whose ballistic limit
 firings and below it in the other; the scatter is 15 or 30 m/s.  A shot misses the velocity that it is aimed at by 5 m/s
 (standard deviation), and is measured exactly.  A firing ends when the interval of V50 of 95 % is within +- 15 m/s: of
 the Bayesian procedure that of the posterior, of the others that of the penalised likelihood of `armour v50`.
-"bayesian, scatter known" is told the scatter within a factor of 1.2.  Then each scatter is drawn from the prior,
-for the Bayesian procedure alone.
+"bayesian, scatter known" is told the scatter within a factor of 1.2.  The procedures "without the model" are told that
+V50 lies within 50 % of the model's limit, and up-and-down starts 20 % above it.  Then each scatter is drawn from the
+prior, for the Bayesian procedure alone.
 
 The last rows ask whether V50 exceeds 90 % of the model's limit, by the Bayesian procedure alone: V50 and scatter are
 those of its prior, or V50 misses the limit as above, and a firing ends with a probability of 95 %.  "held" is then the
@@ -37,6 +38,8 @@ SCENARIO, HALF_WIDTH_M_S, CONFIDENCE, MISS_M_S, MOST = "paper/optimum_7.62mm_AP"
 DEVIATIONS, SCATTERS_M_S = (0.0, 1.0, 2.0), (15.0, 30.0)
 KNOWN, KNOWN_FACTOR, REQUIRED = "bayesian, scatter known", 1.2, 0.9
 CLASSIC = {"up-and-down": up_and_down, "langlie": langlie, "neyer": neyer}
+# What the procedures start from without the model, in units of its limit: limits of V50, and the first shot.
+WITHOUT, WIDE, START = ", without the model", (0.5, 1.5), 1.2
 # Firings at once; nodes of V50 and scatter of the Bayesian procedure, and its velocities.
 BLOCK, NODES, CANDIDATES = 500, (301, 15), 201
 # Root of the deviance at the ends of an interval.
@@ -109,7 +112,7 @@ def classic(
     procedure: str, settings: ShotSettings, truths: Floats, scatters: Floats, dice: np.random.Generator
 ) -> Outcome:
     """Simulate firings of a procedure that knows no prior."""
-    rule, count = CLASSIC[procedure], len(truths)
+    rule, count = CLASSIC[procedure.removesuffix(WITHOUT)], len(truths)
     shots, held = np.full(count, MOST), np.zeros(count, dtype=bool)
     fired = [Shots((), ()) for _ in truths]
     going, intervals = np.arange(count), Intervals(count, float(truths.mean()))
@@ -201,6 +204,8 @@ def simulate(procedure: str, deviations: float, scatter: float | None, firings: 
     limit = prior.limit_m_s
     guess = limit * prior.scatter_percent / 100.0
     settings = ShotSettings(limit, guess, limits_of(prior), HALF_WIDTH_M_S, CONFIDENCE, prior=prior)
+    if procedure.endswith(WITHOUT):
+        settings = settings._replace(estimate_m_s=START * limit, limits_m_s=(WIDE[0] * limit, WIDE[1] * limit))
     found = []
     for start in range(0, firings, BLOCK):
         # Above the limit in one block, below in the next: the grids of a block have one centre.
@@ -211,7 +216,7 @@ def simulate(procedure: str, deviations: float, scatter: float | None, firings: 
         scatters = np.full(len(truths), scatter or 0.0)
         if scatter is None:
             scatters = prior.scatter_percent / 100.0 * truths * prior.scatter_factor ** dice.normal(size=len(truths))
-        known = procedure not in CLASSIC
+        known = procedure.removesuffix(WITHOUT) not in CLASSIC
         found.append(
             bayes(settings, truths, scatters, dice) if known else classic(procedure, settings, truths, scatters, dice)
         )
@@ -223,7 +228,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--firings", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--procedures", default=";".join(("bayesian", KNOWN, *CLASSIC)))
+    parser.add_argument(
+        "--procedures", default=";".join(("bayesian", KNOWN, *CLASSIC, *(name + WITHOUT for name in CLASSIC)))
+    )
     given = parser.parse_args()
     print(
         f"limits of V50 for langlie and neyer: the interval of the model with a probability of {LIMITS_PROBABILITY:g}"

@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     from armour.planning.shot_plan import ShotPlan
     from armour.statistics.firing_posterior import FiringEstimate
 
+SCATTER_ASSUMED = "the prior of the scatter is an assumption, which the model says nothing of"
+
 
 def shot_plan_tables(plan: "ShotPlan") -> list[Table | str]:
     """Return all tables of a plan of shots, with notes on them."""
@@ -17,7 +19,7 @@ def shot_plan_tables(plan: "ShotPlan") -> list[Table | str]:
     if plan.reason:
         found.append(f"reason: {plan.reason}")
     if plan.prior is not None and plan.posterior is not None:
-        found += [prior_table(plan.prior, plan.posterior, plan.confidence), error_note(plan.model_error)]
+        found += [prior_table(plan.prior, plan.posterior, plan.confidence), error_note(plan.model_error), SCATTER_ASSUMED]
         if plan.fired.complete and plan.prior_share is not None:
             found.append(share_note(plan.prior_share))
     elif plan.recommended is not None:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from armour.reporting.table import Cell, Column, Source, Table, column_of, listing, record
 from armour.reporting.tables.confidence import SAMPLED_ALONE, error_note
-from armour.reporting.tables.planned_shots import prior_table, share_note
+from armour.reporting.tables.planned_shots import SCATTER_ASSUMED, prior_table, share_note
 from armour.reporting.text import interval, percent
 from armour.reporting.words import in_words, words_of
 
@@ -251,7 +251,8 @@ def v50_tables(result: "FiringResult") -> list[Table | str]:
     if result.mean is not None:
         found.append(MEAN_NOTES[result.mean.rule])
     if result.prior is not None and result.posterior is not None and result.prior_share is not None:
-        found += [prior_table(result.prior, result.posterior, result.confidence), share_note(result.prior_share)]
+        table = prior_table(result.prior, result.posterior, result.confidence)
+        found += [table, SCATTER_ASSUMED, share_note(result.prior_share)]
     if not result.fits:
         return [
             *found,
