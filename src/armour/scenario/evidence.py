@@ -42,8 +42,9 @@ class ModelError:
         from scipy.special import stdtrit
 
         wanted = _numbers("probability", probability, 0.0, 1.0)
-        # scipy has +inf at 0.
-        deviation = np.where(wanted > 0.0, stdtrit(self.degrees_of_freedom, wanted), -np.inf)
+        # Versions of scipy differ at 0 and at 1.
+        ends = np.where(wanted > 0.5, np.inf, -np.inf)
+        deviation = np.where((wanted > 0.0) & (wanted < 1.0), stdtrit(self.degrees_of_freedom, wanted), ends)
         return ((self.mean_percent + self.scale_percent * deviation) / 100.0).clip(min=-0.99)
 
     def interval(self, limit_m_s: float) -> tuple[float, float]:
