@@ -14,7 +14,7 @@ SHOTS = Shots((700.0, 720.0), (False, True))
 
 def test_a_plan():
     plan = replace(plan_shots(scenario(), SHOTS), expected_shots=None)
-    first, reason, before_and_after, _error, share, shots = shot_plan_tables(plan)
+    first, reason, before_and_after, _error, _scatter, share, shots = shot_plan_tables(plan)
     assert isinstance(first, Table)
     assert quantities(first)["further shots expected"] == "more than 100"
     assert str(reason).startswith("reason: expected to narrow")

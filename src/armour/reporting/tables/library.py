@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 # Shipped tables of tests, which have no title, and what they are for.
 TESTS = {
     "shots.csv": "firing results on one armour, for armour v50",
+    "unknown_ceramic.csv": "simulated ballistic limits of 4 armours, for armour calibrate --prior",
     "wilkins.csv": "ballistic limits of 13 armours, for armour calibrate",
 }
 

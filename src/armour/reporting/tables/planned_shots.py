@@ -19,7 +19,11 @@ def shot_plan_tables(plan: "ShotPlan") -> list[Table | str]:
     if plan.reason:
         found.append(f"reason: {plan.reason}")
     if plan.prior is not None and plan.posterior is not None:
-        found += [prior_table(plan.prior, plan.posterior, plan.confidence), error_note(plan.model_error), SCATTER_ASSUMED]
+        found += [
+            prior_table(plan.prior, plan.posterior, plan.confidence),
+            error_note(plan.model_error),
+            SCATTER_ASSUMED,
+        ]
         if plan.fired.complete and plan.prior_share is not None:
             found.append(share_note(plan.prior_share))
     elif plan.recommended is not None:
