@@ -16,6 +16,7 @@ from armour.statistics.flow_stress_laws import FLOW_STRESS
 from armour.statistics.test_data import read_tests
 from tests.helpers.cases import TESTS, csv_file, shipped_scenario
 
+LIMITS = ((6.0, 700.0), (7.0, 760.0), (8.0, 810.0))
 GRID = {CERAMIC: [5.0, 8.0, 11.0], BACKING: [4.0, 6.0, 8.0]}
 
 
@@ -65,6 +66,7 @@ def test_a_law_needs_different_armours(wilkins: Scenario):
 def test_candidates_that_do_not_tell_a_law(wilkins: Scenario):
     result = plan_tests(wilkins, {BACKING: [6.35], CERAMIC: [5.0, 7.0]}, law="backing", number=2, scatter_percent=3.0)
     assert result.not_identified == (FLOW_STRESS, "ceramic.flow_stress_backing_exponent")
+    assert result.efficiency is None
     assert any("do not determine" in warning for warning in result.warnings)
     assert result.planned[-1].half_widths == dict.fromkeys(result.values)
     # The design has the same back plate, so that its limit is determined.
@@ -79,11 +81,20 @@ def test_tests_made_before(wilkins: Scenario):
     result = plan_tests(wilkins, GRID, tests=read, number=2)
     assert result.values[FLOW_STRESS] == pytest.approx(coefficient.estimate)
     assert not result.scatter_known
+    assert result.scatter_source == "residuals"
     assert result.planned[0].half_widths[FLOW_STRESS] == pytest.approx(
         2.178813 * (coefficient.standard_error or 0.0), rel=1e-4
     )
     halves = [step.half_widths[FLOW_STRESS] or 0.0 for step in result.planned]
     assert halves == sorted(halves, reverse=True)
+
+
+def test_where_the_scatter_comes_from(wilkins: Scenario):
+    limits = [{CERAMIC: c, "ballistic_limit_m_s": v, "ballistic_limit_uncertainty_m_s": 20.0} for c, v in LIMITS]
+    read = read_tests(limits, wilkins)
+    known = plan_tests(wilkins, GRID, tests=read, number=1)
+    assert (known.scatter_known, known.scatter_source) == (True, "uncertainties")
+    assert plan_tests(wilkins, GRID, tests=read, number=1, scatter_percent=3.0).scatter_source == "given"
 
 
 def test_a_prior_counts(wilkins: Scenario):

@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import pytest
 
-from armour.planning.plan_tests import PlannedTests, plan_tests
+from armour.planning.plan_tests import PlannedTests, ScatterSource, plan_tests
 from armour.reporting.chart import Line, Map, Points
 from armour.reporting.figures import plot
 from armour.reporting.planned_tests_chart import GAIN, planned_chart
 from armour.reporting.tables.planned_tests import form_table, plan_table, planned_tables, step_table
 from armour.scenario.parameters import BACKING, CERAMIC
+from armour.statistics.test_data import read_tests
 from tests.helpers.cases import shipped_scenario
 
 GRID = {CERAMIC: [5.0, 8.0, 11.0], BACKING: [4.0, 8.0]}
@@ -46,6 +47,27 @@ def test_candidates_that_are_no_grid(result: PlannedTests):
 def test_tests_that_do_not_determine_the_inputs(result: PlannedTests):
     assert "no gain" in planned_chart(replace(result, sensitivities=()), "").note
     assert "none: too few tests" in plan_table(replace(result, efficiency=None)).rows[0]
+    lacking = replace(result, efficiency=None, not_identified=("ceramic.flow_stress_GPa",))
+    assert "none: the candidates do not determine the inputs" in plan_table(lacking).rows[0]
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [("given", "given"), ("uncertainties", "from the uncertainties"), ("residuals", "estimated from the residuals")],
+)
+def test_where_the_scatter_comes_from(result: PlannedTests, source: ScatterSource, words: str):
+    cells = map(str, plan_table(replace(result, scatter_source=source)).rows[0])
+    assert any(f"3 % of the ballistic limit, {words}" in cell for cell in cells)
+
+
+def test_the_names_of_planned_tests_go_on(result: PlannedTests):
+    form = form_table(result, None)
+    made = [
+        {column.key: value for column, value in zip(form.columns, row, strict=True)} | {"ballistic_limit_m_s": 760.0}
+        for row in form.rows
+    ]
+    again = form_table(result, read_tests(made, shipped_scenario("wilkins")))
+    assert [row[0] for row in again.rows] == [f"planned {i}" for i in range(1, 11)]
 
 
 def test_the_steps(result: PlannedTests):

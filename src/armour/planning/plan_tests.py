@@ -53,6 +53,7 @@ OUTSIDE = 1e-2
 
 Criterion = Literal["D", "I"]
 Measure = Literal["limit", "outcome"]
+ScatterSource = Literal["given", "uncertainties", "residuals"]
 Candidates = Mapping[str, object] | str | PathLike[str] | Grid | Cases
 
 
@@ -105,13 +106,15 @@ class PlannedTests(TableResult):
         Standard deviation of a test, % of the ballistic limit.
     scatter_known : bool
         Whether it is given; else it is estimated from the tests, which widens the intervals.
+    scatter_source : {"given", "uncertainties", "residuals"}
+        Where the scatter comes from: the argument, or the uncertainties or the residuals of the tests made before.
     designs : tuple of str
         Files of the designs in question.
     design_limits_m_s : tuple of float
         Their ballistic limits, m/s.
     efficiency : float or None
         Of these tests compared with the best distribution of the same cost over the candidates, 0 to 1, at least; None
-        where they do not determine the inputs.
+        where they do not determine the inputs, or by "I" the limits of the designs.
     not_identified : tuple of str
         Fitted inputs that all candidates together do not determine.
     candidates : dict of str to tuple
@@ -132,6 +135,7 @@ class PlannedTests(TableResult):
     tests: str
     scatter_percent: float
     scatter_known: bool
+    scatter_source: ScatterSource
     designs: tuple[str, ...]
     design_limits_m_s: tuple[float, ...]
     efficiency: float | None
@@ -227,6 +231,7 @@ def plan_tests(
     fit = check_sequence("plan_tests", "fit", fit)
     _check_settings(number, criterion, measure, scatter_percent, cost, law, fit, scenario)
     rows, costs = _candidates(scenario, candidates, measure, cost)
+    source: ScatterSource = "uncertainties" if tests is not None and tests.weighted else "residuals"
     if tests is not None and scatter_percent is not None and not tests.weighted:
         tests = weighted_by(tests, scatter_percent / 100.0)
     designs = designs or (scenario,)
@@ -261,8 +266,8 @@ def plan_tests(
     total = float(task.costs[chosen].sum())
     regular = not optimal_design.missing(task.information(chosen), task.rows)
     slopes = task.sensitivities(task.information(chosen)) / task.costs if regular else np.empty(0)
-    best = optimal_design.continuous(task, total) if regular else None
     lacking = found.not_identified()
+    best = optimal_design.continuous(task, total) if regular and (criterion == "I" or not lacking) else None
     return PlannedTests(
         planned=tuple(found.steps(task, chosen, rows, limits, costs, grows=measure == "limit")),
         criterion=criterion,
@@ -272,6 +277,7 @@ def plan_tests(
         tests="" if tests is None else tests.file,
         scatter_percent=100.0 * known.scatter,
         scatter_known=known.freedom is None,
+        scatter_source=source if scatter_percent is None else "given",
         designs=tuple(design.file for design in designs),
         design_limits_m_s=tuple(limits[count:].tolist()),
         efficiency=None if best is None else optimal_design.efficiency(task, chosen, best),

@@ -1,5 +1,6 @@
 """Tables of planned tests."""
 
+import re
 from typing import TYPE_CHECKING
 
 from armour.reporting.table import Cell, Column, Table, column_of, record
@@ -16,6 +17,12 @@ CRITERIA = {
     "D": "D, the smallest confidence region of the fitted inputs",
     "I": "I, the least mean variance of the limits of the designs",
 }
+SOURCES = {
+    "given": "given",
+    "uncertainties": "from the uncertainties of the tests made before",
+    "residuals": "estimated from the residuals of the tests made before",
+}
+PLANNED = re.compile(r"planned (\d+)")
 NOTE = (
     "± is the half-width of the interval to expect once the test has been made, with those before it; for a limit it "
     "is that of the limit by the model, without the model's own error"
@@ -24,14 +31,14 @@ NOTE = (
 
 def plan_table(result: "PlannedTests") -> Table:
     """Return what the tests are planned for."""
-    origin = "given" if result.scatter_known else "of the tests made before"
-    efficient = "none: too few tests" if result.efficiency is None else f"at least {percent_of(result.efficiency)}"
+    why = "the candidates do not determine the inputs" if result.not_identified else "too few tests"
+    efficient = f"none: {why}" if result.efficiency is None else f"at least {percent_of(result.efficiency)}"
     return record(
         result,
         (Column("criterion"), CRITERIA[result.criterion]),
         (Column("candidates", spec="d"), len(next(iter(result.candidates.values())))),
         (Column("measured"), "ballistic limit" if result.measure == "limit" else "outcome of one shot"),
-        (Column("scatter of a test"), f"{result.scatter_percent:.3g} % of the ballistic limit, {origin}"),
+        (Column("scatter of a test"), f"{result.scatter_percent:.3g} % of the ballistic limit, {SOURCES[result.scatter_source]}"),
         (Column("tests made before"), result.tests or None),
         (Column("law of the ceramic's flow stress"), result.law or None),
         *((Column(*words_of(name), ".4g"), value) for name, value in result.values.items()),
@@ -90,15 +97,16 @@ def planned_tables(result: "PlannedTests") -> list[Table | str]:
 def form_table(result: "PlannedTests", tests: Tests | None) -> Table:
     """Return a table of tests for `armour calibrate` whose measured values are to be filled in.
 
-    It has the tests made before, too.
+    It has the tests made before, too; the names of the planned tests go on from theirs.
     """
     given = tests.weighted if tests is not None else result.scatter_known
     uncertainty = MEASURED[LIMIT]
     measured = LIMIT if result.measure == "limit" else OUTCOME
-    made = () if tests is None else zip(tests.names, tests.cells, strict=True)
-    rows: list[dict[str, Cell]] = [{**cells, "test": name} for name, cells in made]
+    made = {} if tests is None else dict(zip(tests.names, tests.cells, strict=True))
+    rows: list[dict[str, Cell]] = [{**cells, "test": name} for name, cells in made.items()]
+    last = max((int(found[1]) for found in map(PLANNED.fullmatch, made) if found), default=0)
     for step in result.planned[1:]:
-        row: dict[str, Cell] = {"test": f"planned {step.number}", **step.inputs}
+        row: dict[str, Cell] = {"test": f"planned {last + step.number}", **step.inputs}
         if given and step.ballistic_limit_m_s is not None:
             row[uncertainty] = float(f"{result.scatter_percent / 100.0 * step.ballistic_limit_m_s:.3g}")
         rows.append(row)
