@@ -118,6 +118,7 @@ def planned_tests() -> PlannedTests:
         tests="",
         scatter_percent=3.0,
         scatter_known=True,
+        scatter_source="given",
         designs=("wilkins.toml",),
         design_limits_m_s=(720.0,),
         efficiency=1.0,

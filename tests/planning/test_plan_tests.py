@@ -137,6 +137,8 @@ def test_costs_of_targets(wilkins: Scenario, tmp_path: Path):
     ("rows", "words"),
     [
         (("armour.ceramic_thickness_mm,cost", "8,0"), "line 2: cost: must be greater than 0"),
+        (("armour.ceramic_thickness_mm,price", "8,5"), "projectile, armour.ceramic, armour.backing, cost"),
+        (("armour.ceramic_thickness_mm,price", "8,"), "backing.shear_strength_MPa, cost"),
         (("armour.ceramic_thickness_mm", "400"), "must have a ballistic limit between 20 and 4000 m/s"),
         (("armour.ceramic_thickness_mm", "-4"), "must be at least 0"),
         (("armour.thickness_mm", "4"), "must be an input or a name that a test has"),
@@ -152,6 +154,12 @@ def test_wrong_candidates(wilkins: Scenario, tmp_path: Path, rows: tuple[str, ..
     assert words in str(caught.value)
 
 
+def test_a_cost_that_is_missing(wilkins: Scenario, tmp_path: Path):
+    with pytest.raises(InputError) as caught:
+        plan_tests(wilkins, csv_file(tmp_path / "c.csv", f"{CERAMIC},cost", "8,"), scatter_percent=3.0)
+    assert str(caught.value).endswith('line 2: cost: must be a number, found ""')
+
+
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
@@ -162,6 +170,15 @@ def test_wrong_candidates(wilkins: Scenario, tmp_path: Path, rows: tuple[str, ..
         ({"fit": ()}, "fit: must name at least one input"),
         ({"law": "backin"}, 'did you mean "backing"'),
         ({"criterion": "A"}, "criterion: must be D or I"),
+        ({"criterion": 1}, "criterion: must be a text, found 1"),
+        ({"measure": None}, "measure: must be a text"),
+        ({"law": 3}, "law: must be a text or None"),
+        ({"candidates": [5.0]}, "candidates: must be a mapping or a path"),
+        ({"scatter_percent": "3"}, "scatter_percent: must be a number"),
+        ({"cost": [1.0]}, "cost: must be a number"),
+        ({"prior": "yes"}, "prior: must be a bool"),
+        ({"designs": "wilkins"}, 'designs: must be a Scenario, found the text "wilkins"'),
+        ({"designs": [3]}, "designs: must be a Scenario, found 3"),
         ({"prior": True}, "must be given for a prior"),
         ({"measure": "outcome", "candidates": {VELOCITY: [20.0]}}, "must tell something of"),
     ],

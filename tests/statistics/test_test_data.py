@@ -27,6 +27,11 @@ def test_measurements_and_bounds(tmp_path: Path):
     assert group.columns[V].tolist() == [800.0, 800.0, 810.0]
 
 
+def test_the_words_of_firing_results_are_outcomes(tmp_path: Path):
+    path = csv_file(tmp_path / "t.csv", f"{V},outcome", "700,partial", "720,complete")
+    assert [m.side for m in read_tests(path, shipped_scenario("wilkins")).measurements] == [1, -1]
+
+
 def test_tests_are_grouped_by_material(tmp_path: Path):
     path = csv_file(
         tmp_path / "t.csv", f"armour.ceramic,{C},ballistic_limit_m_s", "AD85,6,700", "AD99.5,6,720", ",7,730"
@@ -56,7 +61,7 @@ def test_the_shipped_tests():
         (
             f"{C},{V},outcome",
             ["6,700,stopped"],
-            'line 2: outcome: must be "defeated" or "perforated", found "stopped"',
+            'line 2: outcome: must be "defeated" or "perforated", or "partial" or "complete", found "stopped"',
         ),
         (
             f"{C},outcome",

@@ -5,8 +5,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isfinite, nan, sqrt
 from os import PathLike
+from pathlib import Path
 from types import NoneType
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, cast
 
 import numpy as np
 from scipy.optimize import approx_fprime
@@ -21,7 +22,7 @@ from armour.planning import optimal_design
 from armour.planning.optimal_design import Task
 from armour.scenario.assignments import canonical
 from armour.scenario.loading import Scenario
-from armour.scenario.messages import check_sequence, check_types
+from armour.scenario.messages import PATH, check_sequence, check_types
 from armour.scenario.parameters import INPUTS, NAMES, VELOCITY, check_names, name_of
 from armour.statistics.calibration import under_law
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, law_of
@@ -175,7 +176,7 @@ def plan_tests(
     number: int = 4,
     tests: Tests | None = None,
     criterion: Criterion = "D",
-    designs: Sequence[Scenario] = (),
+    designs: Scenario | Sequence[Scenario] = (),
     measure: Measure = "limit",
     scatter_percent: float | None = None,
     cost: float | None = None,
@@ -204,7 +205,7 @@ def plan_tests(
         Tests made before.
     criterion : {"D", "I"}
         "D" makes the confidence region of the inputs smallest, "I" the mean variance of the limits of the designs.
-    designs : sequence of Scenario, optional
+    designs : Scenario or sequence of Scenario, optional
         Designs in question; by default the scenario's own armour.
     measure : {"limit", "outcome"}
         What a test measures: the ballistic limit, or whether one shot at ``impact.velocity_m_s`` perforates.
@@ -227,16 +228,28 @@ def plan_tests(
         If a setting is out of its range, a candidate is no valid armour or has no ballistic limit in the range of the
         search, the candidates tell nothing of the inputs, or the scatter is not known.
     """
-    check_types("plan_tests", scenario=(scenario, Scenario), number=(number, int), tests=(tests, (Tests, NoneType)))
+    optional = (float, int, NoneType)
+    check_types(
+        "plan_tests",
+        scenario=(scenario, Scenario),
+        law=(law, (str, NoneType)),
+        number=(number, int),
+        tests=(tests, (Tests, NoneType)),
+        criterion=(criterion, str),
+        measure=(measure, str),
+        scatter_percent=(scatter_percent, optional),
+        cost=(cost, optional),
+        prior=(prior, bool),
+    )
+    questions = _scenarios(designs) or (scenario,)
     fit = check_sequence("plan_tests", "fit", fit)
     _check_settings(number, criterion, measure, scatter_percent, cost, law, fit, scenario)
     rows, costs = _candidates(scenario, candidates, measure, cost)
     source: ScatterSource = "uncertainties" if tests is not None and tests.weighted else "residuals"
     if tests is not None and scatter_percent is not None and not tests.weighted:
         tests = weighted_by(tests, scatter_percent / 100.0)
-    designs = designs or (scenario,)
-    _check_materials([(design.file, design) for design in designs], rows.groups[0].scenario, fit)
-    all_rows = _with_designs(rows, designs)
+    _check_materials([(design.file, design) for design in questions], rows.groups[0].scenario, fit)
+    all_rows = _with_designs(rows, questions)
     all_rows, under, names = under_law(all_rows, scenario, fit, law)
     likelihood = likelihood_of(all_rows, under, names, on_progress, prior=prior)
     known = _knowledge(tests, likelihood, scenario, fit, law, scatter_percent, prior=prior, on_progress=on_progress)
@@ -278,7 +291,7 @@ def plan_tests(
         scatter_percent=100.0 * known.scatter,
         scatter_known=known.freedom is None,
         scatter_source=source if scatter_percent is None else "given",
-        designs=tuple(design.file for design in designs),
+        designs=tuple(design.file for design in questions),
         design_limits_m_s=tuple(limits[count:].tolist()),
         efficiency=None if best is None else optimal_design.efficiency(task, chosen, best),
         not_identified=lacking,
@@ -287,6 +300,14 @@ def plan_tests(
         confidence=CONFIDENCE,
         warnings=(*known.warnings, *_warnings(lacking, number, task)),
     )
+
+
+def _scenarios(designs: Scenario | Sequence[Scenario]) -> tuple[Scenario, ...]:
+    """Return one or several designs; raise an InputError where one is no scenario."""
+    found: Any = tuple(designs) if isinstance(designs, list | tuple) else (designs,)
+    for design in found:
+        check_types("plan_tests", designs=(design, Scenario))
+    return cast("tuple[Scenario, ...]", found)
 
 
 def _check_settings(
@@ -343,6 +364,10 @@ def _candidates(
 ) -> tuple[Tests, Floats | None]:
     """Return the candidates as tests that measure the limit, and their costs, (n,); None without costs."""
     with of_candidates():
+        if isinstance(candidates, PATH):
+            candidates = Cases(Path(candidates), (COST,))
+        elif not isinstance(candidates, Grid | Cases):
+            check_types("plan_tests", candidates=(candidates, (Mapping, PATH)))
         source = candidates if isinstance(candidates, Grid | Cases) else source_of(candidates)
     file = str(source.path) if isinstance(source, Cases) else "candidates"
     if source.count > MAX_CANDIDATES:
@@ -353,8 +378,9 @@ def _candidates(
     costs = columns.pop(COST, None)
     columns = dict(zip(canonical(columns, file), columns.values(), strict=True))
     allowed = (*INPUTS, *NAMES.values())
+    known = allowed if costs is not None else (*allowed, COST)
     unknown = [key for key in columns if key not in allowed]
-    refuse(Problem(file, key, f"must be an input or a name that a test has{choices(key, allowed)}") for key in unknown)
+    refuse(Problem(file, key, f"must be an input or a name that a test has{choices(key, known)}") for key in unknown)
     if not columns:
         raise InputError([Problem(file, "", "must have at least one key of an armour")])
     if measure == "limit" and VELOCITY in columns:

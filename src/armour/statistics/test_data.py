@@ -24,7 +24,7 @@ MEASURED = {
 # Range of measurements and uncertainties, in any unit.
 MIN_MEASURED, MAX_MEASURED = 1e-3, 1e6
 # Side of the impact velocity on which the ballistic limit lies, by outcome.
-SIDES = {"defeated": 1, "perforated": -1}
+SIDES = {"defeated": 1, "partial": 1, "perforated": -1, "complete": -1}
 
 
 class Measurement(NamedTuple):
@@ -158,9 +158,9 @@ def _mistakes(row: CsvRow, repeated: Container[str]) -> list[tuple[str, str]]:
     if outcome is None and not any(column in row.texts for column in MEASURED):
         found.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}"))
     if outcome is not None and outcome not in SIDES:
-        found.append((OUTCOME, f'must be "defeated" or "perforated", found "{outcome}"'))
-    if outcome == "defeated" and RESIDUAL in row.texts:
-        found.append((OUTCOME, "must not be defeated where there is a residual velocity"))
+        found.append((OUTCOME, f'must be "defeated" or "perforated", or "partial" or "complete", found "{outcome}"'))
+    if SIDES.get(outcome or "") == 1 and RESIDUAL in row.texts:
+        found.append((OUTCOME, f"must not be {outcome} where there is a residual velocity"))
     if outcome is not None and VELOCITY not in row.texts:
         found.append((VELOCITY, "is missing and must be given with an outcome"))
     for column in (*MEASURED, *MEASURED.values()):

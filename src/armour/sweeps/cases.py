@@ -99,8 +99,9 @@ class Cases:
     The file is read from its start for each pass; a pass that does not find what the first one found raises an error.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, others: Sequence[str] = ()) -> None:
         self.path = path
+        self.others = others  # columns of numbers that are no keys
         self.keys: tuple[str, ...] = ()
         self.count = 0
         self.digest = ""
@@ -202,7 +203,8 @@ class Cases:
                     if not _is_name(cell):
                         return self._error(f"line {number}: {key}", f'must be a name, found "{cell[:40]}"')
                 elif finite_number(cell) is None or "_" in cell or not cell.isascii():
-                    hint = "" if _is_key(key) else f"; unknown column{choices(key, [*NAMES.values(), *INPUTS])}"
+                    known = [*NAMES.values(), *INPUTS, *self.others]
+                    hint = "" if _is_key(key) or key in known else f"; unknown column{choices(key, known)}"
                     return self._error(f"line {number}: {key}", f'must be a number, found "{cell[:40]}"{hint}')
         return self._error(f"line {block[0][0]}", "must be a table of numbers from here")
 

@@ -37,7 +37,7 @@ def plan_table(result: "PlannedTests") -> Table:
         result,
         (Column("criterion"), CRITERIA[result.criterion]),
         (Column("candidates", spec="d"), len(next(iter(result.candidates.values())))),
-        (Column("measured"), "ballistic limit" if result.measure == "limit" else "outcome of one shot"),
+        (Column("measured"), "ballistic limit" if result.measure == "limit" else "outcome of one shot, defeated or perforated"),
         (Column("scatter of a test"), f"{result.scatter_percent:.3g} % of the ballistic limit, {SOURCES[result.scatter_source]}"),
         (Column("tests made before"), result.tests or None),
         (Column("law of the ceramic's flow stress"), result.law or None),
