@@ -61,7 +61,9 @@ def test_wrong_input(cli):
     assert "must be one CSV file" in cli.fails(2, *base, *GRID, "--candidates", "c.csv")[0]
     assert cli.fails(2, *base, "--candidates", "c.csv")[0].startswith("c.csv: cannot be read")
     [message] = cli.fails(2, *base, "--candidates", "armour.ceramic_thickness_mm")
-    assert message == 'command line: --candidates: must be KEY=VALUES or a CSV file, found "armour.ceramic_thickness_mm"'
+    assert (
+        message == 'command line: --candidates: must be KEY=VALUES or a CSV file, found "armour.ceramic_thickness_mm"'
+    )
     wrong = cli.fails(2, *base, "--candidates", "armour.ceramic_thickness_mm=400")[0]
     assert "candidates: armour.ceramic_thickness_mm=400: must have a ballistic limit between" in wrong
 

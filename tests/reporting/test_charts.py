@@ -17,7 +17,7 @@ from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import Shots, v50
 from armour.validation.comparison import compare
 from armour.validation.figures import Figure, FigureCurve, FigureLevel, FigureMark, FigureSection
-from tests.helpers.cases import scenario
+from tests.helpers.cases import scenario, shipped_scenario
 from tests.helpers.results import OTHER, THREAT, best_design, design_result, impact, uncertainty_result
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
 
@@ -361,6 +361,18 @@ def test_the_interval_of_a_v50_is_a_bar_where_it_has_an_end():
     [bar] = [item for item in some(chart.panels[0], Points) if item.x_ends]
     [(low, high)] = bar.x_ends
     assert low < bar.x[0] < high  # type: ignore[operator]
+
+
+def test_the_posterior_of_a_v50_is_drawn():
+    found = v50(SHOTS, shipped_scenario("wilkins"), prior=True)
+    chart = charts.v50_chart(SHOTS, found)
+    [panel] = chart.panels
+    assert found.posterior is not None
+    [bar] = [item for item in some(panel, Points) if "posterior" in item.label]
+    assert (bar.x, bar.x_ends) == ([found.posterior.v50_m_s], (found.posterior.v50_interval_m_s,))
+    assert panel.x.limits is not None
+    assert panel.x.limits[0] < bar.x_ends[0][0] < bar.x_ends[0][1] < panel.x.limits[1]
+    assert "The bar with a diamond is that of the posterior" in chart.note
 
 
 def test_a_limit_outside_the_axis_of_a_v50_is_in_the_note_and_not_in_the_legend():

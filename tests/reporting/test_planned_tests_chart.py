@@ -1,15 +1,17 @@
 """Charts and tables of planned tests."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from armour.planning.plan_tests import PlannedTests, ScatterSource, plan_tests
 from armour.reporting.chart import Line, Map, Points
 from armour.reporting.figures import plot
-from armour.reporting.planned_tests_chart import GAIN, planned_chart
+from armour.reporting.planned_tests_chart import GAIN, planned_chart, velocities_in_words
 from armour.reporting.tables.planned_tests import form_table, plan_table, planned_tables, step_table
-from armour.scenario.parameters import BACKING, CERAMIC
+from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY
 from armour.statistics.test_data import read_tests
 from tests.helpers.cases import shipped_scenario
 
@@ -84,3 +86,31 @@ def test_the_form_has_uncertainties_where_the_scatter_is_given(result: PlannedTe
     assert keys == ["test", CERAMIC, BACKING, "ballistic_limit_m_s", "ballistic_limit_uncertainty_m_s"]
     unknown = replace(result, scatter_known=False)
     assert [column.key for column in form_table(unknown, None).columns] == keys[:-1]
+
+
+def test_planned_shots_have_their_velocities():
+    grid = {CERAMIC: [5.0, 6.0], BACKING: [6.0, 8.0], VELOCITY: np.arange(600.0, 900.0, 25.0)}
+    wilkins = shipped_scenario("wilkins")
+    shots = plan_tests(wilkins, grid, law="backing", number=2, scatter_percent=3.0, measure="outcome")
+    chart = planned_chart(shots, "")
+    slow, fast = sorted(step.inputs[VELOCITY] for step in shots.planned[1:])
+    assert chart.note.endswith(f"The planned shots are at {slow:g} and {fast:g} m/s.")
+    texts = [text for item in chart.panels[0].series if isinstance(item, Points) for text in item.text]
+    assert sorted(texts) == [f"at {slow:g} m/s", f"at {fast:g} m/s"]
+
+
+def test_the_unit_of_a_slope_is_given(result: PlannedTests):
+    linear = replace(result, values={"ceramic.flow_stress_ceramic_slope": 0.0})
+    assert "per projectile diameter" in str(planned_tables(linear)[-1])
+
+
+@pytest.mark.parametrize(
+    ("velocities", "words"),
+    [
+        ([750.0, 750.0], "750 m/s"),
+        ([720.0, 700.0, 750.0], "700, 720 and 750 m/s"),
+        (range(700, 780, 10), "8 velocities, 700 to 770 m/s"),
+    ],
+)
+def test_velocities_in_words(velocities: Iterable[float], words: str):
+    assert velocities_in_words(velocities) == words

@@ -15,7 +15,7 @@ from armour.errors import InputError
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import with_inputs
 from armour.statistics import calibration, likelihood_fit
-from armour.statistics.calibration import CalibrationResult, calibrate, left_out_errors, out_of_line
+from armour.statistics.calibration import CalibrationResult, Residual, calibrate, left_out_errors, out_of_line
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, with_ceramic, with_law
 from armour.statistics.likelihood_fit import Coefficient
 from armour.statistics.test_data import LIMIT, read_tests
@@ -422,3 +422,9 @@ def test_the_argument_that_is_wrong_is_named(wilkins: Scenario):
         calibrate(tests, wilkins, "ceramic")
     with pytest.raises(InputError, match="calibrate: law: must not be given where"):
         calibrate(tests, wilkins, "backing.shear_strength_MPa", "all")
+
+
+@pytest.mark.parametrize(("bound", "sign"), [("at least", 1.0), ("at most", -1.0)])
+def test_a_bound_is_met_at_equality_within_rounding(bound: str, sign: float):
+    met = [Residual("1", LIMIT, 750.0, 750.0 + sign * more, None, bound).met for more in (1.0, -1e-4, -0.01)]
+    assert met == [True, True, False]

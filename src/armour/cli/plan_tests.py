@@ -135,7 +135,6 @@ def plan_of_tests(
 def _source(candidates: list[str]) -> "Grid | Cases":
     """Return the candidates."""
     from armour.planning.plan_tests import COST, of_candidates
-    from armour.scenario.parameters import INPUTS, NAMES
     from armour.sweeps.cases import Cases, Grid, axis_of, omission
 
     where = "command line", "--candidates"
@@ -144,7 +143,7 @@ def _source(candidates: list[str]) -> "Grid | Cases":
         raise InputError([Problem(*where, "is missing and must be given")])
     if files and len(candidates) > 1:
         raise InputError([Problem(*where, "must be one CSV file, or keys with values")])
-    if files and files[0] in (*INPUTS, *NAMES.values()):
+    if files and not files[0].endswith(".csv") and not Path(files[0]).exists():
         raise InputError([Problem(*where, f'must be KEY=VALUES or a CSV file, found "{files[0]}"')])
     if files:
         return Cases(Path(files[0]), (COST,))

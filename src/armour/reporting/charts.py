@@ -441,6 +441,10 @@ def sensitivity_chart(result: "SensitivityResult", title: str) -> Chart:
     return Chart(title, (_bars_panel(x, names, values),), "Inputs are in the order of their longest bars.")
 
 
+# Height of the posterior's interval of V50, below that of the shots alone.
+POSTERIOR = 0.4
+
+
 def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
     """Describe shots, the recommended curve with its band, V50, and the model's ballistic limit where there is one."""
     if not result.fits:
@@ -460,6 +464,7 @@ def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
     reach, margin = fastest - slowest or 0.01 * fastest, 0.1 * (fastest - slowest)
     model, mean, between = result.model_ballistic_limit_m_s, result.mean, f"{percent(result.confidence)} interval"
     fit = result.recommended or result.fits[0]
+    after = result.posterior
     ends = [fit.v50_m_s, *fit.v50_interval_m_s, model]
     between_ends = interval(fit.v50_interval_m_s, ".1f")
     bounded = fit.v50_interval_m_s != (None, None)
@@ -467,6 +472,8 @@ def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
         between_ends = f"{between_ends} m/s"
     wanted = [slowest, fastest, *(end for end in ends if end is not None)]
     low, high = max(slowest - reach, min(wanted) - margin), min(fastest + reach, max(wanted) + margin)
+    if after is not None:
+        low, high = min(low, after.v50_interval_m_s[0] - margin), max(high, after.v50_interval_m_s[1] + margin)
     x = np.linspace(low, high, 400).tolist()
     label = f"{fit.curve}, {fit.method}: V50 {fit.v50_m_s:.1f} m/s"
     if fit is result.recommended:
@@ -479,11 +486,17 @@ def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
         words = (f"V50 {fit.v50_m_s:.1f} m/s\n{between} {between_ends}",)
         bar = ((start, end),) if bounded else ()
         series.append(Points([fit.v50_m_s], [0.5], x_ends=bar, text=words))
+    if after is not None:
+        name = f"posterior with the model as prior: V50 {after.v50_m_s:.1f} m/s"
+        bar = (after.v50_interval_m_s,)
+        series.append(Points([after.v50_m_s], [POSTERIOR], "D", label=name, colour=PURPLE, x_ends=bar, text=(name,)))
     if mean is not None:
         name = "mean of shots" if mean.rule == "no usual rule" else "MIL-STD-662F"
         series.append(_velocity_rule(f"{name}: V50", mean.v50_m_s, SOFT))
     bar_is = "The bar at one half is the {} of V50, {}." if bounded else "The {} of V50 is {}."
     notes = [bar_is.format(between, between_ends)]
+    if after is not None:
+        notes.append(f"The bar with a diamond is that of the posterior, {interval(after.v50_interval_m_s, '.1f')} m/s.")
     if model is not None and low <= model <= high:
         series.append(_velocity_rule("this model: ballistic limit", model, INK, ":"))
     elif model is not None:

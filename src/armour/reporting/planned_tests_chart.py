@@ -1,19 +1,22 @@
 """Chart of planned tests among their candidates."""
 
 from collections import Counter
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from armour.reporting.chart import INK, VERMILION, Axis, Chart, Contours, Line, Map, Panel, Points, Series
 from armour.reporting.charts import quantity_axis
-from armour.scenario.parameters import BACKING, CERAMIC, INPUTS
+from armour.scenario.parameters import BACKING, CERAMIC, INPUTS, VELOCITY
 
 if TYPE_CHECKING:
     from armour.planning.plan_tests import PlannedTests
 
 GAIN = "relative gain of one more test"
 NOTE = "Gains of one more test for its cost are relative to the mean of the planned tests."
+# Velocities that a note names one by one.
+MAX_LISTED = 6
 # Looks of candidates that are tested once, twice, and so on; those tested more often look like the last.
 MARKS: tuple[dict[str, Any], ...] = (
     {"marker": "o", "size": 6.0},
@@ -52,15 +55,33 @@ def planned_chart(result: "PlannedTests", title: str) -> Chart:
         z[np.searchsorted(y, columns[1][order]), np.searchsorted(x, columns[0][order])] = gains[order]
         series = _map(x, y, z)
         points = places
+    velocities = _velocities(result)
     repeats = Counter(points)
     for times in sorted(set(repeats.values())):
         some = [point for point, count in repeats.items() if count == times]
         look = MARKS[min(times, len(MARKS)) - 1]
         label = "one test" if times == 1 else f"{times} tests"
         xs, ys = zip(*some, strict=True)
-        series.append(Points(xs, ys, label=label, colour=VERMILION, **look))
+        shots = [[v for place, v in zip(points, velocities, strict=False) if place == point] for point in some]
+        text = tuple(f"at {velocities_in_words(of_point)}" for of_point in shots) if velocities else ()
+        series.append(Points(xs, ys, label=label, colour=VERMILION, text=text, **look))
     note = NOTE if result.sensitivities else "The planned tests do not determine the inputs, so that no gain is shown."
+    if velocities:
+        note += f" The planned shots are at {velocities_in_words(velocities)}."
     return Chart(title, (Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
+
+
+def _velocities(result: "PlannedTests") -> list[float]:
+    """Return the impact velocities of planned shots, m/s; none where the limit is measured."""
+    return [float(step.inputs[VELOCITY]) for step in result.planned[1:]] if result.measure == "outcome" else []
+
+
+def velocities_in_words(velocities: Iterable[float]) -> str:
+    """Return different velocities in words, or their range where they are many."""
+    found = [f"{velocity:.4g}" for velocity in sorted(set(velocities))]
+    if len(found) > MAX_LISTED:
+        return f"{len(found)} velocities, {found[0]} to {found[-1]} m/s"
+    return f"{', '.join([*found[:-2], ' and '.join(found[-2:])])} m/s"
 
 
 def _map(x: Any, y: Any, z: Any) -> list[Series]:

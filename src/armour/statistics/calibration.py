@@ -23,6 +23,8 @@ from armour.statistics.test_data import LIMIT, Tests, common_of
 MAX_FOLDS = 100
 # Part of the tables of sound tests for which a test is called out of line.
 FALSE_ALARMS = 0.05
+# Least difference of a computed value from a bound that counts: half of the last digit that is shown.
+EQUAL = 0.005
 
 
 @dataclass(frozen=True)
@@ -51,8 +53,9 @@ class Residual:
 
     @property
     def met(self) -> bool:
-        """Whether the computed value meets the bound."""
-        return self.computed >= self.measured if self.bound == "at least" else self.computed <= self.measured
+        """Whether the computed value meets the bound, to a hundredth."""
+        beyond = self.computed - self.measured if self.bound == "at least" else self.measured - self.computed
+        return beyond >= -EQUAL
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,8 @@ NOTE = (
     "is that of the limit by the model, without the model's own error"
 )
 
+SLOPES = "a slope is the relative change of the flow stress per projectile diameter of the layer's thickness"
+
 
 def plan_table(result: "PlannedTests") -> Table:
     """Return what the tests are planned for."""
@@ -37,8 +39,14 @@ def plan_table(result: "PlannedTests") -> Table:
         result,
         (Column("criterion"), CRITERIA[result.criterion]),
         (Column("candidates", spec="d"), len(next(iter(result.candidates.values())))),
-        (Column("measured"), "ballistic limit" if result.measure == "limit" else "outcome of one shot, defeated or perforated"),
-        (Column("scatter of a test"), f"{result.scatter_percent:.3g} % of the ballistic limit, {SOURCES[result.scatter_source]}"),
+        (
+            Column("measured"),
+            "ballistic limit" if result.measure == "limit" else "outcome of one shot, defeated or perforated",
+        ),
+        (
+            Column("scatter of a test"),
+            f"{result.scatter_percent:.3g} % of the ballistic limit, {SOURCES[result.scatter_source]}",
+        ),
         (Column("tests made before"), result.tests or None),
         (Column("law of the ceramic's flow stress"), result.law or None),
         *((Column(*words_of(name), ".4g"), value) for name, value in result.values.items()),
@@ -91,7 +99,8 @@ def _known(step: "PlannedTest") -> bool:
 
 def planned_tables(result: "PlannedTests") -> list[Table | str]:
     """Return all tables of planned tests."""
-    return [plan_table(result), step_table(result), NOTE]
+    slopes = [SLOPES] if any(name.endswith("_slope") for name in result.values) else []
+    return [plan_table(result), step_table(result), NOTE, *slopes]
 
 
 def form_table(result: "PlannedTests", tests: Tests | None) -> Table:
