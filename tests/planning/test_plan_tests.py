@@ -177,6 +177,7 @@ def test_a_cost_that_is_missing(wilkins: Scenario, tmp_path: Path):
         ({"scatter_percent": "3"}, "scatter_percent: must be a number"),
         ({"cost": [1.0]}, "cost: must be a number"),
         ({"prior": "yes"}, "prior: must be a bool"),
+        ({"on_progress": 1}, "on_progress: must be a function"),
         ({"designs": "wilkins"}, 'designs: must be a Scenario, found the text "wilkins"'),
         ({"designs": [3]}, "designs: must be a Scenario, found 3"),
         ({"prior": True}, "must be given for a prior"),

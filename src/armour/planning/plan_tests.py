@@ -1,6 +1,6 @@
 """Plans of tests: which armours to test next, so that fitted inputs or the limit of a design become most certain."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isfinite, nan, sqrt
@@ -240,6 +240,7 @@ def plan_tests(
         scatter_percent=(scatter_percent, optional),
         cost=(cost, optional),
         prior=(prior, bool),
+        on_progress=(on_progress, Callable),
     )
     questions = _scenarios(designs) or (scenario,)
     fit = check_sequence("plan_tests", "fit", fit)
