@@ -92,6 +92,10 @@ def test_planned_shots_have_their_velocities():
     grid = {CERAMIC: [5.0, 6.0], BACKING: [6.0, 8.0], VELOCITY: np.arange(600.0, 900.0, 25.0)}
     wilkins = shipped_scenario("wilkins")
     shots = plan_tests(wilkins, grid, law="backing", number=2, scatter_percent=3.0, measure="outcome")
+    assert "3 % of the impact velocity, given" in plan_table(shots).rows[0]
+    assert [row[-1] for row in form_table(shots, None).rows] == pytest.approx(
+        [0.03 * float(step.inputs[VELOCITY]) for step in shots.planned[1:]], abs=0.05
+    )
     chart = planned_chart(shots, "")
     slow, fast = sorted(step.inputs[VELOCITY] for step in shots.planned[1:])
     assert chart.note.endswith(f"The planned shots are at {slow:g} and {fast:g} m/s.")

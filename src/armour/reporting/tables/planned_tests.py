@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from armour.reporting.table import Cell, Column, Table, column_of, record
 from armour.reporting.text import percent
 from armour.reporting.words import words_of
-from armour.scenario.parameters import INPUTS
+from armour.scenario.parameters import INPUTS, VELOCITY
 from armour.statistics.test_data import LIMIT, MEASURED, OUTCOME, Tests
 from armour.units import words_and_unit
 
@@ -33,6 +33,7 @@ SLOPES = "a slope is the relative change of the flow stress per projectile diame
 
 def plan_table(result: "PlannedTests") -> Table:
     """Return what the tests are planned for."""
+    of = "ballistic limit" if result.measure == "limit" else "impact velocity"
     why = "the candidates do not determine the inputs" if result.not_identified else "too few tests"
     efficient = f"none: {why}" if result.efficiency is None else f"at least {percent_of(result.efficiency)}"
     return record(
@@ -45,7 +46,7 @@ def plan_table(result: "PlannedTests") -> Table:
         ),
         (
             Column("scatter of a test"),
-            f"{result.scatter_percent:.3g} % of the ballistic limit, {SOURCES[result.scatter_source]}",
+            f"{result.scatter_percent:.3g} % of the {of}, {SOURCES[result.scatter_source]}",
         ),
         (Column("tests made before"), result.tests or None),
         (Column("law of the ceramic's flow stress"), result.law or None),
@@ -116,8 +117,9 @@ def form_table(result: "PlannedTests", tests: Tests | None) -> Table:
     last = max((int(found[1]) for found in map(PLANNED.fullmatch, made) if found), default=0)
     for step in result.planned[1:]:
         row: dict[str, Cell] = {"test": f"planned {last + step.number}", **step.inputs}
-        if given and step.ballistic_limit_m_s is not None:
-            row[uncertainty] = float(f"{result.scatter_percent / 100.0 * step.ballistic_limit_m_s:.3g}")
+        value = step.ballistic_limit_m_s if result.measure == "limit" else step.inputs[VELOCITY]
+        if given and value is not None:
+            row[uncertainty] = float(f"{result.scatter_percent / 100.0 * float(value):.3g}")
         rows.append(row)
     keys = dict.fromkeys(["test", *(key for row in rows for key in row if key not in (measured, uncertainty))])
     columns = [*keys, measured, *([uncertainty] if given else [])]
