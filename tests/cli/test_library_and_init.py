@@ -130,7 +130,10 @@ def test_a_file_of_the_same_name_wins(cli, folder: Path):
         (["report", "plate"], '"plates"?; `armour init --list` lists the shipped scenarios'),
         (["validate", "plate"], '"plates"?; shipped are paper, plates'),
         (["v50", "shot.csv"], '"shots.csv"?; shipped are shots.csv, unknown_ceramic.csv, wilkins.csv'),
-        (["calibrate", "wilkin.csv", "wilkins"], '"wilkins.csv"?; shipped are shots.csv, unknown_ceramic.csv, wilkins.csv'),
+        (
+            ["calibrate", "wilkin.csv", "wilkins"],
+            '"wilkins.csv"?; shipped are shots.csv, unknown_ceramic.csv, wilkins.csv',
+        ),
     ],
 )
 def test_a_name_close_to_a_shipped_one(cli, args: list[str], hint: str):

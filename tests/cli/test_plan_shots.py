@@ -83,6 +83,11 @@ def test_a_simulation(cli, folder: Path):
         (["wilkins", "f.csv", "--lower-m-s", "600"], "command line: --upper-m-s: must be given with the other limit"),
         (["wilkins", "f.csv", "--half-width-m-s", "0"], "command line: --half-width-m-s: must be at least 0.1"),
         (["wilkins", "bad.csv", "--result", "partial"], 'bad.csv: line 2: result: must be "partial" or "complete"'),
+        (
+            ["wilkins", "f.csv", "--result", "partial", "--velocity-m-s", "7410"],
+            "command line: --velocity-m-s: must be",
+        ),
+        (["wilkins", "f.csv", "--result", "partial", "--simulate"], "command line: --result: is of a shot that was"),
         (["nowhere/f.toml"], "nowhere/f.toml: cannot be read"),
         (["wilkins", "f.csv", "--result", "partial", "--plot", "f.csv"], "f.csv: must end in .png, .svg or .pdf"),
     ],

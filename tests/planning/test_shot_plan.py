@@ -118,3 +118,19 @@ def test_absurd_shots_have_a_finite_plan(procedure: Any):
     assert plan.next_velocity_m_s is not None
     assert isfinite(plan.next_velocity_m_s)
     assert 1.0 <= plan.next_velocity_m_s <= 10_000.0
+
+
+def test_shots_that_contradict_the_prior_are_warned_of():
+    # Velocities in ft/s, results that are swapped, and an armour far better than the model says.
+    feet = plan_shots(scenario(), Shots((2360.0, 2490.0), (False, True)))
+    assert feet.warnings[0].startswith("shots at 2360, 2490 m/s are far from the 99.9 % interval of V50 by the model")
+    assert any("with them the scatter is" in warning for warning in feet.warnings)
+    assert feet.next_velocity_m_s is not None
+    assert feet.next_velocity_m_s < 1200.0
+    swapped = plan_shots(scenario(), Shots((300.0, 1500.0), (True, False)))
+    assert swapped.contradicts_prior
+    better = plan_shots(scenario(), Shots((800.0, 850.0, 900.0, 950.0, 1000.0, 1050.0), (False,) * 6))
+    assert any("the shots contradict the prior: with them the V50 is 10" in warning for warning in better.warnings)
+    assert not any(
+        "contradict" in warning or "far from" in warning for warning in plan_shots(scenario(), SHOTS).warnings
+    )

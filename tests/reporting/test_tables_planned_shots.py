@@ -46,4 +46,9 @@ def test_without_a_prior():
 def test_parts_of_the_prior():
     assert share_note(0.0159).startswith("1.6 % of")
     assert share_note(0.4).startswith("40 % of")
-    assert share_note(1.0).startswith("100 % of")
+    assert share_note(1.0) == "the shots do not narrow V50: its posterior is no narrower than its prior"
+
+
+def test_no_part_is_given_where_the_shots_contradict_the_prior():
+    found = shot_plan_tables(plan_shots(scenario(), Shots((300.0, 1500.0), (True, False))))
+    assert not any("of the precision of V50" in item for item in found if isinstance(item, str))

@@ -86,7 +86,8 @@ def plan_of_shots(
     as_json: AsJson = False,
 ) -> None:
     """Plan the next shot of a V50 firing, given the shots so far."""
-    from armour.planning.shot_plan import plan_shots
+    from armour.analysis.ballistic_limit import ballistic_limit
+    from armour.planning.shot_plan import ABSURD_FACTOR, plan_shots
     from armour.planning.shot_table import added, with_shot
     from armour.reporting.planned_shots_chart import shot_plan_chart
     from armour.reporting.tables.planned_shots import shot_plan_tables
@@ -97,6 +98,8 @@ def plan_of_shots(
         raise _problem("--result", "adds a shot to SHOTS, which is not given")
     if velocity_m_s is not None and result is None:
         raise _problem("--velocity-m-s", "is the velocity of the shot of --result, which is not given")
+    if simulate and result is not None:
+        raise _problem("--result", "is of a shot that was fired; it must not be given with --simulate")
     if (lower_m_s is None) != (upper_m_s is None):
         raise _problem("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
     check_outputs(plot=plot, updated=updated, force=force)
@@ -124,6 +127,10 @@ def plan_of_shots(
             velocity = velocity_m_s if velocity_m_s is not None else plan_of(fired).next_velocity_m_s
             if velocity is None:
                 raise _problem("--velocity-m-s", "must be given: no further shot was planned")
+            limit = ballistic_limit(loaded).ballistic_limit_m_s
+            if velocity < limit / ABSURD_FACTOR or velocity > limit * ABSURD_FACTOR:
+                message = f"must be near the model's limit, {limit:.0f} m/s: a third to three times it"
+                raise _problem("--velocity-m-s", f"{message}, found {velocity:g}; is it in m/s?")
             fired = added(fired, velocity, result)
             text = with_shot(updated, velocity, result)
         plan = plan_of(fired, simulate=simulate, true_v50_m_s=true_v50_m_s, true_scatter_m_s=true_scatter_m_s)

@@ -1,6 +1,6 @@
 """Plan of a V50 firing: the velocity of the next shot, or the whole firing simulated."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType, NoneType
 from typing import Annotated, Literal
@@ -24,6 +24,7 @@ from armour.statistics.firing_posterior import (
     FiringEstimate,
     FiringPrior,
     Posterior,
+    contradictions,
     no_prior,
     posterior_of,
     prior_of,
@@ -43,6 +44,10 @@ HALF_WIDTH_M_S = 15.0
 # Probability of V50 within the limits of Langlie's and Neyer's procedures, unless they are given.
 LIMITS_PROBABILITY = 0.99
 CURVE_POINTS = 201
+# Shots beyond the interval of V50 with this probability, widened by a part of the limit, are warned of.
+FAR_PROBABILITY, FAR_PART = 0.999, 0.1
+# A shot is not recorded whose velocity and the model's limit differ by more than this factor.
+ABSURD_FACTOR = 3.0
 # A simulated firing ends here at the latest.
 MAX_SIMULATED = 100
 
@@ -123,8 +128,11 @@ class ShotPlan(Result):
     curve : PlanCurve or None
         Over ``velocity_m_s``, m/s: the densities of V50, ``prior`` and ``posterior``, s/m, and by the posterior the
         ``probability`` of complete penetration.
+    contradicts_prior : bool
+        Whether V50 or scatter by the posterior lie beyond their intervals by the prior with a probability of 99 %.
     warnings : tuple of str
-        Ways in which the scenario is unlike what the model was compared with.
+        Shots far from the model's limit or contradicting the prior, and ways in which the scenario is unlike what the
+        model was compared with.
     """
 
     procedure: str
@@ -149,6 +157,7 @@ class ShotPlan(Result):
     true_v50_m_s: float | None = None
     true_scatter_m_s: float | None = None
     curve: PlanCurve | None = None
+    contradicts_prior: bool = False
     warnings: tuple[str, ...] = ()
 
     def _words(self) -> str:
@@ -246,13 +255,13 @@ def plan_shots(
     }
     check_types("plan_shots", scenario=(scenario, Scenario), shots=(shots, (Shots, NoneType)))
     asked = validated(_Settings, given, "plan_shots")
-    fired = Shots((), ()) if shots is None else shots
+    given_shots = fired = Shots((), ()) if shots is None else shots
     check_shots(fired, one_kind=True)
     _check(asked, simulate)
     limit = ballistic_limit(scenario)
     prior = prior_of(scenario, limit.ballistic_limit_m_s, scatter_percent, scatter_factor)
     if prior is None and procedure == "bayesian":
-        raise no_prior(scenario)
+        raise no_prior(scenario, "; or choose the procedure up-and-down, or neyer or langlie with limits of V50")
     settings = ShotSettings(
         estimate_m_s=limit.ballistic_limit_m_s,
         scatter_m_s=limit.ballistic_limit_m_s * scatter_percent / 100.0,
@@ -275,6 +284,7 @@ def plan_shots(
     alone = None if prior is None else posterior_of(prior, (), ())
     before_shots = None if alone is None else alone.estimate(confidence)
     estimate = None if known is None else known.estimate(confidence)
+    contradicted = () if alone is None or known is None else tuple(contradictions(alone, known))
     met = None
     if known is not None and requirement_m_s is not None:
         met = known.probability_above(requirement_m_s, requirement_fraction)
@@ -301,7 +311,8 @@ def plan_shots(
         true_v50_m_s=truth and truth[0],
         true_scatter_m_s=truth and truth[1],
         curve=None if alone is None or known is None else _curve(alone, known, fired),
-        warnings=limit.warnings,
+        contradicts_prior=bool(contradicted),
+        warnings=(*_far_shots(given_shots, prior), *contradicted, *limit.warnings),
     )
 
 
@@ -351,9 +362,22 @@ def _limits(asked: _Settings, prior: FiringPrior | None) -> tuple[float, float] 
     return limits_of(prior)
 
 
-def limits_of(prior: FiringPrior) -> tuple[float, float]:
-    """Return the interval of the model's limit that is wide enough for Langlie's and Neyer's procedures, m/s."""
-    tail = 0.5 * (1.0 - LIMITS_PROBABILITY)
+def _far_shots(shots: Shots, prior: FiringPrior | None) -> Iterator[str]:
+    """Give a warning of shots whose velocity is far from any V50 that the prior expects."""
+    if prior is None:
+        return
+    low, high = limits_of(prior, FAR_PROBABILITY)
+    margin = FAR_PART * prior.limit_m_s
+    if far := [f"{v:g}" for v in shots.velocities_m_s if not low - margin <= v <= high + margin]:
+        yield (
+            f"shots at {', '.join(far[:5])} m/s are far from the {100.0 * FAR_PROBABILITY:g} % interval of V50 by the "
+            f"model, {low:.0f} to {high:.0f} m/s; check their velocities and unit"
+        )
+
+
+def limits_of(prior: FiringPrior, probability: float = LIMITS_PROBABILITY) -> tuple[float, float]:
+    """Return the interval of the model's limit with a probability, m/s."""
+    tail = 0.5 * (1.0 - probability)
     low, high = (prior.limit_m_s * (1.0 + float(prior.error.quantile(np.array(end)))) for end in (tail, 1.0 - tail))
     return low, high
 

@@ -17,7 +17,14 @@ from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import PATH, Section, check_types, validated
 from armour.statistics.csv_table import in_line_order, lines_of, read_rows
-from armour.statistics.firing_posterior import FiringEstimate, no_prior, posterior_of, prior_of, prior_share
+from armour.statistics.firing_posterior import (
+    FiringEstimate,
+    contradictions,
+    no_prior,
+    posterior_of,
+    prior_of,
+    prior_share,
+)
 from armour.statistics.penalised_curve import fit_penalised
 from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
 
@@ -118,7 +125,7 @@ class FiringResult(TableResult):
     model_interval_m_s : tuple of float or None
         Interval of it with a probability of 95 %, given the error of the model, m/s; None where that is not known.
     warnings : tuple of str
-        Shots far from the model's limit, and ways in which the scenario is unlike what the model was compared with.
+        Shots far from the model's limit or contradicting the prior, and ways in which the scenario is unlike what the model was compared with.
     prior, posterior : FiringEstimate or None
         V50 and the scatter by the model with its error, without and with the shots; None unless asked for.
     prior_share : float or None
@@ -251,10 +258,10 @@ def v50(
     penalised = (
         tuple(fit for link in LINKS if (fit := fit_penalised(partial, complete, link, confidence))) if curved else ()
     )
-    before, after = (
+    before, after, contradicted = (
         _with_prior(scenario, model.ballistic_limit_m_s, shots, confidence)
         if prior and scenario and model
-        else (None, None)
+        else (None, None, ())
     )
     return FiringResult(
         shots=len(shots.complete),
@@ -269,7 +276,7 @@ def v50(
         confidence=confidence,
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
         model_interval_m_s=None if model is None else model.interval_m_s,
-        warnings=() if model is None else (*_far_away(shots, model), *model.warnings),
+        warnings=() if model is None else (*_far_away(shots, model), *contradicted, *model.warnings),
         prior=before,
         posterior=after,
         prior_share=None if before is None or after is None else prior_share(before, after),
@@ -289,14 +296,13 @@ def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
 
 def _with_prior(
     scenario: Scenario, limit_m_s: float, shots: Shots, confidence: float
-) -> tuple[FiringEstimate, FiringEstimate]:
-    """Return prior and posterior of V50; raise an InputError where the error of the model is not known."""
+) -> tuple[FiringEstimate, FiringEstimate, tuple[str, ...]]:
+    """Return prior and posterior of V50, and warnings of contradictions; raise an InputError where the error of the model is not known."""
     prior = prior_of(scenario, limit_m_s)
     if prior is None:
         raise no_prior(scenario)
-    known = (posterior_of(prior, *given) for given in (((), ()), (shots.velocities_m_s, shots.complete)))
-    before, after = (each.estimate(confidence) for each in known)
-    return before, after
+    alone, known = (posterior_of(prior, *given) for given in (((), ()), (shots.velocities_m_s, shots.complete)))
+    return alone.estimate(confidence), known.estimate(confidence), tuple(contradictions(alone, known))
 
 
 def check_shots(shots: Shots, *, one_kind: bool = False) -> None:

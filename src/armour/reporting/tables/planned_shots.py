@@ -24,7 +24,7 @@ def shot_plan_tables(plan: "ShotPlan") -> list[Table | str]:
             error_note(plan.model_error),
             SCATTER_ASSUMED,
         ]
-        if plan.fired.complete and plan.prior_share is not None:
+        if plan.fired.complete and plan.prior_share is not None and not plan.contradicts_prior:
             found.append(share_note(plan.prior_share))
     elif plan.recommended is not None:
         ends = interval(plan.recommended.v50_interval_m_s, ".1f")
@@ -75,6 +75,8 @@ def prior_table(prior: "FiringEstimate", posterior: "FiringEstimate", level: flo
 
 def share_note(share: float) -> str:
     """Return how much of a posterior is the prior."""
+    if share >= 1.0:
+        return "the shots do not narrow V50: its posterior is no narrower than its prior"
     part = f"{100.0 * share:.{0 if share > 0.095 else 1}f} %"
     return (
         f"{part} of the precision of V50, the inverse of its variance, is that of the prior, and the rest of the shots"
