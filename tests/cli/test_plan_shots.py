@@ -112,3 +112,15 @@ def test_an_armour_without_a_known_error(cli, folder: Path):
         2, "plan", "shots", "wilkins", "--set", "armour.backing=Ti-6Al-4V", "--set", "armour.ceramic=SiC"
     )
     assert "uncertainty.model: must give scale_percent for a prior: the model was compared with no test" in line
+
+
+def test_a_result_may_be_a_letter_and_a_shot_repeat_another(cli, folder: Path):
+    (folder / "f.csv").write_text("velocity_m_s,result\n723,P\n770,C\n")
+    for letter in ("C", "c"):
+        assert cli("plan", "shots", "wilkins", "f.csv", "--result", letter, "--velocity-m-s", "770").exit_code == 0
+    assert rows(folder / "f.csv") == ["shot,velocity_m_s,result", "1,723,P", "2,770,C", "3,770,C", "4,770,C"]
+
+
+def test_a_shipped_table_is_not_taken_for_the_firing(cli, folder: Path):
+    assert folder.is_dir()
+    assert cli.fails(2, "plan", "shots", "wilkins", "shots.csv")[0].startswith("shots.csv: cannot be read: no such file")

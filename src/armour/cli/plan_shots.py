@@ -57,7 +57,11 @@ def plan_of_shots(
         float, typer.Option(help="Confidence of the interval and of the requirement, 0.5 to 0.9999.")
     ] = 0.95,
     requirement_m_s: Annotated[
-        float | None, option("Required velocity, m/s; the firing ends when it is known whether V50 exceeds it.")
+        float | None,
+        option(
+            "Required velocity, m/s: bayesian ends the firing when it is known whether V50 exceeds it, up-and-down only "
+            "starts above it; not with neyer or langlie."
+        ),
     ] = None,
     requirement_fraction: Annotated[
         float, typer.Option(help="Fraction of shots that may perforate at the required velocity, 0.001 to 0.999.")
@@ -71,7 +75,8 @@ def plan_of_shots(
     lower_m_s: Annotated[float | None, option("Lower limit of V50, m/s, for langlie and neyer.")] = None,
     upper_m_s: Annotated[float | None, option("Upper limit of V50, m/s, for langlie and neyer.")] = None,
     result: Annotated[
-        Literal["partial", "complete"] | None, option("Result of the shot just fired, which is added to SHOTS.")
+        Literal["partial", "complete", "P", "C"] | None,
+        option("Result of the shot just fired, which is added to SHOTS.", case_sensitive=False),
     ] = None,
     velocity_m_s: Annotated[
         float | None, option("Measured velocity of this shot, m/s; by default the planned one.")
@@ -91,7 +96,7 @@ def plan_of_shots(
     from armour.planning.shot_table import added, with_shot
     from armour.reporting.planned_shots_chart import shot_plan_chart
     from armour.reporting.tables.planned_shots import shot_plan_tables
-    from armour.statistics.v50 import Shots, read_shots
+    from armour.statistics.v50 import RESULTS, Shots, read_shots
 
     updated = table if result is not None else None
     if result is not None and table is None:
@@ -105,8 +110,11 @@ def plan_of_shots(
     check_outputs(plot=plot, updated=updated, force=force)
     loaded = read_scenario(scenario, changes, LIMIT)
     fired = Shots((), (), str(table or "shots"))
-    if table is not None and (table.exists() or updated is None):
+    if table is not None and table.exists():
         fired = read_shots(table, one_kind=True)
+    elif table is not None and updated is None:
+        # A shipped table of this name is of another firing.
+        raise InputError([Problem(str(table), "", "cannot be read: no such file; --result makes it")])
 
     plan_of = partial(
         plan_shots,
@@ -131,8 +139,9 @@ def plan_of_shots(
             if velocity < limit / ABSURD_FACTOR or velocity > limit * ABSURD_FACTOR:
                 message = f"must be near the model's limit, {limit:.0f} m/s: a third to three times it"
                 raise _problem("--velocity-m-s", f"{message}, found {velocity:g}; is it in m/s?")
-            fired = added(fired, velocity, result)
-            text = with_shot(updated, velocity, result)
+            word = RESULTS[result.lower()]
+            text = with_shot(updated, velocity, word)
+            fired = added(fired, velocity, word == "complete")
         plan = plan_of(fired, simulate=simulate, true_v50_m_s=true_v50_m_s, true_scatter_m_s=true_scatter_m_s)
     respond(
         plan.to_dict(),
