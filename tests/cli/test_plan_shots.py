@@ -88,6 +88,12 @@ def test_a_simulation(cli, folder: Path):
             "command line: --velocity-m-s: must be",
         ),
         (["wilkins", "f.csv", "--result", "partial", "--simulate"], "command line: --result: is of a shot that was"),
+        (
+            ["wilkins", "--procedure", "neyer", "--lower-m-s", "900", "--upper-m-s", "700"],
+            "command line: --lower-m-s, --upper-m-s: must rise, found 900 and 700",
+        ),
+        (["wilkins", "--simulate", "--true-v50-m-s", "700"], "command line: --true-scatter-m-s: must be given, as"),
+        (["wilkins", "--seed", "4"], "command line: --seed: must not be given without simulating"),
         (["nowhere/f.toml"], "nowhere/f.toml: cannot be read"),
         (["wilkins", "f.csv", "--result", "partial", "--plot", "f.csv"], "f.csv: must end in .png, .svg or .pdf"),
     ],
@@ -123,4 +129,12 @@ def test_a_result_may_be_a_letter_and_a_shot_repeat_another(cli, folder: Path):
 
 def test_a_shipped_table_is_not_taken_for_the_firing(cli, folder: Path):
     assert folder.is_dir()
-    assert cli.fails(2, "plan", "shots", "wilkins", "shots.csv")[0].startswith("shots.csv: cannot be read: no such file")
+    [line] = cli.fails(2, "plan", "shots", "wilkins", "shots.csv")
+    assert line.startswith("shots.csv: cannot be read: no such file")
+
+
+def test_a_shot_far_from_its_plan_is_warned_of(cli, folder: Path):
+    options = ("plan", "shots", "wilkins", "f.csv", "--result", "partial", "--velocity-m-s")
+    assert "far from" not in cli(*options, "700").stderr
+    assert "the shot, at 850 m/s, is far from the planned velocity, 7" in cli(*options, "850").stderr
+    assert len(rows(folder / "f.csv")) == 3

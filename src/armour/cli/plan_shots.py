@@ -1,5 +1,7 @@
 """``armour plan shots``."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
@@ -17,6 +19,8 @@ EXAMPLES = (
     "plan shots wilkins firing.csv --result partial --plot plan.svg",
     "plan shots wilkins --simulate --true-v50-m-s 770 --true-scatter-m-s 15",
 )
+# Part by which a measured velocity may miss the planned one without a warning.
+FAR_FROM_PLAN = 0.1
 # Arguments of plan_shots that options give.
 SETTINGS = (
     "half_width_m_s",
@@ -59,8 +63,8 @@ def plan_of_shots(
     requirement_m_s: Annotated[
         float | None,
         option(
-            "Required velocity, m/s: bayesian ends the firing when it is known whether V50 exceeds it, up-and-down only "
-            "starts above it; not with neyer or langlie."
+            "Required velocity, m/s: bayesian ends the firing when it is known whether V50 exceeds it, up-and-down "
+            "only starts above it; not with neyer or langlie."
         ),
     ] = None,
     requirement_fraction: Annotated[
@@ -84,7 +88,7 @@ def plan_of_shots(
     simulate: Annotated[bool, option("Simulate all shots until the firing ends.", "--simulate")] = False,
     true_v50_m_s: Annotated[float | None, option("V50 to simulate, m/s; by default drawn from the posterior.")] = None,
     true_scatter_m_s: Annotated[float | None, option("Scatter to simulate, m/s.")] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the simulation.")] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of the simulation, for --simulate.")] = 0,
     plot: PlotFile = None,
     force: Force = False,
     changes: Changes = None,
@@ -130,15 +134,19 @@ def plan_of_shots(
         seed=seed,
     )
     text: str | None = None
-    with named_as_options("plan_shots", *SETTINGS):
+    far: list[str] = []
+    with _limits_named(), named_as_options("plan_shots", *SETTINGS):
         if updated is not None and result is not None:
-            velocity = velocity_m_s if velocity_m_s is not None else plan_of(fired).next_velocity_m_s
+            planned = plan_of(fired).next_velocity_m_s
+            velocity = planned if velocity_m_s is None else velocity_m_s
             if velocity is None:
                 raise _problem("--velocity-m-s", "must be given: no further shot was planned")
             limit = ballistic_limit(loaded).ballistic_limit_m_s
             if velocity < limit / ABSURD_FACTOR or velocity > limit * ABSURD_FACTOR:
                 message = f"must be near the model's limit, {limit:.0f} m/s: a third to three times it"
                 raise _problem("--velocity-m-s", f"{message}, found {velocity:g}; is it in m/s?")
+            if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
+                far.append(f"the shot, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s")
             word = RESULTS[result.lower()]
             text = with_shot(updated, velocity, word)
             fired = added(fired, velocity, word == "complete")
@@ -151,8 +159,19 @@ def plan_of_shots(
         files=[(updated, lambda: text)],
         plot=plot,
         chart=lambda _charts: shot_plan_chart(plan),
-        warnings=warnings_of(loaded, plan.warnings),
+        warnings=warnings_of(loaded, (*far, *plan.warnings)),
     )
+
+
+@contextmanager
+def _limits_named() -> Iterator[None]:
+    """Name the argument of both limits as the options that give them."""
+    try:
+        yield
+    except InputError as error:
+        options = {"limits_m_s": ("command line", "--lower-m-s, --upper-m-s")}
+        found = [(*options.get(p.key, (p.file, p.key)), p.message) for p in error.problems]
+        raise InputError([Problem(*each) for each in found]) from None
 
 
 def _problem(option: str, message: str) -> InputError:

@@ -31,7 +31,7 @@ from armour.statistics.firing_posterior import (
     prior_share,
 )
 from armour.statistics.response_curve import FittedCurve
-from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, Shots, check_shots
+from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, MeanV50, Shots, check_shots
 
 Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
 PROCEDURES: Mapping[str, ModuleType] = {
@@ -119,6 +119,8 @@ class ShotPlan(Result):
         Variance of V50 by the posterior over that by the prior: the part of the precision that is the prior's.
     recommended : FittedCurve or None
         Curve that `armour.v50` recommends, from the shots alone, where they have one; None for the Bayesian procedure.
+    mean : MeanV50 or None
+        Mean of MIL-STD-662F of three shots of each kind, for the up-and-down rule, where they meet its span.
     model_ballistic_limit_m_s : float
         Ballistic limit by the model, m/s.
     model_error : ModelError or None
@@ -131,8 +133,8 @@ class ShotPlan(Result):
     contradicts_prior : bool
         Whether V50 or scatter by the posterior lie beyond their intervals by the prior with a probability of 99 %.
     warnings : tuple of str
-        Shots far from the model's limit or contradicting the prior, and ways in which the scenario is unlike what the
-        model was compared with.
+        Shots far from the model's limit or contradicting the prior, limits that shots have reached, a simulation that
+        did not end, and ways in which the scenario is unlike what the model was compared with.
     """
 
     procedure: str
@@ -152,6 +154,7 @@ class ShotPlan(Result):
     posterior: FiringEstimate | None
     prior_share: float | None
     recommended: FittedCurve | None
+    mean: MeanV50 | None
     model_ballistic_limit_m_s: float
     model_error: ModelError | None
     true_v50_m_s: float | None = None
@@ -239,6 +242,16 @@ def plan_shots(
     >>> armour.plan_shots(armour.load_scenario("wilkins"))
     <ShotPlan: 0 shots, the next at 722.8 m/s>
     """
+    check_types(
+        "plan_shots",
+        scenario=(scenario, Scenario),
+        shots=(shots, (Shots, NoneType)),
+        limits_m_s=(limits_m_s, (tuple, list, NoneType)),
+        simulate=(simulate, bool),
+    )
+    ends = limits_m_s
+    if ends is not None and len(ends) != 2:
+        raise InputError([Problem("plan_shots", "limits_m_s", f"must be two velocities, found {len(ends)}")])
     given = {
         "procedure": procedure,
         "half_width_m_s": half_width_m_s,
@@ -247,13 +260,12 @@ def plan_shots(
         "requirement_fraction": requirement_fraction,
         "scatter_percent": scatter_percent,
         "scatter_factor": scatter_factor,
-        "lower_m_s": None if limits_m_s is None else limits_m_s[0],
-        "upper_m_s": None if limits_m_s is None else limits_m_s[1],
+        "lower_m_s": None if ends is None else ends[0],
+        "upper_m_s": None if ends is None else ends[1],
         "true_v50_m_s": true_v50_m_s,
         "true_scatter_m_s": true_scatter_m_s,
         "seed": seed,
     }
-    check_types("plan_shots", scenario=(scenario, Scenario), shots=(shots, (Shots, NoneType)))
     asked = validated(_Settings, given, "plan_shots")
     given_shots = fired = Shots((), ()) if shots is None else shots
     check_shots(fired, one_kind=True)
@@ -306,13 +318,20 @@ def plan_shots(
         posterior=estimate,
         prior_share=None if before_shots is None or estimate is None else prior_share(before_shots, estimate),
         recommended=None if procedure == "bayesian" else recommended_fit(fired, confidence),
+        mean=up_and_down.mean(fired) if procedure == "up-and-down" else None,
         model_ballistic_limit_m_s=limit.ballistic_limit_m_s,
         model_error=limit.model_error,
         true_v50_m_s=truth and truth[0],
         true_scatter_m_s=truth and truth[1],
         curve=None if alone is None or known is None else _curve(alone, known, fired),
         contradicts_prior=bool(contradicted),
-        warnings=(*_far_shots(given_shots, prior), *contradicted, *limit.warnings),
+        warnings=(
+            *_far_shots(given_shots, prior),
+            *contradicted,
+            *(langlie.doubts(fired, settings) if procedure == "langlie" and aim else ()),
+            *([f"the simulation stopped after {MAX_SIMULATED} shots without an end"] if simulate and aim else ()),
+            *limit.warnings,
+        ),
     )
 
 
@@ -341,11 +360,12 @@ def _check(asked: _Settings, simulate: bool) -> None:
         problems.append(("requirement_fraction", "must not be given without a requirement"))
     truths = {"true_v50_m_s": asked.true_v50_m_s, "true_scatter_m_s": asked.true_scatter_m_s}
     if not simulate:
+        unused = {**truths, "seed": asked.seed or None}
         problems += (
-            (key, "must not be given without simulating") for key, value in truths.items() if value is not None
+            (key, "must not be given without simulating") for key, value in unused.items() if value is not None
         )
-    elif len([value for value in truths.values() if value is not None]) == 1:
-        problems.append(("true_v50_m_s", "must be given together with true_scatter_m_s"))
+    elif len(missing := [key for key, value in truths.items() if value is None]) == 1:
+        problems.append((missing[0], "must be given, as both V50 and scatter to simulate or neither"))
     if problems:
         raise InputError([Problem("plan_shots", *problem) for problem in problems])
 
@@ -404,7 +424,7 @@ def simulated(
             break
         velocity = aimed(rule.next_velocity(fired, settings).velocity_m_s)
         result = bool(dice.normal(*truth) < velocity)
-        fired = Shots((*fired.velocities_m_s, velocity), (*fired.complete, result), fired.file)
+        fired = Shots((*fired.velocities_m_s, velocity), (*fired.complete, result), fired.file, fired.names)
     return fired
 
 

@@ -14,8 +14,8 @@ HEADER = ("shot", "velocity_m_s", "result")
 def with_shot(path: Path, velocity_m_s: float, result: str) -> str:
     """Return the text of a file of shots, which need not exist, with one more shot.
 
-    The row has the columns of the file, and its result is spelt as the one before.  A shot that repeats another is named,
-    in a column that all rows get if they have none.
+    The row has the columns of the file, and its result is spelt as the one before.  A shot that repeats another is
+    named, in a column that all rows get if they have none.
     """
     text = read_text(path) if path.exists() else f"{','.join(HEADER)}\n"
     rows = [

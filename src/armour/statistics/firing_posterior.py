@@ -85,7 +85,7 @@ class FiringPrior(NamedTuple):
     def greatest_scatter_m_s(self) -> float:
         """Return the upper end of the plausible interval of the scatter, at the model's limit."""
         deviations = float(ndtri(0.5 + 0.5 * PLAUSIBLE))
-        return self.limit_m_s * self.scatter_percent / 100.0 * self.scatter_factor**deviations
+        return float(self.limit_m_s * self.scatter_percent / 100.0 * self.scatter_factor**deviations)
 
 
 class Grid(NamedTuple):
