@@ -46,6 +46,8 @@ def test_a_shot_that_repeats_another_gets_a_name(tmp_path: Path):
     path.write_text(with_shot(path, 700.0, "partial"))
     assert path.read_text() == "shot,velocity_m_s,result\n1,700,partial\n2,700,partial\n"
     assert read_shots(path, one_kind=True).names == ("1", "2")
+    path.write_text('velocity_m_s,result,remark\n700,partial,\n710,complete,"a, b"\n')
+    assert with_shot(path, 700.0, "partial").splitlines()[2:] == ['2,710,complete,"a, b"', "3,700,partial,"]
     path.write_text("velocity_m_s,result,shot\n700,partial,1\n")
     assert with_shot(path, 700.0, "partial").endswith("\n700,partial,2\n")
 

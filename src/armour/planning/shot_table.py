@@ -32,12 +32,16 @@ def with_shot(path: Path, velocity_m_s: float, result: str) -> str:
     row = [cells.get(name, "") for name in header]
     end = "\r\n" if "\r\n" in text else "\n"
     if row in shots:
-        lines = [line for line in text.split(end) if line.strip()]
-        text = end.join(f"{number or 'shot'},{line}" for number, line in enumerate(lines)) + end
-        row = [cells["shot"], *row]
+        numbered = ([str(number), *shot] for number, shot in enumerate(shots, 1))
+        return _csv([["shot", *header], *numbered, [cells["shot"], *row]], end)
+    return f"{text}{'' if text.endswith(end) else end}{_csv([row], end)}"
+
+
+def _csv(rows: Sequence[Sequence[str]], end: str) -> str:
+    """Return the text of rows, each with an end of line."""
     made = StringIO()
-    csv.writer(made, lineterminator=end).writerow(row)
-    return f"{text}{'' if text.endswith(end) else end}{made.getvalue()}"
+    csv.writer(made, lineterminator=end).writerows(rows)
+    return made.getvalue()
 
 
 def _spelt(result: str, known: str) -> str:
