@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.errors import InputError
@@ -104,6 +105,15 @@ def test_an_outcome_tells_most_near_the_limit(wilkins: Scenario):
     halves = [found.planned[1].half_widths[FLOW_STRESS] or 0.0 for found in (result, exact)]
     # At the limit an outcome tells 2/pi of what the limit tells.
     assert halves[0] / halves[1] == pytest.approx(np.sqrt(np.pi / 2.0), rel=2e-3)
+
+
+@pytest.mark.parametrize("ratio", [0.88, 1.12])
+def test_an_outcome_away_from_the_limit_tells_what_a_calibration_assumes(wilkins: Scenario, ratio: float):
+    velocity, own, step = round(ratio * limit(wilkins)), 5.2, 1e-3
+    found = plan_tests(wilkins, {VELOCITY: [velocity]}, number=1, scatter_percent=10.0, measure="outcome")
+    defeats = [norm.cdf((limit(wilkins, y=y) / velocity - 1.0) / 0.1) for y in (own - step, own, own + step)]
+    information = ((defeats[2] - defeats[0]) / (2.0 * step)) ** 2 / (defeats[1] * (1.0 - defeats[1]))
+    assert found.planned[1].half_widths[FLOW_STRESS] == pytest.approx(norm.ppf(0.975) / np.sqrt(information), rel=2e-3)
 
 
 def test_the_design_in_question(wilkins: Scenario):

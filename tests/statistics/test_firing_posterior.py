@@ -43,6 +43,49 @@ def test_the_prior_is_the_models_limit_with_its_error():
     assert found.scatter_m_s == pytest.approx(0.02 * found.v50_m_s, rel=0.02)
 
 
+def test_a_prior_of_one_degree_of_freedom_ends_at_ten_times_the_limit():
+    grid = posterior_of(FiringPrior(720.0, ModelError(0.0, 100.0, 1.0)), (), ()).grid
+    assert grid.v50_m_s.max() == pytest.approx(7200.0)
+
+
+def test_the_scatter_agrees_with_a_quadrature():
+    v50, ratio = np.linspace(300.0, 1200.0, 901)[:, None], np.geomspace(0.0002, 2.0, 601)
+    density = t(12.0, loc=720.0 * 0.99, scale=720.0 * 0.07).pdf(v50) * lognorm(log(2.0), scale=0.02).pdf(ratio) * ratio
+    for velocity, result in zip(VELOCITIES, COMPLETE, strict=True):
+        curve = norm(v50, ratio * v50)
+        density = density * (curve.cdf(velocity) if result else curve.sf(velocity))
+    order = np.argsort((v50 * ratio).ravel())
+    below = np.cumsum(density.ravel()[order]) / density.sum()
+    wanted = np.interp((0.025, 0.5, 0.975), below, (v50 * ratio).ravel()[order])
+    found = posterior_of(PRIOR, VELOCITIES, COMPLETE).estimate(0.95)
+    low, high = found.scatter_interval_m_s
+    assert (low, found.scatter_m_s, high) == pytest.approx(wanted, rel=0.02)
+
+
+def test_many_shots_far_from_a_wide_prior_tell_the_scatter():
+    dice = np.random.default_rng(1)
+    velocities = dice.normal(1100.0, 5.0, 200)
+    complete = dice.normal(1100.0, 3.0, 200) < velocities
+    shots = (tuple(velocities.tolist()), tuple(complete.tolist()))
+    found = posterior_of(FiringPrior(720.0, ModelError(0.0, 100.0, 1.0)), *shots).estimate(0.95)
+    # Velocities of a tenth of the scatter apart.
+    v50, scatter = np.linspace(1090.0, 1110.0, 201)[:, None], np.linspace(1.0, 8.0, 141)
+    density = sum(
+        norm.logcdf(sign * (velocity - v50) / scatter)
+        for velocity, sign in zip(velocities, np.where(complete, 1, -1), strict=True)
+    )
+    likeliest = np.unravel_index(density.argmax(), density.shape)
+    assert found.v50_m_s == pytest.approx(v50[likeliest[0], 0], abs=0.3)
+    assert found.scatter_m_s == pytest.approx(scatter[likeliest[1]], rel=0.15)
+
+
+def test_partial_penetrations_alone_leave_v50_open_above():
+    velocities = (700.0, 730.0, 760.0, 800.0, 850.0, 900.0)
+    found = posterior_of(PRIOR, velocities, (False,) * 6).estimate(0.999)
+    # By a quadrature; the tails of Student's t reach far beyond the shots.
+    assert found.v50_interval_m_s == pytest.approx((753.7, 1143.5), abs=1.5)
+
+
 def test_many_shots_leave_the_prior_no_part():
     prior = posterior_of(PRIOR, (), ()).estimate(0.95)
     dice = np.random.default_rng(1)

@@ -241,8 +241,9 @@ def plan_tests(
     if measure == "outcome":
         velocities = np.concatenate([group.column(VELOCITY) for group in rows.groups])
         velocities = velocities[np.argsort(np.concatenate([group.where for group in rows.groups]), kind="stable")]
-        z = (velocities - limits[:count]) / (known.scatter * limits[:count])
-        informing *= np.sqrt(hazard(z) * hazard(-z))[:, None]
+        # As in a calibration, an outcome's scatter is in proportion to its velocity.
+        z = (velocities - limits[:count]) / (known.scatter * velocities)
+        informing *= (limits[:count] / velocities * np.sqrt(hazard(z) * hazard(-z)))[:, None]
     if (informing**2).sum(axis=1).max() < NOTHING:
         message = f"must tell something of {', '.join(names)}, found none that does"
         raise InputError([Problem(rows.file, "", message)])

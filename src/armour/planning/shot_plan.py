@@ -338,7 +338,8 @@ def plan_shots(
 def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
     """Return the curves over the velocities where there is something to see."""
     low, high = prior.grid.v50_quantiles(prior.weights, (0.005, 0.995))[0].tolist()
-    velocities = np.linspace(min(low, low, *fired.velocities_m_s), max(high, high, *fired.velocities_m_s), CURVE_POINTS)
+    shown = (low, high, *fired.velocities_m_s)
+    velocities = np.linspace(min(shown), max(shown), CURVE_POINTS)
     density = (each.density(velocities) for each in (prior, posterior))
     curves = (*density, posterior.weights @ posterior.grid.response(velocities).T)
     return PlanCurve(tuple(velocities.tolist()), *(tuple(curve.tolist()) for curve in curves))

@@ -25,14 +25,16 @@ from armour.scenario.loading import Scenario
 # Median of the prior of the scatter, per cent of V50, and the factor of one standard deviation of its logarithm.
 SCATTER_PERCENT, SCATTER_FACTOR = 2.0, 2.0
 # Probability of V50 beyond each end of the first grid, which ends at these multiples of the limit at the latest.
-TAIL, LEAST, MOST = 1e-6, 0.01, 10.0
+TAIL, LEAST, MOST = 1e-9, 0.01, 10.0
+# It reaches beyond the shots by this factor.
+BEYOND = 2.0
 # Probability of the interval of the prior beyond which a posterior contradicts it.
 PLAUSIBLE = 0.99
 # The same for the logarithm of the scatter, in its standard deviations.
-DEVIATIONS = 5.0
-# Nodes of V50 and of the scatter, and how often the grid is narrowed to where the logarithm of the posterior is within
-# a depth of its maximum.
-NODES, NARROWINGS, DEPTH = (201, 31), 3, 15.0
+DEVIATIONS = 7.0
+# Nodes of V50 and of the scatter, and how often at most the grid is narrowed to where the logarithm of the posterior is
+# within a depth of its maximum; it is narrow enough when this part of the nodes remains.
+NODES, NARROWINGS, DEPTH, ENOUGH = (201, 31), 6, 15.0, 0.75
 
 
 def _normal(probabilities: Floats) -> Floats:
@@ -119,13 +121,20 @@ class Posterior(NamedTuple):
         """Return medians, intervals and the standard deviation of V50."""
         ends = (0.5, 0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
         v50, low, high = self.grid.v50_quantiles(self.weights, ends)[0].tolist()
-        order = np.argsort(self.grid.scatter_m_s)
-        weights = self.weights[order]
-        scatter, *scatter_ends = np.interp(ends, np.cumsum(weights) - 0.5 * weights, self.grid.scatter_m_s[order])
+        scatter, *scatter_ends = self._scatter_quantiles(ends)
         deviation = self.variance(self.grid.v50_m_s) ** 0.5
         return FiringEstimate(
             v50, (low, high), deviation, float(scatter), (float(scatter_ends[0]), float(scatter_ends[1]))
         )
+
+    def _scatter_quantiles(self, probabilities: Sequence[float]) -> list[float]:
+        """Return quantiles of the scatter, m/s; each point stands for the scatters up to midway to the next ones."""
+        logs = np.log(self.grid.scatter_m_s)
+        step = max(float(logs[1] - logs[0]), 1e-12)
+        some = np.linspace(logs.min() - 0.5 * step, logs.max() + 0.5 * step, 2 * self.grid.shape[1])
+        below = np.array([self.weights @ np.clip(0.5 + (one - logs) / step, 0.0, 1.0) for one in some])
+        found: list[float] = np.exp(np.interp(ndtri(probabilities), _normal(below), some)).tolist()
+        return found
 
     def variance(self, target: Floats) -> float:
         """Return the variance of a quantity that has values at the points, (points,)."""
@@ -182,9 +191,8 @@ def posterior_of(
     limit = prior.limit_m_s
     ends = [limit * (1.0 + float(prior.error.quantile(np.array(end)))) for end in (TAIL, 1.0 - TAIL)]
     # Shots far from the prior move V50 beyond it.
-    fired = sorted(velocities_m_s) or ends
-    low = max(min(ends[0], 0.8 * fired[0]), LEAST * limit)
-    high = max(min(ends[1], MOST * limit), 1.2 * fired[-1])
+    low = max(min([ends[0], *(velocity / BEYOND for velocity in velocities_m_s)]), LEAST * limit)
+    high = max([min(ends[1], MOST * limit), *(velocity * BEYOND for velocity in velocities_m_s)])
     reach, middle = DEVIATIONS * log(prior.scatter_factor), log(prior.scatter_percent / 100.0)
     ranges = [(low, high), (middle - reach, middle + reach)]
     shots = Counter(zip(velocities_m_s, complete, strict=True))
@@ -197,7 +205,14 @@ def posterior_of(
             logarithm += count * log_ndtr(sign * (velocity - points.v50_m_s) / points.scatter_m_s)
         logarithm -= logarithm.max()
         kept = (logarithm > -DEPTH).reshape(nodes)
-        ranges = [_narrowed(v50, kept.nonzero()[0]), _narrowed(log_ratio, kept.nonzero()[1])]
+        part = kept.any(axis=1).mean(), kept.any(axis=0).mean()
+        if min(part) >= ENOUGH:
+            break
+        # V50s too far apart seem to need a large scatter: its range is narrowed only after theirs.
+        if part[0] < ENOUGH:
+            ranges[0] = _narrowed(v50, kept.nonzero()[0])
+        else:
+            ranges[1] = _narrowed(log_ratio, kept.nonzero()[1])
     weights = np.exp(logarithm)
     return Posterior(points, weights / weights.sum())
 
