@@ -83,6 +83,17 @@ def test_a_simulation(cli, folder: Path):
         (["wilkins", "f.csv", "--lower-m-s", "600"], "command line: --upper-m-s: must be given with the other limit"),
         (["wilkins", "f.csv", "--half-width-m-s", "0"], "command line: --half-width-m-s: must be at least 0.1"),
         (["wilkins", "bad.csv", "--result", "partial"], 'bad.csv: line 2: result: must be "partial" or "complete"'),
+        (
+            ["wilkins", "f.csv", "--result", "partial", "--velocity-m-s", "7410"],
+            "command line: --velocity-m-s: must be",
+        ),
+        (["wilkins", "f.csv", "--result", "partial", "--simulate"], "command line: --result: is of a shot that was"),
+        (
+            ["wilkins", "--procedure", "neyer", "--lower-m-s", "900", "--upper-m-s", "700"],
+            "command line: --lower-m-s, --upper-m-s: must rise, found 900 and 700",
+        ),
+        (["wilkins", "--simulate", "--true-v50-m-s", "700"], "command line: --true-scatter-m-s: must be given, as"),
+        (["wilkins", "--seed", "4"], "command line: --seed: must not be given without simulating"),
         (["nowhere/f.toml"], "nowhere/f.toml: cannot be read"),
         (["wilkins", "f.csv", "--result", "partial", "--plot", "f.csv"], "f.csv: must end in .png, .svg or .pdf"),
     ],
@@ -107,3 +118,23 @@ def test_an_armour_without_a_known_error(cli, folder: Path):
         2, "plan", "shots", "wilkins", "--set", "armour.backing=Ti-6Al-4V", "--set", "armour.ceramic=SiC"
     )
     assert "uncertainty.model: must give scale_percent for a prior: the model was compared with no test" in line
+
+
+def test_a_result_may_be_a_letter_and_a_shot_repeat_another(cli, folder: Path):
+    (folder / "f.csv").write_text("velocity_m_s,result\n723,P\n770,C\n")
+    for letter in ("C", "c"):
+        assert cli("plan", "shots", "wilkins", "f.csv", "--result", letter, "--velocity-m-s", "770").exit_code == 0
+    assert rows(folder / "f.csv") == ["shot,velocity_m_s,result", "1,723,P", "2,770,C", "3,770,C", "4,770,C"]
+
+
+def test_a_shipped_table_is_not_taken_for_the_firing(cli, folder: Path):
+    assert folder.is_dir()
+    [line] = cli.fails(2, "plan", "shots", "wilkins", "shots.csv")
+    assert line.startswith("shots.csv: cannot be read: no such file")
+
+
+def test_a_shot_far_from_its_plan_is_warned_of(cli, folder: Path):
+    options = ("plan", "shots", "wilkins", "f.csv", "--result", "partial", "--velocity-m-s")
+    assert "far from" not in cli(*options, "700").stderr
+    assert "the shot, at 850 m/s, is far from the planned velocity, 7" in cli(*options, "850").stderr
+    assert len(rows(folder / "f.csv")) == 3

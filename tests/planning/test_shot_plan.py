@@ -96,7 +96,11 @@ def test_a_stated_error_is_a_prior_and_an_unknown_one_none():
         ({"requirement_m_s": 700.0, "procedure": "neyer"}, "requirement_m_s: must not be given with neyer"),
         ({"requirement_m_s": 700.0, "half_width_m_s": 9.0}, "half_width_m_s: must not be given with a requirement"),
         ({"true_v50_m_s": 700.0}, "true_v50_m_s: must not be given without simulating"),
-        ({"true_v50_m_s": 700.0, "simulate": True}, "true_v50_m_s: must be given together with true_scatter_m_s"),
+        ({"true_v50_m_s": 700.0, "simulate": True}, "true_scatter_m_s: must be given, as both"),
+        ({"seed": 4}, "seed: must not be given without simulating"),
+        ({"limits_m_s": (700.0,), "procedure": "langlie"}, "limits_m_s: must be two velocities, found 1"),
+        ({"limits_m_s": 600.0, "procedure": "langlie"}, "limits_m_s: must be"),
+        ({"simulate": "yes"}, "simulate: must be"),
         ({"seed": -1}, "seed: must be at least 0"),
     ],
 )
@@ -108,6 +112,8 @@ def test_wrong_settings(settings: dict[str, Any], message: str):
 def test_wrong_shots():
     with pytest.raises(InputError, match="as many velocities as results"):
         plan_shots(scenario(), Shots((700.0,), ()))
+    with pytest.raises(InputError, match="must be sequences of velocities and of results"):
+        plan_shots(scenario(), Shots(722.0, True))  # type: ignore[arg-type]
     with pytest.raises(InputError, match="must be at least 1 and at most 10000 m/s, found nan"):
         plan_shots(scenario(), Shots((float("nan"),), (True,)))
 
@@ -118,3 +124,30 @@ def test_absurd_shots_have_a_finite_plan(procedure: Any):
     assert plan.next_velocity_m_s is not None
     assert isfinite(plan.next_velocity_m_s)
     assert 1.0 <= plan.next_velocity_m_s <= 10_000.0
+
+
+def test_shots_that_contradict_the_prior_are_warned_of():
+    # Velocities in ft/s, results that are swapped, and an armour far better than the model says.
+    feet = plan_shots(scenario(), Shots((2360.0, 2490.0), (False, True)))
+    assert feet.warnings[0].startswith("shots at 2360, 2490 m/s are far from the 99.9 % interval of V50 by the model")
+    assert any("with them the scatter is" in warning for warning in feet.warnings)
+    assert feet.next_velocity_m_s is not None
+    assert feet.next_velocity_m_s < 1200.0
+    swapped = plan_shots(scenario(), Shots((300.0, 1500.0), (True, False)))
+    assert swapped.contradicts_prior
+    better = plan_shots(scenario(), Shots((800.0, 850.0, 900.0, 950.0, 1000.0, 1050.0), (False,) * 6))
+    assert any("the shots contradict the prior: with them the V50 is 10" in warning for warning in better.warnings)
+    assert not any(
+        "contradict" in warning or "far from" in warning for warning in plan_shots(scenario(), SHOTS).warnings
+    )
+
+
+def test_limits_that_shots_reach_or_leave_are_warned_of():
+    wrong = plan_shots(
+        scenario(), procedure="langlie", simulate=True, true_v50_m_s=1100.0, true_scatter_m_s=10.0
+    ).warnings
+    assert any("all partial, have reached the upper limit, 878.5 m/s" in warning for warning in wrong)
+    assert "the simulation stopped after 100 shots without an end" in wrong
+    left = plan_shots(scenario(), SHOTS, procedure="langlie", limits_m_s=(730.0, 740.0)).warnings
+    assert any("is outside the limits, 730.0 to 740.0 m/s" in warning for warning in left)
+    assert not any("limit," in warning for warning in plan_shots(scenario(), SHOTS, procedure="langlie").warnings)

@@ -37,13 +37,32 @@ def test_a_requirement_and_an_end():
 def test_without_a_prior():
     unknown = scenario(uncertainty={"model": {"included": False}})
     shots = Shots((700.0, 720.0, 760.0, 710.0, 740.0), (False, True, True, False, False))
-    texts = [
-        item for item in shot_plan_tables(plan_shots(unknown, shots, procedure="up-and-down")) if isinstance(item, str)
-    ]
-    assert any(text.startswith("V50 7") for text in texts)
+    [first, *_] = shot_plan_tables(plan_shots(unknown, shots, procedure="up-and-down"))
+    assert isinstance(first, Table)
+    found = quantities(first)
+    assert found["V50 by the recommended curve, m/s"].startswith("7")
+    assert found["its 95 % interval, m/s"] == "not bounded"
+
+
+def test_what_ended_the_firing_is_shown():
+    shots = Shots(
+        (720.0, 730.0, 731.0, 740.0, 741.0, 742.25), (False, False, True, False, True, True), names=["A1"] * 6
+    )
+    first, *_, listed = shot_plan_tables(plan_shots(scenario(), shots, procedure="up-and-down"))
+    assert isinstance(first, Table)
+    assert isinstance(listed, Table)
+    assert quantities(first)["V50 by the mean of MIL-STD-662F, m/s"] == "734.0"
+    assert listed.texts()[-1] == ["A1", "742.25", "complete"]
+    alone = shot_plan_tables(plan_shots(scenario(), requirement_m_s=620.0))
+    assert "by the prior alone: no shot was fired" in alone
 
 
 def test_parts_of_the_prior():
     assert share_note(0.0159).startswith("1.6 % of")
     assert share_note(0.4).startswith("40 % of")
-    assert share_note(1.0).startswith("100 % of")
+    assert share_note(1.0) == "the shots do not narrow V50: its posterior is no narrower than its prior"
+
+
+def test_no_part_is_given_where_the_shots_contradict_the_prior():
+    found = shot_plan_tables(plan_shots(scenario(), Shots((300.0, 1500.0), (True, False))))
+    assert not any("of the precision of V50" in item for item in found if isinstance(item, str))

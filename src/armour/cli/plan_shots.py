@@ -1,5 +1,7 @@
 """``armour plan shots``."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
@@ -17,6 +19,8 @@ EXAMPLES = (
     "plan shots wilkins firing.csv --result partial --plot plan.svg",
     "plan shots wilkins --simulate --true-v50-m-s 770 --true-scatter-m-s 15",
 )
+# Part by which a measured velocity may miss the planned one without a warning.
+FAR_FROM_PLAN = 0.1
 # Arguments of plan_shots that options give.
 SETTINGS = (
     "half_width_m_s",
@@ -57,7 +61,11 @@ def plan_of_shots(
         float, typer.Option(help="Confidence of the interval and of the requirement, 0.5 to 0.9999.")
     ] = 0.95,
     requirement_m_s: Annotated[
-        float | None, option("Required velocity, m/s; the firing ends when it is known whether V50 exceeds it.")
+        float | None,
+        option(
+            "Required velocity, m/s: bayesian ends the firing when it is known whether V50 exceeds it, up-and-down "
+            "only starts above it; not with neyer or langlie."
+        ),
     ] = None,
     requirement_fraction: Annotated[
         float, typer.Option(help="Fraction of shots that may perforate at the required velocity, 0.001 to 0.999.")
@@ -71,7 +79,8 @@ def plan_of_shots(
     lower_m_s: Annotated[float | None, option("Lower limit of V50, m/s, for langlie and neyer.")] = None,
     upper_m_s: Annotated[float | None, option("Upper limit of V50, m/s, for langlie and neyer.")] = None,
     result: Annotated[
-        Literal["partial", "complete"] | None, option("Result of the shot just fired, which is added to SHOTS.")
+        Literal["partial", "complete", "P", "C"] | None,
+        option("Result of the shot just fired, which is added to SHOTS.", case_sensitive=False),
     ] = None,
     velocity_m_s: Annotated[
         float | None, option("Measured velocity of this shot, m/s; by default the planned one.")
@@ -79,31 +88,37 @@ def plan_of_shots(
     simulate: Annotated[bool, option("Simulate all shots until the firing ends.", "--simulate")] = False,
     true_v50_m_s: Annotated[float | None, option("V50 to simulate, m/s; by default drawn from the posterior.")] = None,
     true_scatter_m_s: Annotated[float | None, option("Scatter to simulate, m/s.")] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the simulation.")] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of the simulation, for --simulate.")] = 0,
     plot: PlotFile = None,
     force: Force = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
     """Plan the next shot of a V50 firing, given the shots so far."""
-    from armour.planning.shot_plan import plan_shots
+    from armour.analysis.ballistic_limit import ballistic_limit
+    from armour.planning.shot_plan import ABSURD_FACTOR, plan_shots
     from armour.planning.shot_table import added, with_shot
     from armour.reporting.planned_shots_chart import shot_plan_chart
     from armour.reporting.tables.planned_shots import shot_plan_tables
-    from armour.statistics.v50 import Shots, read_shots
+    from armour.statistics.v50 import RESULTS, Shots, read_shots
 
     updated = table if result is not None else None
     if result is not None and table is None:
         raise _problem("--result", "adds a shot to SHOTS, which is not given")
     if velocity_m_s is not None and result is None:
         raise _problem("--velocity-m-s", "is the velocity of the shot of --result, which is not given")
+    if simulate and result is not None:
+        raise _problem("--result", "is of a shot that was fired; it must not be given with --simulate")
     if (lower_m_s is None) != (upper_m_s is None):
         raise _problem("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
     check_outputs(plot=plot, updated=updated, force=force)
     loaded = read_scenario(scenario, changes, LIMIT)
     fired = Shots((), (), str(table or "shots"))
-    if table is not None and (table.exists() or updated is None):
+    if table is not None and table.exists():
         fired = read_shots(table, one_kind=True)
+    elif table is not None and updated is None:
+        # A shipped table of this name is of another firing.
+        raise InputError([Problem(str(table), "", "cannot be read: no such file; --result makes it")])
 
     plan_of = partial(
         plan_shots,
@@ -119,13 +134,22 @@ def plan_of_shots(
         seed=seed,
     )
     text: str | None = None
-    with named_as_options("plan_shots", *SETTINGS):
+    far: list[str] = []
+    with _limits_named(), named_as_options("plan_shots", *SETTINGS):
         if updated is not None and result is not None:
-            velocity = velocity_m_s if velocity_m_s is not None else plan_of(fired).next_velocity_m_s
+            planned = plan_of(fired).next_velocity_m_s
+            velocity = planned if velocity_m_s is None else velocity_m_s
             if velocity is None:
                 raise _problem("--velocity-m-s", "must be given: no further shot was planned")
-            fired = added(fired, velocity, result)
-            text = with_shot(updated, velocity, result)
+            limit = ballistic_limit(loaded).ballistic_limit_m_s
+            if velocity < limit / ABSURD_FACTOR or velocity > limit * ABSURD_FACTOR:
+                message = f"must be near the model's limit, {limit:.0f} m/s: a third to three times it"
+                raise _problem("--velocity-m-s", f"{message}, found {velocity:g}; is it in m/s?")
+            if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
+                far.append(f"the shot, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s")
+            word = RESULTS[result.lower()]
+            text = with_shot(updated, velocity, word)
+            fired = added(fired, velocity, word == "complete")
         plan = plan_of(fired, simulate=simulate, true_v50_m_s=true_v50_m_s, true_scatter_m_s=true_scatter_m_s)
     respond(
         plan.to_dict(),
@@ -135,8 +159,19 @@ def plan_of_shots(
         files=[(updated, lambda: text)],
         plot=plot,
         chart=lambda _charts: shot_plan_chart(plan),
-        warnings=warnings_of(loaded, plan.warnings),
+        warnings=warnings_of(loaded, (*far, *plan.warnings)),
     )
+
+
+@contextmanager
+def _limits_named() -> Iterator[None]:
+    """Name the argument of both limits as the options that give them."""
+    try:
+        yield
+    except InputError as error:
+        options = {"limits_m_s": ("command line", "--lower-m-s, --upper-m-s")}
+        found = [(*options.get(p.key, (p.file, p.key)), p.message) for p in error.problems]
+        raise InputError([Problem(*each) for each in found]) from None
 
 
 def _problem(option: str, message: str) -> InputError:

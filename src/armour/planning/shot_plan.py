@@ -1,6 +1,6 @@
 """Plan of a V50 firing: the velocity of the next shot, or the whole firing simulated."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType, NoneType
 from typing import Annotated, Literal
@@ -24,13 +24,14 @@ from armour.statistics.firing_posterior import (
     FiringEstimate,
     FiringPrior,
     Posterior,
+    contradictions,
     no_prior,
     posterior_of,
     prior_of,
     prior_share,
 )
 from armour.statistics.response_curve import FittedCurve
-from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, Shots, check_shots
+from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, MeanV50, Shots, check_shots
 
 Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
 PROCEDURES: Mapping[str, ModuleType] = {
@@ -43,6 +44,10 @@ HALF_WIDTH_M_S = 15.0
 # Probability of V50 within the limits of Langlie's and Neyer's procedures, unless they are given.
 LIMITS_PROBABILITY = 0.99
 CURVE_POINTS = 201
+# Shots beyond the interval of V50 with this probability, widened by a part of the limit, are warned of.
+FAR_PROBABILITY, FAR_PART = 0.999, 0.1
+# A shot is not recorded whose velocity and the model's limit differ by more than this factor.
+ABSURD_FACTOR = 3.0
 # A simulated firing ends here at the latest.
 MAX_SIMULATED = 100
 
@@ -114,6 +119,8 @@ class ShotPlan(Result):
         Variance of V50 by the posterior over that by the prior: the part of the precision that is the prior's.
     recommended : FittedCurve or None
         Curve that `armour.v50` recommends, from the shots alone, where they have one; None for the Bayesian procedure.
+    mean : MeanV50 or None
+        Mean of MIL-STD-662F of three shots of each kind, for the up-and-down rule, where they meet its span.
     model_ballistic_limit_m_s : float
         Ballistic limit by the model, m/s.
     model_error : ModelError or None
@@ -123,8 +130,11 @@ class ShotPlan(Result):
     curve : PlanCurve or None
         Over ``velocity_m_s``, m/s: the densities of V50, ``prior`` and ``posterior``, s/m, and by the posterior the
         ``probability`` of complete penetration.
+    contradicts_prior : bool
+        Whether V50 or scatter by the posterior lie beyond their intervals by the prior with a probability of 99 %.
     warnings : tuple of str
-        Ways in which the scenario is unlike what the model was compared with.
+        Shots far from the model's limit or contradicting the prior, limits that shots have reached, a simulation that
+        did not end, and ways in which the scenario is unlike what the model was compared with.
     """
 
     procedure: str
@@ -144,11 +154,13 @@ class ShotPlan(Result):
     posterior: FiringEstimate | None
     prior_share: float | None
     recommended: FittedCurve | None
+    mean: MeanV50 | None
     model_ballistic_limit_m_s: float
     model_error: ModelError | None
     true_v50_m_s: float | None = None
     true_scatter_m_s: float | None = None
     curve: PlanCurve | None = None
+    contradicts_prior: bool = False
     warnings: tuple[str, ...] = ()
 
     def _words(self) -> str:
@@ -230,6 +242,16 @@ def plan_shots(
     >>> armour.plan_shots(armour.load_scenario("wilkins"))
     <ShotPlan: 0 shots, the next at 722.8 m/s>
     """
+    check_types(
+        "plan_shots",
+        scenario=(scenario, Scenario),
+        shots=(shots, (Shots, NoneType)),
+        limits_m_s=(limits_m_s, (tuple, list, NoneType)),
+        simulate=(simulate, bool),
+    )
+    ends = limits_m_s
+    if ends is not None and len(ends) != 2:
+        raise InputError([Problem("plan_shots", "limits_m_s", f"must be two velocities, found {len(ends)}")])
     given = {
         "procedure": procedure,
         "half_width_m_s": half_width_m_s,
@@ -238,21 +260,20 @@ def plan_shots(
         "requirement_fraction": requirement_fraction,
         "scatter_percent": scatter_percent,
         "scatter_factor": scatter_factor,
-        "lower_m_s": None if limits_m_s is None else limits_m_s[0],
-        "upper_m_s": None if limits_m_s is None else limits_m_s[1],
+        "lower_m_s": None if ends is None else ends[0],
+        "upper_m_s": None if ends is None else ends[1],
         "true_v50_m_s": true_v50_m_s,
         "true_scatter_m_s": true_scatter_m_s,
         "seed": seed,
     }
-    check_types("plan_shots", scenario=(scenario, Scenario), shots=(shots, (Shots, NoneType)))
     asked = validated(_Settings, given, "plan_shots")
-    fired = Shots((), ()) if shots is None else shots
+    given_shots = fired = Shots((), ()) if shots is None else shots
     check_shots(fired, one_kind=True)
     _check(asked, simulate)
     limit = ballistic_limit(scenario)
     prior = prior_of(scenario, limit.ballistic_limit_m_s, scatter_percent, scatter_factor)
     if prior is None and procedure == "bayesian":
-        raise no_prior(scenario)
+        raise no_prior(scenario, "; or choose the procedure up-and-down, or neyer or langlie with limits of V50")
     settings = ShotSettings(
         estimate_m_s=limit.ballistic_limit_m_s,
         scatter_m_s=limit.ballistic_limit_m_s * scatter_percent / 100.0,
@@ -275,6 +296,7 @@ def plan_shots(
     alone = None if prior is None else posterior_of(prior, (), ())
     before_shots = None if alone is None else alone.estimate(confidence)
     estimate = None if known is None else known.estimate(confidence)
+    contradicted = () if alone is None or known is None else tuple(contradictions(alone, known))
     met = None
     if known is not None and requirement_m_s is not None:
         met = known.probability_above(requirement_m_s, requirement_fraction)
@@ -296,12 +318,20 @@ def plan_shots(
         posterior=estimate,
         prior_share=None if before_shots is None or estimate is None else prior_share(before_shots, estimate),
         recommended=None if procedure == "bayesian" else recommended_fit(fired, confidence),
+        mean=up_and_down.mean(fired) if procedure == "up-and-down" else None,
         model_ballistic_limit_m_s=limit.ballistic_limit_m_s,
         model_error=limit.model_error,
         true_v50_m_s=truth and truth[0],
         true_scatter_m_s=truth and truth[1],
         curve=None if alone is None or known is None else _curve(alone, known, fired),
-        warnings=limit.warnings,
+        contradicts_prior=bool(contradicted),
+        warnings=(
+            *_far_shots(given_shots, prior),
+            *contradicted,
+            *(langlie.doubts(fired, settings) if procedure == "langlie" and aim else ()),
+            *([f"the simulation stopped after {MAX_SIMULATED} shots without an end"] if simulate and aim else ()),
+            *limit.warnings,
+        ),
     )
 
 
@@ -331,11 +361,12 @@ def _check(asked: _Settings, simulate: bool) -> None:
         problems.append(("requirement_fraction", "must not be given without a requirement"))
     truths = {"true_v50_m_s": asked.true_v50_m_s, "true_scatter_m_s": asked.true_scatter_m_s}
     if not simulate:
+        unused = {**truths, "seed": asked.seed or None}
         problems += (
-            (key, "must not be given without simulating") for key, value in truths.items() if value is not None
+            (key, "must not be given without simulating") for key, value in unused.items() if value is not None
         )
-    elif len([value for value in truths.values() if value is not None]) == 1:
-        problems.append(("true_v50_m_s", "must be given together with true_scatter_m_s"))
+    elif len(missing := [key for key, value in truths.items() if value is None]) == 1:
+        problems.append((missing[0], "must be given, as both V50 and scatter to simulate or neither"))
     if problems:
         raise InputError([Problem("plan_shots", *problem) for problem in problems])
 
@@ -352,9 +383,22 @@ def _limits(asked: _Settings, prior: FiringPrior | None) -> tuple[float, float] 
     return limits_of(prior)
 
 
-def limits_of(prior: FiringPrior) -> tuple[float, float]:
-    """Return the interval of the model's limit that is wide enough for Langlie's and Neyer's procedures, m/s."""
-    tail = 0.5 * (1.0 - LIMITS_PROBABILITY)
+def _far_shots(shots: Shots, prior: FiringPrior | None) -> Iterator[str]:
+    """Give a warning of shots whose velocity is far from any V50 that the prior expects."""
+    if prior is None:
+        return
+    low, high = limits_of(prior, FAR_PROBABILITY)
+    margin = FAR_PART * prior.limit_m_s
+    if far := [f"{v:g}" for v in shots.velocities_m_s if not low - margin <= v <= high + margin]:
+        yield (
+            f"shots at {', '.join(far[:5])} m/s are far from the {100.0 * FAR_PROBABILITY:g} % interval of V50 by the "
+            f"model, {low:.0f} to {high:.0f} m/s; check their velocities and unit"
+        )
+
+
+def limits_of(prior: FiringPrior, probability: float = LIMITS_PROBABILITY) -> tuple[float, float]:
+    """Return the interval of the model's limit with a probability, m/s."""
+    tail = 0.5 * (1.0 - probability)
     low, high = (prior.limit_m_s * (1.0 + float(prior.error.quantile(np.array(end)))) for end in (tail, 1.0 - tail))
     return low, high
 
@@ -381,7 +425,7 @@ def simulated(
             break
         velocity = aimed(rule.next_velocity(fired, settings).velocity_m_s)
         result = bool(dice.normal(*truth) < velocity)
-        fired = Shots((*fired.velocities_m_s, velocity), (*fired.complete, result), fired.file)
+        fired = Shots((*fired.velocities_m_s, velocity), (*fired.complete, result), fired.file, fired.names)
     return fired
 
 

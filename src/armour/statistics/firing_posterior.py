@@ -6,7 +6,7 @@ relative to V50 is log-normal and independent of it.  Both are summed over a gri
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import log
 from typing import NamedTuple
@@ -28,6 +28,8 @@ SCATTER_PERCENT, SCATTER_FACTOR = 2.0, 2.0
 TAIL, LEAST, MOST = 1e-9, 0.01, 10.0
 # It reaches beyond the shots by this factor.
 BEYOND = 2.0
+# Probability of the interval of the prior beyond which a posterior contradicts it.
+PLAUSIBLE = 0.99
 # The same for the logarithm of the scatter, in its standard deviations.
 DEVIATIONS = 7.0
 # Nodes of V50 and of the scatter, and how often at most the grid is narrowed to where the logarithm of the posterior is
@@ -81,6 +83,11 @@ class FiringPrior(NamedTuple):
         z = (log_ratio - log(self.scatter_percent / 100.0)) / log(self.scatter_factor)
         density: Floats = -0.5 * (df + 1.0) * np.log1p(t * t / df) - 0.5 * z * z
         return density
+
+    def greatest_scatter_m_s(self) -> float:
+        """Return the upper end of the plausible interval of the scatter, at the model's limit."""
+        deviations = float(ndtri(0.5 + 0.5 * PLAUSIBLE))
+        return float(self.limit_m_s * self.scatter_percent / 100.0 * self.scatter_factor**deviations)
 
 
 class Grid(NamedTuple):
@@ -167,10 +174,11 @@ def prior_of(
     return None if error is None else FiringPrior(limit_m_s, error, scatter_percent, scatter_factor)
 
 
-def no_prior(scenario: Scenario) -> InputError:
+def no_prior(scenario: Scenario, way_out: str = "") -> InputError:
     """Return the error of a question that needs a prior of a scenario that has none."""
     reason = EXCLUDED if is_excluded(scenario) else NO_TEST
-    return InputError([Problem(scenario.file, "uncertainty.model", f"must give scale_percent for a prior: {reason}")])
+    message = f"must give scale_percent for a prior: {reason}{way_out}"
+    return InputError([Problem(scenario.file, "uncertainty.model", message)])
 
 
 def posterior_of(
@@ -217,3 +225,18 @@ def _narrowed(axis: Floats, kept: NDArray[np.intp]) -> tuple[float, float]:
 def prior_share(prior: FiringEstimate, posterior: FiringEstimate) -> float:
     """Return the part of the precision of V50, the inverse of its variance, that is the prior's; at most 1."""
     return min(1.0, (posterior.standard_deviation_m_s / prior.standard_deviation_m_s) ** 2)
+
+
+def contradictions(prior: Posterior, posterior: Posterior) -> Iterator[str]:
+    """Give a warning for each of V50 and scatter whose posterior lies beyond what the prior holds for plausible."""
+    expected, found = prior.estimate(PLAUSIBLE), posterior.estimate(PLAUSIBLE)
+    for name, value, (low, high) in (
+        ("V50", found.v50_m_s, expected.v50_interval_m_s),
+        ("scatter", found.scatter_m_s, expected.scatter_interval_m_s),
+    ):
+        if not low <= value <= high:
+            yield (
+                f"the shots contradict the prior: with them the {name} is {value:.1f} m/s, beyond its "
+                f"{100.0 * PLAUSIBLE:g} % interval by the prior, {low:.1f} to {high:.1f} m/s; "
+                "check their velocities, unit and results, and the armour and projectile"
+            )

@@ -13,13 +13,21 @@ from pydantic import Field
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import TableResult, by_column
-from armour.errors import InputError, Problem, refuse
+from armour.errors import InputError, Problem, refuse, suggestion
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import PATH, Section, check_types, validated
 from armour.statistics.csv_table import in_line_order, lines_of, read_rows
-from armour.statistics.firing_posterior import FiringEstimate, no_prior, posterior_of, prior_of, prior_share
+from armour.statistics.firing_posterior import (
+    FiringEstimate,
+    contradictions,
+    no_prior,
+    posterior_of,
+    prior_of,
+    prior_share,
+)
 from armour.statistics.penalised_curve import fit_penalised
 from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
+from armour.units import missing_unit
 
 # Results of shots by their words in lower case.
 RESULTS = {"partial": "partial", "p": "partial", "complete": "complete", "c": "complete"}
@@ -51,11 +59,14 @@ class Shots:
         Whether each was a complete penetration.
     file : str
         Name of their file, for messages and titles.
+    names : sequence of str
+        Their names, if they have any.
     """
 
     velocities_m_s: Sequence[float]
     complete: Sequence[bool]
     file: str = "shots"
+    names: Sequence[str] = ()
 
     def of(self, *, complete: bool) -> list[float]:
         """Return the velocities of the complete or of the partial penetrations, m/s, in ascending order."""
@@ -118,7 +129,8 @@ class FiringResult(TableResult):
     model_interval_m_s : tuple of float or None
         Interval of it with a probability of 95 %, given the error of the model, m/s; None where that is not known.
     warnings : tuple of str
-        Shots far from the model's limit, and ways in which the scenario is unlike what the model was compared with.
+        Shots far from the model's limit or contradicting the prior, and ways in which the scenario is unlike what the
+        model was compared with.
     prior, posterior : FiringEstimate or None
         V50 and the scatter by the model with its error, without and with the shots; None unless asked for.
     prior_share : float or None
@@ -160,6 +172,7 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     path : path-like
         File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete", also P or C, in letters of any
         case) and, optionally, ``shot``; or, where there is no such file, the name of a shipped one, ``"shots.csv"``.
+        Other columns are not read, unless they look like a misspelt one of these, which is refused.
     one_kind : bool
         Whether all penetrations may be partial, or all complete: enough for a plan and for a posterior.
 
@@ -174,8 +187,15 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     """
     names = ("velocity_m_s", "result")
     check_types("read_shots", path=(path, PATH))
-    file, lines = lines_of(path)
-    rows, problems = read_rows(file, lines, numbers=names[:1], texts=("shot", "result"), needed=names)
+    file, found_lines = lines_of(path)
+    lines = list(found_lines)
+    header = next((cells for _, cells in lines if any(cells)), [])
+    known = (*names, "shot")
+    others = [name for name in header if name and not (missing_unit(name, known) or suggestion(name, known))]
+    if len(header) == 1 or not {*names} & {*header}:
+        others = []  # no table of shots
+    texts = ("shot", "result", *others)
+    rows, problems = read_rows(file, lines, numbers=names[:1], texts=texts, needed=names)
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     given = [row.texts.get("result", "") for row in rows]
     results = [RESULTS.get(text.lower(), "") for text in given]
@@ -191,7 +211,9 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
         message = f"must have at least one partial and one complete penetration, found only {results[0]} ones"
         problems.append(Problem(file, "result", message))
     refuse(in_line_order(problems))
-    return Shots(tuple(velocities), tuple(result == "complete" for result in results), file)
+    called = tuple(row.texts.get("shot", "") for row in rows)
+    complete = tuple(result == "complete" for result in results)
+    return Shots(tuple(velocities), complete, file, called if any(called) else ())
 
 
 def v50(
@@ -251,10 +273,10 @@ def v50(
     penalised = (
         tuple(fit for link in LINKS if (fit := fit_penalised(partial, complete, link, confidence))) if curved else ()
     )
-    before, after = (
+    before, after, contradicted = (
         _with_prior(scenario, model.ballistic_limit_m_s, shots, confidence)
         if prior and scenario and model
-        else (None, None)
+        else (None, None, ())
     )
     return FiringResult(
         shots=len(shots.complete),
@@ -269,7 +291,7 @@ def v50(
         confidence=confidence,
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
         model_interval_m_s=None if model is None else model.interval_m_s,
-        warnings=() if model is None else (*_far_away(shots, model), *model.warnings),
+        warnings=() if model is None else (*_far_away(shots, model), *contradicted, *model.warnings),
         prior=before,
         posterior=after,
         prior_share=None if before is None or after is None else prior_share(before, after),
@@ -289,20 +311,21 @@ def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
 
 def _with_prior(
     scenario: Scenario, limit_m_s: float, shots: Shots, confidence: float
-) -> tuple[FiringEstimate, FiringEstimate]:
-    """Return prior and posterior of V50; raise an InputError where the error of the model is not known."""
+) -> tuple[FiringEstimate, FiringEstimate, tuple[str, ...]]:
+    """Return prior and posterior of V50, and their contradictions; raise an InputError where there is no prior."""
     prior = prior_of(scenario, limit_m_s)
     if prior is None:
         raise no_prior(scenario)
-    known = (posterior_of(prior, *given) for given in (((), ()), (shots.velocities_m_s, shots.complete)))
-    before, after = (each.estimate(confidence) for each in known)
-    return before, after
+    alone, known = (posterior_of(prior, *given) for given in (((), ()), (shots.velocities_m_s, shots.complete)))
+    return alone.estimate(confidence), known.estimate(confidence), tuple(contradictions(alone, known))
 
 
 def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
     """Check shots that are not read from a file."""
-    velocities, count = shots.velocities_m_s, len(shots.complete)
-    message = ""
+    velocities = shots.velocities_m_s
+    if not all(hasattr(each, "__len__") for each in (velocities, shots.complete)):
+        raise InputError([Problem(shots.file, "", "must be sequences of velocities and of results")])
+    count, message = len(shots.complete), ""
     if len(velocities) != count:
         message = f"must be as many velocities as results, found {len(velocities)} and {count}"
     elif not all(isinstance(v, Real) and c in (True, False) for v, c in zip(velocities, shots.complete, strict=True)):

@@ -17,8 +17,8 @@ from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, Shots
 Booleans = NDArray[np.bool_]
 
 # Velocities that are examined, and those around the best of them; their range is that of V50 but for a probability at
-# each end, and some scatters more.
-CANDIDATES, TAIL, SCATTERS = 101, 1e-3, 2.0
+# each end, the wide one where the scatter is implausible, and some scatters more.
+CANDIDATES, TAIL, WIDE_TAIL, SCATTERS = 101, 1e-3, 0.025, 2.0
 # Continuations of the firing that are simulated to tell how many shots are still to be expected, the nodes of their
 # grid, their velocities and the most shots of each.
 FUTURES, FUTURE_NODES, FUTURE_CANDIDATES, MOST_SHOTS = 40, (101, 11), 61, 100
@@ -38,7 +38,7 @@ def next_velocity(shots: Shots, settings: ShotSettings) -> Aim:
 def aim(known: Posterior, settings: ShotSettings) -> Aim:
     """Return the velocity of the next shot, given the posterior."""
     wanted = target(known.grid, settings)
-    velocities = candidates(known, CANDIDATES)
+    velocities = candidates(known, settings, CANDIDATES)
     step = velocities[1] - velocities[0]
     for _ in range(2):
         gained = gains(known.weights[None], wanted, known.grid.response(velocities))[0]
@@ -98,10 +98,14 @@ def _product(weights: Floats, response: Floats) -> Floats:
     return product
 
 
-def candidates(known: Posterior, count: int) -> Floats:
+def candidates(known: Posterior, settings: ShotSettings, count: int) -> Floats:
     """Return velocities to choose from, evenly spaced, m/s."""
-    low, high = known.grid.v50_quantiles(known.weights, (TAIL, 1.0 - TAIL))[0]
-    scatter = SCATTERS * float(known.weights @ known.grid.scatter_m_s)
+    assert settings.prior is not None
+    scatter, greatest = float(known.weights @ known.grid.scatter_m_s), settings.prior.greatest_scatter_m_s()
+    # Shots that contradict each other give a scatter beyond the prior, which is no reason to aim far away.
+    tail = TAIL if scatter <= greatest else WIDE_TAIL
+    low, high = known.grid.v50_quantiles(known.weights, (tail, 1.0 - tail))[0]
+    scatter = SCATTERS * min(scatter, greatest)
     return np.linspace(max(low - scatter, MIN_VELOCITY_M_S), min(high + scatter, MAX_VELOCITY_M_S), count)
 
 
@@ -111,7 +115,7 @@ class Firings:
     def __init__(self, known: Posterior, settings: ShotSettings, count: int, velocities: int) -> None:
         self.settings, self.grid = settings, known.grid
         self.weights = np.tile(known.weights, (count, 1))
-        self.velocities = candidates(known, velocities)
+        self.velocities = candidates(known, settings, velocities)
         self.response = known.grid.response(self.velocities)
         self.target = target(known.grid, settings)
 

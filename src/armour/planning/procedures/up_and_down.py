@@ -7,7 +7,7 @@ kind, then by 50 ft/s.  It ends with as many shots of each kind as the mean need
 
 from armour.planning.procedures import stopping
 from armour.planning.procedures.settings import Aim, ShotSettings
-from armour.statistics.v50 import SPANS_M_S, Shots, mean_v50
+from armour.statistics.v50 import SPANS_M_S, MeanV50, Shots, mean_v50
 
 FEET_M = 0.3048
 ABOVE_M_S, FIRST_STEP_M_S, STEP_M_S = 75.0 * FEET_M, 100.0 * FEET_M, 50.0 * FEET_M
@@ -32,7 +32,12 @@ def stopped(shots: Shots, settings: ShotSettings) -> str:
     """Return why the firing ends; "" if it goes on."""
     if settings.half_width_m_s is not None:
         return stopping.stopped(shots, settings)
-    partial, complete = shots.of(complete=False), shots.of(complete=True)
-    if not partial or not complete or mean_v50(partial, complete, PAIRS) is None:
+    if mean(shots) is None:
         return ""
     return f"{PAIRS} partial and {PAIRS} complete penetrations lie within {SPANS_M_S[PAIRS]:g} m/s"
+
+
+def mean(shots: Shots) -> MeanV50 | None:
+    """Return the mean of MIL-STD-662F that ends the firing; None where the shots do not meet its span."""
+    partial, complete = shots.of(complete=False), shots.of(complete=True)
+    return mean_v50(partial, complete, PAIRS) if partial and complete else None

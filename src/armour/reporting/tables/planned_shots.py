@@ -16,6 +16,8 @@ SCATTER_ASSUMED = "the prior of the scatter is an assumption, which the model sa
 def shot_plan_tables(plan: "ShotPlan") -> list[Table | str]:
     """Return all tables of a plan of shots, with notes on them."""
     found: list[Table | str] = [_plan_table(plan)]
+    if plan.stopped and not plan.fired.complete:
+        found.append("by the prior alone: no shot was fired")
     if plan.reason:
         found.append(f"reason: {plan.reason}")
     if plan.prior is not None and plan.posterior is not None:
@@ -24,11 +26,8 @@ def shot_plan_tables(plan: "ShotPlan") -> list[Table | str]:
             error_note(plan.model_error),
             SCATTER_ASSUMED,
         ]
-        if plan.fired.complete and plan.prior_share is not None:
+        if plan.fired.complete and plan.prior_share is not None and not plan.contradicts_prior:
             found.append(share_note(plan.prior_share))
-    elif plan.recommended is not None:
-        ends = interval(plan.recommended.v50_interval_m_s, ".1f")
-        found.append(f"V50 {plan.recommended.v50_m_s:.1f} m/s, {percent(plan.confidence)} interval {ends}")
     if plan.fired.complete:
         found.append(_shot_table(plan))
     return found
@@ -37,6 +36,7 @@ def shot_plan_tables(plan: "ShotPlan") -> list[Table | str]:
 def _plan_table(plan: "ShotPlan") -> Table:
     """Return what is next, what ends the firing, and what is known of it."""
     fraction, more = plan.requirement_fraction, plan.expected_shots
+    fit, mean = plan.recommended, plan.mean
     met = "V50" if fraction == 0.5 else f"velocity at which {percent(fraction)} perforate"
     expected: Source = (Column("further shots expected"), f"{more:.0f}" if more is not None else "more than 100")
     return record(
@@ -47,6 +47,12 @@ def _plan_table(plan: "ShotPlan") -> Table:
         column_of("next_velocity_m_s", ".1f"),
         (Column("firing ended"), plan.stopped or None),
         *([expected] if plan.next_velocity_m_s is not None and plan.procedure == "bayesian" else []),
+        (Column("V50 by the mean of MIL-STD-662F", "m/s", ".1f"), None if mean is None else mean.v50_m_s),
+        (Column("V50 by the recommended curve", "m/s", ".1f"), None if fit is None else fit.v50_m_s),
+        (
+            Column(f"its {percent(plan.confidence)} interval", "m/s"),
+            None if fit is None else interval(fit.v50_interval_m_s, ".1f"),
+        ),
         column_of("half_width_m_s", "g", "half width at which the firing ends"),
         (Column("limits of V50", "m/s"), interval(plan.limits_m_s, ".1f") or None),
         column_of("requirement_m_s", "g", f"required of the {met}"),
@@ -75,6 +81,8 @@ def prior_table(prior: "FiringEstimate", posterior: "FiringEstimate", level: flo
 
 def share_note(share: float) -> str:
     """Return how much of a posterior is the prior."""
+    if share >= 1.0:
+        return "the shots do not narrow V50: its posterior is no narrower than its prior"
     part = f"{100.0 * share:.{0 if share > 0.095 else 1}f} %"
     return (
         f"{part} of the precision of V50, the inverse of its variance, is that of the prior, and the rest of the shots"
@@ -83,10 +91,18 @@ def share_note(share: float) -> str:
 
 def _shot_table(plan: "ShotPlan") -> Table:
     """Return the shots in their order."""
-    shots = enumerate(zip(plan.fired.velocities_m_s, plan.fired.complete, strict=True), start=1)
+    fired = plan.fired
+    numbers = map(str, range(1, len(fired.complete) + 1))
+    shots = [
+        ((fired.names[place] if place < len(fired.names) else "") or number, velocity, complete)
+        for place, (number, velocity, complete) in enumerate(
+            zip(numbers, fired.velocities_m_s, fired.complete, strict=True)
+        )
+    ]
+    decimals = max(len(f"{velocity:.3f}".rstrip("0").partition(".")[2]) for velocity in fired.velocities_m_s)
     return listing(
         shots,
-        (Column("shot", spec="d"), lambda row: row[0]),
-        (Column("velocity", "m/s", ".1f"), lambda row: row[1][0]),
-        (Column("penetration"), lambda row: "complete" if row[1][1] else "partial"),
+        (Column("shot"), lambda row: row[0]),
+        (Column("velocity", "m/s", f".{max(decimals, 1)}f"), lambda row: row[1]),
+        (Column("penetration"), lambda row: "complete" if row[2] else "partial"),
     )
