@@ -64,6 +64,11 @@ def located(path: Path, known: Mapping[str, Path], listed: str = "") -> Path:
     return known[name]
 
 
+def exists(path: str | PathLike[str]) -> bool:
+    """Return whether there is a file or folder of a name, which may be none that the system allows."""
+    return os.path.exists(path)
+
+
 def table_file(path: str | PathLike[str]) -> Path:
     """Return the file of a path or, where there is none, of the shipped table of tests or shots of that name."""
     known = shipped_tests()

@@ -147,3 +147,39 @@ def test_a_scenario_is_not_written_to_a_file_named_dash(cli, folder: Path):
     assert result.exit_code == 2
     assert "must be the name of a file to write" in result.stderr
     assert sorted(folder.iterdir()) == before
+
+
+TOO_LONG = "a" * 300
+
+
+@pytest.mark.parametrize(
+    "args",
+    [
+        ["simulate", TOO_LONG],
+        ["report", TOO_LONG],
+        ["validate", TOO_LONG],
+        ["v50", TOO_LONG],
+        ["calibrate", TOO_LONG, "wilkins"],
+        ["plan", "shots", "wilkins", TOO_LONG],
+        ["plan", "shots", "wilkins", TOO_LONG, "--result", "partial"],
+        ["plan", "tests", "wilkins", "--candidates", TOO_LONG, "--scatter-percent", "3"],
+        ["sweep", "wilkins", "--cases", TOO_LONG, "-o", "a.csv"],
+        ["sweep", "wilkins", "--over", "armour.ceramic_thickness_mm=5,6", "-o", f"{TOO_LONG}.csv"],
+        ["simulate", "wilkins", "--history", f"{TOO_LONG}.csv"],
+        ["simulate", "wilkins", "--plot", f"{TOO_LONG}.png"],
+        ["init", f"{TOO_LONG}.toml"],
+        ["figures", TOO_LONG],
+    ],
+)
+@pytest.mark.usefixtures("folder")
+def test_a_name_that_no_file_can_have(cli, args: list[str]):
+    [message] = cli.fails(2, *args)
+    known = ("file name too long", "must be KEY=VALUES", "no such file", "must be a folder")
+    assert any(words in message for words in known)
+
+
+@pytest.mark.usefixtures("folder")
+def test_a_suite_may_not_name_one_either(cli):
+    case = f'title = "t"\n[[case]]\nname = "a"\nscenario = "{TOO_LONG}"\nquantity = "ballistic_limit_m_s"\n'
+    Path("suite.toml").write_text(f"{case}expected = 1.0\nband = 1.0\nsource = 's'\n")
+    assert any("file name too long" in line for line in cli.fails(2, "validate", "suite.toml"))

@@ -13,6 +13,7 @@ from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, a
 from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, warnings_of
 from armour.cli.scenario_commands import LIMIT
 from armour.errors import InputError, Problem
+from armour.files import exists
 
 EXAMPLES = (
     "plan shots wilkins",
@@ -114,7 +115,7 @@ def plan_of_shots(
     check_outputs(plot=plot, updated=updated, force=force)
     loaded = read_scenario(scenario, changes, LIMIT)
     fired = Shots((), (), str(table or "shots"))
-    if table is not None and table.exists():
+    if table is not None and exists(table):
         fired = read_shots(table, one_kind=True)
     elif table is not None and updated is None:
         # A shipped table of this name is of another firing.

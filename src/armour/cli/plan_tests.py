@@ -10,7 +10,7 @@ from armour.cli.console import progress, say
 from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, option
 from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, say_if_compiling
 from armour.errors import InputError, Problem
-from armour.files import table_file
+from armour.files import exists, table_file
 
 if TYPE_CHECKING:
     from armour.sweeps.cases import Cases, Grid
@@ -143,7 +143,7 @@ def _source(candidates: list[str]) -> "Grid | Cases":
         raise InputError([Problem(*where, "is missing and must be given")])
     if files and len(candidates) > 1:
         raise InputError([Problem(*where, "must be one CSV file, or keys with values")])
-    if files and not files[0].endswith(".csv") and not Path(files[0]).exists():
+    if files and not files[0].endswith(".csv") and not exists(files[0]):
         raise InputError([Problem(*where, f'must be KEY=VALUES or a CSV file, found "{files[0]}"')])
     if files:
         return Cases(Path(files[0]), (COST,))

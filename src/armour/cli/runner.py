@@ -16,7 +16,17 @@ from typer.core import TyperCommand, TyperGroup
 
 from armour.cli.console import say, show, show_json
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, refuse
-from armour.files import check_unreserved, decoded, parse_toml, read_text, reserve, unwritable, written, wrong_ending
+from armour.files import (
+    check_unreserved,
+    decoded,
+    exists,
+    parse_toml,
+    read_text,
+    reserve,
+    unwritable,
+    written,
+    wrong_ending,
+)
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -45,7 +55,7 @@ def check_outputs(
     """
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
     # Streams and pipes have no ending.
-    problems += [] if csv is None or (csv.exists() and not _is_kept(csv)) else wrong_ending(csv, (".csv",))
+    problems += [] if csv is None or (exists(csv) and not _is_kept(csv)) else wrong_ending(csv, (".csv",))
     fresh = [path for path in (*writes, csv, plot) if path is not None]
     paths = fresh if updated is None else [*fresh, updated]
     problems += (problem for path in paths for problem in unwritable(path))
@@ -61,7 +71,11 @@ def check_outputs(
 
 def _is_kept(path: Path) -> bool:
     """Return whether a path is that of a file, other than one to which the shell sends a stream of this process."""
-    return path.is_file() and not any(os.path.samestat(path.stat(), os.fstat(stream)) for stream in (1, 2))
+    return (
+        exists(path)
+        and path.is_file()
+        and not any(os.path.samestat(path.stat(), os.fstat(stream)) for stream in (1, 2))
+    )
 
 
 def read_scenario(

@@ -13,6 +13,7 @@ from armour.cli.console import progress, say
 from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, number, option
 from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, say_if_compiling
 from armour.errors import InputError, Problem
+from armour.files import exists
 
 if TYPE_CHECKING:
     from armour.sweeps.cases import Cases, Grid
@@ -73,7 +74,7 @@ def sweep(
     from armour.sweeps.dask import connected, on_cluster
     from armour.sweeps.tables import read_table
 
-    begun = parts_of(output).exists()
+    begun = exists(parts_of(output))
     check_outputs(None if begun else output, plot=plot, updated=output if begun else None, force=force)
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from io import StringIO
 from pathlib import Path
 
-from armour.files import read_text
+from armour.files import exists, read_text
 from armour.statistics.v50 import Shots
 
 HEADER = ("shot", "velocity_m_s", "result")
@@ -17,7 +17,7 @@ def with_shot(path: Path, velocity_m_s: float, result: str) -> str:
     The row has the columns of the file, and its result is spelt as the one before.  A shot that repeats another is
     named, in a column that all rows get if they have none.
     """
-    text = read_text(path) if path.exists() else f"{','.join(HEADER)}\n"
+    text = read_text(path) if exists(path) else f"{','.join(HEADER)}\n"
     rows = [
         [cell.strip() for cell in row] for row in csv.reader(StringIO(text, newline="")) if any(map(str.strip, row))
     ]

@@ -12,7 +12,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem, refuse, suggestion
-from armour.files import located, read_toml, shipped_files, shipped_suites, write_atomic
+from armour.files import exists, located, read_toml, shipped_files, shipped_suites, write_atomic
 from armour.scenario.assignments import Parts, changed, leaves, parts_of
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.library import (
@@ -182,7 +182,7 @@ def scenario_file(path: Path, others: Mapping[str, Path] | None = None) -> Path:
     """Return the file at a path or, where there is none, the shipped scenario, or other file, of that name."""
     known = {**shipped_files("scenarios", ".toml"), **(others or {})}
     listed = "; `armour init --list` lists the shipped scenarios"
-    if str(path) not in known and not path.exists():
+    if str(path) not in known and not exists(path):
         kinds = {f"{name}.csv": "table of tests" for name in shipped_files("scenarios/tests", ".csv")}
         if kind := (kinds | dict.fromkeys(shipped_suites(), "suite")).get(str(path)):
             raise InputError([Problem(str(path), "", f"must be a scenario, is the name of a shipped {kind}{listed}")])

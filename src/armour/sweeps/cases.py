@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armour.errors import InputError, Problem, choices
-from armour.files import check_unreserved, reason
+from armour.files import check_unreserved, exists, reason
 from armour.scenario.assignments import parts_of
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import key_name
@@ -140,7 +140,7 @@ class Cases:
     def _lines(self, update: Callable[[bytes], object]) -> Iterator[tuple[int, str]]:
         """Yield the lines that are not blank, with their numbers; give all bytes to a hash."""
         try:
-            if not self.path.is_file() and self.path.exists():
+            if exists(self.path) and not self.path.is_file():
                 raise self._error("", "must be a file, since it is read several times")
             check_unreserved(self.path)
             with self.path.open("rb") as file:

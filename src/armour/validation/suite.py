@@ -11,7 +11,7 @@ from typing import Annotated, Any, NamedTuple
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from armour.errors import MAX_PROBLEMS, InputError, Problem, refuse, suggestion
-from armour.files import read_toml, shipped, shipped_files, suite_file
+from armour.files import exists, read_toml, shipped, shipped_files, suite_file
 from armour.scenario.assignments import canonical, leaves, parts_of
 from armour.scenario.loading import Scenario, parse_changed
 from armour.scenario.messages import PATH, Section, SectionT, check_types, describe, key_name, validated
@@ -463,7 +463,7 @@ def _file(folder: Path, name: str) -> Path:
     """Return the file that a suite in a folder names: a path there or in the shipped folder, or a shipped scenario."""
     own = folder / name
     other = shipped_files("scenarios", ".toml").get(name, shipped("suites") / name)
-    return own if own.exists() or not other.is_file() else other
+    return other if not exists(own) and exists(other) else own
 
 
 def _in_words(key: str, value: float) -> str:
