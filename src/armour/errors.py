@@ -68,7 +68,11 @@ class NoAnswerError(ArmourError):
 
 
 class NoLimitError(NoAnswerError):
-    """No ballistic limit in the range of velocities."""
+    """No ballistic limit in the range of velocities; `above` where no velocity of it is seen to perforate."""
+
+    def __init__(self, message: str, *, above: bool = False) -> None:
+        super().__init__(message)
+        self.above = above
 
 
 class NoDesignError(NoAnswerError):

@@ -108,7 +108,8 @@ def ballistic_limit(scenario: Scenario) -> LimitResult:
     low, high = section.velocity_min_m_s, section.velocity_max_m_s
     crossings, runs, lowest_perforates = find_crossings(scenario)
     if lowest_perforates or not crossings:
-        raise NoLimitError(_no_limit(crossings, lowest_perforates, low, high))
+        above = not crossings and not lowest_perforates
+        raise NoLimitError(_no_limit(crossings, lowest_perforates, low, high), above=above)
     limit, error = crossings[0].bracket_m_s[1], model_error(scenario)
     return LimitResult(
         ballistic_limit_m_s=limit,

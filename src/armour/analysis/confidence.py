@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from armour.analysis.ballistic_limit import ballistic_limit, find_crossings
+from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.results import Result
 from armour.errors import NoLimitError
 from armour.scenario.applicability import is_excluded, model_error, warnings_of
@@ -70,17 +70,15 @@ def confidence(scenario: Scenario) -> ConfidenceResult:
     try:
         limit = ballistic_limit(scenario).ballistic_limit_m_s
     except NoLimitError as error:
-        return without_limit(scenario, str(error))
+        return without_limit(scenario, str(error), above=error.above)
     return of_limit(scenario, limit, scenario.impact.velocity_m_s)
 
 
-def without_limit(scenario: Scenario, reason: str) -> ConfidenceResult:
-    """Return the confidence in an armour without a ballistic limit in the range searched, which has a reason."""
+def without_limit(scenario: Scenario, reason: str, *, above: bool) -> ConfidenceResult:
+    """Return the confidence in an armour whose limit is not in the range searched, for a reason, or is above it."""
     error, velocity = model_error(scenario), scenario.impact.velocity_m_s
     warnings = warnings_of(scenario, velocity)
-    crossings, _, lowest_perforates = find_crossings(scenario)
-    if error is not None and not crossings and not lowest_perforates:
-        # The limit is above the highest velocity.
+    if error is not None and above:
         least = float(error.probability_of_defeat(scenario.ballistic_limit.velocity_max_m_s, velocity))
         if least > SURE:
             return ConfidenceResult(least, None, error, warnings=warnings)

@@ -1,7 +1,5 @@
 """``armour plan shots``."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
@@ -96,7 +94,6 @@ def plan_of_shots(
     as_json: AsJson = False,
 ) -> None:
     """Plan the next shot of a V50 firing, given the shots so far."""
-    from armour.analysis.ballistic_limit import ballistic_limit
     from armour.planning.shot_plan import ABSURD_FACTOR, plan_shots
     from armour.planning.shot_table import added, with_shot
     from armour.reporting.planned_shots_chart import shot_plan_chart
@@ -136,13 +133,13 @@ def plan_of_shots(
     )
     text: str | None = None
     far: list[str] = []
-    with _limits_named(), named_as_options("plan_shots", *SETTINGS):
+    with named_as_options("plan_shots", *SETTINGS, limits_m_s="--lower-m-s, --upper-m-s"):
         if updated is not None and result is not None:
-            planned = plan_of(fired).next_velocity_m_s
+            before = plan_of(fired)
+            planned, limit = before.next_velocity_m_s, before.model_ballistic_limit_m_s
             velocity = planned if velocity_m_s is None else velocity_m_s
             if velocity is None:
                 raise _problem("--velocity-m-s", "must be given: no further shot was planned")
-            limit = ballistic_limit(loaded).ballistic_limit_m_s
             if velocity < limit / ABSURD_FACTOR or velocity > limit * ABSURD_FACTOR:
                 message = f"must be near the model's limit, {limit:.0f} m/s: a third to three times it"
                 raise _problem("--velocity-m-s", f"{message}, found {velocity:g}; is it in m/s?")
@@ -162,17 +159,6 @@ def plan_of_shots(
         chart=lambda _charts: shot_plan_chart(plan),
         warnings=warnings_of(loaded, (*far, *plan.warnings)),
     )
-
-
-@contextmanager
-def _limits_named() -> Iterator[None]:
-    """Name the argument of both limits as the options that give them."""
-    try:
-        yield
-    except InputError as error:
-        options = {"limits_m_s": ("command line", "--lower-m-s, --upper-m-s")}
-        found = [(*options.get(p.key, (p.file, p.key)), p.message) for p in error.problems]
-        raise InputError([Problem(*each) for each in found]) from None
 
 
 def _problem(option: str, message: str) -> InputError:

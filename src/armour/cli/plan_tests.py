@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from armour.cli import completion
-from armour.cli.console import progress, say
+from armour.cli.console import progress
 from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, option
 from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, say_if_compiling
+from armour.cli.sweep import grid_of
 from armour.errors import InputError, Problem
 from armour.files import exists, table_file
 
@@ -135,7 +136,7 @@ def plan_of_tests(
 def _source(candidates: list[str]) -> "Grid | Cases":
     """Return the candidates."""
     from armour.planning.plan_tests import COST, of_candidates
-    from armour.sweeps.cases import Cases, Grid, axis_of, omission
+    from armour.sweeps.cases import Cases
 
     where = "command line", "--candidates"
     files = [text for text in candidates if "=" not in text]
@@ -148,9 +149,4 @@ def _source(candidates: list[str]) -> "Grid | Cases":
     if files:
         return Cases(Path(files[0]), (COST,))
     with of_candidates():
-        axes = tuple(map(axis_of, candidates))
-    for axis in axes:
-        if axis.omitted is not None:
-            say(f"warning: --candidates {axis.key}: {omission(axis)}")
-    with of_candidates():
-        return Grid(axes)
+        return grid_of("--candidates", candidates)

@@ -201,15 +201,16 @@ def warnings_of(scenario: "Scenario", warnings: Iterable[str], *, of_threats: bo
 
 
 @contextmanager
-def named_as_options(function: str, *arguments: str) -> Iterator[None]:
-    """Name arguments of a function, in the messages on them, as the options that give them."""
+def named_as_options(function: str, *arguments: str, **options: str) -> Iterator[None]:
+    """Name arguments of a function, in the messages on them, as the options that give them; some have other names."""
+    named = {name: f"--{name.replace('_', '-')}" for name in arguments} | options
     try:
         yield
     except InputError as error:
         raise InputError(
             [
-                Problem("command line", " ".join((f"--{name.replace('_', '-')}", *rest)), problem.message)
-                if problem.file == function and name in arguments
+                Problem("command line", " ".join((named[name], *rest)), problem.message)
+                if problem.file == function and name in named
                 else problem
                 for problem in error.problems
                 for name, *rest in [problem.key.split(" ")]

@@ -1,6 +1,6 @@
 """``armour sweep``."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -121,16 +121,23 @@ def _notes(names: list[str], *, drawn: bool) -> Iterator[str]:
 
 def _source(over: list[str], cases: Path | None) -> "Grid | Cases":
     """Return the rows to compute."""
-    from armour.sweeps.cases import Cases, Grid, axis_of, omission
+    from armour.sweeps.cases import Cases
 
     if (cases is None) == (not over):
         raise InputError([Problem("sweep", "", "give either --over or --cases")])
     if cases is not None:
         return Cases(cases)
-    axes = tuple(axis_of(text) for text in over)
+    return grid_of("--over", over)
+
+
+def grid_of(option: str, texts: Sequence[str]) -> "Grid":
+    """Return the grid of the values of an option, and warn of ranges whose end is left out."""
+    from armour.sweeps.cases import Grid, axis_of, omission
+
+    axes = tuple(map(axis_of, texts))
     for axis in axes:
         if axis.omitted is not None:
-            say(f"warning: --over {axis.key}: {omission(axis)}")
+            say(f"warning: {option} {axis.key}: {omission(axis)}")
     return Grid(axes)
 
 

@@ -398,9 +398,7 @@ def _far_shots(shots: Shots, prior: FiringPrior | None) -> Iterator[str]:
 
 def limits_of(prior: FiringPrior, probability: float = LIMITS_PROBABILITY) -> tuple[float, float]:
     """Return the interval of the model's limit with a probability, m/s."""
-    tail = 0.5 * (1.0 - probability)
-    low, high = (prior.limit_m_s * (1.0 + float(prior.error.quantile(np.array(end)))) for end in (tail, 1.0 - tail))
-    return low, high
+    return prior.error.interval(prior.limit_m_s, 0.5 * (1.0 - probability))
 
 
 def _truth(asked: _Settings, prior: FiringPrior | None, fired: Shots, dice: np.random.Generator) -> tuple[float, float]:

@@ -1,6 +1,5 @@
 """Contents of a report on a scenario: its answer, with the results that explain it and say how reliable it is."""
 
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import inf
 from typing import NamedTuple
@@ -109,10 +108,12 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
 
 def _limit(scenario: Scenario) -> tuple[LimitResult | None, ConfidenceResult]:
     """Return the ballistic limit, None outside the range searched, and the confidence in the armour."""
-    with suppress(NoLimitError):
+    try:
         limit = ballistic_limit(scenario)
-        return limit, of_limit(scenario, limit.ballistic_limit_m_s, scenario.impact.velocity_m_s)
-    return None, without_limit(scenario, "there is no ballistic limit in the range searched")
+    except NoLimitError as error:
+        reason = "there is no ballistic limit in the range searched"
+        return None, without_limit(scenario, reason, above=error.above)
+    return limit, of_limit(scenario, limit.ballistic_limit_m_s, scenario.impact.velocity_m_s)
 
 
 def _faced(scenario: Scenario) -> list[tuple[Scenario, Threat]]:

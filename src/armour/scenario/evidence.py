@@ -47,10 +47,13 @@ class ModelError:
         deviation = np.where((wanted > 0.0) & (wanted < 1.0), stdtrit(self.degrees_of_freedom, wanted), ends)
         return ((self.mean_percent + self.scale_percent * deviation) / 100.0).clip(min=-0.99)
 
-    def interval(self, limit_m_s: float) -> tuple[float, float]:
-        """Return the interval of the armour's ballistic limit with a probability of 95 %, given that of the model."""
+    def interval(self, limit_m_s: float, tail: float = 0.025) -> tuple[float, float]:
+        """Return the interval of the armour's ballistic limit, given that of the model, m/s.
+
+        The probability beyond each end is `tail`, so that by default it has a probability of 95 %.
+        """
         _numbers("limit_m_s", limit_m_s, 0.0)
-        low, high = (float(limit_m_s * (1.0 + self.quantile(end))) for end in (0.025, 0.975))
+        low, high = (float(limit_m_s * (1.0 + self.quantile(end))) for end in (tail, 1.0 - tail))
         return low, high
 
     def probability_of_defeat(self, limit_m_s: Any, velocity_m_s: Any) -> Any:

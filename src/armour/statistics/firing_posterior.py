@@ -8,6 +8,7 @@ relative to V50 is log-normal and independent of it.  Both are summed over a gri
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import log
 from typing import NamedTuple
 
@@ -188,8 +189,16 @@ def posterior_of(
     nodes: tuple[int, int] = NODES,
 ) -> Posterior:
     """Return the posterior given shots, of which there may be none."""
+    return _posterior_of(prior, tuple(velocities_m_s), tuple(complete), nodes)
+
+
+# A plan asks for the posterior of the same shots several times.
+@lru_cache(maxsize=4)
+def _posterior_of(
+    prior: FiringPrior, velocities_m_s: tuple[float, ...], complete: tuple[bool, ...], nodes: tuple[int, int]
+) -> Posterior:
     limit = prior.limit_m_s
-    ends = [limit * (1.0 + float(prior.error.quantile(np.array(end)))) for end in (TAIL, 1.0 - TAIL)]
+    ends = prior.error.interval(limit, TAIL)
     # Shots far from the prior move V50 beyond it.
     low = max(min([ends[0], *(velocity / BEYOND for velocity in velocities_m_s)]), LEAST * limit)
     high = max([min(ends[1], MOST * limit), *(velocity * BEYOND for velocity in velocities_m_s)])
@@ -214,7 +223,10 @@ def posterior_of(
         else:
             ranges[1] = _narrowed(log_ratio, kept.nonzero()[1])
     weights = np.exp(logarithm)
-    return Posterior(points, weights / weights.sum())
+    weights /= weights.sum()
+    for shared in (weights, points.v50_m_s, points.scatter_m_s):
+        shared.flags.writeable = False
+    return Posterior(points, weights)
 
 
 def _narrowed(axis: Floats, kept: NDArray[np.intp]) -> tuple[float, float]:
