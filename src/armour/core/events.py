@@ -85,37 +85,39 @@ def step_to_event(
     k_end = rates(y_end, s, p)
     g_end = event_functions(t + dt, y_end, s, p, V_arrest)
     fraction, y_after, g_after = 1.0, y_end, g_end
-    if s.moving and not has_negative(g_end):
+    j = first_negative(g_after, -1)
+    if j < 0 and s.moving:
         # An event that comes and goes within the step does so about where a velocity turns.
         turn = turning_point(k, k_end)
         if turn < 1.0:
-            y_turn = step(y, k, s, p, turn * dt)
-            g_turn = event_functions(t + turn * dt, y_turn, s, p, V_arrest)
-            if has_negative(g_turn):
-                fraction, y_after, g_after = turn, y_turn, g_turn
-    event = -1
+            fraction = turn
+            y_after = step(y, k, s, p, turn * dt)
+            g_after = event_functions(t + turn * dt, y_after, s, p, V_arrest)
+            j = first_negative(g_after, -1)
+    if j < 0:
+        return Advance(-1, dt, y_end, k_end, g_end)
+    event = j
     # Each event found shortens the interval, and may reveal another that had come and gone within it.
-    for i in range(2 * EVENTS):
-        j = i % EVENTS
-        if j != event and not g_after[j] >= 0.0:
-            event = j
-            if g[j] < 0.0:
-                fraction, y_after = 0.0, y
-            else:
-                x, slope = root_on_cubic(
-                    j, t, y, k, y_end, k_end, s, p, dt, V_arrest, g[j], g_after[j], fraction
-                )
-                fraction, y_after = locate_event(j, t, y, k, s, p, dt, V_arrest, x, slope, fraction, y_after)
-            g_after = event_functions(t + fraction * dt, y_after, s, p, V_arrest)
+    for _ in range(2 * EVENTS):
+        event = j
+        if g[j] < 0.0:
+            fraction, y_after = 0.0, y
+        elif not g_after[j] >= EVENT_TOLERANCE * (g_after[j] - g[j]) / fraction:
+            x, slope = root_on_cubic(j, t, y, k, y_end, k_end, s, p, dt, V_arrest, g[j], g_after[j], fraction)
+            fraction, y_after = confirm_event(j, t, y, k, s, p, dt, V_arrest, x, slope, fraction, y_after)
+        g_after = event_functions(t + fraction * dt, y_after, s, p, V_arrest)
+        j = first_negative(g_after, event)
+        if j < 0:
+            break
     return Advance(event, fraction * dt, y_after, k_end, g_end)
 
 
-def has_negative(g: Margins) -> bool:
-    """Return whether any event function is negative or not a number."""
-    for value in g:
-        if not value >= 0.0:
-            return True
-    return False
+def first_negative(g: Margins, other_than: int) -> int:
+    """Return the first event whose function is negative or not a number, other than one; -1 if there is none."""
+    for j in range(EVENTS):
+        if j != other_than and not g[j] >= 0.0:
+            return j
+    return -1
 
 
 def turning_point(k: State, k_end: State) -> float:
@@ -168,7 +170,7 @@ def root_on_cubic(
     return x2, slope
 
 
-def locate_event(
+def confirm_event(
     j: int,
     t: float,
     y: State,

@@ -11,8 +11,8 @@ LONGEST_RESPONSE = 0.23
 ROUGH_RESPONSE = 0.8
 # Shortest step as a fraction of the characteristic time; its error is of the size of rounding.
 SHORTEST_CHANGE = 1e-3
-# Length of the step of constant deceleration that ends a run, in times to its end.
-PAST_THE_END = 1.25
+# Distance beyond the end of a medium to which a step of constant deceleration leads, as a fraction of its depth.
+PAST_THE_END = 1e-12
 
 
 def time_step(p: Parameters, Vi: float, given: float) -> float:
@@ -44,16 +44,22 @@ def step_length(y: State, k: State, s: Stage, p: Parameters, dt: float, response
     deceleration is constant, a step of any length is exact: it goes beyond the end.  ``k`` are the rates at ``y``.
     """
     if not (s.eroding or s.penetrated):
-        return PAST_THE_END * time_to_end(y, k, s, p)
+        return time_to_end(y, k, s, p)
     if s.medium == Medium.FRAGMENTED and not (s.eroding or s.moving):
         dt *= s.Vs1 / y.V
-    change = (abs(k.V) + abs(k.W)) / y.V + k.Z / min(p.D0, p.Hc0 + p.Hb)
-    return min(max(dt, SHORTEST_CHANGE / change), response / response_rate(y, k, s, p))
+    size = min(p.D0, p.Hc0 + p.Hb)
+    # A step must be a part of the characteristic time, the inverse of (|dV| + |dW|)/V + U/size.
+    least = SHORTEST_CHANGE * y.V * size
+    if dt * ((abs(k.V) + abs(k.W)) * size + k.Z * y.V) < least:
+        dt = least / ((abs(k.V) + abs(k.W)) * size + k.Z * y.V)
+    rate = response_rate(y, k, s, p)
+    return dt if dt * rate < response else response / rate
 
 
 def time_to_end(y: State, k: State, s: Stage, p: Parameters) -> float:
     """Return the time until a projectile at constant deceleration is through the medium or at rest, s."""
-    left = max(p.Hc0 - y.Z + (p.Hb if s.medium == Medium.PLATE else 0.0), 0.0)
+    end = p.Hc0 + (p.Hb if s.medium == Medium.PLATE else 0.0)
+    left = max(end - y.Z, 0.0) + PAST_THE_END * end
     through = 2.0 * left / (y.V + sqrt(max(y.V * y.V + 2.0 * k.V * left, 0.0)))
     return min(through, y.V / -k.V if k.V < 0.0 else inf)
 
@@ -73,12 +79,12 @@ def response_rate(y: State, k: State, s: Stage, p: Parameters) -> float:
         projectile = (2.0 * rho * y.V + 2.0 * sqrt(Y * rho) + damping) / (p.rho_p * y.L)
     if not s.moving:
         return projectile
-    areal_mass = mass_ahead(y, s, p) / eq.cross_section(p.D0)
+    per_mass = eq.cross_section(p.D0) / mass_ahead(y, s, p)
     if not s.penetrated:
-        return projectile + p.rho_p * y.V / areal_mass
-    target = (rho * (y.V - y.W) + damping) / areal_mass
+        return projectile + per_mass * p.rho_p * y.V
+    target = per_mass * (rho * (y.V - y.W) + damping)
     if s.medium == Medium.PLATE:
-        target += sqrt(4.0 * p.tau / (p.D0 * areal_mass))
+        target += sqrt(per_mass * (4.0 * p.tau / p.D0))
     return projectile + target
 
 
