@@ -75,11 +75,11 @@ def event_functions(
 
 
 def step_to_event(
-    t: float, y: State, k: State, g: Margins, s: Stage, p: Parameters, dt: float, V_arrest: float
+    t: float, y: State, k: State, g: Margins, s: Stage, p: Parameters, dt: float, V_arrest: float, rough: bool
 ) -> Advance:
     """Take a step of dt, s, from time t, s, or the part of it up to its earliest event.
 
-    The rates at y are k and the event functions g.
+    The rates at y are k and the event functions g.  If ``rough``, events are those of the cubic through the step.
     """
     y_end = step(y, k, s, p, dt)
     k_end = rates(y_end, s, p)
@@ -103,8 +103,11 @@ def step_to_event(
         if g[j] < 0.0:
             fraction, y_after = 0.0, y
         elif not g_after[j] >= EVENT_TOLERANCE * (g_after[j] - g[j]) / fraction:
-            x, slope = root_on_cubic(j, t, y, k, y_end, k_end, s, p, dt, V_arrest, g[j], g_after[j], fraction)
-            fraction, y_after = confirm_event(j, t, y, k, s, p, dt, V_arrest, x, slope, fraction, y_after)
+            x, after, slope = root_on_cubic(j, t, y, k, y_end, k_end, s, p, dt, V_arrest, g[j], g_after[j], fraction)
+            if not rough:
+                fraction, y_after = confirm_event(j, t, y, k, s, p, dt, V_arrest, x, slope, fraction, y_after)
+            elif after < fraction:
+                fraction, y_after = after, state_within(y, k, y_end, k_end, dt, after)
         g_after = event_functions(t + fraction * dt, y_after, s, p, V_arrest)
         j = first_negative(g_after, event)
         if j < 0:
@@ -145,11 +148,11 @@ def root_on_cubic(
     g_low: float,
     g_high: float,
     high: float,
-) -> tuple[float, float]:
-    """Return the fraction of a step at which event j happens on the cubic of `state_within`, and the slope of g there.
+) -> tuple[float, float, float]:
+    """Return the fractions of a step at and after which event j happens on its cubic, and the slope of g there.
 
     The event function g is ``g_low`` >= 0 at the start of the step and ``g_high`` < 0 at the fraction ``high``.  The
-    secant method is used, and bisection where it leaves the interval.
+    secant method is used, towards just after the event, and bisection where it leaves the interval.
     """
     low = 0.0
     x1, g1, x2, g2 = 0.0, g_low, high, g_high
@@ -157,17 +160,18 @@ def root_on_cubic(
     for _ in range(MAX_TRIALS):
         slope = (g2 - g1) / (x2 - x1)
         x = x2 - g2 / slope if slope < 0.0 else low
+        if low < x < high and abs(x - x2) <= CUBIC_TOLERANCE and g2 < 0.0:
+            return x, x2, slope
+        x += 0.5 * CUBIC_TOLERANCE
         if not low < x < high:
             x = 0.5 * (low + high)
         x1, g1, x2 = x2, g2, x
-        if abs(x2 - x1) <= CUBIC_TOLERANCE:
-            break
         g2 = event_functions(t + x * dt, state_within(y, k, y_end, k_end, dt, x), s, p, V_arrest)[j]
         if g2 >= 0.0:
             low = x
         else:
             high = x
-    return x2, slope
+    return x2, high, slope
 
 
 def confirm_event(

@@ -5,7 +5,7 @@ from typing import NamedTuple
 from armour.core.events import after_event, event_functions, step_to_event
 from armour.core.stages import first_stage, rates, with_intact_strength
 from armour.core.state import Outcome, Parameters, Stage, State
-from armour.core.stepping import LONGEST_RESPONSE, step_length
+from armour.core.stepping import step_length
 
 
 class Instant(NamedTuple):
@@ -31,15 +31,15 @@ def run(
     dt: float,
     V_arrest: float,
     max_steps: int,
-    response: float = LONGEST_RESPONSE,
+    rough: bool = False,
     trace: list[Instant] | None = None,
 ) -> Run:
     """Integrate one impact at Vi, m/s, with time steps of at most about dt, s (see `armour.core.stepping.step_length`).
 
     A step of dt with an event is divided at the event, and its remainder is taken in the new stage.  The projectile
     counts as stopped below ``V_arrest``, m/s.  A run of ``max_steps`` steps, events included, ends as
-    `Outcome.UNRESOLVED`.  ``response`` is the longest step as a fraction of the response time.  ``trace`` receives
-    every instant, from impact to end.
+    `Outcome.UNRESOLVED`.  A ``rough`` run takes longer steps and does not confirm events.  ``trace`` receives every
+    instant, from impact to end.
     """
     p = with_intact_strength(p)
     t = 0.0
@@ -54,9 +54,9 @@ def run(
     while outcome == Outcome.RUNNING:
         if steps == max_steps:
             return Run(Outcome.UNRESOLVED, t, y, steps)
-        longest = step_length(y, k, s, p, dt, response)
+        longest = step_length(y, k, s, p, dt, rough)
         whole = min(rest, longest) if rest > 0.0 else longest
-        event, taken, y, k, g = step_to_event(t, y, k, g, s, p, whole, V_arrest)
+        event, taken, y, k, g = step_to_event(t, y, k, g, s, p, whole, V_arrest, rough)
         t += taken
         rest = whole - taken if longest >= dt else 0.0
         steps += 1

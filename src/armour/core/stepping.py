@@ -8,7 +8,7 @@ from armour.core.state import Medium, Parameters, Stage, State
 
 # Longest step as a fraction of the response time of the motion, and that of a rough run.
 LONGEST_RESPONSE = 0.23
-ROUGH_RESPONSE = 0.8
+ROUGH_RESPONSE = 0.5
 # Shortest step as a fraction of the characteristic time; its error is of the size of rounding.
 SHORTEST_CHANGE = 1e-3
 # Distance beyond the end of a medium to which a step of constant deceleration leads, as a fraction of its depth.
@@ -36,8 +36,8 @@ def default_time_step(p: Parameters, Vi: float) -> float:
     return 1.0 / (crossing + slowing + picking_up)
 
 
-def step_length(y: State, k: State, s: Stage, p: Parameters, dt: float, response: float) -> float:
-    """Return the length of the next step, s: dt, or a fraction ``response`` of the response time if that is shorter.
+def step_length(y: State, k: State, s: Stage, p: Parameters, dt: float, rough: bool) -> float:
+    """Return the length of the next step, s: dt, or the longest by the response time if that is shorter.
 
     For a rigid projectile in held fragmented ceramic, whose velocity falls as 1/t, dt grows in proportion to Vs1/V.
     It is lengthened where it would only add rounding.  Where a rigid projectile carries all material ahead, whose
@@ -53,6 +53,7 @@ def step_length(y: State, k: State, s: Stage, p: Parameters, dt: float, response
     if dt * ((abs(k.V) + abs(k.W)) * size + k.Z * y.V) < least:
         dt = least / ((abs(k.V) + abs(k.W)) * size + k.Z * y.V)
     rate = response_rate(y, k, s, p)
+    response = ROUGH_RESPONSE if rough else LONGEST_RESPONSE
     return dt if dt * rate < response else response / rate
 
 
