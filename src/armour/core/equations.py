@@ -60,7 +60,7 @@ def penetration_velocity(Y: float, rho: float, Yp: float, rho_p: float, V: float
     # A trial state far past an event may have no solution; its step is then shortened.
     root = sqrt(max(b * b + 4.0 * mu * c, 0.0))
     # The root of smaller magnitude, in the form without cancellation.
-    return 2.0 * c / (root + b) if b > 0.0 else (root - b) / (2.0 * mu)
+    return (root - b) * (0.5 / mu)
 
 
 def target_excess(Y: float, Yp: float, rho_p: float, V: float, W: float) -> float:

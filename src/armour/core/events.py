@@ -27,7 +27,9 @@ EVENTS = len(Event)
 ERODED_FRACTION = 1e-3
 # Tolerance of the location of an event, and of its estimate on the cubic, as fractions of the step.
 EVENT_TOLERANCE = 1e-9
-CUBIC_TOLERANCE = 1e-3
+CUBIC_TOLERANCE = 1e-4
+# Greatest difference of velocities from their trapezoidal rule, as a part of V, with which the cubic is not confirmed.
+GREATEST_BEND = 0.05
 # Trials by secants, after which an event is located by bisection.
 MAX_TRIALS = 8
 
@@ -104,7 +106,7 @@ def step_to_event(
             fraction, y_after = 0.0, y
         elif not g_after[j] >= EVENT_TOLERANCE * (g_after[j] - g[j]) / fraction:
             x, after, slope = root_on_cubic(j, t, y, k, y_end, k_end, s, p, dt, V_arrest, g[j], g_after[j], fraction)
-            if not rough:
+            if not rough or is_bent(y, k, y_end, k_end, dt):
                 fraction, y_after = confirm_event(j, t, y, k, s, p, dt, V_arrest, x, slope, fraction, y_after)
             elif after < fraction:
                 fraction, y_after = after, state_within(y, k, y_end, k_end, dt, after)
@@ -121,6 +123,13 @@ def first_negative(g: Margins, other_than: int) -> int:
         if j != other_than and not g[j] >= 0.0:
             return j
     return -1
+
+
+def is_bent(y: State, k: State, y_end: State, k_end: State, dt: float) -> bool:
+    """Return whether the rates at the ends of a step do not fit the change of the velocities, as far past an event."""
+    V = y_end.V - y.V - 0.5 * dt * (k.V + k_end.V)
+    W = y_end.W - y.W - 0.5 * dt * (k.W + k_end.W)
+    return not abs(V) + abs(W) <= GREATEST_BEND * y.V
 
 
 def turning_point(k: State, k_end: State) -> float:

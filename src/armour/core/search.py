@@ -33,7 +33,7 @@ SCAN_POINTS = 33
 # Runs of a search between scanned velocities.
 HIDDEN_RUNS = 10
 # Error of a parabola through three perforations as a part of its difference from the line.
-PARABOLA_ERROR = 0.15
+PARABOLA_ERROR = 0.1
 # How near to the other outcome a rough impact is repeated: parts of the thickness and of the square of the velocity.
 CLOSE = 0.01
 # Usual error of a limit by rough runs and, with these, of the slope of the square of the residual velocity there.
@@ -343,16 +343,18 @@ def narrowed(p: Parameters, change: Change, tolerance: float, solver: Solver) ->
 def rough_root(p: Parameters, low: float, high: float, first: Impact, sign: float, solver: Solver) -> Root:
     """Return about where the outcome changes between two signed velocities, m/s, by rough runs.
 
-    ``first`` is the impact at ``high``, which perforates.
+    ``first`` is the impact at ``high``, which perforates.  The point of the search is the signed square of the velocity,
+    in which the square of the residual velocity is nearly linear.
     """
-    guess = sign * sqrt(max(first.V**2 + first.nearness / ENERGY_LEFT, 0.0))
-    b = after_perforation(after_defeat(initial_bracket(low, high), low), high, -first.nearness, guess, 0.2 * (high - guess))
-    slope = (high - guess) / max(-first.nearness, 1.0)
-    tolerance = ROUGH_ERROR * abs(high)
+    b = after_defeat(initial_bracket(sign * low * low, sign * high * high), sign * low * low)
+    guess = sign * (first.V * first.V + first.nearness / ENERGY_LEFT)
+    b = after_perforation(b, b.high, -first.nearness, guess, 0.2 * (b.high - guess))
+    slope = 1.0 / ENERGY_LEFT
+    tolerance = 2.0 * ROUGH_ERROR * high * high
     # The error of a parabola is a small part of its difference from the line.
     while (b.error if b.points < 3 else PARABOLA_ERROR * b.error) > tolerance and not is_converged(b, tolerance):
         x = next_point(b, tolerance)
-        tried = rough_impact(p, sign * x, solver)
+        tried = rough_impact(p, sqrt(abs(x)), solver)
         if not tried.resolved:
             return Root(tried.V, slope, b.runs - 1, False)
         if tried.perforated:
@@ -360,7 +362,8 @@ def rough_root(p: Parameters, low: float, high: float, first: Impact, sign: floa
             slope = slope_at_root(b.estimate, b.x1, b.f1, b.x2, b.f2)
         else:
             b = after_defeat(b, x)
-    return Root(b.estimate, slope, b.runs - 2, True)
+    V = sqrt(abs(b.estimate))
+    return Root(sign * V, 0.5 * slope / V, b.runs - 2, True)
 
 
 def bisected(x: float, low: float, high: float, tolerance: float) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from armour.core.state import Medium, Parameters, Stage, State
 
 # Longest step as a fraction of the response time of the motion, and that of a rough run.
 LONGEST_RESPONSE = 0.23
-ROUGH_RESPONSE = 0.5
+ROUGH_RESPONSE = 0.6
 # Shortest step as a fraction of the characteristic time; its error is of the size of rounding.
 SHORTEST_CHANGE = 1e-3
 # Distance beyond the end of a medium to which a step of constant deceleration leads, as a fraction of its depth.
@@ -53,6 +53,8 @@ def step_length(y: State, k: State, s: Stage, p: Parameters, dt: float, rough: b
     if dt * ((abs(k.V) + abs(k.W)) * size + k.Z * y.V) < least:
         dt = least / ((abs(k.V) + abs(k.W)) * size + k.Z * y.V)
     rate = response_rate(y, k, s, p)
+    if rough and s.medium == Medium.FRAGMENTED and not (s.eroding or s.moving):
+        rate *= 0.25
     response = ROUGH_RESPONSE if rough else LONGEST_RESPONSE
     return dt if dt * rate < response else response / rate
 
@@ -74,10 +76,10 @@ def response_rate(y: State, k: State, s: Stage, p: Parameters) -> float:
     Y, rho = medium_ahead(y, s, p)
     damping = strength_by_velocity(y, s, p)
     if s.eroding:
-        acting = damping / p.rho_p if s.moving else 0.0
+        acting = damping / p.rho_p
         projectile = (y.V - 2.0 * k.L + sqrt(p.Yp / p.rho_p) + acting) / y.L
     else:
-        projectile = (2.0 * rho * y.V + 2.0 * sqrt(Y * rho) + damping) / (p.rho_p * y.L)
+        projectile = (2.0 * rho * y.V + 2.5 * sqrt(Y * rho) + damping) / (p.rho_p * y.L)
     if not s.moving:
         return projectile
     per_mass = eq.cross_section(p.D0) / mass_ahead(y, s, p)
