@@ -4,16 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from armour.analysis.variants import (
-    Bools,
-    Floats,
-    Ints,
-    Variants,
-    check_resolved,
-    perforated,
-    portions,
-    with_thicknesses,
-)
+from armour.analysis.progress import portions
+from armour.analysis.variants import Bools, Floats, Ints, Variants, check_resolved, perforated, with_thicknesses
 from armour.engine import batch
 from armour.units import MM
 

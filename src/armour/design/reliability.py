@@ -5,8 +5,9 @@ from math import ceil, log, log1p
 from scipy.special import bdtrc
 
 from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
+from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.uncertain_inputs import own_values, sampled, section_of
-from armour.analysis.variants import OnProgress, ignore_progress, perforated
+from armour.analysis.variants import perforated
 from armour.design.catalogue import NO_BOUND, Candidates, Catalogue
 from armour.errors import Problem, refuse
 from armour.scenario.applicability import is_excluded, model_error

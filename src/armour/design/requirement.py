@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from armour.analysis.progress import FIRST_IMPACTS, OnProgress, ignore_progress, portions
 from armour.analysis.searches import limit_brackets, lowest_perforated
-from armour.analysis.variants import Bools, Floats, OnProgress, Variants, ignore_progress, perforated, portions
+from armour.analysis.variants import Bools, Floats, Variants, perforated
 from armour.design.catalogue import Candidates, Catalogue
 from armour.scenario.schema import FASTEST_M_S
 
@@ -28,7 +29,7 @@ class Requirement:
     def defeats(self, candidates: Candidates, threat: int | None = None) -> Bools:
         """Return whether designs defeat all threats, or one, at the velocities required."""
         defeated = np.ones(len(candidates.pair), dtype=bool)
-        for part in portions(len(defeated), IMPACTS_AT_A_TIME):
+        for part in portions(len(defeated), IMPACTS_AT_A_TIME, FIRST_IMPACTS):
             left = np.arange(part.start, part.stop)
             for each in range(len(self.catalogue.threats)) if threat is None else [threat]:
                 variants = self.catalogue.variants(candidates.at(left), each)

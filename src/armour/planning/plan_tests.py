@@ -15,8 +15,9 @@ from scipy.stats import norm, t
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import check_keys, scenarios_of
+from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import TableResult, by_column
-from armour.analysis.variants import Floats, Ints, OnProgress, ignore_progress
+from armour.analysis.variants import Floats, Ints
 from armour.errors import MAX_PROBLEMS, InputError, Problem, choices, refuse
 from armour.planning import optimal_design
 from armour.planning.optimal_design import Task

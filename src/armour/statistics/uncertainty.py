@@ -8,17 +8,11 @@ from typing import Any
 import numpy as np
 
 from armour.analysis.estimates import CONFIDENCE, Estimate, mean_of_replicates, proportion_of_replicates
+from armour.analysis.progress import OnProgress, ignore_progress, portions
 from armour.analysis.results import TableResult
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.uncertain_inputs import Samples, own_values, sampled, section_of
-from armour.analysis.variants import (
-    Bools,
-    Floats,
-    OnProgress,
-    ignore_progress,
-    perforated,
-    portions,
-)
+from armour.analysis.variants import Bools, Floats, perforated
 from armour.errors import NoLimitError
 from armour.scenario.applicability import is_excluded, model_error, unused_threats, warnings_of
 from armour.scenario.distributions import Uncertainty

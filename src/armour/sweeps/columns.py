@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from armour.analysis.evaluate import evaluate, groups_of
+from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.quantities import reads_of
 from armour.analysis.results import TableResult, same_columns
-from armour.analysis.variants import Floats, OnProgress, ignore_progress, outside_limits
+from armour.analysis.variants import Floats, outside_limits
 from armour.errors import InputError, Problem, choices
 from armour.files import reason
 from armour.scenario.loading import Scenario

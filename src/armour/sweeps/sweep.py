@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from armour.analysis.evaluate import Group, check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
+from armour.analysis.progress import ignore_progress
 from armour.analysis.quantities import reads_of
-from armour.analysis.variants import Floats, ignore_progress, outside_limits
+from armour.analysis.variants import Floats, outside_limits
 from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import BLOCK, Cases, Grid
