@@ -12,7 +12,6 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.core.state import Outcome
 from armour.design import catalogue as module
 from armour.design import free, requirement
-from armour.design import search as searches
 from armour.design.candidates import MARGIN_PARTS
 from armour.design.catalogue import Catalogue
 from armour.design.optimise import Design, optimise
@@ -204,7 +203,6 @@ def test_a_search_in_portions(monkeypatch: pytest.MonkeyPatch):
     variants = Mock(wraps=VARIANTS)
     monkeypatch.setattr(requirement, "IMPACTS_AT_A_TIME", 20)
     monkeypatch.setattr(requirement, "LIMITS_AT_A_TIME", 3)
-    monkeypatch.setattr(searches, "LIMITS_AT_A_TIME", 3)
     monkeypatch.setattr(Catalogue, "variants", lambda *args: variants(*args))
     counted: list[int] = []
     found = optimise(case, on_progress=lambda count, _: counted.append(count))
