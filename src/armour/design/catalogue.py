@@ -1,6 +1,6 @@
 """Catalogue of a scenario: pairs of materials with thicknesses and costs, threats and constraints."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -109,10 +109,10 @@ class Catalogue:
         rows = self._at_threat(candidates, threat)
         return rows._replace(velocities=self._required_m_s(rows, threat))
 
-    def against_all(self, candidates: Candidates) -> Variants:
-        """Return designs against every threat, (designs times threats); the rows of a design follow each other."""
-        designs, threats = np.divmod(np.arange(len(candidates.pair) * len(self.threats)), len(self.threats))
-        return self.variants(candidates.at(designs), threats)
+    def against_each(self, candidates: Candidates, threats: Sequence[int]) -> Variants:
+        """Return designs against each of some threats, (designs times threats); the rows of a design are together."""
+        designs, places = np.divmod(np.arange(len(candidates.pair) * len(threats)), len(threats))
+        return self.variants(candidates.at(designs), np.array(threats)[places])
 
     def required_m_s(self, candidates: Candidates) -> Floats:
         """Return the velocities that the ballistic limits of designs must reach, (designs, threats).
