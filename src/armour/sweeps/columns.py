@@ -187,7 +187,7 @@ def sweep(
         if source.count > MAX_ROWS:
             message = f"must be given for more than {MAX_ROWS:,} rows, found {source.count:,}"
             raise InputError([Problem("sweep", "output", message)])
-        [columns] = source.chunks(source.count)
+        [columns] = source.chunks([source.count])
         in_chunks.check(scenario, source, names)
         try:
             computed = {**columns, **evaluate(scenario, columns, names, threads)}
