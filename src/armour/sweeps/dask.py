@@ -14,7 +14,7 @@ import armour
 from armour.errors import ArmourError, InputError, Problem
 from armour.sweeps.checkpoint import RESUME
 from armour.sweeps.job import program
-from armour.sweeps.sweep import Compute, Part, Rows, computed
+from armour.sweeps.sweep import Compute, Part, Question, Rows, computed
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -90,27 +90,28 @@ def check_identity(found: object, expected: tuple[str, str], worker: str) -> Non
         raise _error(message)
 
 
-def computed_there(rows: bytes, expected: tuple[str, str]) -> Part:
-    """Compute a part of a table for pickled rows on a worker, which must run the expected program."""
+def computed_there(question: bytes, rows: bytes, expected: tuple[str, str]) -> Part:
+    """Compute a part of a table for pickled arguments on a worker, which must run the expected program."""
     from distributed import get_worker
 
     check_identity(identity(), expected, get_worker().address)
-    return computed(pickle.loads(rows), threads=1)
+    return computed(pickle.loads(question), pickle.loads(rows), threads=1)
 
 
 def on_cluster(client: "Client") -> Compute:
     """Compute chunks on a cluster; the chunks of a worker that dies are tried again."""
     threads = max(sum(client.nthreads().values()), 1)
 
-    def run(chunks: Iterator[Rows]) -> Iterator[tuple[int, Part]]:
+    def run(question: Question, chunks: Iterator[Rows]) -> Iterator[tuple[int, Part]]:
+        # As bytes, which a worker of another version does not read.
+        pickled = pickle.dumps(question)
         running: dict[Any, int] = {}
         done: SimpleQueue[Any] = SimpleQueue()
 
         def submit(count: int) -> None:
             for rows in islice(chunks, count):
-                # As bytes, which a worker of another version does not read.
                 with _answering():
-                    future = client.submit(computed_there, pickle.dumps(rows), identity(), pure=False)
+                    future = client.submit(computed_there, pickled, pickle.dumps(rows), identity(), pure=False)
                 running[future] = rows.start
                 future.add_done_callback(done.put)
 

@@ -28,14 +28,19 @@ PASSES = 3
 OnChunk = Callable[[int, bool], None]
 
 
-class Rows(NamedTuple):
-    """Rows of a chunk: all that a worker needs to compute its part of the table."""
+class Question(NamedTuple):
+    """What a sweep computes for each of its rows."""
 
-    start: int  # first of them
-    values: dict[str, Any]  # by key, each (n,)
     scenario: Scenario
     quantities: Sequence[str]
     as_csv: bool
+
+
+class Rows(NamedTuple):
+    """Rows of a chunk."""
+
+    start: int  # first of them
+    values: dict[str, Any]  # by key, each (n,)
 
 
 class Part(NamedTuple):
@@ -49,7 +54,7 @@ class Part(NamedTuple):
 class Compute(NamedTuple):
     """A way to compute chunks."""
 
-    run: Callable[[Iterator[Rows]], Iterator[tuple[int, Part]]]  # parts by first row, in any order
+    run: Callable[[Question, Iterator[Rows]], Iterator[tuple[int, Part]]]  # parts by first row, in any order
     threads: int | None  # for a chunk; None is one per core
     workers: int  # that compute chunks at the same time
 
@@ -96,6 +101,7 @@ def sweep(
         pending: dict[int, tuple[int, str, float]] = {}  # rows, hash of their values and time so far, by first row
         outside: Counter[str] = Counter()
         first_pass = True
+        question = Question(scenario, quantities, store.is_csv)
 
         def missing_chunks() -> Iterator[Rows]:
             start = 0
@@ -127,12 +133,12 @@ def sweep(
                     if found:
                         tell(f"{store.path(first)}: of other values, computed anew")
                     pending[first] = rows, source_hash, perf_counter() - began
-                    yield Rows(first, values, scenario, quantities, store.is_csv)
+                    yield Rows(first, values)
                 began = perf_counter()
 
         try:
             for _ in range(PASSES):
-                for start, part in compute.run(missing_chunks()):
+                for start, part in compute.run(question, missing_chunks()):
                     rows, source_hash, seconds = pending.pop(start)
                     began = perf_counter()
                     store.save(start, rows, source_hash, part.content)
@@ -174,13 +180,14 @@ def check_rows(scenario: Scenario, source: Grid | Cases) -> None:
             start += len(where)
 
 
-def computed(rows: Rows, threads: int | None) -> Part:
+def computed(question: Question, rows: Rows, threads: int | None) -> Part:
     """Compute a part of a table."""
     began = perf_counter()
-    groups = groups_of(rows.scenario, rows.values)
-    columns = {**rows.values, **evaluate_groups(groups, rows.quantities, threads)}
-    content = encoded(columns, as_csv=rows.as_csv, header=rows.start == 0)
-    return Part(content, outside_of(groups, rows.quantities), perf_counter() - began)
+    scenario, quantities, as_csv = question
+    groups = groups_of(scenario, rows.values)
+    columns = {**rows.values, **evaluate_groups(groups, quantities, threads)}
+    content = encoded(columns, as_csv=as_csv, header=rows.start == 0)
+    return Part(content, outside_of(groups, quantities), perf_counter() - began)
 
 
 def outside_of(groups: Iterable[Group], quantities: Sequence[str]) -> Counter[str]:
@@ -194,8 +201,8 @@ def outside_of(groups: Iterable[Group], quantities: Sequence[str]) -> Counter[st
 def in_process(threads: int | None = None) -> Compute:
     """Compute chunks in this process, one after the other, each on all threads."""
 
-    def run(chunks: Iterator[Rows]) -> Iterator[tuple[int, Part]]:
+    def run(question: Question, chunks: Iterator[Rows]) -> Iterator[tuple[int, Part]]:
         for rows in chunks:
-            yield rows.start, computed(rows, threads)
+            yield rows.start, computed(question, rows, threads)
 
     return Compute(run, threads, workers=1)
