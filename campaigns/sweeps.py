@@ -266,7 +266,7 @@ def tmpfs(folder: Path) -> Iterator[str]:
 
 
 CAMPAIGNS = {f.__name__: f for f in (kills, losses, steps, damages, pairs, full, tmpfs)}
-TIME_S = 0.0
+TIME_S = 60.0
 
 
 def main(names: list[str]) -> int:
@@ -282,7 +282,7 @@ def main(names: list[str]) -> int:
                 output.parent.mkdir(exist_ok=True)
                 start = time.monotonic()
                 assert exit_code(forked(sweep, output, quantities)) == 0
-                TIME_S = time.monotonic() - start
+                TIME_S = min(TIME_S, time.monotonic() - start)
                 references[f".{ending}", quantities] = output.read_bytes()
         for name in names or CAMPAIGNS:
             folder = Path(place) / name
