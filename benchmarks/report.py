@@ -124,7 +124,7 @@ def _scheduler(workers: list[Row], tasks: Row, clients: list[Row]) -> str:
     there, here = _client(clients, cluster=True), _client(clients, cluster=False)
     steps = (
         ("an empty task, submitted and answered", tasks["seconds"] / tasks["each"], None),
-        ("a chunk that is not computed: hashed, hashed again and written", here["chunk"], here["row"]),
+        ("a chunk that is not computed, hashed and written", here["chunk"], here["row"]),
         ("the same with its way to a worker and back", there["chunk"], there["row"]),
         ("joining at the end", there["join_chunk"], there["join_row"]),
     )
@@ -170,22 +170,23 @@ def _beyond(workers: list[Row], tasks: Row, clients: list[Row]) -> str:
         work = MANY_ROWS * row_s
         stages = {
             "scheduler": chunks * max(tasks["seconds"] / tasks["each"], DASK_TASK_S),
-            "client, handing out and writing": chunks * client["chunk"] + MANY_ROWS * client["row"],
+            "client": chunks * client["chunk"] + MANY_ROWS * client["row"],
         }
-        slowest = max(stages, key=lambda stage: stages[stage])
-        first.append(f"{name}: the {slowest}, at {work / stages[slowest]:,.0f} cores")
+        slowest = max([*stages], key=lambda stage: stages[stage])
+        first.append(f"{name}, that of the {slowest} at {work / stages[slowest]:,.0f} cores")
         sent = CHUNKS_AHEAD * MANY_CORES * chunk_rows * SENT_BYTES
         cells = {
             "a row on one core": _short(row_s),
             "computing": duration(work / MANY_CORES),
             "chunks, and files of them": f"{chunks:,.0f}",
             "chunks per second": f"{chunks / (work / MANY_CORES):,.0f}",
-            "checking the rows, before": duration(MANY_ROWS * client["check"]),
-            **{stage: duration(seconds) for stage, seconds in stages.items()},
-            "joining, after": duration(chunks * client["join_chunk"] + MANY_ROWS * client["join_row"]),
+            "the client, checking the rows before": duration(MANY_ROWS * client["check"]),
+            "the scheduler, a task for each chunk": duration(stages["scheduler"]),
+            "the client, sending and writing": duration(stages["client"]),
+            "the client, joining after": duration(chunks * client["join_chunk"] + MANY_ROWS * client["join_row"]),
             "disk": size(2 * MANY_ROWS * client["bytes"]),
             "rows under way, in the scheduler": size(sent),
-            **{f"cores that the {stage}, keeps busy": f"{work / s:,.0f}" for stage, s in stages.items()},
+            **{f"cores that the {stage} keeps busy": f"{work / s:,.0f}" for stage, s in stages.items()},
         }
         for key, cell in cells.items():
             table.setdefault(key, []).append(cell)
@@ -199,7 +200,7 @@ documentation of Dask gives about {_short(DASK_TASK_S)} a task for its scheduler
 |---|---:|---:|
 {_lines(f"| {key} | {' | '.join(cells)} |" for key, cells in table.items())}
 
-The limit that is met first is, for {" and for ".join(first)}. With more cores some of them wait.
+The limit that is met first is, for {", and for ".join(first)}. With more cores some of them wait.
 
 * **The client** sends each row and writes it; workers group, compute and encode the rows. Several sweeps move this
   limit, each of a part of the values to a file of its own: their clients share nothing.

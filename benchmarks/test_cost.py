@@ -61,7 +61,7 @@ def study(ceramics: int, threats: int, folder: Path) -> list[str]:
 
 def sweep(rows: int, quantity: str, folder: Path) -> list[str]:
     """A sweep over both thicknesses."""
-    over = [f"--over={CERAMIC}=2:11.99:0.01", f"--over={BACKING}=3:{3 + (rows // 1000 - 1) * 0.001:.3f}:0.001"]
+    over = [f"--over={CERAMIC}=2:11.98:0.02", f"--over={BACKING}=3:{3 + (rows // 500 - 1) * 4e-4:.4f}:4e-4"]
     return ["sweep", "wilkins", *over, "--quantities", quantity, "-o", str(folder / "t.csv")]
 
 
@@ -75,7 +75,7 @@ COSTS: dict[tuple[str, str], tuple[tuple[int, ...], Callable[[int, Path], list[s
         lambda n, _: ["uncertainty", "uncertain", f"--set=uncertainty.samples={n}"],
     ),
     ("sweep", "ballistic limit"): (
-        (10**3, 10**4, 10**5, 10**6),
+        (500, 5000, 50_000, 500_000),
         lambda n, folder: sweep(n, "ballistic_limit_m_s", folder),
     ),
     ("sweep", "impact"): ((10**4, 10**5, 10**6, 10**7), lambda n, folder: sweep(n, "residual_velocity_m_s", folder)),

@@ -22,7 +22,7 @@ from armour.sweeps.tables import encoded
 SCENARIO = load_scenario("wilkins")
 TASKS = 2000
 # Number of rows by quantity: some seconds on a core.
-ROWS = {"ballistic_limit_m_s": 100_000, "residual_velocity_m_s": 1_000_000}
+ROWS = {"ballistic_limit_m_s": 200_000, "residual_velocity_m_s": 1_000_000}
 # Numbers and sizes of chunks that are not computed, of which the time of a chunk and of a row follow.
 SHAPES = ((2000, 10), (50, 100_000))
 
@@ -119,6 +119,9 @@ def test_client(benchmark: Any, tmp_path: Path, client: Client, shape: tuple[int
         sweep(SCENARIO, source, ["ballistic_limit_m_s"], output, compute=Compute(marked, 1, 2), size=size)
         marks.append(perf_counter())
 
+    for header in (False, True):
+        content(size, header=header)
+        client.run(content, size, header=header)
     with patch("armour.sweeps.dask.computed_there", answered_there):
         benchmark.pedantic(run, rounds=1)
     check_s, write_s, join_s = np.diff(marks)
