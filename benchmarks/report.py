@@ -173,7 +173,7 @@ def _beyond(workers: list[Row], tasks: Row, clients: list[Row]) -> str:
             "client": chunks * client["chunk"] + MANY_ROWS * client["row"],
         }
         slowest = max([*stages], key=lambda stage: stages[stage])
-        first.append(f"{name}, that of the {slowest} at {work / stages[slowest]:,.0f} cores")
+        first.append(f"for {name} that of the {slowest}, at {work / stages[slowest]:,.0f} cores")
         sent = CHUNKS_AHEAD * MANY_CORES * chunk_rows * SENT_BYTES
         cells = {
             "a row on one core": _short(row_s),
@@ -200,7 +200,9 @@ documentation of Dask gives about {_short(DASK_TASK_S)} a task for its scheduler
 |---|---:|---:|
 {_lines(f"| {key} | {' | '.join(cells)} |" for key, cells in table.items())}
 
-The limit that is met first is, for {", and for ".join(first)}. With more cores some of them wait.
+The limit that is met first is
+{" and ".join(first)}.
+With more cores some of them wait.
 
 * **The client** sends each row and writes it; workers group, compute and encode the rows. Several sweeps move this
   limit, each of a part of the values to a file of its own: their clients share nothing.
