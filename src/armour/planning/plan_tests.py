@@ -376,7 +376,7 @@ def _candidates(
     if source.count > MAX_CANDIDATES:
         message = f"must be at most {MAX_CANDIDATES:,} candidates, found {source.count:,}"
         raise InputError([Problem(file, "", message)])
-    [columns] = source.chunks(source.count)
+    [columns] = source.chunks([source.count])
     count = source.count
     costs = columns.pop(COST, None)
     columns = dict(zip(canonical(columns, file), columns.values(), strict=True))
