@@ -1,6 +1,7 @@
 """Hooks of the site, which mkdocs.yml names: they fill pages with what the program says of itself.
 
-A line ``<!-- site: NAME ARGUMENT ... -->`` of a page stands for the Markdown that the function of this name in `PARTS` returns.
+A line ``<!-- site: NAME ARGUMENT ... -->`` of a page stands for the Markdown that the function of this name in `PARTS`
+returns.
 """
 
 import io
@@ -9,10 +10,13 @@ import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+from markdown.extensions.toc import slugify
+from mkdocs.structure.files import File
 
 import armour
 from armour.reporting.markdown import markdown_table
@@ -21,8 +25,6 @@ from armour.scenario.loading import scenario_schema
 from armour.scenario.meanings import MEANINGS
 from armour.scenario.parameters import FIELDS
 from armour.units import words_and_unit
-from markdown.extensions.toc import slugify
-from mkdocs.structure.files import File
 
 DOCS = Path(__file__).parent
 # Pages of the site whose text is kept elsewhere in the repository.
@@ -82,7 +84,7 @@ def scenario() -> str:
 
 
 def _places(schema: Mapping[str, Any]) -> dict[str, str]:
-    """Return the heading of every definition of the schema: its only place in a file, or its name if there are several."""
+    """Return the heading of every definition of the schema: its place in a file, or its name if there are several."""
     found: dict[str, list[str]] = {}
 
     def search(section: Mapping[str, Any], path: str) -> None:
@@ -96,7 +98,9 @@ def _places(schema: Mapping[str, Any]) -> dict[str, str]:
                     search(schema["$defs"][name], f"{deeper}.")
 
     search(schema, "")
-    return {name: f"`{names[0]}`" if len(names) == 1 else name.strip("_").split("_")[0] for name, names in found.items()}
+    return {
+        name: f"`{names[0]}`" if len(names) == 1 else name.strip("_").split("_")[0] for name, names in found.items()
+    }
 
 
 def _section(heading: str, section: Mapping[str, Any], places: Mapping[str, str]) -> str:
@@ -104,7 +108,9 @@ def _section(heading: str, section: Mapping[str, Any], places: Mapping[str, str]
     rows = []
     for key, content in section["properties"].items():
         default = content.get("default")
-        shown = f"`{json.dumps(default)}`" if default not in (None, "", [], {}) and not isinstance(default, dict) else ""
+        shown = (
+            f"`{json.dumps(default)}`" if default not in (None, "", [], {}) and not isinstance(default, dict) else ""
+        )
         name = f"**`{key}`**" if key in required else f"`{key}`"
         rows.append(f"| {name} | {content['description']} | {_kind(content, places)} | {shown} |")
     head = ["| key | meaning | value | default |", "|---|---|---|---|"]
@@ -132,7 +138,7 @@ def _kind(content: Mapping[str, Any], places: Mapping[str, str]) -> str:
 
 
 def _anchor(heading: str) -> str:
-    return slugify(heading.replace("`", ""), "-")
+    return str(slugify(heading.replace("`", ""), "-"))
 
 
 def library() -> str:
@@ -154,7 +160,9 @@ def sources() -> dict[str, dict[str, str]]:
 
 def references() -> str:
     """Return the bibliography, in the order of the keys."""
-    return "\n\n".join(_entry(key, source) for key, source in sorted(sources().items(), key=lambda item: item[0].lower()))
+    return "\n\n".join(
+        _entry(key, source) for key, source in sorted(sources().items(), key=lambda item: item[0].lower())
+    )
 
 
 def _entry(key: str, source: Mapping[str, str]) -> str:
@@ -200,7 +208,11 @@ def on_files(files: Any, config: Any) -> Any:
 def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
     """Fill a page, and make links of the keys of the bibliography."""
     up = "../" * page.file.src_uri.count("/")
-    text = re.sub(r"\\\[(\w+)\]", lambda match: f"[{match[1]}]" if match[1] in sources() else match[0], filled(markdown))
+    for inside, source in OUTSIDE.items():
+        markdown = markdown.replace(f"](../{up}{source}", f"]({up}{inside}")
+    text = re.sub(
+        r"\\\[(\w+)\]", lambda match: f"[{match[1]}]" if match[1] in sources() else match[0], filled(markdown)
+    )
     for picture in [picture for picture in PICTURES if files.get_file_from_path(picture) is None]:
         files.append(File.generated(config, picture, content=PICTURES[picture]))
     return "\n".join([text, "", *(f"[{key}]: {up}references.md#{key}" for key in sources())])

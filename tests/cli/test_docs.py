@@ -5,13 +5,14 @@ import re
 import shlex
 from contextlib import redirect_stdout
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 
 from tests.helpers.cases import SCENARIOS
 
 REPOSITORY = SCENARIOS.parent
-PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").rglob("*.md"))]
+PAGES = [*sorted(REPOSITORY.glob("*.md")), *sorted((REPOSITORY / "docs").rglob("*.md"))]
 IDS = [page.relative_to(REPOSITORY).as_posix() for page in PAGES]
 
 
@@ -34,6 +35,8 @@ def titled(page: Path) -> dict[str, str]:
     return dict(re.findall(r'^```\w+ title="([^"]+)"\n(.*?)^```', page.read_text(), re.MULTILINE | re.DOTALL))
 
 
+# Hosts that links of the pages may have.
+HOSTS = {"doi.org", "creativecommons.org"}
 SESSIONS = [
     pytest.param(page, commands, id=f"{name}: {commands[0][0]}")
     for page, name in zip(PAGES, IDS, strict=True)
@@ -88,10 +91,33 @@ def test_the_readme_has_a_python_example():
     assert "```python" in (REPOSITORY / "README.md").read_text()
 
 
+def links(page: Path) -> list[str]:
+    """What the links of a page lead to; code has none."""
+    prose = re.sub(r"^```.*?^```|^    .*?$|`[^`\n]*`", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    return re.findall(r"\]\(([^)]+)\)", prose)
+
+
+def anchors(page: Path) -> set[str]:
+    """Anchors of the headings of a page."""
+    headings = re.findall(r"^#+ (.+)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading).strip().lower().replace(" ", "-") for heading in headings}
+
+
 @pytest.mark.parametrize("page", PAGES, ids=IDS)
 def test_links_lead_somewhere(page: Path):
-    for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
-        assert (page.parent / target).exists(), target
+    for link in links(page):
+        target, _, anchor = link.partition("#")
+        if "://" not in link:
+            path = page.parent / target if target else page
+            assert path.exists(), link
+            assert not anchor or anchor in anchors(path), link
+
+
+def test_the_hosts_of_external_links():
+    """They are only looked at: the tests use no network."""
+    external = [link for page in PAGES for link in links(page) if "://" in link]
+    assert {urlsplit(link).scheme for link in external} <= {"https"}
+    assert {urlsplit(link).hostname for link in external} <= HOSTS
 
 
 def test_every_command_has_its_page():
@@ -106,7 +132,7 @@ def test_every_command_has_its_page():
     assert {page.stem for page in (REPOSITORY / "docs" / "howto").glob("*.md")} == commands | guides
 
 
-def test_every_page_is_linked_from_the_readme():
-    text = (REPOSITORY / "README.md").read_text()
-    for page in (REPOSITORY / "docs").rglob("*.md"):
-        assert f"({page.relative_to(REPOSITORY).as_posix()})" in text
+def test_every_guide_is_linked_from_the_readme():
+    found = links(REPOSITORY / "README.md")
+    for page in (REPOSITORY / "docs" / "howto").glob("*.md"):
+        assert page.relative_to(REPOSITORY).as_posix() in found
