@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +59,9 @@ def commands() -> str:
     """Return what typer says of the commands, without the title."""
     run = [sys.executable, "-m", "typer", "armour.cli.app", "utils", "docs", "--name", "armour"]
     text = subprocess.run(run, capture_output=True, encoding="utf-8", check=True).stdout
+    # typer shortens what it lists.
+    for name, words in re.findall(r"^##+ `armour (?:\w+ )?([\w-]+)`\n\n(.+)$", text, re.MULTILINE):
+        text = re.sub(rf"^\* `{name}`: .*$", f"* `{name}`: {words}", text, flags=re.MULTILINE)
     return text.partition("\n")[2]
 
 
@@ -170,7 +173,7 @@ def _entry(key: str, source: Mapping[str, str]) -> str:
     words = ", ".join(source[part] for part in ("authors", "title", "where", "year") if part in source)
     if doi := source.get("doi"):
         words += f", [doi {doi}](https://doi.org/{doi})"
-    return f"### [{key}] {{#{key}}}\n\n{words}.\n\n{source['use']} *{source['checked']}.*"
+    return f"### {key} {{#{key}}}\n\n{words}.\n\n{source['use']} *{source['checked']}.*"
 
 
 def scene(command: str, name: str) -> str:
@@ -200,19 +203,37 @@ def filled(markdown: str) -> str:
 def on_files(files: Any, config: Any) -> Any:
     """Add the pages that are kept outside of docs/."""
     for page, source in OUTSIDE.items():
-        text = (DOCS.parent / source).read_text(encoding="utf-8")
-        files.append(File.generated(config, page, content=text.replace("](docs/", "](")))
+        text = (DOCS.parent / source).read_text(encoding="utf-8").replace("](docs/", "](")
+        files.append(File.generated(config, page, content=_inside(text, "")))
     return files
 
 
 def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
-    """Fill a page, and make links of the keys of the bibliography."""
+    """Fill a page, name links by the titles of pages, and make links of the keys of the bibliography."""
     up = "../" * page.file.src_uri.count("/")
-    for inside, source in OUTSIDE.items():
-        markdown = markdown.replace(f"](../{up}{source}", f"]({up}{inside}")
-    text = re.sub(
-        r"\\\[(\w+)\]", lambda match: f"[{match[1]}]" if match[1] in sources() else match[0], filled(markdown)
-    )
+    folder = (DOCS / page.file.src_uri).parent
+    text = re.sub(r"\[[\w/-]+\.(?:md|ipynb)\]\(([^)#]+)", partial(_titled, folder), _inside(markdown, f"../{up}"))
+    text = re.sub(r"\\\[(\w+)\]", lambda key: f"[{key[1]}]" if key[1] in sources() else key[0], filled(text))
     for picture in [picture for picture in PICTURES if files.get_file_from_path(picture) is None]:
         files.append(File.generated(config, picture, content=PICTURES[picture]))
     return "\n".join([text, "", *(f"[{key}]: {up}references.md#{key}" for key in sources())])
+
+
+def on_page_content(html: str, **_: Any) -> str:
+    """Return the page without a minus where mkdocstrings takes a type in words for Python."""
+    return html.replace("path - like", "path-like")
+
+
+def _inside(markdown: str, up: str) -> str:
+    """Return a page with its links to the pages kept outside of docs/ as links to those of the site."""
+    for page, source in OUTSIDE.items():
+        markdown = markdown.replace(f"]({up}{source}", f"]({up.removeprefix('../')}{page}")
+    return markdown
+
+
+def _titled(folder: Path, link: re.Match[str]) -> str:
+    """Return the beginning of a link whose text is a path, with the title of the page in place of the path."""
+    path = folder / link[1]
+    source = path if path.exists() else DOCS.parent / OUTSIDE[path.name]
+    title = re.search(r"^# (.+)$", source.read_text(encoding="utf-8"), re.MULTILINE)
+    return f"[{title[1] if title else 'the notebook'}]({link[1]}"
