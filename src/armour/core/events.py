@@ -95,8 +95,8 @@ def locate_event(
     """Return the fraction of a step just after event k, within `EVENT_TOLERANCE`, and the state there.
 
     The event function is ``g_lo`` at the start of the step and ``g_hi`` < 0 at the fraction ``hi``, in state ``y_hi``.
-    Chandrupatla's method interpolates inverse-quadratically where that is safe and bisects elsewhere.  In the bracket,
-    ``x`` is the last fraction evaluated and ``other`` the end on the other side of the event.
+    Chandrupatla's method [Chandrupatla1997] interpolates inverse-quadratically where that is safe, else it bisects.
+    In the bracket, ``x`` is the last fraction evaluated and ``other`` the end on the other side of the event.
     """
     if g_lo < 0.0:
         return 0.0, y

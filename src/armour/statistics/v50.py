@@ -1,4 +1,4 @@
-"""V50 from firing results: the mean of MIL-STD-662F, maximum likelihood and penalised likelihood."""
+"""V50 from firing results: the mean of MIL-STD-662F [DoD1997], maximum likelihood and penalised likelihood."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
