@@ -6,7 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 LOWEST := $(VENV)/lowest
 
-.PHONY: demo test lowest check format docs bench mutants clean
+.PHONY: demo test lowest check site format docs bench mutants clean
 
 demo: $(VENV)/installed
 	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine
@@ -21,11 +21,15 @@ lowest: $(LOWEST)/installed
 	$(LOWEST)/bin/lint-imports
 	$(LOWEST)/bin/pytest -n auto tests/test_*.py tests/cli tests/engine tests/reporting tests/scenario tests/sweeps
 
-check: $(VENV)/developing
+check: $(VENV)/developing site
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# Build the site of the documentation in site/, strictly; `make site && .venv/bin/mkdocs serve` shows it.
+site: $(VENV)/developing
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 
 format: $(VENV)/developing
 	$(BIN)/ruff format .
@@ -35,7 +39,6 @@ format: $(VENV)/developing
 docs: $(VENV)/installed
 	$(BIN)/armour validate --markdown docs/validation.md --force
 	$(BIN)/armour validate plates --markdown docs/plates.md --force
-	$(BIN)/python docs/api.py docs/api.md
 	$(BIN)/python docs/notebook.py docs/study.ipynb
 	$(BIN)/armour figures docs/figures --force
 	rm docs/figures/*.csv
@@ -61,7 +64,7 @@ $(VENV)/installed: pyproject.toml | $(VENV)/bin/python
 	touch $@
 
 $(VENV)/developing: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/pip install --quiet --disable-pip-version-check -e '.[dev]'
+	$(BIN)/pip install --quiet --disable-pip-version-check -e '.[dev,docs]'
 	touch $@ $(VENV)/installed
 
 $(LOWEST)/installed: pyproject.toml .ci/lowest.py
@@ -71,4 +74,4 @@ $(LOWEST)/installed: pyproject.toml .ci/lowest.py
 	touch $@
 
 clean:
-	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis dist
+	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis dist site

@@ -6,8 +6,6 @@ Without a longest step scipy misses plates that move for less than a step, and t
 at any tolerance.
 """
 
-import json
-import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -136,7 +134,7 @@ def test_limit_plain(benchmark: Any):
     benchmark.pedantic(limits, rounds=2)
 
 
-@pytest.mark.parametrize("count", [10**n for n in range(2, 8)])
+@pytest.mark.parametrize("count", [10**n for n in range(2, 7)])
 def test_growth(benchmark: Any, count: int):
     """In chunks, as in a sweep, so that memory does not grow."""
     benchmark.extra_info.update(name="engine, all cores", what="growth", each=count)
@@ -148,7 +146,7 @@ def test_growth(benchmark: Any, count: int):
         for _ in range(0, count, chunk):
             batch.impacts(rows, velocities, ALL)
 
-    benchmark.pedantic(compute, rounds=1 if count > 10**6 else 3, warmup_rounds=0 if count > 10**6 else 1)
+    benchmark.pedantic(compute, rounds=3, warmup_rounds=1)
 
 
 @pytest.mark.parametrize(
@@ -174,26 +172,3 @@ def test_engine_ready(benchmark: Any):
         "batch.impacts(rows, np.array([800.0])); batch.ballistic_limits(rows, 20.0, 4000.0, 1e-3)"
     )
     benchmark.pedantic(lambda: subprocess.run([sys.executable, "-c", code], check=True), rounds=5, warmup_rounds=1)
-
-
-@pytest.mark.parametrize("rows", [10**5, 10**7])
-def test_memory(benchmark: Any, tmp_path: Path, rows: int):
-    """Time and peak memory of a sweep."""
-    velocities = f"impact.velocity_m_s=400:{400 + (rows // 1000 - 1) * 0.1:.1f}:0.1"
-    over = ["--over", "armour.ceramic_thickness_mm=2:11.99:0.01", "--over", velocities]
-    quantities = ["--quantities", "residual_velocity_m_s", "-o", str(tmp_path / "t.csv")]
-    command = [sys.executable, "-m", "armour", "sweep", str(SCENARIO), *over, *quantities]
-    code = (
-        "import json, resource, subprocess, sys; subprocess.run(json.loads(sys.argv[1]), check=True, stderr=-3);"
-        "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"
-    )
-    benchmark.extra_info.update(name="armour sweep to CSV", what="memory", each=rows)
-
-    def sweep() -> None:
-        done = subprocess.run(
-            [sys.executable, "-c", code, json.dumps(command)], capture_output=True, text=True, check=True
-        )
-        benchmark.extra_info["peak_MiB"] = int(done.stdout) / 1024
-        os.remove(tmp_path / "t.csv")
-
-    benchmark.pedantic(sweep, rounds=1)

@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from armour.analysis.variants import Floats, Variants, ignore_progress, variants_of
+from armour.analysis.progress import ignore_progress
+from armour.analysis.variants import Floats, Variants, variants_of
 from armour.core.equations import intact_strength
 from armour.engine.batch import fields
 from armour.scenario.loading import load_scenario

@@ -12,8 +12,9 @@ import numpy as np
 from scipy.interpolate import make_lsq_spline
 
 from armour.analysis.estimates import Estimate
+from armour.analysis.progress import portions
 from armour.analysis.uncertain_inputs import own_values, sampled, section_of
-from armour.analysis.variants import Floats, perforated, portions
+from armour.analysis.variants import Floats, perforated
 from armour.scenario.loading import Scenario, load_scenario
 from armour.scenario.parameters import VELOCITY
 from armour.scenario.sampling import columns_of, points_of

@@ -19,7 +19,8 @@ import numpy as np
 from scipy.stats import t
 
 from armour.analysis.estimates import CONFIDENCE
-from armour.analysis.variants import Floats, ignore_progress
+from armour.analysis.progress import ignore_progress
+from armour.analysis.variants import Floats
 from armour.planning.plan_tests import plan_tests
 from armour.scenario.loading import Scenario, load_scenario
 from armour.scenario.parameters import BACKING, CERAMIC

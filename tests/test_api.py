@@ -2,6 +2,7 @@
 
 import ast
 import doctest
+import inspect
 import json
 import pkgutil
 import re
@@ -155,6 +156,16 @@ def test_what_a_result_holds_is_public_or_described_with_it(name: str):
     for hint in get_type_hints(cls, localns=public).values():
         for kind in parts_of(hint):
             assert kind in public.values() or set(kind.__dataclass_fields__) <= words  # type: ignore[attr-defined]
+
+
+def test_every_parameter_of_a_public_function_is_described():
+    for name in dir(armour):
+        thing = getattr(armour, name)
+        if not isinstance(thing, type):
+            described = re.findall(r"^([\w, ]+) : ", inspect.getdoc(thing) or "", re.MULTILINE)
+            named = {word for words in described for word in words.split(", ")}
+            named |= set(re.findall(r"^(\w+)$", inspect.getdoc(thing) or "", re.MULTILINE))
+            assert inspect.signature(thing).parameters.keys() <= named, name
 
 
 def test_the_examples_of_the_docstrings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

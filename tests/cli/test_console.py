@@ -6,11 +6,14 @@ import pty
 import signal
 import subprocess
 import sys
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
+from armour.cli import plan_shots, scenario_commands, v50
 from armour.cli.console import show_json
 from tests.helpers.cases import SCENARIOS
 
@@ -65,3 +68,28 @@ def test_a_long_command_shows_progress_and_ends_when_interrupted(folder: Path):
     os.close(theirs)
     assert b"interrupted" in shown
     assert not list(folder.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("module", "command"),
+    [
+        (scenario_commands, "simulate"),
+        (scenario_commands, "ballistic-limit"),
+        (scenario_commands, "compare"),
+        (v50, f"v50 {SCENARIOS / 'tests' / 'shots.csv'}"),
+        (plan_shots, "plan shots"),
+    ],
+)
+def test_searches_count_their_impacts(module: ModuleType, command: str, cli, monkeypatch: pytest.MonkeyPatch):
+    """With short time steps each takes seconds."""
+    counted = []
+
+    @contextmanager
+    def progress(_what: str, _total: int | None = None, first: str = "") -> Iterator[Callable[..., None]]:
+        assert first
+        yield lambda count, _total=None: counted.append(count)
+
+    monkeypatch.setattr(module, "progress", progress)
+    result = cli(*command.split(), SCENARIOS / "wilkins.toml", "--json")
+    assert result.exit_code == 0
+    assert sum(counted) >= json.loads(result.stdout).get("runs", 20)

@@ -5,13 +5,14 @@ import re
 import shlex
 from contextlib import redirect_stdout
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 
 from tests.helpers.cases import SCENARIOS
 
 REPOSITORY = SCENARIOS.parent
-PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").rglob("*.md"))]
+PAGES = [*sorted(REPOSITORY.glob("*.md")), *sorted((REPOSITORY / "docs").rglob("*.md"))]
 IDS = [page.relative_to(REPOSITORY).as_posix() for page in PAGES]
 
 
@@ -29,8 +30,15 @@ def sessions(page: Path) -> list[list[tuple[str, list[str]]]]:
     return blocks
 
 
+def titled(page: Path) -> dict[str, str]:
+    """The files that a page shows: blocks with a title."""
+    return dict(re.findall(r'^```\w+ title="([^"]+)"\n(.*?)^```', page.read_text(), re.MULTILINE | re.DOTALL))
+
+
+# Hosts that links of the pages may have.
+HOSTS = {"doi.org", "creativecommons.org"}
 SESSIONS = [
-    pytest.param(commands, id=f"{name}: {commands[0][0]}")
+    pytest.param(page, commands, id=f"{name}: {commands[0][0]}")
     for page, name in zip(PAGES, IDS, strict=True)
     for commands in sessions(page)
     if commands[0][0].startswith("armour ")
@@ -55,9 +63,10 @@ def plain(line: str) -> str:
     return " ".join(line.split())
 
 
-@pytest.mark.parametrize("commands", SESSIONS)
-@pytest.mark.usefixtures("empty")
-def test_a_session_prints_what_it_shows(cli, commands: list[tuple[str, list[str]]]):
+@pytest.mark.parametrize(("page", "commands"), SESSIONS)
+def test_a_session_prints_what_it_shows(cli, empty: Path, page: Path, commands: list[tuple[str, list[str]]]):
+    for name, text in titled(page).items():
+        (empty / name).write_text(text)
     for command, lines in commands:
         result = cli(*shlex.split(re.split("  #| > ", command)[0])[1:])
         assert result.exit_code in ((0, 3) if command.startswith("armour validate") else (0,)), result.output
@@ -75,17 +84,40 @@ def test_a_python_example_prints_what_its_comments_show(code: str):
         exec(code, {"__name__": "__main__"})
     shown = re.findall(r"^ *print\(.*\)  # (.*)$", code, re.MULTILINE)
     assert shown, "an example shows what it prints, in a comment after each print"
-    assert printed.getvalue().split() == " ".join(shown).replace(",", "").split()
+    assert printed.getvalue().replace(",", "").split() == " ".join(shown).replace(",", "").split()
 
 
 def test_the_readme_has_a_python_example():
     assert "```python" in (REPOSITORY / "README.md").read_text()
 
 
+def links(page: Path) -> list[str]:
+    """What the links of a page lead to; code has none."""
+    prose = re.sub(r"^```.*?^```|^    .*?$|`[^`\n]*`", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    return re.findall(r"\]\(([^)]+)\)", prose)
+
+
+def anchors(page: Path) -> set[str]:
+    """Anchors of the headings of a page."""
+    headings = re.findall(r"^#+ (.+)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading).strip().lower().replace(" ", "-") for heading in headings}
+
+
 @pytest.mark.parametrize("page", PAGES, ids=IDS)
 def test_links_lead_somewhere(page: Path):
-    for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
-        assert (page.parent / target).exists(), target
+    for link in links(page):
+        target, _, anchor = link.partition("#")
+        if "://" not in link:
+            path = page.parent / target if target else page
+            assert path.exists(), link
+            assert not anchor or anchor in anchors(path), link
+
+
+def test_the_hosts_of_external_links():
+    """They are only looked at: the tests use no network."""
+    external = [link for page in PAGES for link in links(page) if "://" in link]
+    assert {urlsplit(link).scheme for link in external} <= {"https"}
+    assert {urlsplit(link).hostname for link in external} <= HOSTS
 
 
 def test_every_command_has_its_page():
@@ -100,7 +132,7 @@ def test_every_command_has_its_page():
     assert {page.stem for page in (REPOSITORY / "docs" / "howto").glob("*.md")} == commands | guides
 
 
-def test_every_page_is_linked_from_the_readme():
-    text = (REPOSITORY / "README.md").read_text()
-    for page in (REPOSITORY / "docs").rglob("*.md"):
-        assert f"({page.relative_to(REPOSITORY).as_posix()})" in text
+def test_every_guide_is_linked_from_the_readme():
+    found = links(REPOSITORY / "README.md")
+    for page in (REPOSITORY / "docs" / "howto").glob("*.md"):
+        assert page.relative_to(REPOSITORY).as_posix() in found

@@ -103,8 +103,8 @@ def test_interrupted_it_says_how_to_resume(cli, folder: Path, monkeypatch: pytes
     with monkeypatch.context() as patch:
         patch.setattr("armour.sweeps.checkpoint.Store.finish", interrupted)
         [line] = cli.fails(130, *command)
-    assert line == "interrupted; 3 of 3 chunks are done; repeat the same command to resume"
-    chunk = folder / "t.csv.parts" / "00000001.chunk"
+    assert line == "interrupted; 5 of 5 rows are done; repeat the same command to resume"
+    chunk = folder / "t.csv.parts" / "0000000000002.chunk"
     chunk.write_bytes(b"")
     result = cli(*command)
     damaged = f"{chunk.relative_to(folder)}: damaged, computed anew"

@@ -2,6 +2,7 @@
 
 import os
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from armour.core.search import find_ballistic_limit, find_least_ceramic_thicknes
 from armour.core.state import Outcome, Parameters
 from armour.core.stepping import time_step
 from armour.engine import batch
+from armour.engine import cache as cached
 from tests.helpers.runs import random_designs
 
 COUNT = 400
@@ -119,6 +121,18 @@ def test_searches_of_invalid_numbers_end(rows: batch.Floats):
     invalid = rows[:3].copy()
     invalid[0, 4], invalid[1, 4], invalid[2, 7] = np.nan, -0.01, np.nan
     assert len(batch.ballistic_limits(invalid, 20.0, 4000.0, 1e-2, batch.SolverOptions(max_steps=2000)).runs) == 3
+
+
+def test_few_searches_are_divided_among_the_threads(rows: batch.Floats, monkeypatch: pytest.MonkeyPatch):
+    kernel, sizes = cached.kernel("ballistic_limits"), []
+
+    def counted(part: batch.Floats, *others: Any) -> None:
+        sizes.append(len(part))
+        kernel(part, *others)
+
+    monkeypatch.setattr(cached, "kernel", lambda _name: counted)
+    batch.ballistic_limits(rows[:64], 20.0, 4000.0, 1.0, batch.SolverOptions(threads=4))
+    assert sizes == [8] * 8
 
 
 def test_an_empty_batch(rows: batch.Floats, velocities: batch.Floats):

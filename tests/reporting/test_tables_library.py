@@ -24,6 +24,6 @@ def test_a_table_for_every_kind():
 
 def test_an_entry_has_its_sources():
     [entry] = shipped_library().find("AD85")
-    expected = ("flow_stress_GPa", 5.2, "fitted", "the paper, table 2, to Wilkins' ballistic limits")
+    expected = ("flow_stress_GPa", 5.2, "fitted", "[Paper], table 2, to Wilkins' ballistic limits")
     assert expected in entry_table(entry).rows
     assert entry_tables(entry)[0] == "alumina, 85 %"

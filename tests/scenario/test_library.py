@@ -74,7 +74,7 @@ def test_an_entry_takes_what_it_does_not_give_from_its_base():
     [entry] = extended(tables).find("b")
     assert (entry["flow_stress_GPa"], entry["density_kg_m3"]) == (3.8, 3430)
     assert entry.values["flow_stress_GPa"].source == "f.toml"
-    assert entry.values["density_kg_m3"].source == "the paper, table 2"
+    assert entry.values["density_kg_m3"].source == "[Paper], table 2"
     assert entry.description == "alumina, 85 %"
 
 

@@ -322,7 +322,7 @@ def test_samples_are_computed_in_portions(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(module, "SAMPLES_AT_A_TIME", 50)
     monkeypatch.setattr(module, "ballistic_limits", limits)
     assert uncertainty(case, on_progress=lambda *counts: done.append(counts)) == whole
-    assert max(sizes) == 50
+    assert 1 < max(sizes) <= 50
     assert {total for _, total in done} == {sum(count for count, _ in done)}
 
 

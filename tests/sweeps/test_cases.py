@@ -1,4 +1,5 @@
 import tracemalloc
+from itertools import repeat
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +28,11 @@ def test_texts_that_are_not_axes(text: str):
 
 def test_a_grid_gives_every_combination_once():
     source = sweep_grid("a=1,2,3", "b=4:5:0.5")
-    rows = [(a, b) for chunk in source.chunks(2) for a, b in zip(chunk["a"].tolist(), chunk["b"].tolist(), strict=True)]
+    rows = [
+        (a, b)
+        for chunk in source.chunks(repeat(2))
+        for a, b in zip(chunk["a"].tolist(), chunk["b"].tolist(), strict=True)
+    ]
     assert rows == [(a, b) for a in (1.0, 2.0, 3.0) for b in (4.0, 4.5, 5.0)]
     assert (source.keys, source.count) == (("a", "b"), 9)
 
@@ -37,7 +42,7 @@ def test_a_grid_of_many_axes_is_not_held_in_memory():
     source = sweep_grid(*(key + wide for key in "abcd"))
     assert source.count == 10**12
     assert {key: column.tolist() for key, column in source.sample(2).items()} == {key: [0.0, 999.0] for key in "abcd"}
-    assert next(source.chunks(3))["d"].tolist() == [0.0, 1.0, 2.0]
+    assert next(source.chunks(repeat(3)))["d"].tolist() == [0.0, 1.0, 2.0]
     with pytest.raises(InputError, match="over: must span at most 1,000,000,000,000 rows, found 1e\\+15"):
         sweep_grid(*(key + wide for key in "abcde"))
 
@@ -46,7 +51,7 @@ def test_cases_in_chunks(tmp_path: Path):
     rows = np.random.default_rng(3).uniform(0.0, 1.0, (57, 2))
     source = Cases(csv_file(tmp_path / "cases.csv", "a,b", *(f"{a!r},{b!r}" for a, b in rows.tolist())))
     assert (source.keys, source.count) == (("a", "b"), 57)
-    chunks = list(source.chunks(10))
+    chunks = list(source.chunks(repeat(10)))
     assert [len(chunk["a"]) for chunk in chunks] == [10, 10, 10, 10, 10, 7]
     for column, key in enumerate(source.keys):
         np.testing.assert_array_equal(np.concatenate([chunk[key] for chunk in chunks]), rows[:, column])
@@ -86,7 +91,10 @@ def test_tables_of_other_programs(tmp_path: Path, text: bytes):
     (tmp_path / "cases.csv").write_bytes(text)
     source = Cases(tmp_path / "cases.csv")
     assert source.count == 2
-    assert {key: column.tolist() for key, column in next(source.chunks(5)).items()} == {"a": [1, 3], "b": [2, 4]}
+    assert {key: column.tolist() for key, column in next(source.chunks(repeat(5))).items()} == {
+        "a": [1, 3],
+        "b": [2, 4],
+    }
 
 
 def test_a_table_that_changes_between_passes(tmp_path: Path):
@@ -99,13 +107,13 @@ def test_a_table_that_changes_between_passes(tmp_path: Path):
     ):
         csv_file(path, *lines)
         with pytest.raises(InputError, match=message):
-            list(source.chunks(2))
+            list(source.chunks(repeat(2)))
 
 
 def test_names_stand_beside_numbers(tmp_path: Path):
     lines = ('AD85, 1,"6061-T6"', '"AD99.5",2.5, 5083-H3', "B4C,3,6061-T6")
     source = Cases(csv_file(tmp_path / "cases.csv", "armour.ceramic,a,armour.backing", *lines))
-    found = [{key: column.tolist() for key, column in chunk.items()} for chunk in source.chunks(2)]
+    found = [{key: column.tolist() for key, column in chunk.items()} for chunk in source.chunks(repeat(2))]
     assert found == [
         {"armour.ceramic": ["AD85", "AD99.5"], "a": [1.0, 2.5], "armour.backing": ["6061-T6", "5083-H3"]},
         {"armour.ceramic": ["B4C"], "a": [3.0], "armour.backing": ["6061-T6"]},
@@ -140,7 +148,7 @@ def test_a_table_takes_memory_bounded_by_a_chunk(tmp_path: Path, monkeypatch: py
     path = csv_file(tmp_path / "cases.csv", "a,b", *["0.123456789,1e-3"] * 9000)
     tracemalloc.start()
     try:
-        for chunk in Cases(path).chunks(300):
+        for chunk in Cases(path).chunks(repeat(300)):
             assert len(chunk["a"]) == 300
         assert tracemalloc.get_traced_memory()[1] < path.stat().st_size
     finally:

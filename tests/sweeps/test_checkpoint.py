@@ -2,14 +2,15 @@ import itertools
 import os
 import shutil
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from armour.errors import InputError
-from armour.sweeps.checkpoint import DamagedError, Store
-from armour.sweeps.tables import count_rows, read_table
+from armour.sweeps.checkpoint import DamagedError, Store, hash_of
+from armour.sweeps.tables import count_rows, encoded, read_table
 from tests.helpers.faults import faults, full_disk
 
 JOB = {"version": "1.0", "program": "a", "scenario": "b", "quantities": "x", "rows": "c"}
@@ -25,12 +26,20 @@ RESULTS = {
 }
 
 
+def saved(store: Store, index: int, rows: int = 3) -> None:
+    """Write one of several chunks of the same number of rows."""
+    columns = values(index, rows)
+    table = {**columns, **RESULTS}
+    content = encoded(table, as_csv=store.is_csv, header=index == 0)
+    store.save(index * rows, rows, hash_of(columns), content)
+
+
 def filled(output: Path, indices: tuple[int, ...] = (0, 1, 2), job: dict[str, str] = JOB) -> None:
     """Write some of three chunks, and all that is not there."""
     with Store(output, job) as store:
-        store.begin(3)
+        store.begin()
         for index in indices:
-            store.save(index, values(index), RESULTS)
+            saved(store, index)
 
 
 def finished(output: Path, count: int = 3) -> int:
@@ -38,15 +47,14 @@ def finished(output: Path, count: int = 3) -> int:
     with Store(output, JOB) as store:
         if store.finished is not None:
             return store.finished
-        store.begin(3)
+        store.begin()
         for index in range(count):
-            try:
-                intact = store.has(index, values(index))
-            except DamagedError:
-                intact = False
-            if not intact:
-                store.save(index, values(index), RESULTS)
-        return store.finish(count, 3 * count)
+            found = None
+            with suppress(DamagedError):
+                found = store.chunk(3 * index)
+            if found is None:
+                saved(store, index)
+        return store.finish(3 * count)
 
 
 @pytest.fixture(autouse=True)
@@ -76,11 +84,12 @@ def test_chunks_in_any_order_make_the_table(output: Path):
 def test_a_store_resumes_with_its_own_chunks(output: Path):
     filled(output, (0,))
     with Store(output, JOB) as again:
-        assert again.begin(99) == 3
-        assert again.has(0, values(0))
-        assert not again.has(1, values(1))
-        with pytest.raises(DamagedError):
-            again.has(0, values(1))
+        assert again.begun
+        assert (again.starts(), again.rows()) == ([0], 3)
+        found = again.chunk(0)
+        assert found
+        assert (found.rows, found.source) == (3, hash_of(values(0)))
+        assert again.chunk(3) is None
 
 
 @pytest.mark.parametrize(
@@ -125,10 +134,10 @@ def deleted(chunk: Path, _other: Path) -> None:
 def test_a_damaged_chunk_is_noticed_before_and_while_they_are_joined(output: Path, damage: Callable[..., None]):
     finished(output.with_stem("b"))
     filled(output)
-    chunk, other = (output.with_name(output.name + ".parts") / f"0000000{index}.chunk" for index in (1, 2))
+    chunk, other = (output.with_name(output.name + ".parts") / f"{first:013d}.chunk" for first in (3, 6))
     damage(chunk, other)
-    with Store(output, JOB) as store, pytest.raises(DamagedError, match=r"00000001\.chunk"):
-        store.finish(3, 9)
+    with Store(output, JOB) as store, pytest.raises(DamagedError, match=r"0000000000003\.chunk"):
+        store.finish(9)
     assert not output.exists()
     assert finished(output) == 9
     assert output.read_bytes() == output.with_stem("b").read_bytes()
@@ -136,8 +145,8 @@ def test_a_damaged_chunk_is_noticed_before_and_while_they_are_joined(output: Pat
 
 def test_a_table_that_lacks_rows_is_not_given_out(output: Path):
     filled(output)
-    with Store(output, JOB) as store, pytest.raises(InputError, match="must have 10 rows, found 9"):
-        store.finish(3, 10)
+    with Store(output, JOB) as store, pytest.raises(InputError, match="must have 8 rows, found 9"):
+        store.finish(8)
     assert not output.exists()
     assert finished(output) == 9
 
@@ -147,10 +156,11 @@ def test_the_size_of_chunks_leaves_no_trace(output: Path, monkeypatch: pytest.Mo
     column = np.random.default_rng(1).normal(size=60)
     for name, size in (("one", 60), ("many", 4)):
         with Store(output.with_stem(name), JOB) as store:
-            store.begin(size)
-            for index in range(60 // size):
-                store.save(index, {"x": column[index * size : (index + 1) * size]}, {})
-            store.finish(60 // size, 60)
+            store.begin()
+            for start in range(0, 60, size):
+                part = {"x": column[start : start + size]}
+                store.save(start, size, hash_of(part), encoded(part, as_csv=store.is_csv, header=start == 0))
+            store.finish(60)
     assert output.with_stem("one").read_bytes() == output.with_stem("many").read_bytes()
     assert count_rows(output.with_stem("one"), as_csv=output.suffix == ".csv") == 60
 
@@ -159,7 +169,7 @@ def test_one_process_at_a_time(output: Path):
     with Store(output, JOB) as first:
         with pytest.raises(InputError, match="another sweep is at work"):
             Store(output, {**JOB, "quantities": "y"}).__enter__()
-        first.begin(3)
+        first.begin()
     assert list(output.parent.iterdir()) == []
 
 
@@ -217,11 +227,11 @@ def test_a_full_disk_at_any_step_is_told(output: Path):
 
 def test_a_folder_that_goes_during_the_sweep(output: Path):
     with Store(output, JOB) as store:
-        store.begin(3)
-        store.save(0, values(0), RESULTS)
+        store.begin()
+        saved(store, 0)
         shutil.rmtree(store.folder)
         with pytest.raises(InputError, match="must stay during the sweep, and was removed"):
-            store.save(1, values(1), RESULTS)
+            saved(store, 1)
     assert finished(output) == 9
 
 
@@ -238,26 +248,26 @@ def test_existing_files_are_not_overwritten(output: Path):
     assert [path.name for path in folder.iterdir()] == ["mine"]
 
 
-def test_a_job_that_was_killed_before_its_first_chunk_is_not_measured_again(output: Path):
+def test_a_job_that_was_killed_before_its_first_chunk_is_begun(output: Path):
     kept = output.with_name("kept")
     with Store(output, JOB) as store:
-        store.begin(3)
+        store.begin()
         shutil.copytree(store.folder, kept)
     shutil.copytree(kept, store.folder)
     with Store(output, {**JOB, "rows": "other"}) as store:
-        assert store.size is None
+        assert not store.begun
     kept.rename(store.folder)
     with Store(output, JOB) as store:
-        assert store.size == 3
+        assert store.begun
 
 
 def test_only_a_file_is_replaced_where_that_is_asked_for(output: Path):
     output.write_text("old")
     with Store(output, JOB, replace=True) as store:
-        store.begin(3)
-        store.save(0, values(0), RESULTS)
+        store.begin()
+        saved(store, 0)
         assert output.read_bytes() == b"old"
-        assert store.finish(1, 3) == 3
+        assert store.finish(3) == 3
     assert output.read_bytes() != b"old"
     link = output.with_stem("link")
     link.symlink_to(output)
@@ -267,15 +277,15 @@ def test_only_a_file_is_replaced_where_that_is_asked_for(output: Path):
 
 def test_an_output_that_comes_during_the_sweep_stays(output: Path):
     with Store(output, JOB) as store:
-        store.begin(3)
-        store.save(0, values(0), RESULTS)
+        store.begin()
+        saved(store, 0)
         output.write_text("mine")
         with pytest.raises(InputError, match="exists already"):
-            store.finish(1, 3)
+            store.finish(3)
     assert output.read_text() == "mine"
 
 
-@pytest.mark.parametrize("mark", [b"\xff\xfe", b"", b"{}", b"[]", b'{"size": "x"}'])
+@pytest.mark.parametrize("mark", [b"\xff\xfe", b"", b"3", b"[1]", b'{"size": "x"'])
 def test_a_mark_that_cannot_be_read(output: Path, mark: bytes):
     filled(output, (0,))
     output.with_name(output.name + ".parts").joinpath("job").write_bytes(mark)

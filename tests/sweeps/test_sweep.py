@@ -13,6 +13,7 @@ from armour.analysis.quantities import QUANTITIES
 from armour.errors import InputError
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import Cases
+from armour.sweeps.plan import Pace
 from armour.sweeps.sweep import sweep
 from armour.sweeps.tables import read_table
 from tests.helpers.cases import csv_file, scenario, sweep_grid, sweep_scenario
@@ -102,6 +103,51 @@ def test_an_interrupted_sweep_is_resumed(tmp_path: Path):
     assert told == whole
     assert told
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+
+
+def test_a_sweep_is_resumed_with_chunks_of_any_size(tmp_path: Path):
+    grid = sweep_grid("armour.ceramic_thickness_mm=2:12:0.1", "impact.velocity_m_s=700:900:50")
+    [columns] = grid.chunks([grid.count])
+    lines = (f"{c},{v}" for c, v in np.column_stack(list(columns.values())).tolist())
+    cases = Cases(csv_file(tmp_path / "c.csv", ",".join(columns), *lines))
+    case = sweep_scenario()
+    sweep(case, grid, ["outcome"], tmp_path / "whole.csv")
+    left = 0
+
+    def stop(_rows: int, stored: bool) -> None:
+        nonlocal left
+        left -= not stored
+        if not left:
+            raise KeyboardInterrupt
+
+    for source in (grid, cases):
+        for size, new in ((40, 4), (7, 3), (100, 2)):
+            left = new
+            with pytest.raises(KeyboardInterrupt, match="of 505 rows are done"):
+                sweep(case, source, ["outcome"], tmp_path / "a.csv", size=size, on_chunk=stop)
+            chunks = sorted(tmp_path.glob("a.csv.parts/*.chunk"))
+            chunks[len(chunks) // 2].unlink()
+        sweep(case, source, ["outcome"], tmp_path / "a.csv")
+        assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
+        (tmp_path / "a.csv").unlink()
+
+
+def test_rows_of_a_chunk_follow_the_time_of_a_row():
+    pace = Pace(row_s=0.02)
+    row_s = np.repeat([0.02, 0.1, 1e-3, 5e-3], [1000, 200, 40_000, 2000])
+    taken = []
+    start = 0
+    while start < len(row_s):
+        rows = pace.rows
+        taken.append(row_s[start : start + rows].sum())
+        pace.note(rows, taken[-1])
+        start += rows
+    # Two chunks at most are late where rows get slower; those are early where rows get faster.
+    assert sum(seconds > 1.1 for seconds in taken) <= 4
+    assert max(taken) == pytest.approx(5.0)
+    assert len(taken) <= 1.1 * row_s.sum()
+    assert Pace(1e-9).rows == 100_000
+    assert Pace(1e-9, size=7).rows == 7
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""A published maximum-likelihood fit: Dalal, Fowlkes and Hoadley, J. Am. Stat. Assoc. 84 (1989), 945-957.
+"""A published maximum-likelihood fit: [Dalal1989].
 
 Thermal distress of O-rings in 23 flights, which textbooks fit by logit P = 15.0429 - 0.2322 T, deviance 20.315.
 No shots, but the likelihood is the same, with the temperature turned round to make it rise.

@@ -38,7 +38,7 @@ def rounded(error: Error) -> tuple[float, float, float]:
 def test_wilkins_tests_by_what_is_fitted_to_them(errors: dict[str, Error]):
     assert [rounded(errors[name]) for name in NAMES] == [(5.0, 5.5, 11.2), (4.2, 4.5, 8.0), (4.0, 4.6, 8.4)]
     assert {name for name, error in errors.items() if error.left_out_percent is not None} == set(NAMES)
-    assert errors["this model"].fitted == "flow stress of AD85: the paper, table 2, to Wilkins' ballistic limits"
+    assert errors["this model"].fitted == "flow stress of AD85: [Paper], table 2, to Wilkins' ballistic limits"
     assert [errors[name].fitted for name in NAMES] == [
         "flow stress of AD85 to these tests: 5.21 GPa",
         "k = 17.60 to these tests",

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from armour.analysis.impact import MAX_STEPS, ImpactResult, impact_at, unresolved_error
+from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result
 from armour.core import search
 from armour.errors import NoLimitError
@@ -79,7 +80,7 @@ class LimitResult(Result):
         return f"{self.ballistic_limit_m_s:.2f} m/s{'' if self.monotonic else ', not monotonic'}"
 
 
-def ballistic_limit(scenario: Scenario) -> LimitResult:
+def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> LimitResult:
     """Compute the ballistic limit of a scenario's armour: the lowest change of the outcome that a scan sees.
 
     The scan has 33 velocities, evenly spaced on a logarithmic scale.  Between two of them, changes of the outcome are
@@ -91,6 +92,8 @@ def ballistic_limit(scenario: Scenario) -> LimitResult:
     scenario : Scenario
         Its section ``ballistic_limit`` gives the range of velocities and the tolerance; its impact velocity is not
         used.
+    on_progress : callable, optional
+        Called with the number of impacts computed since the last call, and None, as their total is not known.
 
     Returns
     -------
@@ -103,10 +106,10 @@ def ballistic_limit(scenario: Scenario) -> LimitResult:
     InputError
         If a run does not end within the maximum number of steps.
     """
-    check_types("ballistic_limit", scenario=(scenario, Scenario))
+    check_types("ballistic_limit", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     section = scenario.ballistic_limit
     low, high = section.velocity_min_m_s, section.velocity_max_m_s
-    crossings, runs, lowest_perforates = find_crossings(scenario)
+    crossings, runs, lowest_perforates = find_crossings(scenario, on_progress)
     if lowest_perforates or not crossings:
         above = not crossings and not lowest_perforates
         raise NoLimitError(_no_limit(crossings, lowest_perforates, low, high), above=above)
@@ -131,21 +134,25 @@ def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
     return () if limit.monotonic else (f"the outcome is not monotonic: {_listed(limit.crossings)}",)
 
 
-def find_crossings(scenario: Scenario) -> tuple[tuple[Crossing, ...], int, bool]:
+def find_crossings(scenario: Scenario, on_progress: OnProgress) -> tuple[tuple[Crossing, ...], int, bool]:
     """Return the changes of the outcome that the scan sees, the impacts computed, and whether the lowest perforates."""
     section, armour = scenario.ballistic_limit, scenario.core_armour()
     solver = search.Solver(scenario.solver.arrest_velocity_m_s, scenario.solver.time_step, MAX_STEPS)
     velocities = search.scan(section.velocity_min_m_s, section.velocity_max_m_s)
     runs = 0
 
+    def count(more: int) -> None:
+        nonlocal runs
+        runs += more
+        on_progress(more, None)
+
     def resolved(velocity: float, of: search.Impact | search.SearchResult) -> None:
         if not of.resolved:
             raise unresolved_error(scenario.solver, scenario.file, velocity)
 
     def impact(velocity: float) -> search.Impact:
-        nonlocal runs
-        runs += 1
         found = search.impact(armour, velocity, solver)
+        count(1)
         resolved(velocity, found)
         return found
 
@@ -154,20 +161,26 @@ def find_crossings(scenario: Scenario) -> tuple[tuple[Crossing, ...], int, bool]
     crossings: list[Crossing] = []
     while True:
         change = search.next_change(armour, start, velocities, solver)
-        runs += change.runs
+        count(change.runs)
         resolved(change.above.V, change.above)
         if change.above.perforated == start.perforated:
             return tuple(crossings), runs, lowest_perforates
         found = search.narrowed(armour, change, section.tolerance_m_s, solver)
-        runs += found.runs
+        count(found.runs)
         resolved(found.high, found)
         crossings.append(Crossing((found.low, found.high), "perforated" if change.above.perforated else "defeated"))
         start = impact(found.high)
 
 
-def residual_velocity_curve(scenario: Scenario, velocities: Sequence[float]) -> tuple[ImpactResult, ...]:
+def residual_velocity_curve(
+    scenario: Scenario, velocities: Sequence[float], on_progress: OnProgress = ignore_progress
+) -> tuple[ImpactResult, ...]:
     """Compute the impacts of a scenario at several impact velocities, m/s."""
-    return tuple(impact_at(scenario, velocity) for velocity in velocities)
+    impacts = []
+    for velocity in velocities:
+        impacts.append(impact_at(scenario, velocity))
+        on_progress(1, None)
+    return tuple(impacts)
 
 
 def curve_velocities(limit: LimitResult, scenario: Scenario) -> list[float]:

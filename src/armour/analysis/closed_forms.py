@@ -2,14 +2,6 @@
 
 SI units.  ``1`` is the ceramic and ``2`` the back plate: densities rho, thicknesses h, and the back plate's ultimate
 tensile strength sigma2 and strain to fracture eps2.
-
-References
-----------
-A. L. Florence, Interaction of projectiles and composite armor, Stanford Research Institute, 1969.
-J. G. Hetherington and B. P. Rajagopalan, An investigation into the energy absorbed during ballistic perforation of
-composite armours, International Journal of Impact Engineering 11 (1991).
-J. P. Lambert and G. H. Jonas, Towards standardization in terminal ballistics testing, BRL report 1852, 1976.
-R. F. Recht and T. W. Ipson, Ballistic perforation dynamics, Journal of Applied Mechanics 30 (1963).
 """
 
 from collections.abc import Sequence
@@ -47,7 +39,7 @@ def conoid_radius(r: float, h1: float) -> float:
 
 
 def florence_limit(m: float, r: float, plates: Plates) -> float:
-    """Compute Florence's ballistic limit, m/s, in the form of Hetherington and Rajagopalan.
+    """Compute Florence's ballistic limit, m/s [Florence1969], in the form of [Hetherington1991].
 
     The projectile has the mass m, kg, and the radius r, m.
     """
@@ -145,7 +137,7 @@ class ResidualVelocityFit:
 
 
 def residual_velocity(V: float, limit: float, ratio: float, exponent: float) -> float:
-    """Compute the residual velocity after Lambert and Jonas, m/s; exponent 2 gives Recht and Ipson's formula."""
+    """Compute the residual velocity after [Lambert1976], m/s; exponent 2 gives the formula of [Recht1963]."""
     if limit >= V:
         return 0.0
     # Dividing by V keeps the powers from overflowing.

@@ -1,8 +1,10 @@
 """Confidence in an answer: the probability that an armour defeats its threat, given the error of the model."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result
 from armour.errors import NoLimitError
 from armour.scenario.applicability import is_excluded, model_error, warnings_of
@@ -47,7 +49,7 @@ class ConfidenceResult(Result):
         return f"probability of defeat {self.probability_of_defeat:.3f}"
 
 
-def confidence(scenario: Scenario) -> ConfidenceResult:
+def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
     """Compute the probability that the armour of a scenario defeats its threat, the projectile at its impact velocity.
 
     The inputs are taken as exact; `armour.uncertainty` includes their distributions too.
@@ -56,6 +58,8 @@ def confidence(scenario: Scenario) -> ConfidenceResult:
     ----------
     scenario : Scenario
         Its section ``uncertainty.model`` gives the error of the model; by default it is that of tests of such armours.
+    on_progress : callable, optional
+        Called with the number of impacts computed since the last call, and None, as their total is not known.
 
     Returns
     -------
@@ -66,9 +70,9 @@ def confidence(scenario: Scenario) -> ConfidenceResult:
     InputError
         If a run does not end within the maximum number of steps.
     """
-    check_types("confidence", scenario=(scenario, Scenario))
+    check_types("confidence", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     try:
-        limit = ballistic_limit(scenario).ballistic_limit_m_s
+        limit = ballistic_limit(scenario, on_progress=on_progress).ballistic_limit_m_s
     except NoLimitError as error:
         return without_limit(scenario, str(error), above=error.above)
     return of_limit(scenario, limit, scenario.impact.velocity_m_s)

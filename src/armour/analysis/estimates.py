@@ -32,7 +32,7 @@ class Estimate:
 
 
 def proportion(hits: int, samples: int) -> Estimate:
-    """Estimate a proportion, with the Clopper-Pearson confidence interval."""
+    """Estimate a proportion, with the Clopper-Pearson confidence interval [Clopper1934]."""
     misses = samples - hits
     low = float(betaincinv(hits, misses + 1, TAIL)) if hits else 0.0
     high = float(betaincinv(hits + 1, misses, 1.0 - TAIL)) if misses else 1.0

@@ -5,6 +5,7 @@ from typing import Literal
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.closed_forms import Plates, florence_limit, florence_split
+from armour.analysis.progress import OnProgress, ignore_progress
 from armour.errors import NoLimitError, Problem
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import key_name
@@ -78,14 +79,14 @@ def florence_ballistic_limit(scenario: Scenario, body: Body = "penetrator") -> f
     return florence_limit(mass_g * G, diameter_mm * MM / 2.0, _plates(scenario))
 
 
-def florence_result(scenario: Scenario, body: Body) -> FlorenceResult:
+def florence_result(scenario: Scenario, body: Body, on_progress: OnProgress = ignore_progress) -> FlorenceResult:
     """Compute Florence's limit and the best armour of the same areal density according to it."""
     mass_g, diameter_mm = _body(scenario, body)
     m, r, plates = mass_g * G, diameter_mm * MM / 2.0, _plates(scenario)
     h1, h2 = florence_split(m, r, plates.rho1, plates.rho2, scenario.areal_density_kg_m2())
     best = scenario.replaced({"armour.ceramic_thickness_mm": h1 / MM, "armour.backing_thickness_mm": h2 / MM})
     try:
-        model = ballistic_limit(best).ballistic_limit_m_s
+        model = ballistic_limit(best, on_progress=on_progress).ballistic_limit_m_s
     except NoLimitError:
         model = None
     return FlorenceResult(

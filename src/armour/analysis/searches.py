@@ -4,16 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from armour.analysis.variants import (
-    Bools,
-    Floats,
-    Ints,
-    Variants,
-    check_resolved,
-    perforated,
-    portions,
-    with_thicknesses,
-)
+from armour.analysis.progress import portions
+from armour.analysis.variants import Bools, Floats, Ints, Variants, check_resolved, perforated, with_thicknesses
 from armour.engine import batch
 from armour.units import MM
 
@@ -49,11 +41,11 @@ def limit_brackets(
     return found
 
 
-def lowest_perforated(variants: Variants, low: float) -> Floats:
+def lowest_perforated(variants: Variants, low: float, on_impacts: Callable[[int], None]) -> Floats:
     """Return the lowest velocity below its own, m/s, at which each row is seen to be perforated; inf where at none.
 
     Velocities from ``low`` to the row's own are scanned, evenly spaced on a logarithmic scale; a range of perforation
-    that lies between two of them is not seen.
+    that lies between two of them is not seen.  ``on_impacts`` is called with the number of those computed.
     """
     parts = np.linspace(0.0, 1.0, DENSE_SCAN_POINTS)[:-1]
     velocities = low * (variants.velocities[:, None] / low) ** parts
@@ -63,6 +55,7 @@ def lowest_perforated(variants: Variants, low: float) -> Floats:
         some = np.arange(part.start, part.stop)
         rows = variants.at(np.repeat(some, velocities.shape[1]))
         outcomes[some] = perforated(rows._replace(velocities=velocities[some].ravel())).reshape(len(some), -1)
+        on_impacts(velocities[some].size)
     first = outcomes.argmax(axis=1)
     return np.where(outcomes.any(axis=1), velocities[np.arange(len(first)), first], np.inf)
 

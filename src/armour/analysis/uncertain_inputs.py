@@ -7,7 +7,7 @@ from armour.analysis.variants import Floats, Variants, variants_of
 from armour.errors import InputError, Problem, refuse
 from armour.scenario.applicability import model_error
 from armour.scenario.distributions import ErrorDistribution, Uncertainty
-from armour.scenario.evidence import ERROR
+from armour.scenario.evidence import ERROR, ModelError
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import check_names, inputs_of, wrong_rows
 from armour.scenario.sampling import truncation_problem
@@ -25,13 +25,17 @@ class Samples(NamedTuple):
 
 def section_of(scenario: Scenario) -> Uncertainty:
     """Return the distributions of a scenario, with that of the error of the model where it is known."""
-    section, error = scenario.uncertainty, model_error(scenario)
+    return section_at(scenario, inputs_of(scenario), model_error(scenario))
+
+
+def section_at(scenario: Scenario, own: Mapping[str, float], error: ModelError | None) -> Uncertainty:
+    """Return the distributions of a scenario with other values of its inputs, given its error of the model."""
+    section = scenario.uncertainty
     if section is None or not (section.inputs() or error):
         example = '{ distribution = "normal", standard_deviation_percent = 5 }'
         message = f"is missing and must be given: distributions of inputs, such as ceramic.flow_stress_GPa = {example}"
         raise InputError([Problem(scenario.file, "uncertainty", message)])
     check_names(section.inputs(), scenario, scenario.file, "uncertainty")
-    own = inputs_of(scenario)
     problems = [
         Problem(scenario.file, f"uncertainty.{name}", lacking)
         for name, distribution in section.inputs().items()

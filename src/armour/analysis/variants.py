@@ -1,6 +1,6 @@
 """Variants of a scenario as rows for the compiled engine."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,13 +21,6 @@ from armour.units import MM
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
-
-# Callback of long computations: how much is done since the last call, and how much there is, None where not known.
-OnProgress = Callable[[int, int | None], None]
-
-
-def ignore_progress(_done: int, _total: int | None) -> None:
-    """Do nothing."""
 
 
 class Settings(NamedTuple):
@@ -105,12 +98,6 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
                 getattr(field, target[0])[:] = DEFAULTS[key][0] * columns[YIELD] * target[1]
     velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
     return Variants(rows, velocities, settings_of(scenario))
-
-
-def portions(count: int, size: int) -> Iterator[slice]:
-    """Yield the parts of n rows, which are computed one after the other to bound the memory."""
-    for start in range(0, count, size):
-        yield slice(start, min(start + size, count))
 
 
 def concatenated(parts: Sequence[Variants]) -> Variants:

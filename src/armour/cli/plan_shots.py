@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import typer
 
 from armour.cli import completion
+from armour.cli.console import progress
 from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, argument, option
 from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, warnings_of
 from armour.cli.scenario_commands import LIMIT
@@ -133,9 +134,12 @@ def plan_of_shots(
     )
     text: str | None = None
     far: list[str] = []
-    with named_as_options("plan_shots", *SETTINGS, limits_m_s="--lower-m-s, --upper-m-s"):
+    with (
+        progress("impacts", first="searching") as count,
+        named_as_options("plan_shots", *SETTINGS, limits_m_s="--lower-m-s, --upper-m-s"),
+    ):
         if updated is not None and result is not None:
-            before = plan_of(fired)
+            before = plan_of(fired, on_progress=count)
             planned, limit = before.next_velocity_m_s, before.model_ballistic_limit_m_s
             velocity = planned if velocity_m_s is None else velocity_m_s
             if velocity is None:
@@ -148,7 +152,13 @@ def plan_of_shots(
             word = RESULTS[result.lower()]
             text = with_shot(updated, velocity, word)
             fired = added(fired, velocity, word == "complete")
-        plan = plan_of(fired, simulate=simulate, true_v50_m_s=true_v50_m_s, true_scatter_m_s=true_scatter_m_s)
+        plan = plan_of(
+            fired,
+            simulate=simulate,
+            true_v50_m_s=true_v50_m_s,
+            true_scatter_m_s=true_scatter_m_s,
+            on_progress=count,
+        )
     respond(
         plan.to_dict(),
         shot_plan_tables(plan),

@@ -1,7 +1,7 @@
 """Commands that answer a question about a scenario."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from armour.cli.console import progress
 from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, number, option, probability
@@ -50,8 +50,10 @@ def simulate(
     loaded = read_scenario(
         scenario, changes, reads, {"--velocity": ("impact.velocity_m_s", velocity)}, "the simulated impact"
     )
-    result = impact.simulate(loaded, history=history is not None or plot is not None)
-    sure = confidence.confidence(loaded)
+    with progress("impacts", first="computing") as count:
+        result = impact.simulate(loaded, history=history is not None or plot is not None)
+        count(1)
+        sure = confidence.confidence(loaded, on_progress=count)
     distributed = loaded.uncertainty is not None and bool(loaded.uncertainty.inputs())
     alone = [f"{SAMPLED_ALONE}: armour uncertainty"] if sure.model_error is None and distributed else []
     respond(
@@ -81,18 +83,22 @@ def ballistic_limit(
 
     check_outputs(plot=plot, force=force)
     loaded = read_scenario(scenario, changes, LIMIT, what="the ballistic limit")
-    with progress("impacts", first="searching"):
-        result = analysis.ballistic_limit(loaded)
-    velocities = analysis.curve_velocities(result, loaded)
+    with progress("impacts", first="searching") as count:
+        result = analysis.ballistic_limit(loaded, on_progress=count)
+
+    def chart(charts: Any) -> Any:
+        velocities = analysis.curve_velocities(result, loaded)
+        with progress("impacts", len(velocities)) as count:
+            curve = analysis.residual_velocity_curve(loaded, velocities, count)
+        return charts.limit_chart(result, curve, loaded.title)
+
     respond(
         result.to_dict(),
         [*computed(loaded), *limit_tables(result, excluded=is_excluded(loaded))],
         as_json=as_json,
         title=loaded.title,
         plot=plot,
-        chart=lambda charts: charts.limit_chart(
-            result, analysis.residual_velocity_curve(loaded, velocities), loaded.title
-        ),
+        chart=chart,
         warnings=warnings_of(loaded, (*analysis.not_monotonic(result), *result.warnings)),
     )
 
@@ -112,8 +118,8 @@ def compare(
 
     check_outputs(plot=plot, force=force)
     loaded = read_scenario(scenario, changes, LIMIT, what="the ballistic limit")
-    with progress("impacts", first="searching"):
-        result = comparison.compare(loaded)
+    with progress("impacts", first="searching") as count:
+        result = comparison.compare(loaded, on_progress=count)
     respond(
         result.to_dict(),
         [*computed(loaded), *comparison_tables(result)],

@@ -77,8 +77,13 @@ def v50(
 
     read = statistics.read_shots(file, one_kind=prior)
     loaded = None if scenario is None else read_scenario(scenario, changes, LIMIT, what="the ballistic limit")
-    with progress("fits", first="fitting"), named_as_options("v50", "pairs", "span_m_s", "confidence"):
-        result = statistics.v50(read, loaded, pairs=pairs, span_m_s=span_m_s, confidence=confidence, prior=prior)
+    with (
+        progress("impacts", first="fitting") as count,
+        named_as_options("v50", "pairs", "span_m_s", "confidence"),
+    ):
+        result = statistics.v50(
+            read, loaded, pairs=pairs, span_m_s=span_m_s, confidence=confidence, prior=prior, on_progress=count
+        )
     respond(
         result.to_dict(),
         v50_tables(result),

@@ -1,4 +1,4 @@
-"""Equations of the paper, one relation per function; numbers in parentheses are the paper's.
+"""Equations of the paper [Paper], one relation per function; numbers in parentheses are the paper's.
 
 All quantities are in SI units and in the symbols of `armour.core.state`.  ``Y`` and ``rho`` are the strength, Pa,
 and the density, kg/m^3, of the medium ahead of the projectile.

@@ -1,7 +1,8 @@
 """Catalogue of a scenario: pairs of materials with thicknesses and costs, threats and constraints."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 from typing import NamedTuple
 
@@ -98,10 +99,20 @@ class Catalogue:
         offer = self.offers[pair]
         return _scenario_of(_without_catalogue(self.scenario), offer.ceramic, offer.backing, self.threats[threat])
 
-    def variants(self, candidates: Candidates, threat: int) -> Variants:
-        """Return designs against a threat, a row each, at the velocity that it requires."""
+    @cached_property
+    def velocities_m_s(self) -> Floats:
+        """Velocities of the threats, m/s, (threats,)."""
+        return np.array([threat.velocity_m_s for threat in self.threats])
+
+    def variants(self, candidates: Candidates, threat: int | Ints) -> Variants:
+        """Return designs against a threat, or against one each, as rows at the velocities that these require."""
         rows = self._at_threat(candidates, threat)
         return rows._replace(velocities=self._required_m_s(rows, threat))
+
+    def against_each(self, candidates: Candidates, threats: Sequence[int]) -> Variants:
+        """Return designs against each of some threats, (designs times threats); the rows of a design are together."""
+        designs, places = np.divmod(np.arange(len(candidates.pair) * len(threats)), len(threats))
+        return self.variants(candidates.at(designs), np.array(threats)[places])
 
     def required_m_s(self, candidates: Candidates) -> Floats:
         """Return the velocities that the ballistic limits of designs must reach, (designs, threats).
@@ -111,19 +122,21 @@ class Catalogue:
         threats = range(len(self.threats))
         return np.column_stack([self._required_m_s(self._at_threat(candidates, i), i) for i in threats])
 
-    def _at_threat(self, candidates: Candidates, threat: int) -> Variants:
-        """Return designs against a threat at its velocity, a row each."""
+    def _at_threat(self, candidates: Candidates, threat: int | Ints) -> Variants:
+        """Return designs against a threat, or against one each, as rows at its velocity."""
         parameters = self.layers[candidates.pair] + self.projectiles[threat]
-        velocities = np.full(len(parameters), self.threats[threat].velocity_m_s)
+        velocities = np.full(len(parameters), self.velocities_m_s[threat])
         rows = Variants(parameters, velocities, settings_of(self.scenario))
         return with_thicknesses(rows, ceramic_mm=candidates.ceramic_mm, backing_mm=candidates.backing_mm)
 
-    def _required_m_s(self, rows: Variants, threat: int) -> Floats:
-        required = np.full(len(rows.velocities), self.threats[threat].required_m_s)
-        if not self.sampled and self.bounds[threat] < NO_BOUND:
-            relative = np.nan_to_num(rows.errors.quantile(self.bounds[threat]), nan=-1.0)
+    def _required_m_s(self, rows: Variants, threat: int | Ints) -> Floats:
+        given = np.array([threat.required_m_s for threat in self.threats])
+        required, bounds = (np.full(len(rows.velocities), of_threats[threat]) for of_threats in (given, self.bounds))
+        bounded = bounds < NO_BOUND
+        if not self.sampled and bounded.any():
+            relative = np.nan_to_num(rows.errors.quantile(bounds), nan=-1.0)
             with np.errstate(divide="ignore"):
-                required = np.maximum(required, rows.velocities / (1.0 + relative))
+                required = np.where(bounded, np.maximum(required, rows.velocities / (1.0 + relative)), required)
         return required + self.more_margin_m_s
 
     def unknown_errors(self, candidates: Candidates) -> Bools:

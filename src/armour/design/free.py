@@ -4,8 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from armour.analysis.progress import OnProgress, ignore_progress, portions
 from armour.analysis.searches import least_ceramics_mm
-from armour.analysis.variants import Floats, OnProgress, Variants, ignore_progress, portions, with_thicknesses
+from armour.analysis.variants import Floats, Variants, with_thicknesses
 
 # Largest distance of the back plate thicknesses of the last round, mm.
 BACKING_TOLERANCE_MM = 1e-3
@@ -13,6 +14,17 @@ BACKING_TOLERANCE_MM = 1e-3
 CLOSER = 10
 # Searches for a ceramic thickness that are done at a time, which bounds the memory.
 SEARCHES_AT_A_TIME = 10_000
+
+
+def searches_of(variants: Variants) -> int:
+    """Return the greatest number of searches for a ceramic that `least_areal_densities` takes."""
+    grid = variants.settings.grid
+    assert grid is not None, "checked before"
+    width, each = grid.backing_thickness_mm.step, len(grid.backing_thickness_mm.values())
+    while width > BACKING_TOLERANCE_MM:
+        width /= CLOSER
+        each += 2 * CLOSER + 1
+    return each * len(variants.velocities)
 
 
 def least_areal_densities(variants: Variants, on_progress: OnProgress = ignore_progress) -> Floats:

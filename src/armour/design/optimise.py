@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result, data_frame
-from armour.analysis.variants import Ints, OnProgress, grid_of, ignore_progress
+from armour.analysis.variants import Ints, grid_of
 from armour.core.state import Parameters
 from armour.design.candidates import candidates_of
 from armour.design.catalogue import MARGIN, Catalogue, catalogue_of

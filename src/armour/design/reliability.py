@@ -1,19 +1,23 @@
 """Bounds on the probability that a design is perforated, by sampling the uncertain inputs."""
 
+from functools import lru_cache
 from math import ceil, log, log1p
 
+import numpy as np
 from scipy.special import bdtrc
 
 from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
-from armour.analysis.uncertain_inputs import own_values, sampled, section_of
-from armour.analysis.variants import OnProgress, ignore_progress, perforated
+from armour.analysis.progress import OnProgress, ignore_progress
+from armour.analysis.uncertain_inputs import own_values, sampled, section_at, section_of
+from armour.analysis.variants import perforated
 from armour.design.catalogue import NO_BOUND, Candidates, Catalogue
 from armour.errors import Problem, refuse
-from armour.scenario.applicability import is_excluded, model_error
+from armour.scenario.applicability import error_on_tests, given_error, is_excluded
 from armour.scenario.distributions import MAX_SAMPLES, ErrorDistribution, Uncertainty
 from armour.scenario.loading import Scenario
 from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY
 from armour.scenario.sampling import columns_of, points_of
+from armour.units import MM
 
 # Samples of a design after which it is first checked whether it can still pass.
 FIRST_SAMPLES = 64
@@ -21,6 +25,8 @@ FIRST_SAMPLES = 64
 SURE = 1e-9
 # Samples that are computed at a time at most, which bounds the memory.
 MOST_SAMPLES = 2**15
+# Scenarios of pairs of materials and threats that are kept.
+MOST_SCENARIOS = 1000
 # Holds the place of the error of the model, which is different for each design.
 NO_ERROR = ErrorDistribution(mean=0.0, standard_deviation=1.0, degrees_of_freedom=1.0)
 
@@ -30,7 +36,9 @@ class Reliability:
 
     def __init__(self, catalogue: Catalogue, on_progress: OnProgress = ignore_progress) -> None:
         self.catalogue, self.on_progress = catalogue, on_progress
-        section = section_of(catalogue.against(0, 0))
+        # Many designs are of the same materials, and it takes long to make a scenario.
+        self.against = lru_cache(MOST_SCENARIOS)(catalogue.against)
+        section = section_of(self.against(0, 0))
         _check(catalogue, section)
         # Points of the unit cube, (samples, inputs), the error of the model included.
         self.points = points_of(section.with_error(NO_ERROR))
@@ -42,7 +50,7 @@ class Reliability:
         for i, threat in enumerate(self.catalogue.threats):
             bound = float(self.catalogue.bounds[i])
             if bound < NO_BOUND:
-                scenario = self.catalogue.against(int(candidates.pair[place]), i)
+                scenario = self.against(int(candidates.pair[place]), i)
                 estimate = self.within(bound, scenario, *thicknesses)
                 if estimate is None:
                     return None
@@ -55,10 +63,14 @@ class Reliability:
         Also None where the error of the model is not known.  Samples are taken in growing parts, only as many as it
         takes to see that the bound is exceeded.
         """
-        design = scenario.replaced({CERAMIC: ceramic_mm, BACKING: backing_mm})
-        if model_error(design) is None and not is_excluded(design):
+        armour = scenario.core_armour()._replace(Hc0=ceramic_mm * MM, Hb=backing_mm * MM)
+        error = None if is_excluded(scenario) else given_error(scenario) or error_on_tests(armour)
+        if error is None and not is_excluded(scenario):
             return None
-        section, own = section_of(design), own_values(design)
+        own = own_values(scenario)
+        layers = {CERAMIC: ceramic_mm, BACKING: backing_mm} if CERAMIC in own else {BACKING: backing_mm}
+        own |= layers
+        section = section_at(scenario, own, error)
         points = self.points[:, : len(section.inputs())]
         hits, start, end = 0, 0, FIRST_SAMPLES
         while start < len(points):
@@ -66,7 +78,8 @@ class Reliability:
             columns = columns_of(section, own, part)
             if ceramic_mm == 0.0:
                 columns.pop(CERAMIC, None)  # a layer that is absent has no thickness that varies
-            hits += int(perforated(sampled(design, columns, len(part)).variants).sum())
+            columns = {**{name: np.full(len(part), value) for name, value in layers.items()}, **columns}
+            hits += int(perforated(sampled(scenario, columns, len(part)).variants).sum())
             estimate = proportion(hits, len(points))
             self.on_progress(len(part), None)
             if estimate.high > bound or bdtrc(hits - 1, end, bound) < SURE:

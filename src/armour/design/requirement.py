@@ -1,19 +1,24 @@
 """Condition on a design: its lowest ballistic limit must reach the velocity plus margin of every threat."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from armour.analysis.searches import DENSE_SCAN_POINTS, limit_brackets, lowest_perforated
-from armour.analysis.variants import Bools, Floats, OnProgress, Variants, ignore_progress, perforated, portions
+from armour.analysis.progress import FIRST_IMPACTS, OnProgress, ignore_progress, portions
+from armour.analysis.searches import limit_brackets, lowest_perforated
+from armour.analysis.variants import Bools, Floats, Variants, perforated
 from armour.design.catalogue import Candidates, Catalogue
 from armour.scenario.schema import FASTEST_M_S
 
 # Velocity, m/s, from which a ballistic limit is searched for below the range of the section ``ballistic_limit``.
 SLOWEST_M_S = 20.0
-# Designs whose impacts, and whose limits, are computed at a time, which bounds the memory.
+# Impacts and limits that are computed at a time, which bounds the memory.
 IMPACTS_AT_A_TIME = 50_000
-LIMITS_AT_A_TIME = 500
+LIMITS_AT_A_TIME = 10_000
+# Designs up to which one pass of the engine has all threats.  Of more, those that one threat perforates are not tried
+# with the next, which saves more than the passes cost.
+FEW_DESIGNS = 100
 
 
 @dataclass
@@ -27,15 +32,18 @@ class Requirement:
     def defeats(self, candidates: Candidates, threat: int | None = None) -> Bools:
         """Return whether designs defeat all threats, or one, at the velocities required."""
         defeated = np.ones(len(candidates.pair), dtype=bool)
-        for part in portions(len(defeated), IMPACTS_AT_A_TIME):
+        threats = [*range(len(self.catalogue.threats))] if threat is None else [threat]
+        passes = [threats] if len(defeated) <= FEW_DESIGNS else [[each] for each in threats]
+        for part in portions(len(defeated), IMPACTS_AT_A_TIME, FIRST_IMPACTS):
             left = np.arange(part.start, part.stop)
-            for each in range(len(self.catalogue.threats)) if threat is None else [threat]:
-                variants = self.catalogue.variants(candidates.at(left), each)
-                possible = variants.velocities <= FASTEST_M_S
+            for some in passes:
+                variants = self.catalogue.against_each(candidates.at(left), some)
+                possible = (variants.velocities <= FASTEST_M_S).reshape(-1, len(some)).all(axis=1)
                 defeated[left] = possible
                 left = left[possible]
-                defeated[left] = ~perforated(variants.at(possible))
-                self._count(len(left))
+                hits = perforated(variants.at(np.repeat(possible, len(some))))
+                self._count(len(hits))
+                defeated[left] = ~hits.reshape(-1, len(some)).any(axis=1)
                 left = left[defeated[left]]
         return defeated
 
@@ -50,10 +58,26 @@ class Requirement:
         these is set to the nearer one.  Where it reaches the velocity required, the velocities below that are scanned
         more densely; the lowest that perforates is then the limit.
         """
+        return self._against_all(candidates, self._lowest_limits)
+
+    def quick_limits(self, candidates: Candidates) -> Floats:
+        """Return the ballistic limits of designs against each threat, m/s, (designs, threats); NaN for none."""
+        section = self.catalogue.scenario.ballistic_limit
+        ends = section.velocity_min_m_s, section.velocity_max_m_s
+
+        def limits_of(variants: Variants) -> Floats:
+            found = limit_brackets(variants, *ends, section.tolerance_m_s)
+            self.on_progress(int(found.runs.sum()), None)
+            return np.where(found.bounded, found.perforated, np.nan)
+
+        return self._against_all(candidates, limits_of)
+
+    def _against_all(self, candidates: Candidates, limits_of: Callable[[Variants], Floats]) -> Floats:
+        """Return limits of designs against each threat, (designs, threats), of which many rows are searched at once."""
         limits = np.empty((len(candidates.pair), len(self.catalogue.threats)))
-        for part in portions(len(limits), LIMITS_AT_A_TIME):
-            for threat in range(limits.shape[1]):
-                limits[part, threat] = self._lowest_limits(self.catalogue.variants(candidates.at(part), threat))
+        for part in portions(len(limits), max(LIMITS_AT_A_TIME // limits.shape[1], 1)):
+            rows = self.catalogue.against_each(candidates.at(part), range(limits.shape[1]))
+            limits[part] = limits_of(rows).reshape(-1, limits.shape[1])
         return limits
 
     def _lowest_limits(self, variants: Variants) -> Floats:
@@ -69,8 +93,7 @@ class Requirement:
                 found[where] = self._counted(variants.at(where), low, high)
         found = found.clip(slowest, FASTEST_M_S)
         where = np.flatnonzero(found >= variants.velocities)
-        found[where] = np.minimum(found[where], lowest_perforated(variants.at(where), slowest))
-        self._count(len(where) * (DENSE_SCAN_POINTS - 1))
+        found[where] = np.minimum(found[where], lowest_perforated(variants.at(where), slowest, self._count))
         return found
 
     def _counted(self, variants: Variants, low: float, high: float) -> Floats:

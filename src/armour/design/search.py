@@ -6,15 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import Bools, Floats, Ints, portions
+from armour.analysis.variants import Bools, Floats, Ints
 from armour.design.catalogue import COST, MARGIN, Candidates, first_backings
-from armour.design.requirement import LIMITS_AT_A_TIME, Requirement
+from armour.design.requirement import Requirement
 
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
     from armour.design.reliability import Reliability
 
+# Designs that are tried at a time at most until one passes; those after it are tried in vain.
+FIRST_AT_A_TIME = 500
 # Differences of criteria that count on a Pareto front: kg/m², mm and, for costs, as a part of the lowest.
 RESOLUTION = {"areal_density_kg_m2": 0.01, "thickness_mm": 0.01, COST: 0.001}
 
@@ -71,7 +72,7 @@ class Search:
         left = where[self.defeating[where]]
         size = 1
         while len(left):
-            batch, left, size = left[:size], left[size:], min(2 * size, LIMITS_AT_A_TIME)
+            batch, left, size = left[:size], left[size:], min(2 * size, FIRST_AT_A_TIME)
             for place in batch[self.passes(batch)].tolist():
                 if self.probabilities(place) is not None:
                     return int(place)
@@ -148,7 +149,7 @@ class Search:
 
     def margins(self, limits: Floats) -> Floats:
         """Return ballistic limits, (designs, threats), less the velocities of the threats, m/s."""
-        margins: Floats = limits - np.array([threat.velocity_m_s for threat in self.catalogue.threats])
+        margins: Floats = limits - self.catalogue.velocities_m_s
         return margins
 
     def _resolutions(self, costs: Floats, criteria: Sequence[str]) -> Floats:
@@ -160,11 +161,7 @@ class Search:
     def _quick_limits(self, where: Ints) -> Floats:
         """Return all limits, where unknown by the quick search or, if that finds none for a design, by scan."""
         limits = self._limits.copy()
-        for part in portions(len(where), LIMITS_AT_A_TIME):
-            some = where[part]
-            for threat in range(limits.shape[1]):
-                limits[some, threat] = ballistic_limits(self.catalogue.variants(self.candidates.at(some), threat))
-            self.requirement.on_progress(limits[some].size, None)
+        limits[where] = self.requirement.quick_limits(self.candidates.at(where))
         missing = where[np.isnan(limits[where]).any(axis=1)]
         limits[missing] = self.limits(missing)
         return limits

@@ -15,8 +15,11 @@ from armour.engine import cache
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# Rows that a thread takes at a time.
+# Rows that a thread takes at a time, at most.
 PORTION = 256
+# Portions of few rows for each thread, as some take longer, and the least that is worth a thread: about a millisecond.
+PORTIONS_PER_THREAD = 4
+LEAST_PORTIONS = {"impacts": 128, "ballistic_limits": 8, "least_thicknesses": 8}
 
 
 class Impacts(NamedTuple):
@@ -115,13 +118,15 @@ def _computed(
     inputs = [rows, *(np.ascontiguousarray(np.broadcast_to(velocities, count)) for velocities in others)]
     counts, ends = np.empty((count, 2), np.int64), np.empty((count, width))
     kernel = cache.kernel(name)
+    workers = threads or available_cores()
+    size = max(min(-(-count // (PORTIONS_PER_THREAD * workers)), PORTION), LEAST_PORTIONS[name])
 
     def compute(start: int) -> None:
-        part = slice(start, start + PORTION)
+        part = slice(start, start + size)
         kernel(*(array[part] for array in inputs), settings, counts[part], ends[part])
 
-    starts = range(0, count, PORTION)
-    workers = min(threads or available_cores(), len(starts))
+    starts = range(0, count, size)
+    workers = min(workers, len(starts))
     if workers <= 1:
         for start in starts:
             compute(start)

@@ -109,7 +109,7 @@ def best_set(task: Task, number: int) -> list[int]:
     """Return a good set of candidates, repeats allowed, in the order in which they are best made.
 
     The first tests, up to a regular matrix, are chosen together, each further one by its gain per cost; then
-    candidates are exchanged as long as the set becomes better and not dearer (Fedorov).
+    candidates are exchanged as long as the set becomes better and not dearer [Fedorov1972].
     """
     start = _sequence(task, np.arange(len(task.rows)), number)
     if number < missing(task.base, task.rows):

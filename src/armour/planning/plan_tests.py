@@ -15,8 +15,9 @@ from scipy.stats import norm, t
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import check_keys, scenarios_of
+from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import TableResult, by_column
-from armour.analysis.variants import Floats, Ints, OnProgress, ignore_progress
+from armour.analysis.variants import Floats, Ints
 from armour.errors import MAX_PROBLEMS, InputError, Problem, choices, refuse
 from armour.planning import optimal_design
 from armour.planning.optimal_design import Task
@@ -375,7 +376,7 @@ def _candidates(
     if source.count > MAX_CANDIDATES:
         message = f"must be at most {MAX_CANDIDATES:,} candidates, found {source.count:,}"
         raise InputError([Problem(file, "", message)])
-    [columns] = source.chunks(source.count)
+    [columns] = source.chunks([source.count])
     count = source.count
     costs = columns.pop(COST, None)
     columns = dict(zip(canonical(columns, file), columns.values(), strict=True))

@@ -1,6 +1,6 @@
 """Plan of a V50 firing: the velocity of the next shot, or the whole firing simulated."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType, NoneType
 from typing import Annotated, Literal
@@ -10,6 +10,7 @@ from pydantic import Field
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import CONFIDENCE
+from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result
 from armour.errors import InputError, Problem
 from armour.planning.procedures import bayesian, langlie, neyer, up_and_down
@@ -186,6 +187,7 @@ def plan_shots(
     true_v50_m_s: float | None = None,
     true_scatter_m_s: float | None = None,
     seed: int = 0,
+    on_progress: OnProgress = ignore_progress,
 ) -> ShotPlan:
     """Plan the next shot of a V50 firing, or simulate all further ones.
 
@@ -223,6 +225,9 @@ def plan_shots(
         Scatter to simulate them with, m/s.
     seed : int
         Seed of the simulation, at least 0.
+    on_progress : callable, optional
+        Called with the number of impacts computed or shots simulated since the last call, and None, as their total is
+        not known.
 
     Returns
     -------
@@ -248,6 +253,7 @@ def plan_shots(
         shots=(shots, (Shots, NoneType)),
         limits_m_s=(limits_m_s, (tuple, list, NoneType)),
         simulate=(simulate, bool),
+        on_progress=(on_progress, Callable),
     )
     ends = limits_m_s
     if ends is not None and len(ends) != 2:
@@ -270,7 +276,7 @@ def plan_shots(
     given_shots = fired = Shots((), ()) if shots is None else shots
     check_shots(fired, one_kind=True)
     _check(asked, simulate)
-    limit = ballistic_limit(scenario)
+    limit = ballistic_limit(scenario, on_progress=on_progress)
     prior = prior_of(scenario, limit.ballistic_limit_m_s, scatter_percent, scatter_factor)
     if prior is None and procedure == "bayesian":
         raise no_prior(scenario, "; or choose the procedure up-and-down, or neyer or langlie with limits of V50")
@@ -288,7 +294,7 @@ def plan_shots(
     if simulate:
         dice = np.random.default_rng(seed)
         truth = _truth(asked, prior, fired, dice)
-        fired = simulated(procedure, fired, settings, truth, dice)
+        fired = simulated(procedure, fired, settings, truth, dice, on_progress)
     rule = PROCEDURES[procedure]
     stopped = rule.stopped(fired, settings)
     aim = None if stopped else rule.next_velocity(fired, settings)
@@ -414,7 +420,12 @@ def _truth(asked: _Settings, prior: FiringPrior | None, fired: Shots, dice: np.r
 
 
 def simulated(
-    procedure: str, fired: Shots, settings: ShotSettings, truth: tuple[float, float], dice: np.random.Generator
+    procedure: str,
+    fired: Shots,
+    settings: ShotSettings,
+    truth: tuple[float, float],
+    dice: np.random.Generator,
+    on_progress: OnProgress = ignore_progress,
 ) -> Shots:
     """Return shots with those that are simulated until the procedure ends the firing."""
     rule = PROCEDURES[procedure]
@@ -424,6 +435,7 @@ def simulated(
         velocity = aimed(rule.next_velocity(fired, settings).velocity_m_s)
         result = bool(dice.normal(*truth) < velocity)
         fired = Shots((*fired.velocities_m_s, velocity), (*fired.complete, result), fired.file, fired.names)
+        on_progress(1, None)
     return fired
 
 

@@ -8,7 +8,7 @@ from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, not_mo
 from armour.analysis.confidence import ConfidenceResult, of_limit, without_limit
 from armour.analysis.energy import EnergyBalance, energy_balance
 from armour.analysis.impact import ImpactResult, simulate
-from armour.analysis.variants import OnProgress, ignore_progress
+from armour.analysis.progress import OnProgress, ignore_progress
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import NoLimitError
 from armour.scenario.applicability import is_excluded, model_error

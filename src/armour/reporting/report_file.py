@@ -4,7 +4,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from armour.analysis.variants import OnProgress, ignore_progress
+from armour.analysis.progress import OnProgress, ignore_progress
 from armour.errors import refuse
 from armour.files import unwritable, write_atomic, wrong_ending
 from armour.reporting.report import Report

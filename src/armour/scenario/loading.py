@@ -314,11 +314,17 @@ def _based(
 
 
 def scenario_schema() -> dict[str, Any]:
-    """Return the JSON Schema of a scenario file, for editors.
+    """Return the JSON Schema of a scenario file, with the meaning of each key, for editors.
 
     It does not cover names of the library, nor conditions on several keys.
     """
+    # Imported here because only this function needs them.
+    from armour.scenario.meanings import MEANINGS
+
     schema = Scenario.model_json_schema()
+    for section in (schema, *schema["$defs"].values()):
+        for key, content in section.get("properties", {}).items():
+            content["description"] = MEANINGS[key]
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "armour scenario"}
 
 

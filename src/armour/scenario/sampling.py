@@ -1,6 +1,6 @@
 """Samples of uncertain inputs: points of the unit cube, quantiles of the distributions and a Gaussian copula."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from math import exp, hypot, log, log1p, sqrt
 from typing import Any
@@ -69,16 +69,13 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, own: float) 
     """
     if distribution.mean_problem(own):
         return np.full(np.shape(probabilities), own)
-    whole = _untruncated(distribution, own)
-    low, high = _ends(distribution)
-    # A distribution function that is near 1 has no digits left for the upper tail.
-    upper = whole.cdf(low) > 0.5
-    chance, value = (whole.sf, whole.isf) if upper else (whole.cdf, whole.ppf)
+    value, start, end = _truncated(distribution, own)
     parts = np.asarray(probabilities)
-    found: Floats = np.clip(value((1.0 - parts) * chance(low) + parts * chance(high)), low, high)
+    found: Floats = np.clip(value((1.0 - parts) * start + parts * end), *_ends(distribution))
     return found
 
 
+@lru_cache(maxsize=64)
 def truncation_problem(distribution: Distribution, own: float) -> str:
     """Return why a distribution has no values between its min and max; "" if it has."""
     whole = _untruncated(distribution, own)
@@ -107,7 +104,18 @@ def _ends(distribution: Distribution) -> tuple[float, float]:
     return low, np.inf if distribution.max is None else distribution.max
 
 
-# Designs are sampled one after the other, and scipy takes long to make a distribution.
+# Designs are sampled one after the other, and scipy takes long to make a distribution and to ask it.
+@lru_cache(maxsize=64)
+def _truncated(distribution: Distribution, own: float) -> tuple[Callable[[Floats], Any], float, float]:
+    """Return the inverse of a distribution function or, for an upper tail, of its complement, and both their ends."""
+    whole = _untruncated(distribution, own)
+    low, high = _ends(distribution)
+    # A distribution function that is near 1 has no digits left for the upper tail.
+    upper = whole.cdf(low) > 0.5
+    chance, value = (whole.sf, whole.isf) if upper else (whole.cdf, whole.ppf)
+    return value, chance(low), chance(high)
+
+
 @lru_cache(maxsize=64)
 def _untruncated(distribution: Distribution, own: float) -> Any:
     """Return the distribution of scipy, without truncation."""

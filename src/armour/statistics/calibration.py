@@ -10,8 +10,9 @@ import numpy as np
 from scipy.stats import t
 
 from armour.analysis.estimates import CONFIDENCE
+from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import TableResult, by_column
-from armour.analysis.variants import Bools, Floats, OnProgress, ignore_progress, outside_limits, variants_of
+from armour.analysis.variants import Bools, Floats, outside_limits, variants_of
 from armour.errors import InputError, Problem, choices
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_sequence, check_types

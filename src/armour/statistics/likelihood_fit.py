@@ -13,8 +13,9 @@ from scipy.stats import chi2, norm, t
 
 from armour.analysis.answers import Answers
 from armour.analysis.estimates import CONFIDENCE
+from armour.analysis.progress import OnProgress
 from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import Bools, Floats, OnProgress, Variants, perforated, variants_of
+from armour.analysis.variants import Bools, Floats, Variants, perforated, variants_of
 from armour.errors import InputError, Problem, refuse
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.loading import Scenario

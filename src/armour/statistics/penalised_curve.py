@@ -1,8 +1,8 @@
 """Probability of complete penetration over velocity, fitted to shots by Firth's penalised maximum likelihood.
 
 The likelihood of P = F(a + b x) is multiplied by the Jeffreys prior, the square root of the determinant of the Fisher
-information of a and b (Firth, Biometrika 80 (1993), 27-38; Heinze and Schemper, Stat. Med. 21 (2002), 2409-2419).  Its
-maximum is finite where the shots separate, too.  The intervals are those of the profile of the penalised likelihood.
+information of a and b [Firth1993], [Heinze2002].  Its maximum is finite where the shots separate, too.  The intervals
+are those of the profile of the penalised likelihood.
 """
 
 from collections.abc import Callable, Sequence

@@ -8,18 +8,11 @@ from typing import Any
 import numpy as np
 
 from armour.analysis.answers import Answers
+from armour.analysis.progress import OnProgress, ignore_progress, portions
 from armour.analysis.results import TableResult, by_column
 from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import (
-    Floats,
-    OnProgress,
-    Variants,
-    concatenated,
-    grid_of,
-    ignore_progress,
-    variants_of,
-)
-from armour.design.free import least_areal_densities
+from armour.analysis.variants import Floats, Variants, concatenated, grid_of, variants_of
+from armour.design.free import least_areal_densities, searches_of
 from armour.errors import NoAnswerError
 from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
@@ -91,7 +84,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     ----------
     scenario : Scenario
     on_progress : callable, optional
-        Called with the number of designs searched for since the last call, and None, as their total is not known.
+        Called with the number of limits and of least designs searched for since the last call, and that of all.
 
     Returns
     -------
@@ -142,15 +135,21 @@ def _answers(scenario: Scenario, variants: Variants, on_progress: OnProgress) ->
     The first variant is the scenario itself; the ballistic limits of the others are accurate to a finer tolerance.
     """
     impacts = Answers(variants)
-    limits = ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S)
+    total = count = len(variants.velocities)
+    if scenario.optimise is not None:
+        grid_of(scenario)
+        total += searches_of(variants)
+    limits = np.empty(count)
+    for part in portions(count, count):
+        limits[part] = ballistic_limits(variants.at(part), tolerance=LIMIT_TOLERANCE_M_S)
+        on_progress(part.stop - part.start, total)
     limits[:1] = ballistic_limits(variants.at(np.arange(1)))
     answers = {
         LIMIT: limits,
         RESIDUAL: np.where(impacts.perforated, impacts.residual_velocities, np.nan),
     }
     if scenario.optimise is not None:
-        grid_of(scenario)
-        answers[OPTIMUM] = least_areal_densities(variants, on_progress)
+        answers[OPTIMUM] = least_areal_densities(variants, lambda done, _: on_progress(done, total))
     return answers
 
 

@@ -56,7 +56,7 @@ def _explained(moments: Floats) -> Floats:
 def total_indices(
     function: Callable[[Floats], Floats], places: Sequence[int], inputs: int, samples: int, seed: int
 ) -> list[Estimate]:
-    """Estimate the total index of some of the inputs, which are independent, by the estimator of Jansen.
+    """Estimate the total index of some of the inputs, which are independent, by the estimator of [Jansen1999].
 
     The function maps points of the unit cube, (n, inputs), to values, (n,); the number of samples is a power of 2.
     """

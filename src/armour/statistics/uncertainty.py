@@ -8,17 +8,11 @@ from typing import Any
 import numpy as np
 
 from armour.analysis.estimates import CONFIDENCE, Estimate, mean_of_replicates, proportion_of_replicates
+from armour.analysis.progress import OnProgress, ignore_progress, portions
 from armour.analysis.results import TableResult
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.uncertain_inputs import Samples, own_values, sampled, section_of
-from armour.analysis.variants import (
-    Bools,
-    Floats,
-    OnProgress,
-    ignore_progress,
-    perforated,
-    portions,
-)
+from armour.analysis.variants import Bools, Floats, Variants, perforated
 from armour.errors import NoLimitError
 from armour.scenario.applicability import is_excluded, model_error, unused_threats, warnings_of
 from armour.scenario.distributions import Uncertainty
@@ -38,6 +32,9 @@ CURVE_POINTS = 121
 INDEX_DIVISOR, MIN_INDEX_SAMPLES, MAX_INDEX_SAMPLES = 4, 256, 2**16
 # Samples that are computed at a time, which bounds the memory.
 SAMPLES_AT_A_TIME = 2**12
+
+# Called with the number of samples computed since the last call.
+OnSamples = Callable[[int], None]
 
 
 @dataclass(frozen=True)
@@ -166,9 +163,9 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     total = section.samples + index_samples(section) * (len(_ranked(section)) + 1)
     hits, limits = np.empty(section.samples, dtype=bool), np.empty(section.samples)
     for part, samples in _in_portions(scenario, section, points):
-        hits[part] = perforated(samples.variants)
-        limits[part] = sample_limits(samples)
-        on_progress(part.stop - part.start, total)
+        for some, rows in _in_parts(samples, lambda count: on_progress(count, total), part.start):
+            hits[some], limits[some] = perforated(rows), ballistic_limits(rows)
+        limits[part] = _checked(samples, limits[part])
     deterministic = float(sample_limits(sampled(scenario, {}, 1))[0])
     mean = mean_of_replicates(np.array([part.mean() for part in np.array_split(limits, REPLICATES)]))
     return UncertaintyResult(
@@ -199,8 +196,8 @@ def probability_of_perforation(scenario: Scenario, *, on_progress: OnProgress = 
     section = section_of(scenario)
     hits = np.empty(section.samples, dtype=bool)
     for part, samples in _in_portions(scenario, section, points_of(section)):
-        hits[part] = perforated(samples.variants)
-        on_progress(part.stop - part.start, section.samples)
+        for some, rows in _in_parts(samples, lambda count: on_progress(count, section.samples), part.start):
+            hits[some] = perforated(rows)
     return _share(hits)
 
 
@@ -223,15 +220,30 @@ def _unknown(scenario: Scenario) -> tuple[str, ...]:
 
 
 def _in_portions(scenario: Scenario, section: Uncertainty, points: Floats) -> Iterator[tuple[slice, Samples]]:
-    """Yield the parts of points of the unit cube, (n, inputs), and their samples."""
+    """Yield the portions of points of the unit cube, (n, inputs), and their samples, which are checked together."""
     own = own_values(scenario)
-    for part in portions(len(points), SAMPLES_AT_A_TIME):
+    for start in range(0, len(points), SAMPLES_AT_A_TIME):
+        part = slice(start, min(start + SAMPLES_AT_A_TIME, len(points)))
         yield part, sampled(scenario, columns_of(section, own, points[part]), part.stop - part.start)
 
 
-def sample_limits(samples: Samples) -> Floats:
+def _in_parts(samples: Samples, on_samples: OnSamples, start: int = 0) -> Iterator[tuple[slice, Variants]]:
+    """Yield the parts of samples that are computed together, from a start on, and count them when they are."""
+    for part in portions(len(samples.variants.velocities), SAMPLES_AT_A_TIME):
+        yield slice(start + part.start, start + part.stop), samples.variants.at(part)
+        on_samples(part.stop - part.start)
+
+
+def sample_limits(samples: Samples, on_samples: OnSamples = lambda _: None) -> Floats:
     """Return the ballistic limit of each sample, m/s; every sample must have one in the range of the search."""
-    limits = ballistic_limits(samples.variants)
+    limits = np.empty(len(samples.variants.velocities))
+    for part, rows in _in_parts(samples, on_samples):
+        limits[part] = ballistic_limits(rows)
+    return _checked(samples, limits)
+
+
+def _checked(samples: Samples, limits: Floats) -> Floats:
+    """Return limits of samples by the model, all of which must have been found, with the error of the model."""
     missing = int(np.isnan(limits).sum())
     if missing:
         search = samples.variants.settings.ballistic_limit
@@ -286,9 +298,7 @@ def index_samples(section: Uncertainty) -> int:
     return min(max(MIN_INDEX_SAMPLES, part), MAX_INDEX_SAMPLES)
 
 
-def influences(
-    scenario: Scenario, points: Floats, limits: Floats, on_samples: Callable[[int], None]
-) -> tuple[Influence, ...]:
+def influences(scenario: Scenario, points: Floats, limits: Floats, on_samples: OnSamples) -> tuple[Influence, ...]:
     """Estimate the influence of each input on the ballistic limit, from its samples and samples of its own."""
     section, own = section_of(scenario), own_values(scenario)
     names, inputs = _ranked(section), list(section.inputs())
@@ -298,8 +308,7 @@ def influences(
     def limits_at(points: Floats) -> Floats:
         found = np.empty(len(points))
         for part, samples in _in_portions(scenario, section, points):
-            found[part] = sample_limits(samples)
-            on_samples(part.stop - part.start)
+            found[part] = sample_limits(samples, on_samples)
         return found
 
     ends = {name: np.full(2 * len(names), own[name]) for name in names}

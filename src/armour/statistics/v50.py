@@ -1,6 +1,6 @@
-"""V50 from firing results: the mean of MIL-STD-662F, maximum likelihood and penalised likelihood."""
+"""V50 from firing results: the mean of MIL-STD-662F [DoD1997], maximum likelihood and penalised likelihood."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import inf
 from numbers import Real
@@ -12,6 +12,7 @@ from pydantic import Field
 
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE
+from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import TableResult, by_column
 from armour.errors import InputError, Problem, refuse, suggestion
 from armour.scenario.loading import Scenario
@@ -224,6 +225,7 @@ def v50(
     span_m_s: float | None = None,
     confidence: float = CONFIDENCE,
     prior: bool = False,
+    on_progress: OnProgress = ignore_progress,
 ) -> FiringResult:
     """Estimate V50 from firing results.
 
@@ -243,6 +245,8 @@ def v50(
         Confidence level of the intervals, 0.5 to 0.9999.
     prior : bool
         Whether to add the posterior of V50 whose prior is the scenario's ballistic limit with the error of the model.
+    on_progress : callable, optional
+        Called with the number of impacts computed since the last call, and None, as their total is not known.
 
     Returns
     -------
@@ -257,7 +261,12 @@ def v50(
         If the complete penetrations were no faster on average than the partial ones, unless there is a prior, or the
         scenario has no ballistic limit.
     """
-    check_types("v50", shots=(shots, Shots), scenario=(scenario, (Scenario, NoneType)))
+    check_types(
+        "v50",
+        shots=(shots, Shots),
+        scenario=(scenario, (Scenario, NoneType)),
+        on_progress=(on_progress, Callable),
+    )
     validated(_Settings, {"pairs": pairs, "span_m_s": span_m_s, "confidence": confidence}, "v50")
     if span_m_s is None and pairs is not None and pairs not in SPANS_M_S:
         message = f"must be given for {pairs} pairs; a span is usual with 2, 3 and 5 only"
@@ -269,7 +278,7 @@ def v50(
     # With a prior, shots that have no curve tell something, too.
     curved = not prior or (bool(partial and complete) and sum(complete) * len(partial) > sum(partial) * len(complete))
     fits = tuple(fit_curve(partial, complete, link, confidence) for link in LINKS) if curved else ()
-    model = None if scenario is None else ballistic_limit(scenario)
+    model = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     penalised = (
         tuple(fit for link in LINKS if (fit := fit_penalised(partial, complete, link, confidence))) if curved else ()
     )

@@ -2,11 +2,11 @@
 
 import csv
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from hashlib import sha256
-from itertools import islice
+from itertools import islice, repeat
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -70,10 +70,15 @@ class Grid:
         """A hash of keys and values."""
         return sha256(repr(self.axes).encode()).hexdigest()
 
-    def chunks(self, size: int) -> Iterator[dict[str, Any]]:
-        """Yield the combinations as columns by key, ``size`` rows at a time."""
-        for start in range(0, self.count, size):
-            yield self._rows(np.arange(start, min(start + size, self.count)))
+    def chunks(self, sizes: Iterable[int]) -> Iterator[dict[str, Any]]:
+        """Yield the combinations as columns by key, in chunks of numbers of rows."""
+        start = 0
+        for size in sizes:
+            if start == self.count:
+                return
+            stop = min(start + size, self.count)
+            yield self._rows(np.arange(start, stop))
+            start = stop
 
     def sample(self, size: int) -> dict[str, Any]:
         """Return some rows spread over the grid, as columns by key."""
@@ -105,7 +110,7 @@ class Cases:
         self.keys: tuple[str, ...] = ()
         self.count = 0
         self.digest = ""
-        for columns in self.chunks(BLOCK):
+        for columns in self.chunks(repeat(BLOCK)):
             self.keys = tuple(columns)
             self.count += len(columns[self.keys[0]])
         if not self.count:
@@ -113,15 +118,15 @@ class Cases:
 
     def sample(self, size: int) -> dict[str, Any]:
         """Return some rows as columns by key."""
-        return next(self.chunks(size))
+        return next(self.chunks(repeat(size)))
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:
         """Return a problem in a row, counted from a row at which a chunk starts, with its line."""
         number, _ = next(islice(self._lines(len), start + row + 1, None))
         return Problem(str(self.path), f"line {number}", f"{problem.key}: {problem.message}")
 
-    def chunks(self, size: int) -> Iterator[dict[str, Any]]:
-        """Yield the rows as columns by key, ``size`` rows at a time; notice at the end if the file has changed."""
+    def chunks(self, sizes: Iterable[int]) -> Iterator[dict[str, Any]]:
+        """Yield the rows as columns by key, in chunks of numbers of rows; notice at the end if the file has changed."""
         found = sha256()
         count = 0
         lines = self._lines(found.update)
@@ -130,9 +135,13 @@ class Cases:
             keys = self._keys(*header)
             if self.digest and keys != self.keys:
                 raise self._error("", "must not change during the sweep, found another header")
-            while block := list(islice(lines, size)):
+            for size in sizes:
+                block = list(islice(lines, size))
+                if not block:
+                    break
                 count += len(block)
                 yield self._columns(block, keys)
+        count += sum(1 for _ in lines)
         if self.digest and (self.digest, self.count) != (found.hexdigest(), count):
             raise self._error("", f"must not change during the sweep: it had {self.count:,} rows, and has {count:,}")
         self.digest = found.hexdigest()

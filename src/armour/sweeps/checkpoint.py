@@ -3,13 +3,15 @@
 A folder beside the output, named after it with the suffix ``.parts``, holds
 
 * ``lock``, locked by the process at work; the system unlocks it when that process ends;
-* ``job``, what the chunks belong to: the job, the format of the table and the number of rows of a chunk;
-* ``00000000.chunk`` and so on, each a line with its number of rows and two checksums, and then its rows;
+* ``job``, what the chunks belong to: the job and the format of the table;
+* ``0000000000000.chunk`` and so on, each named after its first row, counted from 0: a line with its number of rows and
+  two checksums, and then its rows;
 * ``whole``, the table while it is joined;
 * ``joined``, the checksum of the joined table: after a kill, it tells that the output is this table.
 
 Files are written under another name, synced and renamed: a kill at any instant leaves each of them whole or missing.
 The checksum of a chunk covers its job, place and content, so that a damaged, exchanged or foreign one is noticed.
+Chunks have any number of rows: a process that resumes a job computes what is missing between them in chunks of its own.
 """
 
 import json
@@ -24,7 +26,7 @@ from armour.errors import InputError, Problem, refuse
 from armour.files import reason, sync_folder, unwritable, wrong_ending
 from armour.sweeps.job import Job, differences
 from armour.sweeps.lock import holds, locked, unlock
-from armour.sweeps.tables import count_rows, encoded, is_csv, join
+from armour.sweeps.tables import count_rows, is_csv, join
 
 RESUME = "repeat the same command to resume"
 
@@ -36,7 +38,9 @@ class DamagedError(Exception):
     """A chunk on disk is not what was written."""
 
 
-class _Chunk(NamedTuple):
+class Chunk(NamedTuple):
+    """A chunk on disk."""
+
     rows: int
     source: str  # hash of the values that the rows were computed for
     content: bytes
@@ -50,8 +54,8 @@ def parts_of(output: Path) -> Path:
 class Store:
     """Chunks of a table, CSV or Parquet by the suffix of its file, open to one process at a time.
 
-    ``size`` is the number of rows of a chunk, None until `begin` where the job is not begun.  ``finished`` is the
-    number of rows of the output once it is this job's.  With ``replace`` it takes the place of an older file.
+    ``begun`` tells whether an earlier process began the job.  ``finished`` is the number of rows of the output once it
+    is this job's.  With ``replace`` it takes the place of an older file.
     """
 
     def __init__(self, output: Path, job: Job, *, replace: bool = False) -> None:
@@ -59,7 +63,7 @@ class Store:
         refuse(wrong_ending(output, (".csv", ".parquet")))
         self.is_csv = is_csv(output)
         self.job = {**job, "format": "CSV" if self.is_csv else "Parquet"}
-        self.size: int | None = None
+        self.begun = False
         self.finished: int | None = None
 
     def __enter__(self) -> "Store":
@@ -79,35 +83,34 @@ class Store:
     def __exit__(self, *_error: object) -> None:
         self._close()
 
-    def begin(self, size: int) -> int:
-        """Start with chunks of a number of rows, or go on with that of the chunks on disk; return the number."""
-        if self.size is None:
-            self.size = size
+    def begin(self) -> None:
+        """Start a job that is not begun."""
+        if not self.begun:
             with self._disk():
-                self._write("job", json.dumps({**self.job, "size": size}).encode())
+                self._write("job", json.dumps(self.job).encode())
                 sync_folder(self.output.parent)
-        return self.size
 
-    def has(self, index: int, values: Mapping[str, Any]) -> bool:
-        """Return whether the chunk for values by key is on disk; raise a DamagedError if it is, but is not intact."""
-        if not self._path(index).exists():
-            return False
-        if self._chunk(index).source != _hash_of(values):
-            raise DamagedError(self._path(index))
-        return True
+    def starts(self) -> list[int]:
+        """Return the first rows of the chunks on disk, ascending."""
+        return sorted(int(path.stem) for path in self.folder.glob("*.chunk") if path.stem.isdecimal())
 
-    def save(self, index: int, values: Mapping[str, Any], results: Mapping[str, Any]) -> None:
-        """Write a chunk: values by key, and what was computed for them."""
-        content = encoded({**values, **results}, as_csv=self.is_csv, header=index == 0)
-        rows = len(next(iter(values.values())))
-        source = _hash_of(values)
-        head = f"{rows} {source} {self._checksum(index, rows, source, content)}\n"
+    def path(self, start: int) -> Path:
+        """Return the file of the chunk of a first row."""
+        return self.folder / f"{start:013d}.chunk"
+
+    def chunk(self, start: int) -> Chunk | None:
+        """Read the chunk of a first row, None if it is not on disk; raise a DamagedError if it is not intact."""
+        return self._chunk(start) if self.path(start).exists() else None
+
+    def save(self, start: int, rows: int, source: str, content: bytes) -> None:
+        """Write a chunk, given its first row, number of rows and content, and the hash of the values behind it."""
+        head = f"{rows} {source} {self._checksum(start, rows, source, content)}\n"
         with self._disk():
             self._check_folder()
-            self._write(self._path(index).name, head.encode() + content)
+            self._write(self.path(start).name, head.encode() + content)
 
-    def finish(self, count: int, rows: int) -> int:
-        """Join n chunks into the output, which must have a number of rows, and return the number that it has.
+    def finish(self, rows: int) -> int:
+        """Join the chunks into the output, which must have a number of rows, and return the number that it has.
 
         Raise a DamagedError if a chunk is not what was written.
         """
@@ -115,8 +118,7 @@ class Store:
         with self._disk():
             try:
                 with whole.open("wb") as file:
-                    chunks = (self._chunk(index).content for index in range(count))
-                    join(file, chunks, as_csv=self.is_csv)
+                    join(file, self._contents(rows), as_csv=self.is_csv)
                     file.flush()
                     os.fsync(file.fileno())
                 if (found := count_rows(whole, as_csv=self.is_csv)) != rows:
@@ -131,32 +133,35 @@ class Store:
             self.finished = found
         return found
 
-    def chunks(self) -> int:
-        """Return the number of chunks on disk."""
-        return len(list(self.folder.glob("*.chunk")))
+    def rows(self) -> int:
+        """Return the number of rows in the chunks on disk."""
+        count = 0
+        for start in self.starts():
+            with suppress(OSError, ValueError, IndexError), self.path(start).open("rb") as file:
+                count += int(file.readline().split()[0])
+        return count
 
     def _open(self) -> None:
         """Check that the folder and the output are this job's, or free."""
-        if self.chunks():
-            self.size = self._read_job()
+        if self.starts():
+            self._check_job()
         elif strange := [path for path in self.folder.iterdir() if not any(map(path.match, (*_FILES, "lock")))]:
             message = f"holds files of something else, {strange[0].name} for one; choose another output, or move them"
             raise _problem(self.folder, message)
         else:
             with suppress(InputError):  # what a process left that was killed before its first chunk
-                self.size = self._read_job()
+                self._check_job()
         if self.folder.stat().st_dev != self.output.parent.stat().st_dev:
             raise _problem(self.folder, f"must be on the file system of {self.output.parent}, to which it is moved")
         self.finished = self._rows_of_output()
         if self.finished is None:
             self._check_output()
 
-    def _read_job(self) -> int:
-        """Return the number of rows of a chunk of the job on disk, which must be this one."""
+    def _check_job(self) -> None:
+        """Check that the job on disk is this one."""
         try:
-            job = json.loads((self.folder / "job").read_bytes())
-            size = int(job["size"])
-        except (FileNotFoundError, ValueError, KeyError, TypeError):
+            job = dict(json.loads((self.folder / "job").read_bytes()))
+        except (FileNotFoundError, ValueError, TypeError):
             message = "does not say which sweep it belongs to; remove the folder to start anew"
             raise _problem(self.folder / "job", message) from None
         if others := differences(self.job, job):
@@ -165,7 +170,7 @@ class Store:
                 "finish that with its own command and program, or remove the folder to start anew"
             )
             raise _problem(self.folder, message)
-        return size
+        self.begun = True
 
     def _rows_of_output(self) -> int | None:
         """Return the rows of the output if a process of this job wrote it and was killed before it removed the rest."""
@@ -184,19 +189,27 @@ class Store:
                 found.update(block)
         return f"{rows} {found.hexdigest()}".encode()
 
-    def _chunk(self, index: int) -> _Chunk:
+    def _contents(self, rows: int) -> Iterator[bytes]:
+        """Yield the contents of the chunks of a number of rows."""
+        start = 0
+        while start < rows:
+            chunk = self._chunk(start)
+            yield chunk.content
+            start += chunk.rows
+
+    def _chunk(self, start: int) -> Chunk:
         """Read a chunk and verify it."""
         try:
-            head, _, content = self._path(index).read_bytes().partition(b"\n")
+            head, _, content = self.path(start).read_bytes().partition(b"\n")
             rows, source, checksum = head.decode("ascii").split(" ")
-            if checksum == self._checksum(index, int(rows), source, content):
-                return _Chunk(int(rows), source, content)
+            if checksum == self._checksum(start, int(rows), source, content):
+                return Chunk(int(rows), source, content)
         except (OSError, ValueError):
             pass
-        raise DamagedError(self._path(index))
+        raise DamagedError(self.path(start))
 
-    def _checksum(self, index: int, rows: int, source: str, content: bytes) -> str:
-        found = sha256(f"{json.dumps(self.job)} {self.size} {index} {rows} {source}\n".encode())
+    def _checksum(self, start: int, rows: int, source: str, content: bytes) -> str:
+        found = sha256(f"{json.dumps(self.job)} {start} {rows} {source}\n".encode())
         found.update(content)
         return found.hexdigest()
 
@@ -209,9 +222,6 @@ class Store:
             os.fsync(file.fileno())
         part.replace(self.folder / name)
         sync_folder(self.folder)
-
-    def _path(self, index: int) -> Path:
-        return self.folder / f"{index:08d}.chunk"
 
     def _check_folder(self) -> None:
         if not holds(self._lock, self.folder):
@@ -226,7 +236,7 @@ class Store:
         """Remove the folder if the output is written or no chunk is, and unlock it."""
         unused = False
         with suppress(OSError):
-            unused = holds(self._lock, self.folder) and (self.finished is not None or not self.chunks())
+            unused = holds(self._lock, self.folder) and (self.finished is not None or not self.starts())
             if unused:
                 for path in (path for pattern in _FILES for path in self.folder.glob(pattern)):
                     path.unlink()
@@ -240,11 +250,12 @@ class Store:
         except OSError as error:
             message = f"cannot be written: {reason(error)}"
             with suppress(OSError):
-                message += f"; what is done is kept, {RESUME}" if self.chunks() else ""
+                message += f"; what is done is kept, {RESUME}" if self.starts() else ""
             raise _problem(error.filename or self.output, message) from None
 
 
-def _hash_of(values: Mapping[str, Any]) -> str:
+def hash_of(values: Mapping[str, Any]) -> str:
+    """Return a hash of columns by key."""
     found = sha256(repr(list(values)).encode())
     for column in values.values():
         found.update(column.tobytes())

@@ -1,6 +1,5 @@
 """Sweeps in Python: from values by key to columns, in memory or in a file."""
 
-from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -15,9 +14,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from armour.analysis.evaluate import evaluate, groups_of
-from armour.analysis.quantities import reads_of
+from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import TableResult, same_columns
-from armour.analysis.variants import Floats, OnProgress, ignore_progress, outside_limits
+from armour.analysis.variants import Floats
 from armour.errors import InputError, Problem, choices
 from armour.files import reason
 from armour.scenario.loading import Scenario
@@ -187,7 +186,7 @@ def sweep(
         if source.count > MAX_ROWS:
             message = f"must be given for more than {MAX_ROWS:,} rows, found {source.count:,}"
             raise InputError([Problem("sweep", "output", message)])
-        [columns] = source.chunks(source.count)
+        [columns] = source.chunks([source.count])
         in_chunks.check(scenario, source, names)
         try:
             computed = {**columns, **evaluate(scenario, columns, names, threads)}
@@ -245,8 +244,6 @@ def _axis(key: str, values: object) -> Axis:
 
 def _outside(scenario: Scenario, columns: Mapping[str, Floats], quantities: Sequence[str]) -> list[str]:
     """Return the limits of what the model was compared with that rows lie outside of."""
-    outside: Counter[str] = Counter()
-    for group in groups_of(scenario, columns):
-        outside.update(dict(outside_limits(group.variants, velocities="impact" in reads_of(quantities))))
+    outside = in_chunks.outside_of(groups_of(scenario, columns), quantities)
     rows = len(next(iter(columns.values())))
-    return [f"{limit}; this concerns {number:,} of {rows:,} rows" for limit, number in outside.items()]
+    return [f"{limit}; this concerns {number:,} of {rows:,} rows" for limit, number in sorted(outside.items())]

@@ -3,18 +3,18 @@
 import asyncio
 import logging
 import pickle
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import islice
+from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import armour
-from armour.analysis.evaluate import evaluate_groups
 from armour.errors import ArmourError, InputError, Problem
 from armour.sweeps.checkpoint import RESUME
 from armour.sweeps.job import program
-from armour.sweeps.sweep import Chunks, Compute, Results
+from armour.sweeps.sweep import Compute, Part, Question, Rows, computed
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -90,48 +90,49 @@ def check_identity(found: object, expected: tuple[str, str], worker: str) -> Non
         raise _error(message)
 
 
-def evaluated(groups: bytes, quantities: Sequence[str], expected: tuple[str, str]) -> dict[str, Any]:
-    """Evaluate pickled groups of rows on a worker, which must run the expected program."""
+def computed_there(question: bytes, rows: bytes, expected: tuple[str, str]) -> Part:
+    """Compute a part of a table for pickled arguments on a worker, which must run the expected program."""
     from distributed import get_worker
 
     check_identity(identity(), expected, get_worker().address)
-    return evaluate_groups(pickle.loads(groups), quantities, threads=1)
+    return computed(pickle.loads(question), pickle.loads(rows), threads=1)
 
 
 def on_cluster(client: "Client") -> Compute:
     """Compute chunks on a cluster; the chunks of a worker that dies are tried again."""
-    from distributed import wait
-
     threads = max(sum(client.nthreads().values()), 1)
 
-    def run(chunks: Chunks, quantities: Sequence[str]) -> Results:
+    def run(question: Question, chunks: Iterator[Rows]) -> Iterator[tuple[int, Part]]:
+        # As bytes, which a worker of another version does not read.
+        pickled = pickle.dumps(question)
         running: dict[Any, int] = {}
+        done: SimpleQueue[Any] = SimpleQueue()
 
         def submit(count: int) -> None:
-            for index, groups in islice(chunks, count):
-                # As bytes, which a worker of another version does not read.
+            for rows in islice(chunks, count):
                 with _answering():
-                    future = client.submit(evaluated, pickle.dumps(groups), tuple(quantities), identity(), pure=False)
-                running[future] = index
+                    future = client.submit(computed_there, pickled, pickle.dumps(rows), identity(), pure=False)
+                running[future] = rows.start
+                future.add_done_callback(done.put)
 
         submit(CHUNKS_AHEAD * threads)
         seen = monotonic()
         while running:
-            with _answering():
-                try:
-                    done = wait(list(running), timeout=1.0, return_when="FIRST_COMPLETED").done
-                except TimeoutError:
-                    done = set()
-                if done or client.nthreads():
-                    seen = monotonic()
-            if monotonic() - seen > TIMEOUT_S:
-                raise _error(f"lost all workers; start others, then {RESUME}")
-            for future in done:
+            try:
+                future = done.get(timeout=1.0)
+            except Empty:
                 with _answering():
-                    result = future.result()
-                    future.release()
-                yield running.pop(future), result
-                submit(1)
+                    if client.nthreads():
+                        seen = monotonic()
+                if monotonic() - seen > TIMEOUT_S:
+                    raise _error(f"lost all workers; start others, then {RESUME}") from None
+                continue
+            seen = monotonic()
+            with _answering():
+                part = future.result()
+                future.release()
+            yield running.pop(future), part
+            submit(1)
 
     return Compute(run, threads=1, workers=threads)
 

@@ -1,7 +1,8 @@
-"""What a sweep takes: its time and space, from some of its rows, and from them the rows of a chunk."""
+"""What a sweep takes: its time and space, from some of its rows, and the rows of its chunks."""
 
 import shutil
 from collections.abc import Sequence
+from itertools import repeat
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
@@ -14,6 +15,8 @@ from armour.sweeps.tables import encoded
 # A chunk takes about this time, so that a kill costs little, and has at most so many rows.
 CHUNK_S = 1.0
 MAX_CHUNK = 100_000
+# By what factor chunks grow at most from one to the next.
+MAX_GROWTH = 2.0
 # Samples grow until one takes this time.
 SAMPLE_S = 0.1
 SAMPLES = (1, 4, 32, 256, 2048)
@@ -26,7 +29,7 @@ class Plan(NamedTuple):
     """Work of a sweep."""
 
     rows: int
-    chunk_rows: int
+    row_s: float  # on one worker
     seconds: float
     bytes: float  # of the output, or more if it is Parquet
     free_bytes: int  # on its disk
@@ -47,6 +50,26 @@ class Plan(NamedTuple):
         return self.seconds > LONG_S or self.rows > MANY_ROWS or not self._fits
 
 
+class Pace:
+    """Rows of the next chunk, so that it takes about a second, from the time of a row in the last one.
+
+    Chunks grow step by step, as the rows that follow may be slower; they shrink at once.
+    """
+
+    def __init__(self, row_s: float, size: int | None = None) -> None:
+        self.row_s = row_s
+        self.size = size  # where it is fixed
+
+    @property
+    def rows(self) -> int:
+        """Number of rows of the next chunk."""
+        return self.size or int(min(max(CHUNK_S / self.row_s, 1.0), MAX_CHUNK))
+
+    def note(self, rows: int, seconds: float) -> None:
+        """Take note of the time of a chunk."""
+        self.row_s = max(seconds / rows, self.row_s / MAX_GROWTH)
+
+
 def plan_of(
     scenario: Scenario,
     source: Grid | Cases,
@@ -64,7 +87,7 @@ def plan_of(
         start = perf_counter()
         results = evaluate_groups(groups, quantities, threads)
         # Rows of a chunk follow each other, and share more scenarios than rows from all over the source.
-        groups_of(scenario, next(source.chunks(number)))
+        groups_of(scenario, next(source.chunks(repeat(number))))
         taken = perf_counter() - start
         rows = len(columns[source.keys[0]])
         # The first row also loads the compiled code.
@@ -72,9 +95,8 @@ def plan_of(
         bytes_each = len(encoded({**columns, **results}, as_csv=True)) / rows
         if rows < number or (number > 1 and taken > SAMPLE_S):
             break
-    chunk_rows = min(max(int(CHUNK_S / each), 1), MAX_CHUNK)
     free = shutil.disk_usage(output.parent).free
-    return Plan(source.count, chunk_rows, each * source.count / workers, bytes_each * source.count, free)
+    return Plan(source.count, each, each * source.count / workers, bytes_each * source.count, free)
 
 
 def size(count: float) -> str:

@@ -1,36 +1,61 @@
 """Sweeps: quantities of a scenario for many rows of values, computed in chunks."""
 
+from bisect import bisect_right
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
+from itertools import repeat
 from pathlib import Path
+from time import perf_counter
 from typing import Any, NamedTuple
 
 from armour.analysis.evaluate import Group, check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
+from armour.analysis.progress import ignore_progress
 from armour.analysis.quantities import reads_of
-from armour.analysis.variants import Floats, ignore_progress, outside_limits
+from armour.analysis.variants import outside_limits
 from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import BLOCK, Cases, Grid
-from armour.sweeps.checkpoint import RESUME, DamagedError, Store
+from armour.sweeps.checkpoint import RESUME, Chunk, DamagedError, Store, hash_of
 from armour.sweeps.job import job_of
-from armour.sweeps.plan import Plan, plan_of
+from armour.sweeps.plan import Pace, Plan, plan_of
+from armour.sweeps.tables import encoded
 
 # Times that the chunks are joined, with those computed anew that prove damaged, before the disk is to blame.
 PASSES = 3
 
-# Chunks by index, as groups of rows, and their quantities.
-Chunks = Iterator[tuple[int, list[Group]]]
-Results = Iterator[tuple[int, dict[str, Any]]]
 # Callback after each chunk: its number of rows, and whether it was on disk already.
 OnChunk = Callable[[int, bool], None]
+
+
+class Question(NamedTuple):
+    """What a sweep computes for each of its rows."""
+
+    scenario: Scenario
+    quantities: Sequence[str]
+    as_csv: bool
+
+
+class Rows(NamedTuple):
+    """Rows of a chunk."""
+
+    start: int  # first of them
+    values: dict[str, Any]  # by key, each (n,)
+
+
+class Part(NamedTuple):
+    """Part of a table, as it is written to the disk."""
+
+    content: bytes
+    outside: Counter[str]  # number of rows outside of each limit of what the model was compared with
+    seconds: float  # that it took
 
 
 class Compute(NamedTuple):
     """A way to compute chunks."""
 
-    run: Callable[[Chunks, Sequence[str]], Results]  # in any order
+    run: Callable[[Question, Iterator[Rows]], Iterator[tuple[int, Part]]]  # parts by first row, in any order
     threads: int | None  # for a chunk; None is one per core
     workers: int  # that compute chunks at the same time
 
@@ -61,54 +86,75 @@ def sweep(
     with Store(output, job_of(scenario, source, quantities), replace=replace) as store:
         if store.finished is not None:
             return store.finished
-        size = store.size or size
+        row_s = 0.0
         if size is None:
             try:
                 plan = plan_of(scenario, source, quantities, output, threads=compute.threads, workers=compute.workers)
             except InputError:
                 check_rows(scenario, source)  # says which row is wrong
                 raise
-            approve(plan)
-            size = plan.chunk_rows
+            if not store.begun:
+                approve(plan)
+            row_s = plan.row_s
         check_rows(scenario, source)
-        size = store.begin(size)
-        count = -(-source.count // size)
-        pending: dict[int, Mapping[str, Floats]] = {}
+        store.begin()
+        pace = Pace(row_s, size)
+        pending: dict[int, tuple[int, str, float]] = {}  # rows, hash of their values and time so far, by first row
         outside: Counter[str] = Counter()
-        counted = 0  # chunks
-        flying = "impact" in reads_of(quantities)
+        first_pass = True
+        question = Question(scenario, quantities, store.is_csv)
 
-        def missing_chunks() -> Chunks:
-            nonlocal counted
-            for index, values in enumerate(source.chunks(size)):
-                groups = groups_of(scenario, values)
-                # Also those that an earlier process computed, each once.
-                for group in groups if index >= counted else ():
-                    outside.update(dict(outside_limits(group.variants, velocities=flying)))
-                counted = max(counted, index + 1)
-                try:
-                    if store.has(index, values):
-                        on_chunk(len(values[source.keys[0]]), True)
-                        continue
-                except DamagedError as error:
-                    tell(f"{error}: damaged, computed anew")
-                pending[index] = values
-                yield index, groups
+        def missing_chunks() -> Iterator[Rows]:
+            start = 0
+            found: Chunk | None = None
+            starts = store.starts()
+
+            def sizes() -> Iterator[int]:
+                nonlocal found
+                while start < source.count:
+                    try:
+                        found = store.chunk(start)
+                    except DamagedError as error:
+                        found = None
+                        tell(f"{error}: damaged, computed anew")
+                    after = bisect_right(starts, start)
+                    end = starts[after] if after < len(starts) else source.count
+                    yield found.rows if found else min(pace.rows, end - start)
+
+            began = perf_counter()
+            for values in source.chunks(sizes()):
+                rows = len(values[source.keys[0]])
+                first, start = start, start + rows
+                source_hash = hash_of(values)
+                if found and found.source == source_hash:
+                    if first_pass:
+                        outside.update(outside_of(groups_of(scenario, values), quantities))
+                        on_chunk(rows, True)
+                else:
+                    if found:
+                        tell(f"{store.path(first)}: of other values, computed anew")
+                    pending[first] = rows, source_hash, perf_counter() - began
+                    yield Rows(first, values)
+                began = perf_counter()
 
         try:
             for _ in range(PASSES):
-                for index, results in compute.run(missing_chunks(), quantities):
-                    values = pending.pop(index)
-                    store.save(index, values, results)
-                    on_chunk(len(values[source.keys[0]]), False)
+                for start, part in compute.run(question, missing_chunks()):
+                    rows, source_hash, seconds = pending.pop(start)
+                    began = perf_counter()
+                    store.save(start, rows, source_hash, part.content)
+                    pace.note(rows, seconds + part.seconds + perf_counter() - began)
+                    if first_pass:
+                        outside.update(part.outside)
+                        on_chunk(rows, False)
                 with suppress(DamagedError):
-                    rows = store.finish(count, source.count)
-                    for limit, number in outside.items():
+                    rows = store.finish(source.count)
+                    for limit, number in sorted(outside.items()):
                         tell(f"warning: {limit}; this concerns {number:,} of {rows:,} rows")
                     return rows
-                on_chunk = ignore_progress  # each was, in the first pass
+                first_pass = False
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(f"{store.chunks():,} of {count:,} chunks are done; {RESUME}") from None
+            raise KeyboardInterrupt(f"{store.rows():,} of {source.count:,} rows are done; {RESUME}") from None
     message = f"are damaged each time that they are written; check the disk, then {RESUME}"
     raise InputError([Problem(f"chunks of {output}", "", message)])
 
@@ -123,23 +169,41 @@ def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -
     if len(set(source.keys)) != len(source.keys):
         problems.append(Problem("sweep", "over", "must not name a key twice"))
     refuse(problems)
-    first = next(source.chunks(1))
+    first = next(source.chunks(repeat(1)))
     check_keys(scenario, {key: values[0].item() for key, values in first.items()}, quantities, "sweep")
 
 
 def check_rows(scenario: Scenario, source: Grid | Cases) -> None:
     """Check all rows before the first chunk is computed."""
     start = 0
-    for chunk in source.chunks(BLOCK):
+    for chunk in source.chunks(repeat(BLOCK)):
         for where, _ in scenarios_of(scenario, chunk, partial(source.place, start)):
             start += len(where)
+
+
+def computed(question: Question, rows: Rows, threads: int | None) -> Part:
+    """Compute a part of a table."""
+    began = perf_counter()
+    scenario, quantities, as_csv = question
+    groups = groups_of(scenario, rows.values)
+    columns = {**rows.values, **evaluate_groups(groups, quantities, threads)}
+    content = encoded(columns, as_csv=as_csv, header=rows.start == 0)
+    return Part(content, outside_of(groups, quantities), perf_counter() - began)
+
+
+def outside_of(groups: Iterable[Group], quantities: Sequence[str]) -> Counter[str]:
+    """Count the rows that lie outside of each limit of what the model was compared with."""
+    outside: Counter[str] = Counter()
+    for group in groups:
+        outside.update(dict(outside_limits(group.variants, velocities="impact" in reads_of(quantities))))
+    return outside
 
 
 def in_process(threads: int | None = None) -> Compute:
     """Compute chunks in this process, one after the other, each on all threads."""
 
-    def run(chunks: Chunks, quantities: Sequence[str]) -> Results:
-        for index, groups in chunks:
-            yield index, evaluate_groups(groups, quantities, threads)
+    def run(question: Question, chunks: Iterator[Rows]) -> Iterator[tuple[int, Part]]:
+        for rows in chunks:
+            yield rows.start, computed(question, rows, threads)
 
     return Compute(run, threads, workers=1)

@@ -1,6 +1,6 @@
 """Comparison of the model with closed forms for a scenario's armour."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any
@@ -14,6 +14,7 @@ from armour.analysis.closed_forms import (
 )
 from armour.analysis.florence import FlorenceResult, bodies_of, florence_result, missing_for_florence
 from armour.analysis.impact import ImpactResult
+from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import TableResult
 from armour.errors import NoAnswerError, refuse
 from armour.scenario.library import LibraryEntry
@@ -116,13 +117,15 @@ class Comparison(TableResult):
         return {name: [getattr(impact, name) for impact in self.curve] for name in names}
 
 
-def compare(scenario: Scenario) -> Comparison:
+def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> Comparison:
     """Compare the model with closed forms for a scenario's armour.
 
     Parameters
     ----------
     scenario : Scenario
         Its impact velocity is not used.
+    on_progress : callable, optional
+        Called with the number of impacts computed since the last call, and None, as their total is not known.
 
     Returns
     -------
@@ -137,17 +140,17 @@ def compare(scenario: Scenario) -> Comparison:
     NoAnswerError
         If the range contains no velocities above the limit.
     """
-    check_types("compare", scenario=(scenario, Scenario))
+    check_types("compare", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     missing = missing_for_florence(scenario)
     refuse(missing if not scenario.armour.ceramic_thickness_mm > 0.0 else ())
-    limit = ballistic_limit(scenario)
+    limit = ballistic_limit(scenario, on_progress=on_progress)
     highest = scenario.ballistic_limit.velocity_max_m_s
     if highest <= limit.ballistic_limit_m_s * (1.0 + 1e-9):
         raise NoAnswerError(
             f"no fit: the range of velocities ends at the ballistic limit, {highest:g} m/s; "
             "raise ballistic_limit.velocity_max_m_s"
         )
-    curve = residual_velocity_curve(scenario, curve_velocities(limit, scenario))
+    curve = residual_velocity_curve(scenario, curve_velocities(limit, scenario), on_progress)
     above = [impact for impact in curve if impact.impact_velocity_m_s > limit.ballistic_limit_m_s]
     velocities = [impact.impact_velocity_m_s for impact in above]
     residuals = [impact.residual_velocity_m_s for impact in above]
@@ -156,7 +159,7 @@ def compare(scenario: Scenario) -> Comparison:
     return Comparison(
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
         limit=limit,
-        florence=() if missing else tuple(florence_result(scenario, body) for body in bodies_of(scenario)),
+        florence=() if missing else tuple(florence_result(scenario, body, on_progress) for body in bodies_of(scenario)),
         fits=(
             fit_lambert_jonas(velocities, residuals, limit.ballistic_limit_m_s),
             fit_recht_ipson(velocities, residuals, limit.ballistic_limit_m_s),

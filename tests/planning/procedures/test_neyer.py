@@ -9,7 +9,7 @@ from armour.planning.procedures.neyer import next_velocity
 from armour.planning.procedures.settings import ShotSettings
 from armour.statistics.v50 import Shots
 
-# The example of Wu and Tian (J. Stat. Plan. Inference 149 (2014), 1-15), as the documentation of the R package gonogo
+# The example of [Wu2014], as the documentation of the R package gonogo
 # (Roediger, AFIT) lists it: levels, responses and, from the tenth on, the D-optimal levels that are recommended.
 LEVELS = (5.5, 16.5, 11.0, 13.8, 10.1, 14.7, 10.4, 11.7, 9.7, 7.3, 7.8, 8.1, 12.2, 8.5, 11.8)
 RESPONSES = tuple(map(bool, (0, 1, 0, 1, 0, 1, 1, 1, 1, 0, 0, 0, 1, 0, 1)))

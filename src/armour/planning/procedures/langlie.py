@@ -1,4 +1,4 @@
-"""Langlie's one-shot test (A reliability test method for "one-shot" items, Aeronutronic U-1792, 1962).
+"""Langlie's one-shot test [Langlie1962].
 
 The first shot is midway between the limits.  Each further one is midway between the last shot and the latest shot from
 which on as many penetrations were complete as partial; where there is none, midway between the last shot and the lower

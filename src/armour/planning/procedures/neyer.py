@@ -1,4 +1,4 @@
-"""Neyer's D-optimal test (A D-optimality-based sensitivity test, Technometrics 36 (1994), 48-60).
+"""Neyer's D-optimal test [Neyer1994].
 
 1. A binary search finds shots of both kinds, and brings their velocities within the guess of the scatter.
 2. Until shots of the two kinds overlap, so that V50 and scatter have unique estimates of maximum likelihood, V50 is

@@ -1,4 +1,4 @@
-"""Up-and-down rule of MIL-STD-662F.
+"""Up-and-down rule of MIL-STD-662F [DoD1997].
 
 The first shot is at the estimated V50 or, where a velocity is required, 75 ft/s above it.  After a complete penetration
 the next shot is slower than this one was, after a partial penetration faster: by 100 ft/s until there is a shot of each

@@ -1,0 +1,239 @@
+"""Hooks of the site, which mkdocs.yml names: they fill pages with what the program says of itself.
+
+A line ``<!-- site: NAME ARGUMENT ... -->`` of a page stands for the Markdown that the function of this name in `PARTS`
+returns.
+"""
+
+import io
+import json
+import re
+import subprocess
+import sys
+import tomllib
+from collections.abc import Mapping
+from functools import cache, partial
+from pathlib import Path
+from typing import Any
+
+from markdown.extensions.toc import slugify
+from mkdocs.structure.files import File
+
+import armour
+from armour.reporting.markdown import markdown_table
+from armour.reporting.tables.library import entry_table
+from armour.scenario.loading import scenario_schema
+from armour.scenario.meanings import MEANINGS
+from armour.scenario.parameters import FIELDS
+from armour.units import words_and_unit
+
+DOCS = Path(__file__).parent
+# Pages of the site whose text is kept elsewhere in the repository.
+OUTSIDE = {"contributing.md": "CONTRIBUTING.md", "changes.md": "CHANGELOG.md"}
+# Headings of the public names by package.
+PACKAGES = {
+    "scenario": "Scenarios and the library",
+    "analysis": "One armour",
+    "design": "The best armour",
+    "statistics": "Tests and uncertainty",
+    "planning": "What to test next",
+    "sweeps": "Many armours",
+    "validation": "Suites and comparisons",
+    "reporting": "Figures and reports",
+    "errors": "Errors",
+}
+
+
+# Pictures that the pages filled so far show, by their place in the site.
+PICTURES: dict[str, str] = {}
+
+
+def api() -> str:
+    """Return the directives of mkdocstrings for the public names, functions first."""
+    found: dict[str, list[str]] = {package: [] for package in PACKAGES}
+    for name in sorted(dir(armour), key=lambda name: (isinstance(getattr(armour, name), type), name)):
+        found[getattr(armour, name).__module__.split(".")[1]].append(f"::: armour.{name}")
+    return "\n\n".join("\n\n".join([f"## {PACKAGES[package]}", *names]) for package, names in found.items())
+
+
+def commands() -> str:
+    """Return what typer says of the commands, without the title."""
+    run = [sys.executable, "-m", "typer", "armour.cli.app", "utils", "docs", "--name", "armour"]
+    text = subprocess.run(run, capture_output=True, encoding="utf-8", check=True).stdout
+    # typer shortens what it lists.
+    for name, words in re.findall(r"^##+ `armour (?:\w+ )?([\w-]+)`\n\n(.+)$", text, re.MULTILINE):
+        text = re.sub(rf"^\* `{name}`: .*$", f"* `{name}`: {words}", text, flags=re.MULTILINE)
+    return text.partition("\n")[2]
+
+
+def keys() -> str:
+    """Return a table of all keys of a scenario: meaning, unit and symbol."""
+    symbols: dict[str, list[str]] = {}
+    for name, target in FIELDS.items():
+        symbols.setdefault(name.split(".")[1], []).extend([target[0]] if target else [])
+    rows = (
+        f"| `{key}` | {meaning} | {words_and_unit(key)[1]} | {', '.join(symbols.get(key, []))} |"
+        for key, meaning in sorted(MEANINGS.items())
+    )
+    return "\n".join(["| key | meaning | unit | symbol |", "|---|---|---|---|", *rows])
+
+
+def scenario() -> str:
+    """Return a table of the keys of every section of a scenario, by the JSON Schema."""
+    schema = scenario_schema()
+    places = _places(schema)
+    parts = [_section("The file", {**schema, "description": "Keys of the file itself, and its sections."}, places)]
+    parts += (_section(place, schema["$defs"][name], places) for name, place in places.items())
+    return "\n\n".join(parts)
+
+
+def _places(schema: Mapping[str, Any]) -> dict[str, str]:
+    """Return the heading of every definition of the schema: its place in a file, or its name if there are several."""
+    found: dict[str, list[str]] = {}
+
+    def search(section: Mapping[str, Any], path: str) -> None:
+        for key, content in section["properties"].items():
+            text = json.dumps(content)
+            for name in re.findall(r'"#/\$defs/(\w+)"', text):
+                deeper = f"{path}{key}" + (".NAME" if "additionalProperties" in text else "")
+                heading = f"[[{deeper}]]" if '"items": {"$ref"' in text else f"[{deeper}]"
+                if heading not in found.setdefault(name, []):
+                    found[name].append(heading)
+                    search(schema["$defs"][name], f"{deeper}.")
+
+    search(schema, "")
+    return {
+        name: f"`{names[0]}`" if len(names) == 1 else name.strip("_").split("_")[0] for name, names in found.items()
+    }
+
+
+def _section(heading: str, section: Mapping[str, Any], places: Mapping[str, str]) -> str:
+    required = section.get("required", [])
+    rows = []
+    for key, content in section["properties"].items():
+        default = content.get("default")
+        shown = (
+            f"`{json.dumps(default)}`" if default not in (None, "", [], {}) and not isinstance(default, dict) else ""
+        )
+        name = f"**`{key}`**" if key in required else f"`{key}`"
+        rows.append(f"| {name} | {content['description']} | {_kind(content, places)} | {shown} |")
+    head = ["| key | meaning | value | default |", "|---|---|---|---|"]
+    return "\n".join([f"## {heading}\n", section.get("description", "A number of the library.") + "\n", *head, *rows])
+
+
+def _kind(content: Mapping[str, Any], places: Mapping[str, str]) -> str:
+    """Return the values that a key may have, in words."""
+    if "$ref" in content:
+        place = places[content["$ref"].rsplit("/", 1)[1]]
+        return f"[{place}](#{_anchor(place)})"
+    if found := content.get("anyOf") or content.get("oneOf"):
+        return " or ".join(_kind(part, places) for part in found if part.get("type") != "null")
+    if "const" in content or "enum" in content:
+        return ", ".join(f"`{json.dumps(value)}`" for value in content.get("enum", [content.get("const")]))
+    if content["type"] == "array":
+        return f"list of: {_kind(content['items'], places)}"
+    if content["type"] == "object":
+        inner = content.get("additionalProperties")
+        return f"by name: {_kind(inner, places)}" if isinstance(inner, dict) else "table"
+    signs = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
+    bounds = [f"{sign} {content[word]:g}" for word, sign in signs.items() if word in content]
+    kind = {"string": "text", "boolean": "`true`, `false`", "integer": "whole number"}.get(content["type"], "number")
+    return ", ".join([kind, *bounds])
+
+
+def _anchor(heading: str) -> str:
+    return str(slugify(heading.replace("`", ""), "-"))
+
+
+def library() -> str:
+    """Return the entries of the library; those of the tests of bare plates are listed by name."""
+    shipped = armour.shipped_library()
+    parts = []
+    for kind, entries in shipped.entries.items():
+        parts.append(f"## {kind.capitalize()}s")
+        for entry in entries.values():
+            parts += [f"### {entry.name}", entry.description, markdown_table(entry_table(entry))]
+    return "\n\n".join(parts)
+
+
+@cache
+def sources() -> dict[str, dict[str, str]]:
+    """Return the bibliography by key."""
+    return tomllib.loads((DOCS / "references.toml").read_text(encoding="utf-8"))
+
+
+def references() -> str:
+    """Return the bibliography, in the order of the keys."""
+    return "\n\n".join(
+        _entry(key, source) for key, source in sorted(sources().items(), key=lambda item: item[0].lower())
+    )
+
+
+def _entry(key: str, source: Mapping[str, str]) -> str:
+    """Return an entry of the bibliography as Markdown."""
+    words = ", ".join(source[part] for part in ("authors", "title", "where", "year") if part in source)
+    if doi := source.get("doi"):
+        words += f", [doi {doi}](https://doi.org/{doi})"
+    return f"### {key} {{#{key}}}\n\n{words}.\n\n{source['use']} *{source['checked']}.*"
+
+
+def scene(command: str, name: str) -> str:
+    """Return the picture and the tables of what a command computes for a shipped scenario."""
+    options = {"history": True} if command == "simulate" else {}
+    result = getattr(armour, command)(armour.load_scenario(name), **options)
+    drawn = io.StringIO()
+    armour.plot(result).savefig(drawn, format="svg")
+    picture = f"images/gallery/{command}-{name.replace('/', '-')}.svg"
+    PICTURES[picture] = drawn.getvalue()
+    return f"![{name}]({picture})\n\n<details><summary>Numbers</summary>{result._repr_html_()}</details>"
+
+
+PARTS = {part.__name__: part for part in (api, commands, keys, library, references, scenario, scene)}
+
+
+def filled(markdown: str) -> str:
+    """Return a page with its parts in their places."""
+
+    def part(match: re.Match[str]) -> str:
+        name, *arguments = match[1].split()
+        return PARTS[name](*arguments)
+
+    return re.sub(r"^<!-- site: (.+) -->$", part, markdown, flags=re.MULTILINE)
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """Add the pages that are kept outside of docs/."""
+    for page, source in OUTSIDE.items():
+        text = (DOCS.parent / source).read_text(encoding="utf-8").replace("](docs/", "](")
+        files.append(File.generated(config, page, content=_inside(text, "")))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
+    """Fill a page, name links by the titles of pages, and make links of the keys of the bibliography."""
+    up = "../" * page.file.src_uri.count("/")
+    folder = (DOCS / page.file.src_uri).parent
+    text = re.sub(r"\[[\w/-]+\.(?:md|ipynb)\]\(([^)#]+)", partial(_titled, folder), _inside(markdown, f"../{up}"))
+    text = re.sub(r"\\\[(\w+)\]", lambda key: f"[{key[1]}]" if key[1] in sources() else key[0], filled(text))
+    for picture in [picture for picture in PICTURES if files.get_file_from_path(picture) is None]:
+        files.append(File.generated(config, picture, content=PICTURES[picture]))
+    return "\n".join([text, "", *(f"[{key}]: {up}references.md#{key}" for key in sources())])
+
+
+def on_page_content(html: str, **_: Any) -> str:
+    """Return the page without a minus where mkdocstrings takes a type in words for Python."""
+    return html.replace("path - like", "path-like")
+
+
+def _inside(markdown: str, up: str) -> str:
+    """Return a page with its links to the pages kept outside of docs/ as links to those of the site."""
+    for page, source in OUTSIDE.items():
+        markdown = markdown.replace(f"]({up}{source}", f"]({up.removeprefix('../')}{page}")
+    return markdown
+
+
+def _titled(folder: Path, link: re.Match[str]) -> str:
+    """Return the beginning of a link whose text is a path, with the title of the page in place of the path."""
+    path = folder / link[1]
+    source = path if path.exists() else DOCS.parent / OUTSIDE[path.name]
+    title = re.search(r"^# (.+)$", source.read_text(encoding="utf-8"), re.MULTILINE)
+    return f"[{title[1] if title else 'the notebook'}]({link[1]}"

@@ -1,0 +1,71 @@
+"""The navigation of the site, and its pages that the program fills; `make site` builds it and checks every link."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+import armour
+from armour.cli.app import app
+from armour.files import shipped_files
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+NAVIGATION = re.findall(r": (\S+\.(?:md|ipynb))$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)
+
+
+@pytest.fixture
+def site():
+    pytest.importorskip("mkdocs")
+    from docs import site
+
+    return site
+
+
+def test_every_page_is_in_the_navigation_once(site):
+    pages = [path.relative_to(DOCS).as_posix() for ending in ("md", "ipynb") for path in DOCS.rglob(f"*.{ending}")]
+    assert sorted(NAVIGATION) == sorted([*pages, *site.OUTSIDE])
+
+
+def test_what_a_page_asks_for_is_there(site):
+    asked = [
+        line for page in DOCS.rglob("*.md") for line in re.findall(r"^<!-- site: (.+) -->$", page.read_text(), re.M)
+    ]
+    assert {line.split()[0] for line in asked} == site.PARTS.keys()
+
+
+def test_the_api_has_every_public_name_once(site):
+    assert sorted(re.findall(r"^::: armour\.(\w+)$", site.api(), re.MULTILINE)) == sorted(dir(armour))
+
+
+def test_the_command_line_has_every_command(site):
+    text = site.commands()
+    for command in app.registered_commands:
+        assert f"\n## `armour {command.name}`\n" in text
+
+
+def test_the_page_of_keys_has_every_section_and_its_links_lead_to_them(site):
+    text = site.scenario()
+    anchors = {site.slugify(heading.replace("`", ""), "-") for heading in re.findall(r"^## (.+)$", text, re.MULTILINE)}
+    assert set(re.findall(r"\]\(#([^)]+)\)", text)) <= anchors
+    assert len(anchors) == len(armour_sections()) + 1
+
+
+def armour_sections() -> set[str]:
+    from armour.scenario.loading import scenario_schema
+
+    return set(re.findall(r'"#/\$defs/(\w+)"', json.dumps(scenario_schema())))
+
+
+def test_the_library_page_has_every_entry_with_its_sources(site):
+    text = site.library()
+    for kind, entries in armour.shipped_library().entries.items():
+        for name in entries:
+            assert f"\n### {name}\n" in text, (kind, name)
+    assert "\\[Ryan2023]" in text
+
+
+def test_the_gallery_names_every_shipped_scenario():
+    text = (DOCS / "gallery.md").read_text(encoding="utf-8")
+    assert [name for name in shipped_files("scenarios", ".toml") if name not in text and name != "template"] == []
