@@ -17,7 +17,7 @@ ALLOWANCE = 0.01
 
 def may_perforate(p: Parameters, V: float) -> bool:
     """Return whether a projectile of the velocity V, m/s, may have the energy to perforate."""
-    if V * V > 2.0 * p.Yp / p.rho_p:
+    if 2.0 * p.Yp / p.rho_p < V * V:
         return True
     return 0.5 * p.rho_p * p.L0 * V * V * (1.0 + ALLOWANCE) > least_energy(with_intact_strength(p), V)
 

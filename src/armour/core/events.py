@@ -26,7 +26,7 @@ EVENTS = len(Event)
 # Fraction of the length at impact below which the projectile counts as used up.
 ERODED_FRACTION = 1e-3
 # Tolerance of the location of an event, and of its estimate on the cubic, as fractions of the step.
-EVENT_TOLERANCE = 1e-9
+EVENT_TOLERANCE = 1e-11
 CUBIC_TOLERANCE = 1e-4
 # Greatest difference of velocities from their trapezoidal rule, as a part of V, with which the cubic is not confirmed.
 GREATEST_BEND = 0.05
@@ -47,9 +47,7 @@ class Advance(NamedTuple):
     g: Margins
 
 
-def event_functions(
-    t: float, y: State, s: Stage, p: Parameters, V_arrest: float
-) -> Margins:
+def event_functions(t: float, y: State, s: Stage, p: Parameters, V_arrest: float) -> Margins:
     """Return the event functions, one per `Event`: at least 0 while the stage lasts, negative after the event."""
     together = projectile = target = motion = inf
     if s.medium == Medium.INTACT:
@@ -133,7 +131,7 @@ def is_bent(y: State, k: State, y_end: State, k_end: State, dt: float) -> bool:
 
 
 def turning_point(k: State, k_end: State) -> float:
-    """Return the fraction of a step at which W stops falling, or V - W turns, by the rates at its ends; 1 if neither."""
+    """Return the fraction of a step at which W stops falling or V - W turns, by the rates at its ends; 1 for none."""
     turn = 1.0
     if k.W < 0.0 < k_end.W:
         turn = k.W / (k.W - k_end.W)
@@ -203,6 +201,7 @@ def confirm_event(
     estimate x, where the event function has the slope given, and the next where that slope leads.
     """
     low = 0.0
+    x1, g1 = -1.0, 0.0  # the point before
     trials = 0
     while high - low > EVENT_TOLERANCE:
         if trials >= MAX_TRIALS or not low < x < high:
@@ -215,6 +214,9 @@ def confirm_event(
             high, y_high = x, y_x
             if g >= slope * EVENT_TOLERANCE:
                 break
+        if trials > 0:
+            slope = (g - g1) / (x - x1)
+        x1, g1 = x, g
         x = x - g / slope + 0.5 * EVENT_TOLERANCE if slope < 0.0 else low
         trials += 1
     return high, y_high

@@ -31,8 +31,8 @@ def run(
     dt: float,
     V_arrest: float,
     max_steps: int,
-    rough: bool = False,
     trace: list[Instant] | None = None,
+    rough: bool = False,
 ) -> Run:
     """Integrate one impact at Vi, m/s, with time steps of at most about dt, s (see `armour.core.stepping.step_length`).
 

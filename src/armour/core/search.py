@@ -145,7 +145,7 @@ def extrapolated_root(earlier: int, x1: float, f1: float, x2: float, f2: float, 
 def slope_at_root(root: float, x1: float, f1: float, x2: float, f2: float) -> float:
     """Return the derivative of x by f at the root, x as a parabola of f through the root and two points."""
     s1, s2 = (x1 - root) / f1, (x2 - root) / f2
-    return s1 if f1 == f2 else (s1 * f2 - s2 * f1) / (f2 - f1)
+    return (s1 * f2 - s2 * f1) / (f2 - f1)
 
 
 def is_converged(b: Bracket, tolerance: float) -> bool:
@@ -172,9 +172,9 @@ def next_point(b: Bracket, tolerance: float) -> float:
     return x if b.low < x < b.high else middle
 
 
-def scan(low: float, high: float) -> list[float]:
+def scan(low: float, high: float, points: int = SCAN_POINTS) -> list[float]:
     """Return the velocities of a scan from `low` to `high`, both included, evenly spaced on a logarithmic scale."""
-    ratio, last = high / low, SCAN_POINTS - 1
+    ratio, last = high / low, points - 1
     return [low, *(low * ratio ** (i / last) for i in range(1, last)), high]
 
 
@@ -187,7 +187,7 @@ def impact(p: Parameters, V: float, solver: Solver) -> Impact:
 def rough_impact(p: Parameters, V: float, solver: Solver) -> Impact:
     """Compute the impact at a velocity, m/s, with longer time steps; its numbers are a few thousandths off."""
     dt = time_step(p, V, 0.0)
-    return impact_of(run(p, V, dt, solver.V_arrest, solver.max_steps, True), p, V, solver)
+    return impact_of(run(p, V, dt, solver.V_arrest, solver.max_steps, None, True), p, V, solver)
 
 
 def scanned_impact(p: Parameters, V: float, solver: Solver) -> Impact:
@@ -244,9 +244,7 @@ def find_ballistic_limit(
     return SearchResult(found.low, found.high, found.runs + runs, found.resolved)
 
 
-def next_change(
-    p: Parameters, before: Impact, start: Impact, velocities: Sequence[float], solver: Solver
-) -> Change:
+def next_change(p: Parameters, before: Impact, start: Impact, velocities: Sequence[float], solver: Solver) -> Change:
     """Return the lowest change of the outcome above an impact that a scan of velocities, m/s, sees.
 
     ``before`` is the impact below it, or the same.  The search ends at an unresolved run, which is then the impact
@@ -343,8 +341,8 @@ def narrowed(p: Parameters, change: Change, tolerance: float, solver: Solver) ->
 def rough_root(p: Parameters, low: float, high: float, first: Impact, sign: float, solver: Solver) -> Root:
     """Return about where the outcome changes between two signed velocities, m/s, by rough runs.
 
-    ``first`` is the impact at ``high``, which perforates.  The point of the search is the signed square of the velocity,
-    in which the square of the residual velocity is nearly linear.
+    ``first`` is the impact at ``high``, which perforates.  The search is for the signed square of the velocity, in which
+    the square of the residual velocity is nearly linear.
     """
     b = after_defeat(initial_bracket(sign * low * low, sign * high * high), sign * low * low)
     guess = sign * (first.V * first.V + first.nearness / ENERGY_LEFT)
@@ -359,10 +357,11 @@ def rough_root(p: Parameters, low: float, high: float, first: Impact, sign: floa
             return Root(tried.V, slope, b.runs - 1, False)
         if tried.perforated:
             b = after_perforation(b, x, -tried.nearness, 0.0, 0.0)
-            slope = slope_at_root(b.estimate, b.x1, b.f1, b.x2, b.f2)
+            if b.f1 > 0.0 and b.f2 > 0.0 and b.f1 != b.f2:
+                slope = slope_at_root(b.estimate, b.x1, b.f1, b.x2, b.f2)
         else:
             b = after_defeat(b, x)
-    V = sqrt(abs(b.estimate))
+    V = sqrt(abs(min(max(b.estimate, b.low), b.high)))
     return Root(sign * V, 0.5 * slope / V, b.runs - 2, True)
 
 
