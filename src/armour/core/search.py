@@ -341,8 +341,8 @@ def narrowed(p: Parameters, change: Change, tolerance: float, solver: Solver) ->
 def rough_root(p: Parameters, low: float, high: float, first: Impact, sign: float, solver: Solver) -> Root:
     """Return about where the outcome changes between two signed velocities, m/s, by rough runs.
 
-    ``first`` is the impact at ``high``, which perforates.  The search is for the signed square of the velocity, in which
-    the square of the residual velocity is nearly linear.
+    ``first`` is the impact at ``high``, which perforates.  The search is for the signed square of the velocity, in
+    which the square of the residual velocity is nearly linear.
     """
     b = after_defeat(initial_bracket(sign * low * low, sign * high * high), sign * low * low)
     guess = sign * (first.V * first.V + first.nearness / ENERGY_LEFT)

@@ -9,6 +9,8 @@ from armour.core.state import Medium, Parameters, Stage, State
 # Longest step as a fraction of the response time of the motion, and that of a rough run.
 LONGEST_RESPONSE = 0.23
 ROUGH_RESPONSE = 0.6
+# The latter grows by this where the velocity falls as 1/t.
+ROUGH_SLOWING = 4.0
 # Shortest step as a fraction of the characteristic time; its error is of the size of rounding.
 SHORTEST_CHANGE = 1e-3
 # Distance beyond the end of a medium to which a step of constant deceleration leads, as a fraction of its depth.
@@ -45,17 +47,16 @@ def step_length(y: State, k: State, s: Stage, p: Parameters, dt: float, rough: b
     """
     if not (s.eroding or s.penetrated):
         return time_to_end(y, k, s, p)
+    response = ROUGH_RESPONSE if rough else LONGEST_RESPONSE
     if s.medium == Medium.FRAGMENTED and not (s.eroding or s.moving):
         dt *= s.Vs1 / y.V
+        response *= ROUGH_SLOWING if rough else 1.0
     size = min(p.D0, p.Hc0 + p.Hb)
-    # A step must be a part of the characteristic time, the inverse of (|dV| + |dW|)/V + U/size.
-    least = SHORTEST_CHANGE * y.V * size
-    if dt * ((abs(k.V) + abs(k.W)) * size + k.Z * y.V) < least:
-        dt = least / ((abs(k.V) + abs(k.W)) * size + k.Z * y.V)
+    # The step over the characteristic time, the inverse of (|dV| + |dW|)/V + U/size, is change/(V size).
+    change = dt * ((abs(k.V) + abs(k.W)) * size + k.Z * y.V)
+    if change < SHORTEST_CHANGE * y.V * size:
+        dt *= SHORTEST_CHANGE * y.V * size / change
     rate = response_rate(y, k, s, p)
-    if rough and s.medium == Medium.FRAGMENTED and not (s.eroding or s.moving):
-        rate *= 0.25
-    response = ROUGH_RESPONSE if rough else LONGEST_RESPONSE
     return dt if dt * rate < response else response / rate
 
 
