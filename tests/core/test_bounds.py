@@ -61,6 +61,12 @@ def test_a_plate_takes_least_by_penetration_until_a_plug_is_left():
         assert p.YB * (p.Hb - other) + 4.0 * p.tau / p.D0 * other**2 > energy
 
 
+def test_a_plate_little_thinner_than_that_plug_is_displaced_whole():
+    p = armour()
+    p = p._replace(Hb=0.95 * p.YB * p.D0 / (8.0 * p.tau))
+    assert least_energy_of_plate(p) == pytest.approx(4.0 * p.tau / p.D0 * p.Hb**2)
+
+
 def test_a_thin_light_plate_is_displaced_whole_and_takes_no_more():
     p = armour(ceramic=None, ceramic_mm=0.0)._replace(Hb=2e-3, rho_B=10.0, YB=50e9, Yp=50e9)
     energy = 4.0 * p.tau / p.D0 * 4e-6

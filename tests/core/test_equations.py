@@ -34,6 +34,11 @@ def test_intact_strength_by_a_law(law: tuple[float, float, float, float], factor
     assert eq.intact_strength(5e9, 8.0, 8.0, 8.0, *law) == 5e9
 
 
+def test_intact_strength_by_the_product_of_the_thicknesses():
+    assert isclose(eq.intact_strength(5e9, 8.0, 16.0, 12.0, 0.0, 0.5, 0.0, 0.0), 5e9 * sqrt(3.0))
+    assert isclose(eq.intact_strength(5e9, 8.0, 16.0, 12.0, -1.0, 0.5, 0.0, 0.0), 5e9 * sqrt(3.0) / 1.5)
+
+
 def test_fragmented_strength_is_the_intact_one_when_the_ceramic_has_just_cracked():
     assert eq.fragmented_strength(5.2e9, 750.0, 0.0, 750.0) == 5.2e9
 

@@ -1,5 +1,6 @@
 """Event functions, the location of events and what follows them."""
 
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -20,7 +21,7 @@ from armour.core.events import (
     turning_point,
 )
 from armour.core.rk4 import step
-from armour.core.stages import first_stage, rates, stage_name
+from armour.core.stages import drive_force, first_stage, rates, shear_force, stage_name
 from armour.core.state import Medium, Outcome, Parameters, Stage, State
 from tests.helpers.cases import armour
 
@@ -117,6 +118,7 @@ def test_where_velocities_turn():
     assert turn(-3.0, 1.0) == 0.5  # V - W turns first
     assert turn(-3.0, 1.0, -4.0, -4.0) == 0.75
     assert turn(3.0, 1.0) == 1.0
+    assert turn(0.0, 1.0) == 1.0
     assert turn(-3.0, -2.0) == 1.0
     assert turn(1.0, -3.0) == 0.5
 
@@ -151,6 +153,68 @@ def test_an_event_just_before_the_end_of_a_step_is_at_its_end():
     assert (found.event, found.taken) == (Event.MEDIUM, whole)
 
 
+MOVING = Stage(Medium.FRAGMENTED, True, True, True, 750.0, 0.0)
+
+
+def step_with_events(
+    monkeypatch: pytest.MonkeyPatch, margins: dict[int, Callable[[float], float]], turn: float, rough: bool = False
+) -> tuple[Advance, float, int]:
+    """A step with given event functions of its fraction, 1 if not given: its result, length and number of trials."""
+    t0, dt, p = 5e-9, 1e-9, armour()
+    y = State(Z=1e-3, L=0.02, V=700.0, W=10.0, h=1e-5)
+    calls = []
+
+    def given(t: float, *_: Any) -> tuple[float, ...]:
+        return tuple(margins.get(j, lambda _: 1.0)((t - t0) / dt) for j in range(7))
+
+    def counted(*args: Any) -> State:
+        calls.append(args)
+        return step(*args)
+
+    monkeypatch.setattr(events, "event_functions", given)
+    monkeypatch.setattr(events, "turning_point", lambda *_: turn)
+    monkeypatch.setattr(events, "step", counted)
+    found = step_to_event(t0, y, rates(y, MOVING, p), given(t0), MOVING, p, dt, 1.0, rough)  # type: ignore[arg-type]
+    return found, dt, len(calls)
+
+
+@pytest.mark.parametrize("rough", [False, True])
+@pytest.mark.parametrize("j", range(7))
+def test_each_event_that_comes_and_goes_is_found_where_a_velocity_turns(
+    monkeypatch: pytest.MonkeyPatch, j: int, rough: bool
+):
+    found, dt, _ = step_with_events(monkeypatch, {j: lambda x: (x - 0.25) * (x - 0.75)}, 0.5, rough)
+    assert found.event == j
+    assert found.taken == pytest.approx(0.25 * dt, rel=1e-3 if rough else 1e-10)
+
+
+@pytest.mark.parametrize("j", range(7))
+def test_an_event_after_a_turning_point_is_found(monkeypatch: pytest.MonkeyPatch, j: int):
+    found, dt, _ = step_with_events(monkeypatch, {j: lambda x: 0.8 - x}, 0.5)
+    assert found.event == j
+    assert found.taken == pytest.approx(0.8 * dt)
+
+
+def test_an_event_reveals_another_before_it_that_has_gone_at_the_end(monkeypatch: pytest.MonkeyPatch):
+    found, dt, _ = step_with_events(monkeypatch, {0: lambda x: 0.8 - x, 2: lambda x: (x - 0.3) * (x - 0.9)}, 1.0)
+    assert found.event == 2
+    assert found.taken == pytest.approx(0.3 * dt)
+
+
+def test_a_step_without_a_turning_point_is_tried_once(monkeypatch: pytest.MonkeyPatch):
+    found, dt, trials = step_with_events(monkeypatch, {}, 1.0)
+    assert (found.event, found.taken, trials) == (-1, dt, 1)
+
+
+def test_material_that_is_held_moves_where_the_drive_force_exceeds_the_shear_force():
+    p = armour()
+    y = State(Z=1e-3, L=0.02, V=400.0, W=0.0, h=0.0)
+    held = MOVING._replace(moving=False)
+    margin = event_functions(0.0, y, held, p, 1.0)[Event.MOTION]
+    assert margin == shear_force(y, held, p) - drive_force(y, held, p) > 0.0
+    assert event_functions(0.0, y._replace(V=740.0), held, armour(perimeter="projectile"), 1.0)[Event.MOTION] < 0.0
+
+
 def test_an_event_is_located_on_the_cubic_and_confirmed_by_few_steps(monkeypatch: pytest.MonkeyPatch):
     p = armour()
     y = State(Z=0.0, L=p.L0, V=800.0, W=0.0, h=0.0)
@@ -163,9 +227,17 @@ def test_an_event_is_located_on_the_cubic_and_confirmed_by_few_steps(monkeypatch
         calls.append(args)
         return step(*args)
 
+    evaluations = []
+
+    def evaluated(*args: Any) -> Any:
+        evaluations.append(args)
+        return event_functions(*args)
+
     monkeypatch.setattr(events, "step", counted)
+    monkeypatch.setattr(events, "event_functions", evaluated)
     found = advance(0.0, y, s, p, dt, 1.0)
     assert len(calls) <= 1 + 3
+    assert len(evaluations) <= 8
     fraction = found.taken / dt
     assert found.y == step(y, k, s, p, fraction * dt)
     before = step(y, k, s, p, (fraction - 1.1 * EVENT_TOLERANCE) * dt)

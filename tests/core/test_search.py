@@ -1,25 +1,43 @@
 """Searches by interpolation, against bisection on the outcome."""
 
-from math import inf, nextafter
+from collections.abc import Callable
+from math import inf, nextafter, sqrt
+from typing import Any
 
 import pytest
 
 from armour.analysis.ballistic_limit import bisect
+from armour.core import search
 from armour.core.bounds import may_perforate
+from armour.core.run import Run
 from armour.core.search import (
+    CLOSE,
+    ENERGY_LEFT,
+    GOLDEN,
+    HIDDEN_RUNS,
+    MAX_INTERPOLATED_RUNS,
+    PARABOLA_ERROR,
     Bracket,
+    Change,
+    Impact,
+    Root,
     SearchResult,
     Solver,
     after_defeat,
     after_perforation,
     bisected,
+    change_at_peak,
+    change_between_causes,
     extrapolated_root,
     find_ballistic_limit,
     find_least_ceramic_thickness,
     first_impacts,
     impact,
+    impact_of,
     initial_bracket,
     is_converged,
+    narrowed,
+    next_change,
     next_point,
     rough_impact,
     rough_root,
@@ -27,6 +45,7 @@ from armour.core.search import (
     scanned_impact,
     slope_at_root,
 )
+from armour.core.state import Outcome, Parameters, State
 from tests.helpers.cases import armour
 from tests.helpers.runs import perforates, random_designs
 
@@ -57,6 +76,15 @@ def test_an_interval_of_bisection():
     assert low <= 0.3 < high == nextafter(low, 1.0)
 
 
+def test_the_least_thickness_takes_few_runs():
+    runs = [
+        find_least_ceramic_thickness(p, 700.0, 0.0, 10.0 * p.D0, 1e-8, 1.0, 0.0, STEPS).runs
+        for p in random_designs(COUNT)[1::2]
+    ]
+    assert sum(runs) / len(runs) < 10.0
+    assert max(runs) <= 15
+
+
 @pytest.mark.parametrize("index", range(0, COUNT, 2))
 def test_the_least_thickness_is_that_of_bisection(index: int):
     p = random_designs(COUNT)[index]
@@ -68,7 +96,7 @@ def test_the_least_thickness_is_that_of_bisection(index: int):
     _, high = bisect(lambda Hc0: not perforates(p._replace(Hc0=Hc0), 700.0), 0.0, thick, 1e-9)
     assert -found.low == pytest.approx(high, abs=2e-8)
     assert 0.0 < found.high - found.low <= 1e-8
-    assert found.runs <= 60
+    assert found.resolved
 
 
 def test_the_least_thickness_by_a_law_of_the_flow_stress():
@@ -81,10 +109,12 @@ def test_the_least_thickness_by_a_law_of_the_flow_stress():
 
 def test_a_range_without_a_root():
     p = armour()
-    assert find_ballistic_limit(p, scan(20.0, 500.0), 1e-3, 1.0, 0.0, STEPS)[:2] == (500.0, inf)
-    assert find_ballistic_limit(p, scan(900.0, 1500.0), 1e-3, 1.0, 0.0, STEPS)[:2] == (-inf, 900.0)
-    assert find_least_ceramic_thickness(p, 3000.0, 0.0, 0.01, 1e-8, 1.0, 0.0, STEPS)[:2] == (-inf, -0.01)
-    assert find_least_ceramic_thickness(p, 200.0, 0.002, 0.01, 1e-8, 1.0, 0.0, STEPS)[:2] == (-0.002, inf)
+    slow = scan(20.0, 500.0)
+    scanned = sum(may_perforate(p, velocity) for velocity in slow) + 1
+    assert find_ballistic_limit(p, slow, 1e-3, 1.0, 0.0, STEPS) == (500.0, inf, scanned, True)
+    assert find_ballistic_limit(p, scan(900.0, 1500.0), 1e-3, 1.0, 0.0, STEPS) == (-inf, 900.0, 1, True)
+    assert find_least_ceramic_thickness(p, 3000.0, 0.0, 0.01, 1e-8, 1.0, 0.0, STEPS) == (-inf, -0.01, 3, True)
+    assert find_least_ceramic_thickness(p, 200.0, 0.002, 0.01, 1e-8, 1.0, 0.0, STEPS) == (-0.002, inf, 1, True)
 
 
 def test_an_unresolved_run_ends_the_search():
@@ -140,7 +170,7 @@ def test_a_scan_starts_at_the_highest_velocity_without_the_energy_to_perforate()
     i = VELOCITIES.index(start.V)
     assert not may_perforate(armour(), VELOCITIES[i])
     assert may_perforate(armour(), VELOCITIES[i + 1])
-    assert (before.V, before.nearness) == (VELOCITIES[i - 1], -inf)
+    assert before == Impact(VELOCITIES[i - 1], False, start.eroded, True, -inf)
     fast = scan(600.0, 4000.0)
     before, start = first_impacts(armour(), fast, SOLVER)
     assert before == start
@@ -206,3 +236,218 @@ def test_convergence():
     assert not is_converged(b, 0.4)
     assert not is_converged(b._replace(low_known=False), 0.5)
     assert is_converged(b._replace(high=750.0000000000001), 0.0)
+
+
+def test_a_scan_is_evenly_spaced_on_a_logarithmic_scale():
+    assert scan(3.0, 48.0, 5) == pytest.approx([3.0, 6.0, 12.0, 24.0, 48.0])
+    assert len(VELOCITIES) == search.SCAN_POINTS
+
+
+def test_how_near_an_impact_is_to_the_other_outcome():
+    p = armour()
+    y = State(Z=5e-3, L=1.01e-3 * p.L0, V=300.0, W=0.0, h=0.0)
+    solver = Solver(2.0, 0.0, STEPS)
+    perforated = Run(Outcome.PERFORATED, 1e-5, y, 7)
+    assert impact_of(perforated, p, 700.0, solver) == Impact(700.0, True, False, True, 4.0 - 90_000.0)
+    stopped = perforated._replace(outcome=Outcome.DEFEATED)
+    assert impact_of(stopped, p, 700.0, solver) == Impact(700.0, False, False, True, 5e-3)
+    eroded = stopped._replace(y=y._replace(L=0.99e-3 * p.L0))
+    assert impact_of(eroded, p, 700.0, solver) == Impact(700.0, False, True, True, 5e-3)
+    unresolved = stopped._replace(outcome=Outcome.UNRESOLVED)
+    assert not impact_of(unresolved, p, 700.0, solver).resolved
+
+
+@pytest.mark.parametrize("part", [0.99, 1.01])
+def test_how_close_a_rough_impact_is_repeated(monkeypatch: pytest.MonkeyPatch, part: float):
+    p, again = armour(), Impact(500.0, False, False, True, 0.0)
+    monkeypatch.setattr(search, "impact", lambda *_: again)
+    perforated = Impact(500.0, True, False, True, -part * CLOSE * 500.0**2)
+    defeated = Impact(500.0, False, False, True, (1.0 - part * CLOSE) * (p.Hc0 + p.Hb))
+    for tried in (perforated, defeated):
+        monkeypatch.setattr(search, "rough_impact", lambda *_, tried=tried: tried)
+        assert scanned_impact(p, 500.0, SOLVER) == (again if part < 1.0 else tried)
+
+
+def stopped(V: float, nearness: float = 0.0, eroded: bool = False) -> Impact:
+    return Impact(V, False, eroded, True, nearness)
+
+
+def scanned_as(monkeypatch: pytest.MonkeyPatch, given: Callable[[float], Impact]) -> list[float]:
+    """Replace the impacts of a scan by given ones, and return the list of the velocities to come."""
+    velocities = []
+
+    def scanned(_: Parameters, V: float, __: Solver) -> Impact:
+        velocities.append(V)
+        return given(V)
+
+    monkeypatch.setattr(search, "scanned_impact", scanned)
+    return velocities
+
+
+def hill(V: float) -> Impact:
+    """Impacts of greatest depth at 250 m/s."""
+    return stopped(V, -((V - 250.0) ** 2))
+
+
+def test_a_peak_is_searched_by_golden_section(monkeypatch: pytest.MonkeyPatch):
+    velocities = scanned_as(monkeypatch, hill)
+    found = change_at_peak(armour(), hill(100.0), hill(200.0), hill(400.0), SOLVER)
+    first = 200.0 + 200.0 * GOLDEN
+    second = first + (400.0 - first) * GOLDEN
+    third = first + (200.0 - first) * GOLDEN
+    assert velocities[:3] == pytest.approx([first, second, third])
+    assert len(velocities) == found.runs == HIDDEN_RUNS
+    assert found.below == found.above
+    assert pytest.approx(250.0, abs=3.0) == found.above.V
+    velocities = scanned_as(monkeypatch, hill)
+    found = change_at_peak(armour(), hill(100.0), hill(270.0), hill(300.0), SOLVER)
+    assert velocities[0] == pytest.approx(270.0 - 170.0 * GOLDEN)
+    assert velocities[1] == pytest.approx(270.0 + (velocities[0] - 270.0) * GOLDEN)
+    assert pytest.approx(250.0, abs=3.0) == found.above.V
+
+
+@pytest.mark.parametrize("resolved", [True, False])
+def test_a_search_of_a_peak_ends_at_the_other_outcome(monkeypatch: pytest.MonkeyPatch, resolved: bool):
+    def given(V: float) -> Impact:
+        return Impact(V, resolved, False, resolved, -1.0) if abs(V - 250.0) < 5.0 else hill(V)
+
+    velocities = scanned_as(monkeypatch, given)
+    found = change_at_peak(armour(), hill(100.0), hill(200.0), hill(400.0), SOLVER)
+    assert found == Change(hill(200.0), given(velocities[-1]), 3)
+    velocities = scanned_as(monkeypatch, given)
+    above = change_at_peak(armour(), hill(230.0), hill(240.0), hill(265.0), SOLVER)
+    assert above == Change(hill(240.0), given(240.0 + 25.0 * GOLDEN), 1)
+
+
+def test_causes_are_separated_by_bisection(monkeypatch: pytest.MonkeyPatch):
+    velocities = scanned_as(monkeypatch, lambda V: stopped(V, eroded=V > 130.0))
+    found = change_between_causes(armour(), stopped(100.0), stopped(200.0, eroded=True), SOLVER)
+    assert velocities[:5] == [150.0, 125.0, 137.5, 131.25, 128.125]
+    assert len(velocities) == found.runs == HIDDEN_RUNS
+    assert found.below == found.above
+    assert 130.0 - 100.0 / 2**HIDDEN_RUNS <= found.below.V <= 130.0
+
+
+@pytest.mark.parametrize("resolved", [True, False])
+def test_a_search_between_causes_ends_at_a_perforation(monkeypatch: pytest.MonkeyPatch, resolved: bool):
+    def given(V: float) -> Impact:
+        return Impact(V, resolved, False, resolved, -1.0) if abs(V - 130.0) < 2.0 else stopped(V, eroded=V > 130.0)
+
+    scanned_as(monkeypatch, given)
+    found = change_between_causes(armour(), stopped(100.0), stopped(200.0, eroded=True), SOLVER)
+    assert found == Change(stopped(125.0), given(131.25), 4)
+
+
+def changes(monkeypatch: pytest.MonkeyPatch, given: list[Impact], hidden: Impact | None = None) -> tuple[Change, Any]:
+    """The lowest change of given impacts, the first two before the search; and what is searched between them."""
+    searched = []
+
+    def between(_: Parameters, *impacts: Any) -> Change:
+        searched.append(impacts[:-1])
+        return Change(impacts[-3], hidden or impacts[-3], 10)
+
+    scanned_as(monkeypatch, lambda V: next(i for i in given if V == i.V))
+    monkeypatch.setattr(search, "change_at_peak", between)
+    monkeypatch.setattr(search, "change_between_causes", between)
+    velocities = [5.0, *(i.V for i in given)]
+    return next_change(armour(), given[0], given[1], velocities, SOLVER), searched
+
+
+def test_a_scan_ends_at_a_change_or_an_unresolved_run(monkeypatch: pytest.MonkeyPatch):
+    rising = [stopped(10.0 * i, float(i)) for i in range(1, 6)]
+    perforated = Impact(60.0, True, False, True, -1.0)
+    for end in (perforated, perforated._replace(perforated=False, resolved=False)):
+        assert changes(monkeypatch, [*rising, end]) == (Change(rising[-1], end, 4), [])
+    assert changes(monkeypatch, rising) == (Change(rising[-1], rising[-1], 3), [])
+    falling = [Impact(10.0 * i, True, False, True, -float(i)) for i in range(1, 6)]
+    assert changes(monkeypatch, [*falling, stopped(60.0)]) == (Change(falling[-1], stopped(60.0), 4), [])
+
+
+def test_a_scan_searches_at_a_peak_and_between_causes(monkeypatch: pytest.MonkeyPatch):
+    depths = [1.0, 2.0, 4.0, 3.0, 3.0, 3.5, 3.5, 2.0]
+    given = [stopped(10.0 * (i + 1), depth) for i, depth in enumerate(depths)]
+    found, searched = changes(monkeypatch, given)
+    assert found == Change(given[-1], given[-1], 6 + 10)
+    assert searched == [(given[1], given[2], given[3])]
+    eroding = [i._replace(eroded=i.V > 25.0) for i in given]
+    found, searched = changes(monkeypatch, eroding)
+    assert found == Change(eroding[-1], eroding[-1], 6 + 10)
+    assert searched == [(eroding[1], eroding[2])]
+    for hidden in (Impact(35.0, True, False, True, -1.0), Impact(35.0, False, False, False, 0.0)):
+        found, _ = changes(monkeypatch, given, hidden)
+        assert found == Change(given[2], hidden, 2 + 10)
+
+
+@pytest.mark.parametrize("resolved", [True, False])
+def test_a_change_is_reported_with_its_runs(monkeypatch: pytest.MonkeyPatch, resolved: bool):
+    above = Impact(800.0, True, False, resolved, -1.0)
+    monkeypatch.setattr(search, "next_change", lambda *_: Change(stopped(700.0), above, 5))
+    monkeypatch.setattr(search, "narrowed", lambda *_: SearchResult(750.0, 751.0, 4, True))
+    found = find_ballistic_limit(armour(), VELOCITIES, 1e-3, 1.0, 0.0, STEPS)
+    assert found == ((750.0, 751.0, 10, True) if resolved else (800.0, 800.0, 6, False))
+
+
+def linear(V: float, sign: float, limit: float = 700.0, left: float = 0.8, bend: float = 0.0) -> Impact:
+    """Impacts on the other side of a limit whose residual energy is about a part of what is left above the limit."""
+    more = sign * (V * V - limit * limit)
+    return Impact(V, True, False, True, -left * more - bend * more * more) if more > 0.0 else stopped(V)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(("bend", "rough_runs", "runs"), [(0.0, 2, 4), (1e-6, 4, 7)])
+def test_a_change_is_narrowed_in_either_direction(
+    monkeypatch: pytest.MonkeyPatch, sign: float, bend: float, rough_runs: int, runs: int
+):
+    def given(V: float) -> Impact:
+        return linear(V, sign, bend=bend)
+
+    monkeypatch.setattr(search, "rough_impact", lambda _, V, __: given(V))
+    monkeypatch.setattr(search, "impact", lambda _, V, __: given(V))
+    low, high = 620.0, 790.0
+    change = Change(given(low), given(high), 0)
+    first, ends = (given(high), (low, high)) if sign > 0.0 else (given(low), (-high, -low))
+    root = rough_root(armour(), *ends, first, sign, SOLVER)
+    assert root.x == pytest.approx(sign * 700.0, rel=1e-4)
+    assert root.slope == pytest.approx(1.0 / (0.8 * 1400.0), rel=1e-2)
+    assert root.resolved
+    found = narrowed(armour(), change, 1e-4, SOLVER)
+    start, end = bisected(sign * 700.0, *ends, 1e-4)
+    assert (found.low, found.high) == ((start, end) if sign > 0.0 else (-end, -start))
+    assert found.resolved
+    assert (root.runs, found.runs) == (rough_runs, runs)
+
+
+def test_an_unresolved_run_ends_the_narrowing(monkeypatch: pytest.MonkeyPatch):
+    def given(V: float) -> Impact:
+        return linear(V, 1.0)
+
+    def unresolved(V: float) -> Impact:
+        return Impact(V, False, False, False, 0.0)
+
+    change = Change(given(620.0), given(790.0), 0)
+    monkeypatch.setattr(search, "rough_impact", lambda _, V, __: unresolved(V))
+    root = rough_root(armour(), 620.0, 790.0, given(790.0), 1.0, SOLVER)
+    guess = 790.0**2 - 0.8 * (790.0**2 - 700.0**2) / ENERGY_LEFT
+    assert root == Root(root.x, 1.0 / ENERGY_LEFT, 1, False)
+    assert root.x == pytest.approx(sqrt(guess + 0.2 * (790.0**2 - guess)))
+    assert narrowed(armour(), change, 1e-4, SOLVER) == (root.x, root.x, 1, False)
+    monkeypatch.setattr(search, "rough_impact", lambda _, V, __: given(V))
+    monkeypatch.setattr(search, "impact", lambda _, V, __: unresolved(V))
+    rough = rough_root(armour(), 620.0, 790.0, given(790.0), 1.0, SOLVER)
+    found = narrowed(armour(), change, 1e-4, SOLVER)
+    assert found == (found.low, found.low, rough.runs + 1, False)
+    assert found.low == pytest.approx(700.0, abs=2e-4)
+
+
+def test_the_next_point_is_beyond_the_estimate_by_its_error():
+    b = known_bracket(700.0, 800.0)._replace(estimate=740.0, error=2.0)
+    for points, beyond in ((1, 2.0), (2, 0.03 * 60.0), (3, PARABOLA_ERROR * 2.0)):
+        assert next_point(b._replace(points=points), 0.03) == pytest.approx(740.0 + beyond)
+        assert next_point(b._replace(points=points), 30.0) == pytest.approx(750.0)
+    b = b._replace(points=1)
+    assert next_point(b._replace(runs=MAX_INTERPOLATED_RUNS), 0.03) == pytest.approx(742.0)
+    assert next_point(b._replace(runs=MAX_INTERPOLATED_RUNS + 1), 0.03) == 750.0
+    assert next_point(b._replace(estimate=799.0), 10.0) == pytest.approx(791.0)
+    assert next_point(b._replace(estimate=792.0, error=0.0), 10.0) == pytest.approx(792.0 + 10.0 / 3.0)
+    assert next_point(b._replace(estimate=695.0), 0.03) == pytest.approx(700.0 + 4.0 * 5.0)
+    assert next_point(b._replace(estimate=699.0, error=0.5), 0.03) == pytest.approx(700.0 + 4.0 * 1.0)

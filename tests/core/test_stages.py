@@ -4,7 +4,16 @@ from math import pi
 
 import pytest
 
-from armour.core.stages import drive_force, first_stage, joint_deceleration, select_stage, shear_force, stage_name
+from armour.core.equations import intact_strength
+from armour.core.stages import (
+    drive_force,
+    first_stage,
+    joint_deceleration,
+    select_stage,
+    shear_force,
+    stage_name,
+    with_intact_strength,
+)
 from armour.core.state import Medium, Stage, State
 from tests.helpers.cases import armour
 
@@ -104,3 +113,12 @@ def test_a_plate_that_moves_slowly_is_moving():
     )
     assert select_stage(Medium.FRAGMENTED, y, p, 750.0, 0.0).moving
     assert not select_stage(Medium.FRAGMENTED, State(y.Z, y.L, y.V, 0.0, y.h), p, 750.0, 0.0).moving
+
+
+@pytest.mark.parametrize("name", ["n_B", "n_cB", "a_c", "a_B"])
+def test_each_parameter_of_the_law_counts_by_itself(name: str):
+    p = armour(ceramic_mm=9.0, backing_mm=8.0)
+    law = p._replace(**{name: 1.0})
+    expected = intact_strength(p.Yc0, p.D0, p.Hc0, p.Hb, law.n_B, law.n_cB, law.a_c, law.a_B)
+    assert abs(expected / p.Yc0 - 1.0) > 0.1
+    assert with_intact_strength(law) == p._replace(Yc0=expected)
