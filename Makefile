@@ -50,10 +50,10 @@ bench: $(VENV)/developing
 	$(BIN)/pytest benchmarks -p no:xdist --benchmark-json=$(VENV)/benchmarks.json
 	$(BIN)/python -m benchmarks.report $(VENV)/benchmarks.json docs/performance.md
 
-# Run the mutation tests of core/: an hour or two. docs/mutants.md summarises the results.
+# Run the mutation tests of core/ in plain Python: an hour or two. docs/mutants.md summarises the results.
 mutants: $(VENV)/developing
 	$(BIN)/pip install --quiet --disable-pip-version-check 'mutmut>=3.8'
-	$(BIN)/mutmut run
+	NUMBA_DISABLE_JIT=1 $(BIN)/mutmut run
 	$(BIN)/mutmut results
 
 $(VENV)/bin/python:

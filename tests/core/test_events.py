@@ -165,7 +165,8 @@ def step_with_events(
     calls = []
 
     def given(t: float, *_: Any) -> tuple[float, ...]:
-        return tuple(margins.get(j, lambda _: 1.0)((t - t0) / dt) for j in range(7))
+        x = (t - t0) / dt
+        return tuple(margins[j](x) if j in margins else 1.0 for j in range(7))
 
     def counted(*args: Any) -> State:
         calls.append(args)

@@ -1,9 +1,11 @@
 """Integration of an impact and its record."""
 
 from itertools import pairwise
+from typing import Any
 
 import pytest
 
+from armour.core import events
 from armour.core.equations import crack_velocity, intact_strength
 from armour.core.run import Instant, run
 from armour.core.state import Medium, Outcome
@@ -125,6 +127,15 @@ def test_a_rough_run_ends_nearly_as_a_usual_one_in_fewer_steps():
         assert pytest.approx(usual.y.V, abs=1.0) == rough.y.V
         assert pytest.approx(usual.y.Z, rel=0.01) == rough.y.Z
         assert rough.steps < 0.9 * usual.steps
+
+
+def test_a_rough_run_does_not_confirm_events(monkeypatch: pytest.MonkeyPatch):
+    def confirmed(*_: Any) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr(events, "confirm_event", confirmed)
+    p = armour()
+    assert run(p, 800.0, default_time_step(p, 800.0), 1.0, 1000, None, True).outcome == Outcome.PERFORATED
 
 
 def test_a_motion_that_comes_and_goes_within_a_step_is_seen():

@@ -276,7 +276,8 @@ def scanned_as(monkeypatch: pytest.MonkeyPatch, given: Callable[[float], Impact]
     """Replace the impacts of a scan by given ones, and return the list of the velocities to come."""
     velocities = []
 
-    def scanned(_: Parameters, V: float, __: Solver) -> Impact:
+    def scanned(p: Parameters, V: float, solver: Solver) -> Impact:
+        assert (p, solver) == (armour(), SOLVER)
         velocities.append(V)
         return given(V)
 
@@ -295,7 +296,8 @@ def test_a_peak_is_searched_by_golden_section(monkeypatch: pytest.MonkeyPatch):
     first = 200.0 + 200.0 * GOLDEN
     second = first + (400.0 - first) * GOLDEN
     third = first + (200.0 - first) * GOLDEN
-    assert velocities[:3] == pytest.approx([first, second, third])
+    fourth = third + (200.0 - third) * GOLDEN
+    assert velocities[:4] == pytest.approx([first, second, third, fourth])
     assert len(velocities) == found.runs == HIDDEN_RUNS
     assert found.below == found.above
     assert pytest.approx(250.0, abs=3.0) == found.above.V
@@ -342,7 +344,8 @@ def changes(monkeypatch: pytest.MonkeyPatch, given: list[Impact], hidden: Impact
     """The lowest change of given impacts, the first two before the search; and what is searched between them."""
     searched = []
 
-    def between(_: Parameters, *impacts: Any) -> Change:
+    def between(p: Parameters, *impacts: Any) -> Change:
+        assert (p, impacts[-1]) == (armour(), SOLVER)
         searched.append(impacts[:-1])
         return Change(impacts[-3], hidden or impacts[-3], 10)
 
