@@ -4,8 +4,6 @@ import re
 import tomllib
 from pathlib import Path
 
-import armour
-
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("configs", "docs", "scenarios", "src", "suites", "tests")
 SOURCES = tomllib.loads((ROOT / "docs" / "references.toml").read_text(encoding="utf-8"))
@@ -32,8 +30,3 @@ def test_every_entry_says_what_it_is_used_for_and_how_far_it_was_checked():
         assert {"title", "use", "checked"} <= source.keys() <= known, key
         assert re.fullmatch(r"(Checked|Not checked|[\w ,]+ checked).*", source["checked"]), key
         assert re.fullmatch(r"10\.\d{4,}/\S+", source.get("doi", "10.1000/x")), key
-
-
-def test_the_citation_file_has_the_version():
-    text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-    assert re.search(r"^version: (.+)$", text, re.MULTILINE)[1] == armour.__version__  # type: ignore[index]
