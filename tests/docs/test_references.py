@@ -4,8 +4,10 @@ import re
 import tomllib
 from pathlib import Path
 
+import armour
+
 ROOT = Path(__file__).parents[2]
-FOLDERS = ("configs", "docs", "scenarios", "src", "suites", "tests")
+FOLDERS = (*(ROOT / name for name in ("configs", "docs", "scenarios", "suites", "tests")), Path(armour.__file__).parent)
 SOURCES = tomllib.loads((ROOT / "docs" / "references.toml").read_text(encoding="utf-8"))
 
 
@@ -13,7 +15,7 @@ def cited() -> set[str]:
     """What stands in brackets and is a key, or looks like one."""
     found: set[str] = set()
     for folder in FOLDERS:
-        for path in (ROOT / folder).rglob("*"):
+        for path in folder.rglob("*"):
             if path.suffix in (".md", ".py", ".toml") and path.name != "references.toml":
                 words = re.findall(r"\[(\w+)\]", path.read_text(encoding="utf-8"))
                 found.update(word for word in words if word in SOURCES or re.fullmatch(r"[A-Z][a-z]+\d{4}", word))
