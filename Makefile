@@ -56,7 +56,7 @@ coverage: $(VENV)/developing
 	mkdir .coverage
 	$(BIN)/coverage run -m pytest -n auto
 	$(BIN)/coverage combine --quiet
-	$(BIN)/python docs/coverage.py docs/coverage.md
+	$(BIN)/python docs/coverage_page.py docs/coverage.md
 
 # Build sdist and wheel and check them in a clean environment; dist/ then has them.
 release: $(VENV)/developing

@@ -70,3 +70,11 @@ def test_options_of_a_number_and_of_words_say_what_they_take(cli):
     [line] = cli.fails(2, "calibrate", "wilkins.csv", "wilkins", "--law", "backin")
     assert line.startswith("command line: --law: must be one of constant, ")
     assert line.endswith('found "backin"; did you mean "backing"?')
+
+
+def test_a_mistake_of_another_key_than_the_changed_one_names_that_key(cli):
+    changed = ("simulate", SCENARIOS / "wilkins.toml", "--set", "ballistic_limit.velocity_min_m_s=5000")
+    assert cli.fails(2, *changed) == [
+        f"{SCENARIOS / 'wilkins.toml'}: ballistic_limit.velocity_max_m_s: "
+        "must be above velocity_min_m_s, which is 5000, found 4000"
+    ]

@@ -5,6 +5,7 @@ import os
 import pickle
 import signal
 import socket
+import sys
 import threading
 from collections.abc import Iterator
 from functools import partial
@@ -126,6 +127,15 @@ def test_a_cluster_is_started_on_this_machine(monkeypatch: pytest.MonkeyPatch):
     with connected("local") as found:
         assert list(found.nthreads().values()) == [1]
         assert found.submit(abs, -1).result() == 1
+
+
+def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with (
+        pytest.raises(InputError, match=r"needs dask.distributed; pip install 'armour\[cluster\]'"),
+        connected("local"),
+    ):
+        pass
 
 
 @pytest.mark.parametrize(
