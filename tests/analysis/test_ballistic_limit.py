@@ -59,7 +59,7 @@ def test_the_limit_is_the_upper_end_of_its_bracket():
     assert result.ballistic_limit_m_s == high
     assert 0 < high - low <= 0.01
     assert result.monotonic
-    assert 33 < result.runs < 50
+    assert 15 < result.runs < 30
     assert (result.scanned_velocities, result.scanned_range_m_s) == (33, (20.0, 4000.0))
     assert result.areal_density_kg_m2 == pytest.approx(39.243)
 
@@ -91,7 +91,7 @@ def test_a_lowest_velocity_that_perforates_is_no_limit():
 
 def test_a_run_that_does_not_end_names_its_velocity(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("armour.analysis.ballistic_limit.MAX_STEPS", 3)
-    with pytest.raises(InputError, match="the run at 20 m/s"):
+    with pytest.raises(InputError, match=r"the run at 333\.774 m/s"):
         ballistic_limit(scenario())
 
 

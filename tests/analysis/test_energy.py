@@ -22,7 +22,7 @@ def test_the_balance_closes_to_the_order_of_the_method(name: str):
         assert row.stage == stage.stage
         assert row.total == pytest.approx(stage.energy_lost_J, abs=2e-6 * energy.before)
     assert 0.0 <= energy.left <= energy.before
-    coarse, fine = (closing_error(case, impact.time_step_us / parts) for parts in (4, 8))
+    coarse, fine = (closing_error(case, impact.time_step_us / parts) for parts in (64, 128))
     assert 12.0 < coarse / fine < 20.0
 
 

@@ -51,7 +51,8 @@ def test_results_do_not_depend_on_the_threads():
         assert (one[name] == four[name]).all()
 
 
-def test_a_run_that_does_not_end_names_the_arrest_velocity():
+def test_a_run_that_does_not_end_names_the_arrest_velocity(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 30)
     with pytest.raises(InputError) as error:
         evaluate(scenario(velocity=600.0, ceramic_mm=30.0, solver={"arrest_velocity_m_s": 1e-9}), {}, ["outcome"])
     [problem] = error.value.problems

@@ -6,10 +6,22 @@ import pytest
 
 from armour.core import events
 from armour.core.equations import crack_velocity
-from armour.core.events import Event, after_event, event_functions, interpolated, locate_event, step_to_event
+from armour.core.events import (
+    EVENT_TOLERANCE,
+    Advance,
+    Event,
+    after_event,
+    confirm_event,
+    event_functions,
+    first_negative,
+    is_bent,
+    root_on_cubic,
+    step_to_event,
+    turning_point,
+)
 from armour.core.rk4 import step
 from armour.core.stages import first_stage, rates, stage_name
-from armour.core.state import Medium, Outcome, Stage, State
+from armour.core.state import Medium, Outcome, Parameters, Stage, State
 from tests.helpers.cases import armour
 
 
@@ -59,18 +71,31 @@ def test_a_plate_that_reaches_the_projectiles_velocity_is_carried():
     assert stage_name(after) == "iii.4"
 
 
+def advance(t: float, y: State, s: Stage, p: Parameters, dt: float, V_arrest: float, rough: bool = False) -> Advance:
+    """A step from a state, of which rates and event functions are those there."""
+    return step_to_event(t, y, rates(y, s, p), event_functions(t, y, s, p, V_arrest), s, p, dt, V_arrest, rough)
+
+
 def test_the_earliest_of_several_events_is_located():
     """Within a step of 6 us the crack arrives, the plate moves and stops, and the velocity falls."""
     p = armour()
     y = State(Z=0.0, L=p.L0, V=800.0, W=0.0, h=0.0)
-    event, taken, _ = step_to_event(0.0, y, rates(y, first_stage(y, p), p), first_stage(y, p), p, 6e-6, 799.0)
-    assert event == Event.ARREST
-    event, taken, after = step_to_event(0.0, y, rates(y, first_stage(y, p), p), first_stage(y, p), p, 6e-6, 1.0)
-    assert event == Event.MEDIUM
-    assert after.Z + crack_velocity(p.Ec, p.rho_c) * taken == pytest.approx(p.Hc0, rel=1e-12)
+    assert advance(0.0, y, first_stage(y, p), p, 6e-6, 799.0).event == Event.ARREST
+    found = advance(0.0, y, first_stage(y, p), p, 6e-6, 1.0)
+    assert found.event == Event.MEDIUM
+    assert found.y.Z + crack_velocity(p.Ec, p.rho_c) * found.taken == pytest.approx(p.Hc0, rel=1e-11)
 
 
-def test_an_event_that_comes_and_goes_before_a_later_one_is_found():
+def test_a_step_without_an_event_ends_with_its_rates_and_event_functions():
+    p = armour()
+    y = State(Z=0.0, L=p.L0, V=800.0, W=0.0, h=0.0)
+    s = first_stage(y, p)
+    found = advance(1e-7, y, s, p, 1e-7, 1.0)
+    y_end = step(y, rates(y, s, p), s, p, 1e-7)
+    assert found == (-1, 1e-7, y_end, rates(y_end, s, p), event_functions(2e-7, y_end, s, p, 1.0))
+
+
+def test_an_event_that_comes_and_goes_within_a_step_is_found():
     """The front passes the back face and returns within the step, as the carried plate reverses."""
     p = armour(ceramic=None, ceramic_mm=0.0)._replace(YB=50e9, Yp=1e8, tau=3e9, Hb=2e-3)
     s = Stage(Medium.PLATE, True, False, True, 500.0, 0.0)
@@ -78,27 +103,60 @@ def test_an_event_that_comes_and_goes_before_a_later_one_is_found():
     k1 = rates(y, s, p)
     dt = 4.0 * y.W / -k1.W
     assert step(y, k1, s, p, dt).Z < y.Z
-    event, taken, after = step_to_event(0.0, y, k1, s, p, dt, 1.0)
-    assert event == Event.MEDIUM
-    assert pytest.approx(2e-3, rel=1e-12) == after.Z
-    assert after.W > 0.0
-    assert taken < y.W / -k1.W
+    found = advance(0.0, y, s, p, dt, 1.0)
+    assert found.event == Event.MEDIUM
+    assert pytest.approx(2e-3, rel=1e-11) == found.y.Z
+    assert found.y.W > 0.0
+    assert found.taken < y.W / -k1.W
+
+
+def test_where_velocities_turn():
+    def turn(W: float, W_end: float, V: float = -1.0, V_end: float = -1.0) -> float:
+        return turning_point(State(1.0, 0.0, V, W, 0.0), State(1.0, 0.0, V_end, W_end, 0.0))
+
+    assert turn(-3.0, 1.0) == 0.5  # V - W turns first
+    assert turn(-3.0, 1.0, -4.0, -4.0) == 0.75
+    assert turn(3.0, 1.0) == 1.0
+    assert turn(-3.0, -2.0) == 1.0
+    assert turn(1.0, -3.0) == 0.5
+
+
+def test_the_first_negative_event_function():
+    g = (1.0, 0.0, -1.0, 2.0, float("nan"), 1.0, -3.0)
+    assert first_negative(g, -1) == 2
+    assert first_negative(g, 2) == 4
+    assert first_negative((0.0,) * 7, -1) == -1
+    for j in range(7):
+        single = tuple(-1.0 if i == j else 1.0 for i in range(7))
+        assert first_negative(single, -1) == j  # type: ignore[arg-type]
+        assert first_negative(single, j) == -1  # type: ignore[arg-type]
 
 
 def test_an_event_that_has_happened_at_the_start_of_a_step_is_located_there():
     p = armour()
     y = State(Z=0.0, L=p.L0, V=800.0, W=0.0, h=0.0)
     s = first_stage(y, p)
-    assert locate_event(Event.MEDIUM, 0.0, y, rates(y, s, p), s, p, 1e-7, 1.0, -1.0, -2.0, 1.0, y) == (0.0, y)
+    past = (-1.0, *event_functions(0.0, y, s, p, 1.0)[1:])
+    found = step_to_event(0.0, y, rates(y, s, p), past, s, p, 4e-6, 1.0, False)
+    assert (found.event, found.taken, found.y) == (Event.MEDIUM, 0.0, y)
 
 
-def test_an_event_is_located_with_few_evaluations(monkeypatch: pytest.MonkeyPatch):
+def test_an_event_just_before_the_end_of_a_step_is_at_its_end():
     p = armour()
     y = State(Z=0.0, L=p.L0, V=800.0, W=0.0, h=0.0)
     s = first_stage(y, p)
-    k1 = rates(y, s, p)
+    taken = advance(0.0, y, s, p, 4e-6, 1.0).taken
+    whole = taken * (1.0 + 0.1 * EVENT_TOLERANCE)
+    found = advance(0.0, y, s, p, whole, 1.0)
+    assert (found.event, found.taken) == (Event.MEDIUM, whole)
+
+
+def test_an_event_is_located_on_the_cubic_and_confirmed_by_few_steps(monkeypatch: pytest.MonkeyPatch):
+    p = armour()
+    y = State(Z=0.0, L=p.L0, V=800.0, W=0.0, h=0.0)
+    s = first_stage(y, p)
+    k = rates(y, s, p)
     dt = 4e-6
-    g_lo = event_functions(0.0, y, s, p, 1.0)[Event.MEDIUM]
     calls = []
 
     def counted(*args: Any) -> State:
@@ -106,31 +164,73 @@ def test_an_event_is_located_with_few_evaluations(monkeypatch: pytest.MonkeyPatc
         return step(*args)
 
     monkeypatch.setattr(events, "step", counted)
-    y_end = step(y, k1, s, p, dt)
-    g_hi = event_functions(dt, y_end, s, p, 1.0)[Event.MEDIUM]
-    fraction, there = locate_event(Event.MEDIUM, 0.0, y, k1, s, p, dt, 1.0, g_lo, g_hi, 1.0, y_end)
-    assert len(calls) <= 7
-    assert there == step(y, k1, s, p, fraction * dt)
-    before = step(y, k1, s, p, (fraction - 1.1e-12) * dt)
-    assert event_functions(fraction * dt, there, s, p, 1.0)[Event.MEDIUM] < 0.0
-    assert event_functions((fraction - 1.1e-12) * dt, before, s, p, 1.0)[Event.MEDIUM] >= 0.0
+    found = advance(0.0, y, s, p, dt, 1.0)
+    assert len(calls) <= 1 + 3
+    fraction = found.taken / dt
+    assert found.y == step(y, k, s, p, fraction * dt)
+    before = step(y, k, s, p, (fraction - 1.1 * EVENT_TOLERANCE) * dt)
+    assert event_functions(found.taken, found.y, s, p, 1.0)[Event.MEDIUM] < 0.0
+    assert event_functions((fraction - 1.1 * EVENT_TOLERANCE) * dt, before, s, p, 1.0)[Event.MEDIUM] >= 0.0
 
 
-@pytest.mark.parametrize("root", [1e-9, 0.02, 0.3, 0.77, 1.0 - 1e-9])
-@pytest.mark.parametrize("bend", [-50.0, -1.0, 0.0, 1.0, 50.0])
-def test_interpolation_stays_in_the_bracket_and_finds_a_parabola_at_once(root: float, bend: float):
-    """Three points determine x as a parabola of g."""
+def test_a_rough_step_ends_on_the_cubic(monkeypatch: pytest.MonkeyPatch):
+    p = armour()
+    y = State(Z=0.0, L=p.L0, V=800.0, W=0.0, h=0.0)
+    s = first_stage(y, p)
+    usual = advance(0.0, y, s, p, 4e-6, 1.0)
+    calls = []
 
-    def x_of(g: float) -> float:
-        return root - g + bend * 1e-3 * g * g
+    def counted(*args: Any) -> State:
+        calls.append(args)
+        return step(*args)
 
-    x, other, last = x_of(0.1), x_of(-0.2), x_of(0.3)
-    part = interpolated(x, 0.1, other, -0.2, last, 0.3)
-    assert 0.0 < part < 1.0
-    if part != 0.5:
-        assert x + part * (other - x) == pytest.approx(root, abs=1e-12)
-    else:
-        assert bend in (-50.0, 50.0)
+    monkeypatch.setattr(events, "step", counted)
+    rough = advance(0.0, y, s, p, 4e-6, 1.0, rough=True)
+    assert len(calls) == 1
+    assert rough.event == Event.MEDIUM
+    assert rough.taken == pytest.approx(usual.taken, rel=1e-3)
+    assert tuple(rough.y) == pytest.approx(tuple(usual.y), rel=1e-3, abs=1e-9)
+    assert event_functions(rough.taken, rough.y, s, p, 1.0)[Event.MEDIUM] < 0.0
+
+
+def test_the_cubic_is_not_trusted_where_rates_and_velocities_differ():
+    y, dt = struck(600.0, 100.0), 1e-6
+    k = State(600.0, 0.0, -1e7, 2e7, 100.0)
+    end = State(6e-4, 0.02, 590.0, 120.0, 1e-4)
+    assert not is_bent(y, k, end, k, dt)
+    assert is_bent(y, k, end, k._replace(V=-1e8), dt)
+    assert is_bent(y, k, end, k._replace(W=2e8), dt)
+    assert is_bent(y, k, end, k._replace(W=float("nan")), dt)
+    for V in (590.0 - 29.0, 590.0 + 29.0):
+        assert not is_bent(y, k, end._replace(V=V), k, dt)
+    for V in (590.0 - 31.0, 590.0 + 31.0):
+        assert is_bent(y, k, end._replace(V=V), k, dt)
+
+
+def test_a_confirmation_with_a_wrong_slope_ends_by_bisection():
+    p = armour()
+    y = State(Z=0.0, L=p.L0, V=800.0, W=0.0, h=0.0)
+    s = first_stage(y, p)
+    k, dt = rates(y, s, p), 4e-6
+    right = advance(0.0, y, s, p, dt, 1.0).taken / dt
+    for slope in (0.0, 1.0, -1e-9, -1e9):
+        fraction, there = confirm_event(0, 0.0, y, k, s, p, dt, 1.0, 0.5, slope, 1.0, step(y, k, s, p, dt))
+        assert fraction == pytest.approx(right, abs=2.0 * EVENT_TOLERANCE)
+        assert event_functions(fraction * dt, there, s, p, 1.0)[0] < 0.0
+
+
+def test_the_root_on_the_cubic_is_between_its_neighbours():
+    p = armour()
+    y = State(Z=0.0, L=p.L0, V=800.0, W=0.0, h=0.0)
+    s = first_stage(y, p)
+    k, dt = rates(y, s, p), 4e-6
+    end = step(y, k, s, p, dt)
+    g, g_end = (event_functions(t, at, s, p, 1.0)[0] for t, at in ((0.0, y), (dt, end)))
+    x, after, slope = root_on_cubic(0, 0.0, y, k, end, rates(end, s, p), s, p, dt, 1.0, g, g_end, 1.0)
+    right = advance(0.0, y, s, p, dt, 1.0).taken / dt
+    assert x == pytest.approx(right, abs=1e-3)
+    assert x < after < x + 1e-3
+    assert slope == pytest.approx(g_end - g, rel=0.1)
 
 
 def test_the_earlier_of_two_events_in_intact_ceramic_is_located():
@@ -143,7 +243,7 @@ def test_the_earlier_of_two_events_in_intact_ceramic_is_located():
     k1 = rates(y, s, p)
     after = event_functions(dt, step(y, k1, s, p, dt), s, p, 1.0)
     assert after[Event.MEDIUM] < 0.0 > after[Event.TARGET]
-    event, taken, there = step_to_event(0.0, y, k1, s, p, dt, 1.0)
-    assert event == Event.TARGET
-    assert 0.0 < taken < 0.1 * dt
-    assert pytest.approx(limit, rel=1e-9) == there.V
+    found = advance(0.0, y, s, p, dt, 1.0)
+    assert found.event == Event.TARGET
+    assert 0.0 < found.taken < 0.1 * dt
+    assert pytest.approx(limit, rel=1e-9) == found.y.V

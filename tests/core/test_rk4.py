@@ -4,7 +4,7 @@ from math import exp, isclose
 
 import pytest
 
-from armour.core.rk4 import advance, step
+from armour.core.rk4 import advance, state_within, step
 from armour.core.stages import rates
 from armour.core.state import Medium, Stage, State
 from tests.helpers.cases import armour
@@ -43,3 +43,15 @@ def test_depth_and_velocity_agree_with_the_closed_form():
     k = (a.Yc0 / s.Vs1**2 + a.rho_c) / (a.rho_p * y.L)
     after = step(y, rates(y, s, a), s, a, 1e-7)
     assert isclose(after.V, y.V * exp(-k * after.Z), rel_tol=1e-12)
+
+
+def test_the_state_within_a_step_is_that_of_the_cubic_through_its_ends():
+    def at(x: float) -> State:
+        return State(*(c * x**3 - x**2 + 2.0 * x + c for c in (1.0, -2.0, 0.5, 3.0, -1.0)))
+
+    def slope(x: float) -> State:
+        return State(*((3.0 * c * x**2 - 2.0 * x + 2.0) / 0.1 for c in (1.0, -2.0, 0.5, 3.0, -1.0)))
+
+    for x in (0.0, 0.25, 0.6, 1.0):
+        found = state_within(at(0.0), slope(0.0), at(1.0), slope(1.0), 0.1, x)
+        assert tuple(found) == pytest.approx(tuple(at(x)), rel=1e-12)

@@ -1,4 +1,4 @@
-"""The default time step and its adaptation."""
+"""The longest time step and its adaptation."""
 
 from math import sqrt
 
@@ -6,7 +6,17 @@ import pytest
 
 from armour.core.stages import first_stage, rates
 from armour.core.state import Medium, Parameters, Stage, State
-from armour.core.stepping import default_time_step, fastest_rate, step_length, time_step
+from armour.core.stepping import (
+    LONGEST_RESPONSE,
+    ROUGH_RESPONSE,
+    ROUGH_SLOWING,
+    default_time_step,
+    response_rate,
+    step_length,
+    strength_by_velocity,
+    time_step,
+    time_to_end,
+)
 from tests.helpers.cases import armour
 
 STATE = State(Z=4e-3, L=0.018, V=600.0, W=100.0, h=0.5e-3)
@@ -21,19 +31,22 @@ def in_stage(medium: Medium, eroding: bool, penetrated: bool, moving: bool) -> S
     return Stage(medium, eroding, penetrated, moving, 750.0, 0.2e-3)
 
 
+JOINED = in_stage(Medium.PLATE, False, False, True)
+
+
 def test_a_given_time_step_is_limited():
     p = armour()
     default = default_time_step(p, 800.0)
     assert time_step(p, 800.0, 0.0) == default
     assert time_step(p, 800.0, 0.1 * default) == 0.1 * default
-    assert time_step(p, 800.0, 100.0 * default) == 1.6 * default
+    assert time_step(p, 800.0, 100.0 * default) == default
 
 
-def length(y: State, s: Stage, p: Parameters, dt: float) -> float:
-    return step_length(y, rates(y, s, p), s, p, dt)
+def length(y: State, s: Stage, p: Parameters, dt: float, rough: bool = False) -> float:
+    return step_length(y, rates(y, s, p), s, p, dt, rough)
 
 
-def test_the_step_is_the_usual_one_at_impact():
+def test_the_step_is_the_given_one_at_impact():
     p = armour()
     assert length(struck(800.0), first_stage(struck(800.0), p), p, 1e-7) == 1e-7
 
@@ -55,42 +68,56 @@ def test_the_default_step_scales_with_size():
     assert default_time_step(b, 800.0) == pytest.approx(2 * default_time_step(p, 800.0), rel=1e-14)
 
 
-def test_the_fastest_rate_in_fragmented_ceramic():
-    """Terms of inertia, of the projectile's bar wave and of the derivative of (9)."""
+def test_the_response_in_fragmented_ceramic():
+    """Terms of inertia, erosion, the projectile's bar wave and the derivative of (9)."""
     p = armour()
     damping = 2.0 * p.Yc0 * 500.0 / 750.0**2
-    rod = (600.0 + sqrt(p.Yp / p.rho_p) + damping / p.rho_p) / 0.018
+    rod = (600.0 + 2.0 * 200.0 + sqrt(p.Yp / p.rho_p) + damping / p.rho_p) / 0.018
     held = in_stage(Medium.FRAGMENTED, True, True, False)
-    assert fastest_rate(STATE, RATES, held, p) == pytest.approx(rod)
+    assert response_rate(STATE, RATES, held, p) == pytest.approx(rod)
     areal = p.rho_B * p.Hb + p.rho_c * (p.Hc0 - STATE.Z + STATE.h)
     moving = in_stage(Medium.FRAGMENTED, True, True, True)
-    expected = rod + 3e6 / 600.0 + (p.rho_c * 500.0 + damping) / areal
-    assert fastest_rate(STATE, RATES, moving, p) == pytest.approx(expected)
+    expected = rod + (p.rho_c * 500.0 + damping) / areal
+    assert response_rate(STATE, RATES, moving, p) == pytest.approx(expected)
+    Yc = p.Yc0 * (500.0 / 750.0) ** 2
+    inertia = 2.0 * p.rho_c * 600.0 + 2.5 * sqrt(Yc * p.rho_c)
+    rigid = in_stage(Medium.FRAGMENTED, False, True, False)
+    assert response_rate(STATE, RATES, rigid, p) == pytest.approx((inertia + damping) / (p.rho_p * 0.018))
+    expected = (inertia + 0.5 * damping) / (p.rho_p * 0.018) + (p.rho_c * 500.0 + 0.5 * damping) / areal
+    assert response_rate(STATE, RATES, rigid._replace(moving=True), p) == pytest.approx(expected)
 
 
-def test_the_fastest_rate_in_the_plate():
+def test_the_response_in_the_plate():
     p = armour()
     deep = STATE._replace(Z=8e-3)
-    rod = (600.0 + sqrt(p.Yp / p.rho_p)) / 0.018
+    rod = (600.0 + 2.0 * 200.0 + sqrt(p.Yp / p.rho_p)) / 0.018
     areal = p.rho_B * (p.Hb + p.Hc0 - 8e-3 + 0.5e-3 - 0.2e-3)
     penetrated = in_stage(Medium.PLATE, True, True, True)
     carried = in_stage(Medium.PLATE, True, False, True)
-    joined = in_stage(Medium.PLATE, False, False, True)
-    picking_up = 3e6 / 600.0
-    assert fastest_rate(deep, RATES, penetrated, p) == pytest.approx(rod + picking_up + p.rho_B * 500.0 / areal)
-    assert fastest_rate(deep, RATES, carried, p) == pytest.approx(rod + picking_up + p.rho_p * 600.0 / areal)
-    assert fastest_rate(deep, RATES, joined, p) == pytest.approx(600.0 / 0.018)
-    heavy = p._replace(rho_B=2 * p.rho_p)
-    rod = (2 * 600.0 + sqrt(p.Yp / p.rho_p)) / 0.018
-    assert fastest_rate(deep, RATES, penetrated._replace(moving=False), heavy) == pytest.approx(rod)
+    spring = sqrt(4.0 * p.tau / (p.D0 * areal))
+    assert response_rate(deep, RATES, penetrated, p) == pytest.approx(rod + p.rho_B * 500.0 / areal + spring)
+    assert response_rate(deep, RATES, carried, p) == pytest.approx(rod + p.rho_p * 600.0 / areal)
+    rigid = in_stage(Medium.PLATE, False, True, False)
+    expected = (2.0 * p.rho_B * 600.0 + 2.5 * sqrt(p.YB * p.rho_B)) / (p.rho_p * 0.018)
+    assert response_rate(deep, RATES, rigid, p) == pytest.approx(expected)
 
 
-def test_the_default_step_is_a_fraction_of_the_characteristic_time():
+def test_only_the_strength_of_penetrated_fragments_depends_on_the_velocity():
+    p = armour()
+    for s in (
+        in_stage(Medium.INTACT, True, True, False),
+        in_stage(Medium.PLATE, True, True, True),
+        in_stage(Medium.FRAGMENTED, True, False, True),
+    ):
+        assert strength_by_velocity(STATE, s, p) == 0.0
+
+
+def test_the_default_step_is_the_characteristic_time():
     p = armour()
     slowing = p.Yp / (p.rho_p * p.L0 * 800.0)
     drive = min(p.Yc0, p.Yp + p.rho_p * 800.0**2)
     picking_up = drive / ((p.rho_c * p.Hc0 + p.rho_B * p.Hb) * 800.0)
-    expected = 1.0 / (4.0 * (800.0 / p.D0 + slowing + picking_up))
+    expected = 1.0 / (800.0 / p.D0 + slowing + picking_up)
     assert default_time_step(p, 800.0) == pytest.approx(expected)
 
 
@@ -99,30 +126,58 @@ def test_the_default_step_of_a_slow_impact_on_a_thin_bare_plate():
     p = armour()._replace(Hc0=0.0, Hb=3e-3, YB=4e9)
     slowing = p.Yp / (p.rho_p * p.L0 * 300.0)
     drive = p.Yp + p.rho_p * 300.0**2
-    expected = 1.0 / (4.0 * (300.0 / 3e-3 + slowing + drive / (p.rho_B * 3e-3 * 300.0)))
+    expected = 1.0 / (300.0 / 3e-3 + slowing + drive / (p.rho_B * 3e-3 * 300.0))
     assert default_time_step(p, 300.0) == pytest.approx(expected)
     soft = p._replace(YB=1.05e9)
     slowing = 1.05e9 / (p.rho_p * p.L0 * 300.0)
-    expected = 1.0 / (4.0 * (300.0 / 3e-3 + slowing + 1.05e9 / (p.rho_B * 3e-3 * 300.0)))
+    expected = 1.0 / (300.0 / 3e-3 + slowing + 1.05e9 / (p.rho_B * 3e-3 * 300.0))
     assert default_time_step(soft, 300.0) == pytest.approx(expected)
 
 
 def test_the_limits_of_the_step():
     p = armour()
     s = in_stage(Medium.FRAGMENTED, False, True, False)
-    assert step_length(STATE, RATES, s, p, 1e-8) == pytest.approx(1e-8 * 750.0 / 600.0)
+    assert step_length(STATE, RATES, s, p, 1e-8, False) == pytest.approx(1e-8 * 750.0 / 600.0)
     change = (2e7 + 3e6) / 600.0 + 400.0 / p.D0
     eroding = in_stage(Medium.FRAGMENTED, True, True, False)
-    assert step_length(STATE, RATES, eroding, p, 1e-12) == pytest.approx(1e-3 / change)
-    longest = 0.3 / fastest_rate(STATE, RATES, eroding, p)
-    assert step_length(STATE, RATES, eroding, p, 1.0) == pytest.approx(longest)
+    assert step_length(STATE, RATES, eroding, p, 1e-12, False) == pytest.approx(1e-3 / change)
+    rate = response_rate(STATE, RATES, eroding, p)
+    assert step_length(STATE, RATES, eroding, p, 1.0, False) == pytest.approx(LONGEST_RESPONSE / rate)
+    assert step_length(STATE, RATES, eroding, p, 1.0, True) == pytest.approx(ROUGH_RESPONSE / rate)
     thin = p._replace(Hc0=1e-3, Hb=2e-3)
     change = (2e7 + 3e6) / 600.0 + 400.0 / 3e-3
-    assert step_length(STATE, RATES, eroding, thin, 1e-12) == pytest.approx(1e-3 / change)
+    assert step_length(STATE, RATES, eroding, thin, 1e-12, False) == pytest.approx(1e-3 / change)
 
 
-def test_the_step_grows_where_the_deceleration_is_constant():
+def test_the_steps_of_a_rough_run_are_longer_where_the_velocity_falls_as_the_inverse_of_time():
     p = armour()
-    deep = STATE._replace(Z=8e-3)
-    joined = in_stage(Medium.PLATE, False, False, True)
-    assert step_length(deep, RATES, joined, p, 1e-8) == pytest.approx(8e-8)
+    held = in_stage(Medium.FRAGMENTED, False, True, False)
+    rate = response_rate(STATE, RATES, held, p)
+    assert step_length(STATE, RATES, held, p, 1.0, True) == pytest.approx(ROUGH_SLOWING * ROUGH_RESPONSE / rate)
+    assert step_length(STATE, RATES, held, p, 1.0, False) == pytest.approx(LONGEST_RESPONSE / rate)
+
+
+@pytest.mark.parametrize(("Z", "V", "rest"), [(8e-3, 600.0, False), (8e-3, 300.0, False), (8e-3, 20.0, True)])
+def test_a_step_of_constant_deceleration_leads_just_beyond_the_end(Z: float, V: float, rest: bool):
+    """The way in a time at constant deceleration is a parabola of the time."""
+    p = armour()
+    y = State(Z=Z, L=0.018, V=V, W=V, h=0.5e-3)
+    k = rates(y, JOINED, p)
+    dt = time_to_end(y, k, JOINED, p)
+    assert step_length(y, k, JOINED, p, 1e-9, False) == dt
+    way, left = V * dt + 0.5 * k.V * dt * dt, p.Hc0 + p.Hb - Z
+    if rest:
+        assert dt == V / -k.V
+        assert way < left
+    else:
+        assert way == pytest.approx(left, rel=1e-9)
+        assert way > left
+
+
+def test_without_deceleration_the_end_is_reached_at_the_velocity():
+    p = armour()
+    y = State(Z=8e-3, L=0.018, V=300.0, W=300.0, h=0.5e-3)
+    k = State(300.0, 0.0, 0.0, 0.0, 300.0)
+    assert time_to_end(y, k, JOINED, p) == pytest.approx((p.Hc0 + p.Hb - 8e-3) / 300.0)
+    in_ceramic = JOINED._replace(medium=Medium.FRAGMENTED)
+    assert time_to_end(y._replace(Z=4e-3), k, in_ceramic, p) == pytest.approx((p.Hc0 - 4e-3) / 300.0)

@@ -203,8 +203,10 @@ def test_only_a_refined_design_is_among_the_data():
 def test_the_refined_optimum_of_the_paper():
     refined = optimise(load_scenario(SCENARIOS / "paper" / "optimum_7.62mm_AP.toml"), refine=True).refined
     assert refined is not None
-    assert refined.ceramic_thickness_mm == pytest.approx(10.83333, abs=1e-4)
-    assert refined.backing_thickness_mm == pytest.approx(6.20342, abs=1e-4)
+    # The areal density hardly depends on how it is divided between the two.
+    assert refined.areal_density_kg_m2 == pytest.approx(54.21775, abs=1e-4)
+    assert refined.ceramic_thickness_mm == pytest.approx(10.8333, abs=1e-3)
+    assert refined.backing_thickness_mm == pytest.approx(6.2034, abs=1e-3)
 
 
 @pytest.mark.parametrize("refine", [False, True])
@@ -260,7 +262,8 @@ def test_a_range_of_limits_above_the_threat_hides_no_lower_limit():
 @pytest.mark.parametrize(
     "sections", [{}, {"design": {}}, {"threat": [{"projectile": "7.62 mm AP", "velocity_m_s": 9.0}]}]
 )
-def test_the_key_at_fault_of_runs_that_do_not_end(sections: dict[str, Any]):
+def test_the_key_at_fault_of_runs_that_do_not_end(sections: dict[str, Any], monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 5)
     of = case().replaced({"solver.arrest_velocity_m_s": 1e-9, **sections})
     with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run .* end"):
         optimise(of)

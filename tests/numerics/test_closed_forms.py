@@ -10,21 +10,23 @@ from armour.core.equations import cross_section, projectile_pressure, target_pre
 from armour.core.run import Instant
 from armour.core.stages import front_velocity, interface_force, medium_ahead, rates, shear_force
 from armour.core.state import Medium, Parameters, Stage
-from armour.core.stepping import STEPS_PER_CHANGE
+from armour.core.stepping import LONGEST_RESPONSE
 from tests.helpers.cases import armour
 from tests.helpers.runs import STAGE_PATHS, traced
 
 # Error of a method of fourth order with the default step.
-METHOD = STEPS_PER_CHANGE**-4
+METHOD = LONGEST_RESPONSE**4
 
 
-def instants(p: Parameters, velocity: float, holds: Callable[[Stage], bool], dt: float | None = None) -> list[Instant]:
-    """The instants of the first stage of a run for which a condition holds."""
+def instants(
+    p: Parameters, velocity: float, holds: Callable[[Stage], bool], dt: float | None = None, least: int = 4
+) -> list[Instant]:
+    """The instants, at least some, of the first stage of a run for which a condition holds."""
     found: list[Instant] = []
     for instant in traced(p, velocity, dt)[1]:
         if holds(instant.s) and (not found or found[0].s == instant.s):
             found.append(instant)
-    assert len(found) > 3
+    assert len(found) >= least
     return found
 
 
@@ -97,7 +99,7 @@ def test_the_drift_of_constants_is_of_fourth_order(name: str):
 def test_a_carried_plate_slows_evenly_to_rounding():
     """F is constant, since Z and h grow together, so V^2 falls linearly with depth."""
     p = armour()
-    stretch = instants(p, 730.0, lambda s: s.medium == Medium.PLATE and not (s.eroding or s.penetrated))
+    stretch = instants(p, 730.0, lambda s: s.medium == Medium.PLATE and not (s.eroding or s.penetrated), least=2)
     forces = [shear_force(i.y, i.s, p) for i in stretch]
     assert drift(forces) < 1e-12
     first = stretch[0].y

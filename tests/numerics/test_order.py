@@ -9,6 +9,8 @@ from armour.core.state import Parameters
 from tests.helpers.runs import STAGE_PATHS, path, traced
 
 LONGEST = 0.5e-6
+# Longer steps of this case are shortened by the response of the motion.
+LONGEST_OF = {"plate moves, stops and moves": 0.25e-6}
 HALVINGS = 6
 # Below this the error is rounding: a few hundred steps, each with an error of about 1e-13 m/s.
 ROUNDING = 2e-10
@@ -23,8 +25,9 @@ def test_the_error_falls_by_sixteen_with_every_halving_of_the_step(name: str):
     parameters, velocity, stages = STAGE_PATHS[name]
     p = parameters()
     assert path(traced(p, velocity)[1]) == stages
-    exact = residual(p, velocity, LONGEST / 256)
-    errors = [abs(residual(p, velocity, LONGEST / 2**k) - exact) for k in range(HALVINGS)]
+    longest = LONGEST_OF.get(name, LONGEST)
+    exact = residual(p, velocity, longest / 256)
+    errors = [abs(residual(p, velocity, longest / 2**k) - exact) for k in range(HALVINGS)]
     seen = [(coarse, fine) for coarse, fine in pairwise(errors) if fine > ROUNDING]
     assert len(seen) >= 3
     for coarse, fine in seen:

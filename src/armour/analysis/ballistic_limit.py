@@ -83,7 +83,8 @@ class LimitResult(Result):
 def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> LimitResult:
     """Compute the ballistic limit of a scenario's armour: the lowest change of the outcome that a scan sees.
 
-    The scan has 33 velocities, evenly spaced on a logarithmic scale.  Between two of them, changes of the outcome are
+    The scan has 33 velocities, evenly spaced on a logarithmic scale; those at which the projectile has not the energy
+    to perforate are not computed.  Between two of them, changes of the outcome are
     searched for at a maximum of the penetration depth of defeated projectiles, at a minimum of the residual velocity,
     and where projectiles stop at one and are used up at the next.
 
@@ -150,17 +151,13 @@ def find_crossings(scenario: Scenario, on_progress: OnProgress) -> tuple[tuple[C
         if not of.resolved:
             raise unresolved_error(scenario.solver, scenario.file, velocity)
 
-    def impact(velocity: float) -> search.Impact:
-        found = search.impact(armour, velocity, solver)
-        count(1)
-        resolved(velocity, found)
-        return found
-
-    start = impact(velocities[0])
+    before, start = search.first_impacts(armour, velocities, solver)
+    count(1)
+    resolved(start.V, start)
     lowest_perforates = start.perforated
     crossings: list[Crossing] = []
     while True:
-        change = search.next_change(armour, start, velocities, solver)
+        change = search.next_change(armour, before, start, velocities, solver)
         count(change.runs)
         resolved(change.above.V, change.above)
         if change.above.perforated == start.perforated:
@@ -169,7 +166,8 @@ def find_crossings(scenario: Scenario, on_progress: OnProgress) -> tuple[tuple[C
         count(found.runs)
         resolved(found.high, found)
         crossings.append(Crossing((found.low, found.high), "perforated" if change.above.perforated else "defeated"))
-        start = impact(found.high)
+        before = start = search.impact(armour, found.high, solver)
+        count(1)
 
 
 def residual_velocity_curve(

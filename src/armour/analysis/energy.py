@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from armour.analysis.impact import ImpactResult, kinetic_energy, run_impact
 from armour.core.equations import cross_section
+from armour.core.rk4 import state_within
 from armour.core.run import Instant
 from armour.core.stages import rates, with_intact_strength
 from armour.core.state import Parameters, State
@@ -70,8 +71,7 @@ def _lost(start: Instant, end: Instant, p: Parameters) -> _Loss:
     """Return the energies lost in a step, J."""
     dt, s = end.t - start.t, start.s
     k0, k1 = rates(start.y, s, p), rates(end.y, s, p)
-    ends = zip(start.y, end.y, k0, k1, strict=True)
-    middle = State(*((y0 + y1) / 2.0 + dt * (r0 - r1) / 8.0 for y0, y1, r0, r1 in ends))
+    middle = state_within(start.y, k0, end.y, k1, dt, 0.5)
     powers = _power(start.y, k0, p), _power(middle, rates(middle, s, p), p), _power(end.y, k1, p)
     return _Loss(*(dt / 6.0 * (first + 4.0 * mid + last) for first, mid, last in zip(*powers, strict=True)))
 

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from itertools import pairwise
+from math import ceil, floor
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,7 @@ from numpy.typing import NDArray
 
 from armour.analysis.results import TableResult, same_columns
 from armour.core import stages
+from armour.core.rk4 import state_within
 from armour.core.run import Instant
 from armour.core.state import Parameters
 from armour.units import KN, MM, US
@@ -69,8 +72,9 @@ class History(TableResult):
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
 
-def history_of(trace: Sequence[Instant], armour: Parameters) -> History:
-    """Return the history of a traced run, in the units of the result."""
+def history_of(trace: Sequence[Instant], armour: Parameters, spacing: float) -> History:
+    """Return the history of a traced run, in the units of the result, with instants at most a spacing, s, apart."""
+    trace = refined(trace, armour, spacing)
 
     def column(values: Sequence[float], unit: float = 1.0) -> NDArray[np.float64]:
         return np.array(values) / unit
@@ -89,3 +93,18 @@ def history_of(trace: Sequence[Instant], armour: Parameters) -> History:
         shear_force_kN=column([stages.shear_force(i.y, i.s, armour) for i in trace], KN),
         stage=np.array([stages.stage_name(i.s) for i in trace]),
     )
+
+
+def refined(trace: Sequence[Instant], armour: Parameters, spacing: float) -> list[Instant]:
+    """Return a trace with instants at the multiples of a spacing, s, on the cubics through its steps."""
+    found = [trace[0]]
+    for before, after in pairwise(trace):
+        dt = after.t - before.t
+        inside = range(floor(before.t / spacing) + 1, ceil(after.t / spacing)) if dt > 0.0 else ()
+        if inside:
+            k0, k1 = (stages.rates(instant.y, after.s, armour) for instant in (before, after))
+            times = [spacing * i for i in inside]
+            states = [state_within(before.y, k0, after.y, k1, dt, (t - before.t) / dt) for t in times]
+            found += [Instant(t, y, after.s) for t, y in zip(times, states, strict=True)]
+        found.append(after)
+    return found

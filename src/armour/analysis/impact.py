@@ -20,8 +20,10 @@ from armour.units import MM, US, G
 if TYPE_CHECKING:
     from armour.analysis.history import History
 
-# A run stops unresolved after this many steps; one with the default step takes a few hundred.
+# A run stops unresolved after this many steps; one with the default step takes some tens.
 MAX_STEPS = 500_000
+# Instants of a history per default time step.
+INSTANTS_PER_STEP = 4.0
 
 
 @dataclass(frozen=True)
@@ -72,8 +74,9 @@ class ImpactResult(TableResult):
     areal_density_kg_m2 : float
         Areal density of the armour, kg/m².
     time_step_us : float
-        Time step, µs: the scenario's, at most 1.6 defaults, or the default.  The steps of the run are this one adapted
-        to the motion; none is shorter than a thousandth of its characteristic time.
+        Longest time step, µs: the scenario's, at most the default, or the default, which is the characteristic time of
+        the impact.  A step is shorter where the motion responds faster, and longer where the deceleration is constant
+        or the velocity falls as the inverse of time.
     stages : tuple of StageRecord
         Stages of the impact, in order.
     warnings : tuple of str
@@ -143,7 +146,9 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         # Imported here because a simulation without a history does not need numpy.
         from armour.analysis.history import history_of
 
-        recorded = history_of(trace, armour)
+        given = scenario.solver.time_step
+        spacing = given if given > 0.0 else stepping.default_time_step(armour, velocity) / INSTANTS_PER_STEP
+        recorded = history_of(trace, armour, spacing)
     perforated = end.outcome == Outcome.PERFORATED
     return ImpactResult(
         outcome="perforated" if perforated else "defeated",

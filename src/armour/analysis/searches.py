@@ -4,18 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from armour.analysis.progress import portions
 from armour.analysis.variants import Bools, Floats, Ints, Variants, check_resolved, perforated, with_thicknesses
+from armour.core.search import SCAN_POINTS
 from armour.engine import batch
 from armour.units import MM
 
 # Width, mm, to which a least thickness is bisected.
 THICKNESS_TOLERANCE_MM = 1e-6
-
-# Impacts of a scan that are computed at a time, which bounds the memory.
-SCANNED_AT_A_TIME = 200_000
-# Velocities at which `lowest_perforated` looks for a perforation.
-DENSE_SCAN_POINTS = 513
 
 # Whether a condition holds at values of some rows: (values, rows) -> holds.
 Condition = Callable[[Floats, Ints], Bools]
@@ -33,31 +28,18 @@ def ballistic_limits(variants: Variants, threads: int | None = None, *, toleranc
 
 
 def limit_brackets(
-    variants: Variants, low: float, high: float, tolerance: float, threads: int | None = None
+    variants: Variants,
+    low: float,
+    high: float,
+    tolerance: float,
+    threads: int | None = None,
+    points: int = SCAN_POINTS,
 ) -> batch.Brackets:
-    """Return brackets of the ballistic limit of each row that a scan from low to high, m/s, sees."""
-    found = batch.ballistic_limits(variants.parameters, low, high, tolerance, variants.settings.options(threads))
+    """Return brackets of the ballistic limit of each row that a scan of points from low to high, m/s, sees."""
+    options = variants.settings.options(threads)
+    found = batch.ballistic_limits(variants.parameters, low, high, tolerance, options, points)
     check_resolved(found.resolved, variants._replace(velocities=found.perforated))
     return found
-
-
-def lowest_perforated(variants: Variants, low: float, on_impacts: Callable[[int], None]) -> Floats:
-    """Return the lowest velocity below its own, m/s, at which each row is seen to be perforated; inf where at none.
-
-    Velocities from ``low`` to the row's own are scanned, evenly spaced on a logarithmic scale; a range of perforation
-    that lies between two of them is not seen.  ``on_impacts`` is called with the number of those computed.
-    """
-    parts = np.linspace(0.0, 1.0, DENSE_SCAN_POINTS)[:-1]
-    velocities = low * (variants.velocities[:, None] / low) ** parts
-    outcomes = np.empty(velocities.shape, dtype=bool)
-    size = SCANNED_AT_A_TIME // velocities.shape[1]
-    for part in portions(len(velocities), size):
-        some = np.arange(part.start, part.stop)
-        rows = variants.at(np.repeat(some, velocities.shape[1]))
-        outcomes[some] = perforated(rows._replace(velocities=velocities[some].ravel())).reshape(len(some), -1)
-        on_impacts(velocities[some].size)
-    first = outcomes.argmax(axis=1)
-    return np.where(outcomes.any(axis=1), velocities[np.arange(len(first)), first], np.inf)
 
 
 def bisect_rows(

@@ -38,8 +38,8 @@ def intact_strength(
 
 def fragmented_strength(Yc0: float, V: float, W: float, Vs1: float) -> float:
     """Return the flow stress Yc of fragmented ceramic, Pa (9)."""
-    v = (V - W) / Vs1
-    return Yc0 * v * v
+    v = V - W
+    return Yc0 / (Vs1 * Vs1) * (v * v)
 
 
 def projectile_pressure(Yp: float, rho_p: float, V: float, U: float) -> float:
@@ -56,11 +56,11 @@ def penetration_velocity(Y: float, rho: float, Yp: float, rho_p: float, V: float
     """Return the penetration velocity U at which both sides yield under equal pressure, m/s (6), (10), (21)."""
     mu = rho / rho_p
     b = V - mu * W
-    c = V * V - (Y - Yp) / rho_p
+    c = V * V - (Y - Yp) * (1.0 / rho_p)
     # A trial state far past an event may have no solution; its step is then shortened.
     root = sqrt(max(b * b + 4.0 * mu * c, 0.0))
     # The root of smaller magnitude, in the form without cancellation.
-    return 2.0 * c / (root + b) if b > 0.0 else (root - b) / (2.0 * mu)
+    return (root - b) * (0.5 / mu)
 
 
 def target_excess(Y: float, Yp: float, rho_p: float, V: float, W: float) -> float:

@@ -1,11 +1,12 @@
 """Events that end a stage: how far each is away, where in a step the earliest happens, and what follows it."""
 
 from enum import IntEnum
-from math import inf, isfinite
+from math import inf
+from typing import NamedTuple
 
 from armour.core import equations as eq
-from armour.core.rk4 import step
-from armour.core.stages import drive_force, medium_ahead, select_stage, shear_force
+from armour.core.rk4 import state_within, step
+from armour.core.stages import drive_force, medium_ahead, rates, select_stage, shear_force
 from armour.core.state import Medium, Outcome, Parameters, Stage, State
 
 
@@ -24,13 +25,29 @@ class Event(IntEnum):
 EVENTS = len(Event)
 # Fraction of the length at impact below which the projectile counts as used up.
 ERODED_FRACTION = 1e-3
-# Tolerance of the location of an event, as a fraction of the step.
-EVENT_TOLERANCE = 1e-12
+# Tolerance of the location of an event, and of its estimate on the cubic, as fractions of the step.
+EVENT_TOLERANCE = 1e-11
+CUBIC_TOLERANCE = 1e-4
+# Greatest difference of velocities from their trapezoidal rule, as a part of V, with which the cubic is not confirmed.
+GREATEST_BEND = 0.05
+# Trials by secants, after which an event is located by bisection.
+MAX_TRIALS = 8
+
+# Event functions, one per `Event`.
+Margins = tuple[float, float, float, float, float, float, float]
 
 
-def event_functions(
-    t: float, y: State, s: Stage, p: Parameters, V_arrest: float
-) -> tuple[float, float, float, float, float, float, float]:
+class Advance(NamedTuple):
+    """Result of a step."""
+
+    event: int  # the `Event` that ended it, or -1 for none
+    taken: float  # s
+    y: State  # state at its end
+    k: State  # rates and event functions there, of use if no event ended it
+    g: Margins
+
+
+def event_functions(t: float, y: State, s: Stage, p: Parameters, V_arrest: float) -> Margins:
     """Return the event functions, one per `Event`: at least 0 while the stage lasts, negative after the event."""
     together = projectile = target = motion = inf
     if s.medium == Medium.INTACT:
@@ -58,76 +75,151 @@ def event_functions(
 
 
 def step_to_event(
-    t: float, y: State, k1: State, s: Stage, p: Parameters, dt: float, V_arrest: float
-) -> tuple[int, float, State]:
-    """Take a step of dt, s, from time t, s, or the part of it up to its earliest event; k1 are the rates at y.
+    t: float, y: State, k: State, g: Margins, s: Stage, p: Parameters, dt: float, V_arrest: float, rough: bool
+) -> Advance:
+    """Take a step of dt, s, from time t, s, or the part of it up to its earliest event.
 
-    Return the `Event`, or -1 for none, the time taken, s, and the state there.
+    The rates at y are k and the event functions g.  If ``rough``, events are those of the cubic through the step.
     """
-    start = event_functions(t, y, s, p, V_arrest)
-    y_end = step(y, k1, s, p, dt)
-    end = event_functions(t + dt, y_end, s, p, V_arrest)
-    event, fraction = -1, 1.0
-    # Each event found shortens the interval, and may reveal another that had come and gone within the step.
-    for i in range(2 * EVENTS):
-        k = i % EVENTS
-        if k != event and not end[k] >= 0.0:
-            event = k
-            fraction, y_end = locate_event(k, t, y, k1, s, p, dt, V_arrest, start[k], end[k], fraction, y_end)
-            end = event_functions(t + fraction * dt, y_end, s, p, V_arrest)
-    return event, fraction * dt, y_end
+    y_end = step(y, k, s, p, dt)
+    k_end = rates(y_end, s, p)
+    g_end = event_functions(t + dt, y_end, s, p, V_arrest)
+    fraction, y_after, g_after = 1.0, y_end, g_end
+    j = first_negative(g_after, -1)
+    if j < 0 and s.moving:
+        # An event that comes and goes within the step does so about where a velocity turns.
+        turn = turning_point(k, k_end)
+        if turn < 1.0:
+            fraction = turn
+            y_after = step(y, k, s, p, turn * dt)
+            g_after = event_functions(t + turn * dt, y_after, s, p, V_arrest)
+            j = first_negative(g_after, -1)
+    if j < 0:
+        return Advance(-1, dt, y_end, k_end, g_end)
+    event = j
+    # Each event found shortens the interval, and may reveal another that had come and gone within it.
+    for _ in range(2 * EVENTS):
+        event = j
+        if g[j] < 0.0:
+            fraction, y_after = 0.0, y
+        elif not g_after[j] >= EVENT_TOLERANCE * (g_after[j] - g[j]) / fraction:
+            x, after, slope = root_on_cubic(j, t, y, k, y_end, k_end, s, p, dt, V_arrest, g[j], g_after[j], fraction)
+            if not rough or is_bent(y, k, y_end, k_end, dt):
+                fraction, y_after = confirm_event(j, t, y, k, s, p, dt, V_arrest, x, slope, fraction, y_after)
+            elif after < fraction:
+                fraction, y_after = after, state_within(y, k, y_end, k_end, dt, after)
+        g_after = event_functions(t + fraction * dt, y_after, s, p, V_arrest)
+        j = first_negative(g_after, event)
+        if j < 0:
+            break
+    return Advance(event, fraction * dt, y_after, k_end, g_end)
 
 
-def locate_event(
-    k: int,
+def first_negative(g: Margins, other_than: int) -> int:
+    """Return the first event whose function is negative or not a number, other than one; -1 if there is none."""
+    for j in range(EVENTS):
+        if j != other_than and not g[j] >= 0.0:
+            return j
+    return -1
+
+
+def is_bent(y: State, k: State, y_end: State, k_end: State, dt: float) -> bool:
+    """Return whether the rates at the ends of a step do not fit the change of the velocities, as far past an event."""
+    V = y_end.V - y.V - 0.5 * dt * (k.V + k_end.V)
+    W = y_end.W - y.W - 0.5 * dt * (k.W + k_end.W)
+    return not abs(V) + abs(W) <= GREATEST_BEND * y.V
+
+
+def turning_point(k: State, k_end: State) -> float:
+    """Return the fraction of a step at which W stops falling or V - W turns, by the rates at its ends; 1 for none."""
+    turn = 1.0
+    if k.W < 0.0 < k_end.W:
+        turn = k.W / (k.W - k_end.W)
+    before, after = k.V - k.W, k_end.V - k_end.W
+    if before * after < 0.0:
+        turn = min(turn, before / (before - after))
+    return turn
+
+
+def root_on_cubic(
+    j: int,
     t: float,
     y: State,
-    k1: State,
+    k: State,
+    y_end: State,
+    k_end: State,
     s: Stage,
     p: Parameters,
     dt: float,
     V_arrest: float,
-    g_lo: float,
-    g_hi: float,
-    hi: float,
-    y_hi: State,
-) -> tuple[float, State]:
-    """Return the fraction of a step just after event k, within `EVENT_TOLERANCE`, and the state there.
+    g_low: float,
+    g_high: float,
+    high: float,
+) -> tuple[float, float, float]:
+    """Return the fractions of a step at and after which event j happens on its cubic, and the slope of g there.
 
-    The event function is ``g_lo`` at the start of the step and ``g_hi`` < 0 at the fraction ``hi``, in state ``y_hi``.
-    Chandrupatla's method [Chandrupatla1997] interpolates inverse-quadratically where that is safe, else it bisects.
-    In the bracket, ``x`` is the last fraction evaluated and ``other`` the end on the other side of the event.
+    The event function g is ``g_low`` >= 0 at the start of the step and ``g_high`` < 0 at the fraction ``high``.  The
+    secant method is used, towards just after the event, and bisection where it leaves the interval.
     """
-    if g_lo < 0.0:
-        return 0.0, y
-    x, g = hi, g_hi
-    other, g_other = 0.0, g_lo
-    after, y_after = hi, y_hi
-    part = g / (g - g_other) if isfinite(g) else 0.5
-    while abs(x - other) > EVENT_TOLERANCE:
-        nearest = 0.5 * EVENT_TOLERANCE / abs(x - other)
-        part = min(max(part, nearest), 1.0 - nearest)
-        last, g_last = x, g
-        x += part * (other - x)
-        y_x = step(y, k1, s, p, x * dt)
-        g = event_functions(t + x * dt, y_x, s, p, V_arrest)[k]
-        if (g >= 0.0) != (g_last >= 0.0):
-            last, g_last, other, g_other = other, g_other, last, g_last
-        if not g >= 0.0:
-            after, y_after = x, y_x
-        part = interpolated(x, g, other, g_other, last, g_last)
-    return after, y_after
+    low = 0.0
+    x1, g1, x2, g2 = 0.0, g_low, high, g_high
+    slope = 0.0
+    for _ in range(MAX_TRIALS):
+        slope = (g2 - g1) / (x2 - x1)
+        x = x2 - g2 / slope if slope < 0.0 else low
+        if low < x < high and abs(x - x2) <= CUBIC_TOLERANCE and g2 < 0.0:
+            return x, x2, slope
+        x += 0.5 * CUBIC_TOLERANCE
+        if not low < x < high:
+            x = 0.5 * (low + high)
+        x1, g1, x2 = x2, g2, x
+        g2 = event_functions(t + x * dt, state_within(y, k, y_end, k_end, dt, x), s, p, V_arrest)[j]
+        if g2 >= 0.0:
+            low = x
+        else:
+            high = x
+    return x2, high, slope
 
 
-def interpolated(x: float, g: float, other: float, g_other: float, last: float, g_last: float) -> float:
-    """Return the estimated root as a fraction of the way from x to the other end of the bracket; 0.5 to bisect."""
-    xi = (x - other) / (last - other)
-    phi = (g - g_other) / (g_last - g_other)
-    if not (phi * phi < xi and (1.0 - phi) * (1.0 - phi) < 1.0 - xi):
-        return 0.5
-    return g / (g_other - g) * g_last / (g_other - g_last) + (last - x) / (other - x) * g / (g_last - g) * g_other / (
-        g_last - g_other
-    )
+def confirm_event(
+    j: int,
+    t: float,
+    y: State,
+    k: State,
+    s: Stage,
+    p: Parameters,
+    dt: float,
+    V_arrest: float,
+    x: float,
+    slope: float,
+    high: float,
+    y_high: State,
+) -> tuple[float, State]:
+    """Return the fraction of a step just after event j, within `EVENT_TOLERANCE`, and the state there.
+
+    The event has happened at the fraction ``high``, in state ``y_high``.  Steps confirm it, the first up to its
+    estimate x, where the event function has the slope given, and the next where that slope leads.
+    """
+    low = 0.0
+    x1, g1 = -1.0, 0.0  # the point before
+    trials = 0
+    while high - low > EVENT_TOLERANCE:
+        if trials >= MAX_TRIALS or not low < x < high:
+            x = 0.5 * (low + high)
+        y_x = step(y, k, s, p, x * dt)
+        g = event_functions(t + x * dt, y_x, s, p, V_arrest)[j]
+        if g >= 0.0:
+            low = x
+        else:
+            high, y_high = x, y_x
+            if g >= slope * EVENT_TOLERANCE:
+                break
+        if trials > 0:
+            slope = (g - g1) / (x - x1)
+        x1, g1 = x, g
+        x = x - g / slope + 0.5 * EVENT_TOLERANCE if slope < 0.0 else low
+        trials += 1
+    return high, y_high
 
 
 def after_event(event: int, y: State, s: Stage, p: Parameters) -> tuple[State, Stage, Outcome]:

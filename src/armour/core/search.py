@@ -5,6 +5,10 @@ velocities sees.  Perforation, or defeat, between two scanned velocities is sear
 it: at a maximum of the penetration depth, at a minimum of the residual velocity, and where defeated projectiles stop at
 one velocity and are used up at the next.
 
+The scan starts at the highest velocity below which no projectile has the energy to perforate.  Its runs are rough, with
+longer time steps, and are repeated with the usual ones where the outcome is close.  A change is then narrowed by rough
+runs and, from where these lead, by usual ones: of the final bracket no end is rough.
+
 Just above the ballistic limit the square of the residual velocity is linear in the impact velocity, and in the ceramic
 thickness.  Within a bracket, each run is therefore placed just on the perforated side of the root of a polynomial
 through the last perforations, or at the middle of the bracket where that root lies outside it.
@@ -14,19 +18,27 @@ from collections.abc import Sequence
 from math import inf, sqrt
 from typing import NamedTuple
 
+from armour.core.bounds import may_perforate
 from armour.core.events import ERODED_FRACTION
-from armour.core.run import run
+from armour.core.run import Run, run
 from armour.core.state import Outcome, Parameters
 from armour.core.stepping import time_step
 
 # Residual energy of the first perforation as a fraction of the impact energy above the limit's; an estimate.
-ENERGY_LEFT = 0.85
+ENERGY_LEFT = 0.65
 # Runs of a search after which it continues by bisection.
 MAX_INTERPOLATED_RUNS = 30
 # Number of velocities of a scan.
 SCAN_POINTS = 33
 # Runs of a search between scanned velocities.
 HIDDEN_RUNS = 10
+# Error of a parabola through three perforations as a part of its difference from the line.
+PARABOLA_ERROR = 0.1
+# How near to the other outcome a rough impact is repeated: parts of the thickness and of the square of the velocity.
+CLOSE = 0.01
+# Usual error of a limit by rough runs and, with these, of the slope of the square of the residual velocity there.
+ROUGH_ERROR = 1e-4
+SLOPE_ERROR = 2e-3
 # Part of the larger interval at which a search of a maximum by golden section places its next run.
 GOLDEN = (3.0 - sqrt(5.0)) / 2.0
 
@@ -57,6 +69,15 @@ class Change(NamedTuple):
     below: Impact
     above: Impact
     runs: int
+
+
+class Root(NamedTuple):
+    """Where the outcome changes by rough runs."""
+
+    x: float
+    slope: float  # derivative of the point by f, see `Bracket`
+    runs: int
+    resolved: bool
 
 
 class Bracket(NamedTuple):
@@ -99,10 +120,10 @@ def after_defeat(b: Bracket, x: float) -> Bracket:
     return Bracket(x, b.high, True, b.high_known, b.points, b.x1, b.f1, b.x2, b.f2, b.estimate, b.error, b.runs + 1)
 
 
-def after_perforation(b: Bracket, x: float, f: float, first_estimate: float) -> Bracket:
-    """Return the bracket after a perforated run at x; ``first_estimate`` of the root is used if it is the first."""
+def after_perforation(b: Bracket, x: float, f: float, first_estimate: float, first_error: float) -> Bracket:
+    """Return the bracket after a perforated run at x; the first such run uses the estimate of the root given."""
     if b.points == 0:
-        estimate, error = first_estimate, 0.25 * abs(x - first_estimate)
+        estimate, error = first_estimate, first_error
     else:
         estimate = extrapolated_root(b.points, x, f, b.x1, b.f1, b.x2, b.f2)
         error = abs(estimate - b.estimate)
@@ -119,6 +140,12 @@ def extrapolated_root(earlier: int, x1: float, f1: float, x2: float, f2: float, 
         return line
     other = x2 - f2 * (x3 - x2) / (f3 - f2)
     return line - f1 * (other - line) / (f3 - f1)
+
+
+def slope_at_root(root: float, x1: float, f1: float, x2: float, f2: float) -> float:
+    """Return the derivative of x by f at the root, x as a parabola of f through the root and two points."""
+    s1, s2 = (x1 - root) / f1, (x2 - root) / f2
+    return (s1 * f2 - s2 * f1) / (f2 - f1)
 
 
 def is_converged(b: Bracket, tolerance: float) -> bool:
@@ -138,26 +165,59 @@ def next_point(b: Bracket, tolerance: float) -> float:
     if away <= 0.7 * tolerance:
         x = b.high - 0.9 * tolerance
     else:
-        margin = (0.0, 0.2 * away, 0.03 * away, 0.02 * b.error)[b.points]
+        margin = (0.0, b.error, 0.03 * away, PARABOLA_ERROR * b.error)[b.points]
         x = b.estimate + max(margin, tolerance / 3.0)
         if x <= b.low:
             x = b.low + 4.0 * max(margin, b.low - b.estimate)
     return x if b.low < x < b.high else middle
 
 
-def scan(low: float, high: float) -> list[float]:
+def scan(low: float, high: float, points: int = SCAN_POINTS) -> list[float]:
     """Return the velocities of a scan from `low` to `high`, both included, evenly spaced on a logarithmic scale."""
-    ratio, last = high / low, SCAN_POINTS - 1
+    ratio, last = high / low, points - 1
     return [low, *(low * ratio ** (i / last) for i in range(1, last)), high]
 
 
 def impact(p: Parameters, V: float, solver: Solver) -> Impact:
     """Compute the impact at a velocity, m/s."""
-    end = run(p, V, time_step(p, V, solver.given), solver.V_arrest, solver.max_steps)
+    dt = time_step(p, V, solver.given)
+    return impact_of(run(p, V, dt, solver.V_arrest, solver.max_steps), p, V, solver)
+
+
+def rough_impact(p: Parameters, V: float, solver: Solver) -> Impact:
+    """Compute the impact at a velocity, m/s, with longer time steps; its numbers are a few thousandths off."""
+    dt = time_step(p, V, 0.0)
+    return impact_of(run(p, V, dt, solver.V_arrest, solver.max_steps, None, True), p, V, solver)
+
+
+def scanned_impact(p: Parameters, V: float, solver: Solver) -> Impact:
+    """Compute the impact at a velocity, m/s: roughly or, where it is close to the other outcome, with usual steps."""
+    tried = rough_impact(p, V, solver)
+    close = tried.nearness > -CLOSE * V * V if tried.perforated else tried.nearness > (1.0 - CLOSE) * (p.Hc0 + p.Hb)
+    return impact(p, V, solver) if close or not tried.resolved else tried
+
+
+def impact_of(end: Run, p: Parameters, V: float, solver: Solver) -> Impact:
+    """Return the impact at a velocity, m/s, of which a run is given."""
     resolved = end.outcome != Outcome.UNRESOLVED
     if end.outcome == Outcome.PERFORATED:
         return Impact(V, True, False, resolved, solver.V_arrest * solver.V_arrest - end.y.V * end.y.V)
     return Impact(V, False, end.y.L < ERODED_FRACTION * p.L0, resolved, end.y.Z)
+
+
+def first_impacts(p: Parameters, velocities: Sequence[float], solver: Solver) -> tuple[Impact, Impact]:
+    """Return the first two impacts of a scan of velocities, m/s: an imagined one, and the one at which it starts.
+
+    The scan starts at the highest velocity at which the projectile has not the energy to perforate, or the lowest.  The
+    depth of the imagined impact, one velocity below, is none, so that a maximum is seen where the depth falls.
+    """
+    i = 0
+    while i + 1 < len(velocities) and not may_perforate(p, velocities[i + 1]):
+        i += 1
+    start = scanned_impact(p, velocities[i], solver)
+    if i == 0:
+        return start, start
+    return Impact(velocities[i - 1], False, start.eroded, True, -inf), start
 
 
 def find_ballistic_limit(
@@ -169,12 +229,12 @@ def find_ballistic_limit(
     the time step, s, as in `armour.core.stepping.time_step`.  An unresolved run is both ends of the bracket.
     """
     solver = Solver(V_arrest, given, max_steps)
-    start = impact(p, velocities[0], solver)
+    before, start = first_impacts(p, velocities, solver)
     if not start.resolved:
         return SearchResult(start.V, start.V, 1, False)
     if start.perforated:
         return SearchResult(-inf, start.V, 1, True)
-    change = next_change(p, start, velocities, solver)
+    change = next_change(p, before, start, velocities, solver)
     runs = change.runs + 1
     if not change.above.resolved:
         return SearchResult(change.above.V, change.above.V, runs, False)
@@ -184,16 +244,17 @@ def find_ballistic_limit(
     return SearchResult(found.low, found.high, found.runs + runs, found.resolved)
 
 
-def next_change(p: Parameters, start: Impact, velocities: Sequence[float], solver: Solver) -> Change:
+def next_change(p: Parameters, before: Impact, start: Impact, velocities: Sequence[float], solver: Solver) -> Change:
     """Return the lowest change of the outcome above an impact that a scan of velocities, m/s, sees.
 
-    The search ends at an unresolved run, which is then the impact above.
+    ``before`` is the impact below it, or the same.  The search ends at an unresolved run, which is then the impact
+    above.
     """
-    before, last, runs = start, start, 0
+    last, runs = start, 0
     for V in velocities:
         if V <= start.V:
             continue
-        end = impact(p, V, solver)
+        end = scanned_impact(p, V, solver)
         runs += 1
         if not end.resolved or end.perforated != last.perforated:
             return Change(last, end, runs)
@@ -214,7 +275,7 @@ def change_at_peak(p: Parameters, below: Impact, peak: Impact, above: Impact, so
     for i in range(HIDDEN_RUNS):
         upper = above.V - peak.V > peak.V - below.V
         V = peak.V + GOLDEN * (above.V - peak.V if upper else below.V - peak.V)
-        tried = impact(p, V, solver)
+        tried = scanned_impact(p, V, solver)
         if not tried.resolved or tried.perforated != peak.perforated:
             return Change(peak if upper else below, tried, i + 1)
         if tried.nearness > peak.nearness:
@@ -229,7 +290,7 @@ def change_at_peak(p: Parameters, below: Impact, peak: Impact, above: Impact, so
 def change_between_causes(p: Parameters, below: Impact, above: Impact, solver: Solver) -> Change:
     """Search between a projectile that stops and one that is used up for one that perforates, by bisection."""
     for i in range(HIDDEN_RUNS):
-        tried = impact(p, 0.5 * (below.V + above.V), solver)
+        tried = scanned_impact(p, 0.5 * (below.V + above.V), solver)
         if not tried.resolved or tried.perforated:
             return Change(below, tried, i + 1)
         if tried.eroded == below.eroded:
@@ -248,20 +309,60 @@ def narrowed(p: Parameters, change: Change, tolerance: float, solver: Solver) ->
     sign = 1.0 if change.above.perforated else -1.0
     first, other = (change.above, change.below) if change.above.perforated else (change.below, change.above)
     low, high = sign * other.V, sign * first.V
-    b = after_defeat(initial_bracket(low, high), low)
-    b = after_perforation(b, high, -first.nearness, sign * sqrt(max(first.V**2 + first.nearness / ENERGY_LEFT, 0.0)))
+    rough = rough_root(p, low, high, first, sign, solver)
+    if not rough.resolved:
+        return SearchResult(rough.x, rough.x, rough.runs, False)
+    b = Bracket(low, high, True, True, 0, 0.0, 0.0, 0.0, 0.0, rough.x, inf, rough.runs)
     start, end = bisected(low, low, high, tolerance)
+    cell = end - start
+    beyond = 0.0
     while not is_converged(b, tolerance):
-        under, over = bisected(next_point(b, end - start), low, high, tolerance)
-        x = over if over < b.high else under
+        x = next_point(b, 0.0)
+        if b.points == 0 and b.runs < MAX_INTERPOLATED_RUNS:
+            x = rough.x + beyond
+            beyond = 4.0 * beyond + ROUGH_ERROR * abs(rough.x)
+        # The upper end of the interval of bisection in which x lies, but for the last, which is known.
+        _, x = bisected(min(max(x, b.low), b.high - 1.5 * cell), low, high, tolerance)
+        if not b.low < x < b.high:
+            x = 0.5 * (b.low + b.high)
         tried = impact(p, sign * x, solver)
         if not tried.resolved:
-            return SearchResult(tried.V, tried.V, b.runs - 1, False)
-        b = after_perforation(b, x, -tried.nearness, 0.0) if tried.perforated else after_defeat(b, x)
-    runs = b.runs - 2  # less the two ends of the change
+            return SearchResult(tried.V, tried.V, b.runs + 1, False)
+        if tried.perforated:
+            estimate = x + rough.slope * tried.nearness
+            b = after_perforation(b, x, -tried.nearness, estimate, SLOPE_ERROR * (x - estimate))
+        else:
+            b = after_defeat(b, x)
     if sign < 0.0:
-        return SearchResult(-b.high, -b.low, runs, True)
-    return SearchResult(b.low, b.high, runs, True)
+        return SearchResult(-b.high, -b.low, b.runs, True)
+    return SearchResult(b.low, b.high, b.runs, True)
+
+
+def rough_root(p: Parameters, low: float, high: float, first: Impact, sign: float, solver: Solver) -> Root:
+    """Return about where the outcome changes between two signed velocities, m/s, by rough runs.
+
+    ``first`` is the impact at ``high``, which perforates.  The search is for the signed square of the velocity, in
+    which the square of the residual velocity is nearly linear.
+    """
+    b = after_defeat(initial_bracket(sign * low * low, sign * high * high), sign * low * low)
+    guess = sign * (first.V * first.V + first.nearness / ENERGY_LEFT)
+    b = after_perforation(b, b.high, -first.nearness, guess, 0.2 * (b.high - guess))
+    slope = 1.0 / ENERGY_LEFT
+    tolerance = 2.0 * ROUGH_ERROR * high * high
+    # The error of a parabola is a small part of its difference from the line.
+    while (b.error if b.points < 3 else PARABOLA_ERROR * b.error) > tolerance and not is_converged(b, tolerance):
+        x = next_point(b, tolerance)
+        tried = rough_impact(p, sqrt(abs(x)), solver)
+        if not tried.resolved:
+            return Root(tried.V, slope, b.runs - 1, False)
+        if tried.perforated:
+            b = after_perforation(b, x, -tried.nearness, 0.0, 0.0)
+            if b.f1 > 0.0 and b.f2 > 0.0 and b.f1 != b.f2:
+                slope = slope_at_root(b.estimate, b.x1, b.f1, b.x2, b.f2)
+        else:
+            b = after_defeat(b, x)
+    V = sqrt(abs(min(max(b.estimate, b.low), b.high)))
+    return Root(sign * V, 0.5 * slope / V, b.runs - 2, True)
 
 
 def bisected(x: float, low: float, high: float, tolerance: float) -> tuple[float, float]:
@@ -296,7 +397,8 @@ def find_least_ceramic_thickness(
             f = end.y.V * end.y.V - V_arrest * V_arrest
             # The limit is about proportional to the thickness.
             limit = sqrt(max(Vi * Vi - f / ENERGY_LEFT, 0.01 * Vi * Vi))
-            b = after_perforation(b, -Hc0, f, -max(Hc0, 0.1 * p.D0) * Vi / limit)
+            estimate = -max(Hc0, 0.1 * p.D0) * Vi / limit
+            b = after_perforation(b, -Hc0, f, estimate, 0.2 * abs(Hc0 + estimate))
             if Hc0 >= thick:
                 return SearchResult(-inf, -Hc0, b.runs, True)
         else:

@@ -1,31 +1,30 @@
-"""Length of the time steps: the default of an impact, and how a step adapts to the motion."""
+"""Length of the time steps: the longest of an impact, and how a step adapts to the motion."""
 
-from math import sqrt
+from math import inf, sqrt
 
 from armour.core import equations as eq
 from armour.core.stages import mass_ahead, medium_ahead, with_intact_strength
 from armour.core.state import Medium, Parameters, Stage, State
 
-# Default steps per characteristic time of the motion.
-STEPS_PER_CHANGE = 4.0
-# Longest time step that can be given, in default steps; longer ones would not resolve the events.
-COARSEST_STEP = 1.6
-# Longest step as a fraction of the response time.
-LONGEST_RESPONSE = 0.3
+# Longest step as a fraction of the response time of the motion, and that of a rough run.
+LONGEST_RESPONSE = 0.23
+ROUGH_RESPONSE = 0.6
+# The latter grows by this where the velocity falls as 1/t.
+ROUGH_SLOWING = 4.0
 # Shortest step as a fraction of the characteristic time; its error is of the size of rounding.
 SHORTEST_CHANGE = 1e-3
-# Length of a step at constant deceleration, in usual steps; any length is exact there.
-STEADY_STEPS = 8.0
+# Distance beyond the end of a medium to which a step of constant deceleration leads, as a fraction of its depth.
+PAST_THE_END = 1e-12
 
 
 def time_step(p: Parameters, Vi: float, given: float) -> float:
-    """Return the time step of an impact, s: the given one, at most `COARSEST_STEP` defaults, or the default for 0."""
+    """Return the longest time step of an impact, s: the given one, at most the default, or the default for 0."""
     default = default_time_step(p, Vi)
-    return min(given, COARSEST_STEP * default) if given > 0.0 else default
+    return min(given, default) if given > 0.0 else default
 
 
 def default_time_step(p: Parameters, Vi: float) -> float:
-    """Return the default time step of an impact at Vi, s: a fixed fraction of its characteristic time.
+    """Return the default of the longest time step of an impact at Vi, s: its characteristic time.
 
     The characteristic rate is the sum of three: the front crossing a diameter (or the armour, if thinner), the
     projectile decelerating, and the target accelerating.  All scale as 1/size, so similar impacts take equal numbers
@@ -36,40 +35,69 @@ def default_time_step(p: Parameters, Vi: float) -> float:
     crossing = Vi / min(p.D0, p.Hc0 + p.Hb)
     slowing = min(Y, p.Yp) / (p.rho_p * p.L0 * Vi)
     picking_up = min(Y, p.Yp + p.rho_p * Vi * Vi) / ((p.rho_c * p.Hc0 + p.rho_B * p.Hb) * Vi)
-    return 1.0 / (STEPS_PER_CHANGE * (crossing + slowing + picking_up))
+    return 1.0 / (crossing + slowing + picking_up)
 
 
-def step_length(y: State, k: State, s: Stage, p: Parameters, dt: float) -> float:
-    """Return the length of the next step, s: dt adapted to the time scales of the motion.
+def step_length(y: State, k: State, s: Stage, p: Parameters, dt: float, rough: bool) -> float:
+    """Return the length of the next step, s: dt, or the longest by the response time if that is shorter.
 
-    The step is shortened where little of the projectile or the plate is left.  It is lengthened where dt would only
-    add rounding; for a rigid projectile in held fragmented ceramic, whose velocity falls as 1/t, in proportion to
-    Vs1/V; and for a rigid projectile that carries all material ahead, whose deceleration is constant.  ``k`` are the
-    rates at ``y``.
+    For a rigid projectile in held fragmented ceramic, whose velocity falls as 1/t, dt grows in proportion to Vs1/V.
+    It is lengthened where it would only add rounding.  Where a rigid projectile carries all material ahead, whose
+    deceleration is constant, a step of any length is exact: it goes beyond the end.  ``k`` are the rates at ``y``.
     """
     if not (s.eroding or s.penetrated):
-        dt *= STEADY_STEPS
+        return time_to_end(y, k, s, p)
+    response = ROUGH_RESPONSE if rough else LONGEST_RESPONSE
     if s.medium == Medium.FRAGMENTED and not (s.eroding or s.moving):
         dt *= s.Vs1 / y.V
-    change = (abs(k.V) + abs(k.W)) / y.V + k.Z / min(p.D0, p.Hc0 + p.Hb)
-    return min(max(dt, SHORTEST_CHANGE / change), LONGEST_RESPONSE / fastest_rate(y, k, s, p))
+        response *= ROUGH_SLOWING if rough else 1.0
+    size = min(p.D0, p.Hc0 + p.Hb)
+    # The step over the characteristic time, the inverse of (|dV| + |dW|)/V + U/size, is change/(V size).
+    change = dt * ((abs(k.V) + abs(k.W)) * size + k.Z * y.V)
+    if change < SHORTEST_CHANGE * y.V * size:
+        dt *= SHORTEST_CHANGE * y.V * size / change
+    rate = response_rate(y, k, s, p)
+    return dt if dt * rate < response else response / rate
 
 
-def fastest_rate(y: State, k: State, s: Stage, p: Parameters) -> float:
-    """Return the rate of the fastest response of the motion, 1/s; a step must be short against its inverse."""
-    if not (s.eroding or s.penetrated):
-        return y.V / y.L
-    _, rho = medium_ahead(y, s, p)
-    inertia = max(1.0, rho / p.rho_p) * y.V
-    # Derivative of the strength of fragmented ceramic (9) by velocity, Pa s/m.
-    damping = 0.0
-    if s.medium == Medium.FRAGMENTED and s.penetrated:
-        damping = 2.0 * p.Yc0 * (y.V - y.W) / (s.Vs1 * s.Vs1)
-    projectile = (inertia + sqrt(p.Yp / p.rho_p) + damping / p.rho_p) / y.L
+def time_to_end(y: State, k: State, s: Stage, p: Parameters) -> float:
+    """Return the time until a projectile at constant deceleration is through the medium or at rest, s."""
+    end = p.Hc0 + (p.Hb if s.medium == Medium.PLATE else 0.0)
+    left = max(end - y.Z, 0.0) + PAST_THE_END * end
+    through = 2.0 * left / (y.V + sqrt(max(y.V * y.V + 2.0 * k.V * left, 0.0)))
+    return min(through, y.V / -k.V if k.V < 0.0 else inf)
+
+
+def response_rate(y: State, k: State, s: Stage, p: Parameters) -> float:
+    """Return a bound on the rates of response of the motion, 1/s; a step must be short against its inverse.
+
+    It is the sum of the rates of the projectile and of a moving target: by inertia, by erosion (the rod vanishes after
+    L/(V - U)), by strength, and by the shear force on the plate, which is that of a spring.
+    """
+    Y, rho = medium_ahead(y, s, p)
+    damping = strength_by_velocity(y, s, p)
+    if s.eroding:
+        acting = damping / p.rho_p
+        projectile = (y.V - 2.0 * k.L + sqrt(p.Yp / p.rho_p) + acting) / y.L
+    else:
+        projectile = (2.0 * rho * y.V + 2.5 * sqrt(Y * rho) + damping) / (p.rho_p * y.L)
     if not s.moving:
         return projectile
-    picking_up = abs(k.W) / y.V
-    areal_mass = mass_ahead(y, s, p) / eq.cross_section(p.D0)
+    per_mass = eq.cross_section(p.D0) / mass_ahead(y, s, p)
     if not s.penetrated:
-        return projectile + picking_up + p.rho_p * y.V / areal_mass
-    return projectile + picking_up + (rho * (y.V - y.W) + damping) / areal_mass
+        return projectile + per_mass * p.rho_p * y.V
+    target = per_mass * (rho * (y.V - y.W) + damping)
+    if s.medium == Medium.PLATE:
+        target += sqrt(per_mass * (4.0 * p.tau / p.D0))
+    return projectile + target
+
+
+def strength_by_velocity(y: State, s: Stage, p: Parameters) -> float:
+    """Return the derivative of the strength of fragmented ceramic by velocity, Pa s/m (9); 0 in other media.
+
+    It is halved for a rigid projectile that moves what is ahead, as it then damps errors too.
+    """
+    if s.medium != Medium.FRAGMENTED or not s.penetrated:
+        return 0.0
+    share = 1.0 if s.eroding or not s.moving else 0.5
+    return share * 2.0 * p.Yc0 * (y.V - y.W) / (s.Vs1 * s.Vs1)

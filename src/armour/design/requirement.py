@@ -6,13 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from armour.analysis.progress import FIRST_IMPACTS, OnProgress, ignore_progress, portions
-from armour.analysis.searches import limit_brackets, lowest_perforated
+from armour.analysis.searches import limit_brackets
 from armour.analysis.variants import Bools, Floats, Variants, perforated
+from armour.core.search import SCAN_POINTS
 from armour.design.catalogue import Candidates, Catalogue
 from armour.scenario.schema import FASTEST_M_S
 
 # Velocity, m/s, from which a ballistic limit is searched for below the range of the section ``ballistic_limit``.
 SLOWEST_M_S = 20.0
+# Velocities of a scan for limits that a coarser one has missed.
+DENSE_SCAN_POINTS = 1025
 # Impacts and limits that are computed at a time, which bounds the memory.
 IMPACTS_AT_A_TIME = 50_000
 LIMITS_AT_A_TIME = 10_000
@@ -55,8 +58,8 @@ class Requirement:
         """Return the lowest ballistic limits of designs against each threat, m/s, (designs, threats).
 
         The search extends beyond the range of the section ``ballistic_limit`` to 20 m/s and 10,000 m/s; a limit beyond
-        these is set to the nearer one.  Where it reaches the velocity required, the velocities below that are scanned
-        more densely; the lowest that perforates is then the limit.
+        these is set to the nearer one.  Where it reaches the velocity required, velocities are scanned more densely;
+        the limit is then that of the lowest change.
         """
         return self._against_all(candidates, self._lowest_limits)
 
@@ -93,11 +96,16 @@ class Requirement:
                 found[where] = self._counted(variants.at(where), low, high)
         found = found.clip(slowest, FASTEST_M_S)
         where = np.flatnonzero(found >= variants.velocities)
-        found[where] = np.minimum(found[where], lowest_perforated(variants.at(where), slowest, self._count))
+        if len(where):
+            lowest = self._counted(variants.at(where), slowest, FASTEST_M_S, DENSE_SCAN_POINTS).clip(slowest)
+            # Two limits of one change are within the tolerance of each other.
+            missed = lowest < found[where] - section.tolerance_m_s
+            found[where[missed]] = lowest[missed]
         return found
 
-    def _counted(self, variants: Variants, low: float, high: float) -> Floats:
+    def _counted(self, variants: Variants, low: float, high: float, points: int = SCAN_POINTS) -> Floats:
         """Return lowest limits, m/s; -inf where the lowest velocity perforates, inf where none is seen to."""
-        found = limit_brackets(variants, low, high, variants.settings.ballistic_limit.tolerance_m_s)
+        tolerance = variants.settings.ballistic_limit.tolerance_m_s
+        found = limit_brackets(variants, low, high, tolerance, points=points)
         self._count(int(found.runs.sum()))
         return np.where(np.isneginf(found.defeated), -np.inf, found.perforated)

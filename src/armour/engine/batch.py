@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from armour.core.search import scan
+from armour.core.search import SCAN_POINTS, scan
 from armour.core.state import Parameters
 from armour.engine import cache
 
@@ -82,10 +82,18 @@ def impacts(rows: Floats, velocities: Floats, options: SolverOptions = DEFAULT_O
 
 
 def ballistic_limits(
-    rows: Floats, low: float, high: float, tolerance: float, options: SolverOptions = DEFAULT_OPTIONS
+    rows: Floats,
+    low: float,
+    high: float,
+    tolerance: float,
+    options: SolverOptions = DEFAULT_OPTIONS,
+    points: int = SCAN_POINTS,
 ) -> Brackets:
-    """Find ballistic limits between two velocities, m/s; see `armour.core.search.find_ballistic_limit`."""
-    velocities = np.array(scan(low, high), dtype=np.float64)
+    """Find ballistic limits between two velocities, m/s; see `armour.core.search.find_ballistic_limit`.
+
+    The scan has a number of ``points``.
+    """
+    velocities = np.array(scan(low, high, points), dtype=np.float64)
     velocities.flags.writeable = False
     return _brackets("ballistic_limits", [rows], (velocities, tolerance), options)
 

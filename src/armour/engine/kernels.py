@@ -13,7 +13,7 @@ import numba
 from numba import config, types
 from numba.extending import overload_method, register_jitable
 
-from armour.core import equations, events, rk4, run, search, stages, state, stepping
+from armour.core import bounds, equations, events, rk4, run, search, stages, state, stepping
 from armour.core.state import Parameters
 
 Kernel = Callable[..., None]
@@ -26,7 +26,7 @@ def make_callable(module: ModuleType) -> None:
             register_jitable(function)
 
 
-for _module in (equations, state, stages, stepping, rk4, events, run, search):
+for _module in (equations, state, stages, stepping, rk4, events, run, bounds, search):
     make_callable(_module)
 
 
