@@ -110,6 +110,15 @@ def test_a_given_scatter_is_that_of_the_tests_made_before(wilkins: Scenario):
     assert one.scatter_percent == pytest.approx(3.0)
 
 
+def test_residual_velocities_do_not_tell_how_limits_scatter(wilkins: Scenario):
+    shots = [
+        {CERAMIC: c, VELOCITY: 900.0, "residual_velocity_m_s": v, "residual_velocity_uncertainty_m_s": 20.0}
+        for c, v in ((6.0, 500.0), (7.0, 440.0))
+    ]
+    with pytest.raises(InputError, match="scatter_percent: is missing and must be given: too few tests tell"):
+        plan_tests(wilkins, GRID, tests=read_tests(shots, wilkins), number=1)
+
+
 def test_few_tests_made_before_count_by_what_they_tell(wilkins: Scenario):
     """One test and one planned one of the same armour tell what two planned ones do."""
     uncertainty = 0.03 * limit(wilkins, c=8.0, b=8.0)
