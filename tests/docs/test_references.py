@@ -19,6 +19,9 @@ def cited() -> set[str]:
             if path.suffix in (".md", ".py", ".toml") and path.name != "references.toml":
                 words = re.findall(r"\[(\w+)\]", path.read_text(encoding="utf-8"))
                 found.update(word for word in words if word in SOURCES or re.fullmatch(r"[A-Z][a-z]+\d{4}", word))
+    for path in (*ROOT.glob("configs/*.toml"), *ROOT.glob("suites/*.toml")):
+        for source in re.findall(r'source = "(.*?)"', path.read_text(encoding="utf-8")):
+            found.update(re.findall(r"\[(\w+)\]", source))
     return found
 
 

@@ -84,6 +84,17 @@ def test_an_impact():
     assert_matched(chart)
 
 
+def test_an_impact_that_is_drawn_in_part_says_so():
+    dwell = simulate(shipped_scenario("dwell"), history=True)
+    chart = charts.impact_chart(dwell, "")
+    assert chart.panels[0].x.limits is not None
+    shown = chart.panels[0].x.limits[1]
+    assert shown < dwell.duration_us
+    assert chart.note.startswith(f"Drawn up to {shown:.3g} µs of {dwell.duration_us:.3g} µs. Stages: ")
+    whole = simulate(scenario(velocity=900.0), history=True)
+    assert charts.impact_chart(whole, "").note.startswith("Stages: ")
+
+
 def test_an_impact_without_its_history():
     with pytest.raises(ValueError, match="history=True"):
         charts.impact_chart(simulate(scenario()), "")
