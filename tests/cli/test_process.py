@@ -85,7 +85,7 @@ def test_a_reader_that_goes_away_costs_no_file_and_no_warning(tmp_path: Path):
     code, messages = closed(f"simulate {plate} {thin} --history h.csv --plot p.svg", tmp_path)
     assert code == 0
     assert messages.splitlines()[:2] == ["wrote h.csv", "wrote p.svg"]
-    assert [line.startswith("warning: ") for line in messages.splitlines()[2:]] == [True] * 2
+    assert [line.startswith("warning: ") for line in messages.splitlines()[2:]] == [True] * 3
     assert (tmp_path / "p.svg").exists()
 
 
