@@ -6,7 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 LOWEST := $(VENV)/lowest
 
-.PHONY: demo test lowest check site format docs bench mutants clean
+.PHONY: demo test lowest check site format docs bench coverage mutants release clean
 
 demo: $(VENV)/installed
 	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine
@@ -50,6 +50,18 @@ bench: $(VENV)/developing
 	$(BIN)/pytest benchmarks -p no:xdist --benchmark-json=$(VENV)/benchmarks.json
 	$(BIN)/python -m benchmarks.report $(VENV)/benchmarks.json docs/performance.md
 
+# Measure which lines and branches the tests run, and write docs/coverage.md.
+coverage: $(VENV)/developing
+	rm -rf .coverage
+	mkdir .coverage
+	$(BIN)/coverage run -m pytest -n auto
+	$(BIN)/coverage combine --quiet
+	$(BIN)/python docs/coverage_page.py docs/coverage.md
+
+# Build sdist and wheel and check them in a clean environment; dist/ then has them.
+release: $(VENV)/developing
+	$(BIN)/python .ci/release.py
+
 # Run the mutation tests of core/ in plain Python: an hour or two. docs/mutants.md summarises the results.
 mutants: $(VENV)/developing
 	$(BIN)/pip install --quiet --disable-pip-version-check 'mutmut>=3.8'
@@ -74,4 +86,4 @@ $(LOWEST)/installed: pyproject.toml .ci/lowest.py
 	touch $@
 
 clean:
-	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis dist site
+	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis .coverage dist site

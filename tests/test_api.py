@@ -96,8 +96,10 @@ def _cases(folder: Path) -> Path:
 
 
 def test_the_names_of_modules_are_not_those_of_functions():
-    code = "import armour.sweeps.sweep, armour.reporting.report; from armour import sweep, report; print(sweep, report)"
+    code = "import armour; print('sweep' in dir(armour)); import armour.sweeps.sweep, armour.reporting.report; "
+    code += "from armour import sweep, report; print(sweep, report)"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.startswith("True\n")
     assert found.stdout.count("<function") == 2
 
 

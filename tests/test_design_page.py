@@ -3,9 +3,11 @@
 import re
 from pathlib import Path
 
+import armour
+
 ROOT = Path(__file__).parent.parent
 PAGE = (ROOT / "docs" / "design.md").read_text()
-PACKAGE = ROOT / "src" / "armour"
+PACKAGE = Path(armour.__file__).parent
 
 
 def test_every_module_is_on_the_page():

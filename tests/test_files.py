@@ -1,11 +1,23 @@
 import os
 from contextvars import copy_context
+from errno import EINVAL, EIO
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from armour.errors import ArmourError, InputError
-from armour.files import parse_toml, read_toml, reserve, shipped, unwritable, write_atomic, written, wrong_ending
+from armour.files import (
+    parse_toml,
+    read_toml,
+    reserve,
+    shipped,
+    sync_folder,
+    unwritable,
+    write_atomic,
+    written,
+    wrong_ending,
+)
 
 
 def test_shipped_data_is_found():
@@ -192,3 +204,17 @@ def test_the_ending_of_an_output_is_checked():
     assert "must end in .csv, found .txt" in str(wrong_ending(Path("a.txt"), (".csv",))[0])
     [problem] = wrong_ending(Path("a.txt"), (".csv", ".json", ".parquet"))
     assert str(problem) == "a.txt: must end in .csv, .json or .parquet, found .txt"
+
+
+def test_a_folder_is_synced_where_the_file_system_can(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    def refused(number: int) -> None:
+        monkeypatch.setattr("os.fsync", partial(fail, number))
+
+    def fail(number: int, _handle: int) -> None:
+        raise OSError(number, os.strerror(number))
+
+    refused(EINVAL)
+    sync_folder(tmp_path)
+    refused(EIO)
+    with pytest.raises(OSError, match=os.strerror(EIO)):
+        sync_folder(tmp_path)

@@ -58,3 +58,5 @@ def test_histories_are_compared():
     assert found == simulate(scenario(), history=True)
     assert found != simulate(scenario(velocity=810.0), history=True)
     assert found.history != simulate(scenario(velocity=810.0), history=True).history
+    assert repr(found.history).startswith("<History: ")
+    assert repr(found.history).endswith(f"instants from 0 to {found.duration_us:.2f} µs>")

@@ -35,6 +35,15 @@ def library(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
     return str(request.param)
 
 
+def test_a_library_of_data_frames_that_lacks_a_part_says_which(monkeypatch: pytest.MonkeyPatch):
+    def broken(_name: str) -> None:
+        raise ModuleNotFoundError("No module named 'pytz'", name="pytz")
+
+    monkeypatch.setattr("armour.analysis.results.import_module", broken)
+    with pytest.raises(ModuleNotFoundError, match="pytz"):
+        data_frame({"a": [1.0]})
+
+
 @pytest.mark.usefixtures("library")
 def test_rows_of_results():
     history, curve = impact().history, uncertainty_result().to_dataframe()

@@ -60,3 +60,21 @@ def test_the_longest_run_allowed_ends_in_a_message(cli, monkeypatch: pytest.Monk
     monkeypatch.setattr(sys.modules["armour.analysis.impact"], "MAX_STEPS", 5)
     [line] = cli.fails(2, "simulate", SCENARIOS / "wilkins.toml")
     assert "solver.arrest_velocity_m_s: must let the run at 800 m/s end" in line
+
+
+def test_options_of_a_number_and_of_words_say_what_they_take(cli):
+    over = ("--over", "armour.ceramic_thickness_mm=4,6", "-o", "a.csv")
+    assert cli.fails(2, "sweep", "wilkins", *over, "--threads", "0") == [
+        'command line: --threads: must be a whole number of at least 1, found "0"'
+    ]
+    [line] = cli.fails(2, "calibrate", "wilkins.csv", "wilkins", "--law", "backin")
+    assert line.startswith("command line: --law: must be one of constant, ")
+    assert line.endswith('found "backin"; did you mean "backing"?')
+
+
+def test_a_mistake_of_another_key_than_the_changed_one_names_that_key(cli):
+    changed = ("simulate", SCENARIOS / "wilkins.toml", "--set", "ballistic_limit.velocity_min_m_s=5000")
+    assert cli.fails(2, *changed) == [
+        f"{SCENARIOS / 'wilkins.toml'}: ballistic_limit.velocity_max_m_s: "
+        "must be above velocity_min_m_s, which is 5000, found 4000"
+    ]

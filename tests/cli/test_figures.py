@@ -24,6 +24,13 @@ def test_a_figure_and_its_curve(cli, folder: Path, image: str, start: bytes):
     assert float(at_4["this program: residual over initial mass"]) == pytest.approx(1.0 - 0.1721, abs=1e-4)
 
 
+def test_a_parity(cli, folder: Path):
+    assert cli("figures", "figs", "--only", "parity_table3", "--format", "svg").exit_code == 0
+    with (folder / "figs/parity_table3.csv").open() as file:
+        assert len(list(csv.DictReader(file))) == 3 * 13
+    assert "agreement" in (folder / "figs/parity_table3.svg").read_text()
+
+
 def test_a_figure_that_is_not_there(cli, folder: Path):
     [line] = cli.fails(2, "figures", "figs", "--only", "fig15")
     assert line.endswith(

@@ -12,6 +12,7 @@ from pathlib import Path
 import jsonschema
 import pytest
 
+from armour import MODEL_VERSION, __version__
 from armour.cli.app import COMMANDS, app
 from tests.cli.test_docs import PAGES, sessions
 from tests.helpers.cases import SCENARIOS, TESTS
@@ -126,7 +127,7 @@ def test_the_width_of_the_terminal_is_kept():
 
 
 def test_the_version_names_the_models(cli):
-    assert cli("--version").stdout.startswith("armour 0.1.0, model 1.")
+    assert cli("--version").stdout == f"armour {__version__}, model {MODEL_VERSION}\n"
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from armour import load_scenario
-from armour.files import shipped_suites
+from armour.files import shipped, shipped_suites
 from tests.helpers.cases import SCENARIOS
 
 
@@ -100,7 +100,7 @@ def test_shipped_scenarios_and_tables_have_names(cli, folder: Path):
     assert cli("simulate", "wilkins").stdout == cli("simulate", SCENARIOS / "wilkins.toml").stdout
     shots = SCENARIOS / "tests" / "shots.csv"
     assert cli("v50", "shots.csv", "wilkins", "--json").stdout == cli("v50", shots, "wilkins", "--json").stdout
-    assert load_scenario("paper/fig9_4mm") == load_scenario(SCENARIOS / "paper" / "fig9_4mm.toml")
+    assert load_scenario("paper/fig9_4mm") == load_scenario(shipped("scenarios") / "paper" / "fig9_4mm.toml")
     assert cli("report", "wilkins", "-o", "w.md").exit_code == 0
     assert "armour report wilkins --output w.md" in (folder / "w.md").read_text()
 

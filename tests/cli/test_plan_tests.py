@@ -1,3 +1,4 @@
+import csv
 import json
 from pathlib import Path
 
@@ -33,6 +34,14 @@ def test_the_form_has_the_tests_made_before(cli, folder: Path):
     lines = (folder / "next.csv").read_text().splitlines()
     assert (lines[1], len(lines)) == ("line 2,5.8,7.24,735.0", 16)
     assert lines[-1].startswith("planned 2,")
+
+
+def test_the_form_has_the_given_scatter_of_the_tests_made_before(cli, folder: Path):
+    result = cli(*PLAN, "--tests", TESTS, "--csv", "next.csv", "--scatter-percent", "4")
+    assert result.exit_code == 0, result.output
+    with (folder / "next.csv").open() as file:
+        made, *_ = csv.DictReader(file)
+    assert float(made["ballistic_limit_uncertainty_m_s"]) == pytest.approx(0.04 * float(made["ballistic_limit_m_s"]))
 
 
 def test_candidates_of_a_file_and_designs(cli, folder: Path):

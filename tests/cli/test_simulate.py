@@ -101,7 +101,7 @@ def test_what_is_unlike_the_tests_is_warned_of(cli):
     result = cli("simulate", WILKINS, "--set", "armour.ceramic=SiC", "--set", "armour.backing=Ti-6Al-4V", "--json")
     data = json.loads(result.stdout)
     assert result.stderr.splitlines() == [f"warning: {WILKINS}: {warning}" for warning in data["warnings"]]
-    assert len(data["warnings"]) == 3
+    assert len(data["warnings"]) == 4
     assert data["confidence"]["probability_of_defeat"] is None
     assert "no test of such an armour" in data["confidence"]["reason"]
 
@@ -144,3 +144,11 @@ def test_what_no_velocity_perforates_is_defeated(cli):
 def test_the_probability_of_distributions_is_reconciled_with_an_unknown_one(cli):
     lines = cli("simulate", SCENARIOS / "uncertain.toml", "--set", "armour.ceramic=SiC").stdout.splitlines()
     assert lines[-1] == "a probability from the given distributions alone takes the model as exact: armour uncertainty"
+
+
+def test_a_limit_outside_the_data_is_warned_of_too(cli):
+    changes = ["--set", "armour.ceramic=SiC", "--set", "armour.ceramic_thickness_mm=12"]
+    shown = cli("simulate", WILKINS, *changes).stderr
+    limit = [line for line in shown.splitlines() if "ballistic_limit: " in line]
+    assert len(limit) == 1
+    assert limit[0].split("ballistic_limit: ")[1] in cli("ballistic-limit", WILKINS, *changes).stderr

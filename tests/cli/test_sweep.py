@@ -144,8 +144,8 @@ def test_a_table_that_is_there_is_not_written_over(cli, folder: Path):
 
 
 def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
-    over = ["--over", f"{CERAMIC}=2:12:0.01", "--over", "impact.velocity_m_s=600:900:2.5"]
-    command = ["sweep", str(WILKINS), *over, "--quantities", "residual_velocity_m_s"]
+    over = ["--over", f"{CERAMIC}=2:12:0.01", "--over", "armour.backing_thickness_mm=4:8:0.1"]
+    command = ["sweep", str(WILKINS), *over, "--quantities", "ballistic_limit_m_s"]
     process = subprocess.Popen([sys.executable, "-m", "armour", *command, "-o", "t.csv"], stderr=subprocess.DEVNULL)
     deadline = time.monotonic() + 60.0
     while not list(folder.glob("t.csv.parts/*.chunk")):
@@ -159,7 +159,7 @@ def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
     assert cli(*command, "-o", "t.csv").exit_code == 0
     assert cli(*command, "-o", "whole.csv").exit_code == 0
     assert (folder / "t.csv").read_bytes() == (folder / "whole.csv").read_bytes()
-    assert (folder / "t.csv").read_bytes().count(b"\n") == 1001 * 121 + 1
+    assert (folder / "t.csv").read_bytes().count(b"\n") == 1001 * 41 + 1
 
 
 def test_materials_and_projectiles_by_name(cli, folder: Path):

@@ -187,6 +187,7 @@ def test_interrupted_it_shows_what_it_has(cli, suite: Path, monkeypatch: pytest.
     assert "1 of 1 within their bands" in result.stdout
     assert result.stderr == "interrupted\n"
     assert not issubclass(KeyboardInterrupt, ArmourError)
+    assert cli("validate", suite, "--json").stdout == ""
 
 
 def test_a_shipped_suite_goes_by_its_name(cli, folder: Path):

@@ -86,6 +86,16 @@ def test_what_costs_nothing():
     assert [(pair.ceramic, pair.reason) for pair in result.pairs] == [("AD85", ""), ("AD99.5", "dearer")]
 
 
+def test_a_pair_of_which_no_design_meets_the_constraints():
+    ceramics = [{"material": "AD85", "thickness_mm": [12.0]}, {"material": "AD99.5", "thickness_mm": [30.0]}]
+    metal = [{"material": "6061-T6", "thickness_mm": [8.0]}]
+    result = optimise(catalogue(ceramic=ceramics, backing=metal, thickness_max_mm=25.0))
+    assert [(pair.ceramic, pair.reason) for pair in result.pairs] == [
+        ("AD85", ""),
+        ("AD99.5", "no design meets the constraints"),
+    ]
+
+
 def test_nothing_on_offer():
     thinnest = optimise(catalogue(minimise="thickness_mm")).best.thickness_mm
     least = f"the thinnest design that defeats every threat has {thinnest:.4g} mm, at most 5 mm is allowed"
@@ -97,6 +107,8 @@ def test_nothing_on_offer():
     with pytest.raises(NoDesignError, match=r"; no design keeps to all of them at once$"):
         optimise(catalogue(**apart))
     fast = [{"projectile": "7.62 mm AP", "velocity_m_s": 2500.0}]
+    with pytest.raises(NoDesignError, match=r"^no design defeats 7.62 mm AP at 2500 m/s; offer thicker layers"):
+        optimise(catalogue(fast, thickness_max_mm=20.0))
     with pytest.raises(NoDesignError, match=r"^no design defeats 7.62 mm AP at 2500 m/s; offer thicker layers"):
         optimise(catalogue(fast))
 

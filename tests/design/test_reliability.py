@@ -12,7 +12,7 @@ from armour.design.optimise import optimise
 from armour.design.reliability import Reliability
 from armour.errors import InputError, NoDesignError
 from armour.scenario import loading
-from tests.helpers.cases import METALS, catalogue
+from tests.helpers.cases import METALS, THREATS, catalogue
 from tests.helpers.plain_designs import defeats, designs
 
 UNCERTAIN: dict[str, Any] = {
@@ -47,6 +47,13 @@ def test_a_bound_on_the_probability_of_perforation():
             assert found.high > 0.02
             lighter += 1
     assert lighter > 0
+
+
+def test_a_threat_without_a_bound_beside_one_with():
+    threats = [{"projectile": "7.62 mm AP", "velocity_m_s": 700.0}, {**THREATS[1], "probability_of_perforation": 0.3}]
+    best = optimise(catalogue(threats, UNCERTAIN)).best
+    assert [*best.probabilities] == ["M2"]
+    assert best.probabilities["M2"].high <= 0.3
 
 
 def test_no_scenario_is_made_for_a_design(monkeypatch: pytest.MonkeyPatch):

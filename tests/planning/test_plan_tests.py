@@ -98,6 +98,71 @@ def test_where_the_scatter_comes_from(wilkins: Scenario):
     assert plan_tests(wilkins, GRID, tests=read, number=1, scatter_percent=3.0).scatter_source == "given"
 
 
+def test_a_given_scatter_is_that_of_the_tests_made_before(wilkins: Scenario):
+    """It counts as the uncertainty of each of them."""
+    limits = [{CERAMIC: c, "ballistic_limit_m_s": v} for c, v in LIMITS]
+    given = [{**row, "ballistic_limit_uncertainty_m_s": 0.03 * v} for row, (_, v) in zip(limits, LIMITS, strict=True)]
+    one, other = (
+        plan_tests(wilkins, GRID, tests=read_tests(rows, wilkins), number=1, scatter_percent=3.0)
+        for rows in (limits, given)
+    )
+    assert one.planned == other.planned
+    assert one.scatter_percent == pytest.approx(3.0)
+
+
+def test_residual_velocities_do_not_tell_how_limits_scatter(wilkins: Scenario):
+    shots = [
+        {CERAMIC: c, VELOCITY: 900.0, "residual_velocity_m_s": v, "residual_velocity_uncertainty_m_s": 20.0}
+        for c, v in ((6.0, 500.0), (7.0, 440.0))
+    ]
+    with pytest.raises(InputError, match="scatter_percent: is missing and must be given: too few tests tell"):
+        plan_tests(wilkins, GRID, tests=read_tests(shots, wilkins), number=1)
+
+
+def test_few_tests_made_before_count_by_what_they_tell(wilkins: Scenario):
+    """One test and one planned one of the same armour tell what two planned ones do."""
+    uncertainty = 0.03 * limit(wilkins, c=8.0, b=8.0)
+    made = {CERAMIC: 8.0, BACKING: 8.0, "ballistic_limit_m_s": uncertainty / 0.03}
+    grid = {CERAMIC: [8.0], BACKING: [8.0, 5.0]}
+    read = read_tests([{**made, "ballistic_limit_uncertainty_m_s": uncertainty}], wilkins)
+    found = plan_tests(wilkins, grid, law="backing", number=1, tests=read)
+    assert found.scatter_percent == pytest.approx(3.0)
+    assert found.scatter_known
+    assert any("too few for a fit" in warning for warning in found.warnings)
+    assert chosen(found) == [(8.0, 5.0)]
+    both = plan_tests(wilkins, grid, law="backing", number=2, scatter_percent=3.0)
+    assert list(found.planned[1].half_widths.values()) == [
+        pytest.approx(half, rel=1e-3) for half in both.planned[2].half_widths.values()
+    ]
+
+
+def test_tests_that_their_scatter_does_not_explain_tell_less(wilkins: Scenario):
+    limits = [{CERAMIC: c, "ballistic_limit_m_s": v, "ballistic_limit_uncertainty_m_s": 2.0} for c, v in LIMITS]
+    found = plan_tests(wilkins, GRID, tests=read_tests(limits, wilkins), number=1)
+    [told] = [warning for warning in found.warnings if "deviate more than their scatter explains" in warning]
+    factor = float(told.rpartition(" ")[2])
+    assert factor > 1.0
+    fitted = calibrate(read_tests(limits, wilkins), wilkins)
+    assert found.planned[0].half_widths[FLOW_STRESS] == pytest.approx(
+        1.959964 * (fitted.coefficients[0].standard_error or 0.0), rel=0.01
+    )
+
+
+def test_a_fit_at_the_end_of_its_range_is_told(wilkins: Scenario):
+    limits = [{CERAMIC: c, "ballistic_limit_m_s": 3.0 * v} for c, v in LIMITS]
+    found = plan_tests(wilkins, GRID, tests=read_tests(limits, wilkins), number=1, scatter_percent=50.0)
+    assert "the fit to the tests ends at the end of the range of its search" in found.warnings
+
+
+def test_shots_are_at_the_impact_velocity_by_default(wilkins: Scenario):
+    one, other = (
+        plan_tests(wilkins, candidates, number=1, scatter_percent=3.0, measure="outcome")
+        for candidates in ({CERAMIC: [6.0, 8.0]}, {CERAMIC: [6.0, 8.0], VELOCITY: [wilkins.impact.velocity_m_s]})
+    )
+    assert one.planned[1].half_widths == other.planned[1].half_widths
+    assert one.planned[1].inputs[VELOCITY] == wilkins.impact.velocity_m_s
+
+
 def test_a_prior_counts(wilkins: Scenario):
     prior = {"distribution": "normal", "standard_deviation_percent": 5.0}
     known = wilkins.replaced({"uncertainty": {"ceramic": {"flow_stress_GPa": prior}}})
@@ -180,6 +245,11 @@ def test_a_cost_that_is_missing(wilkins: Scenario, tmp_path: Path):
         ({"fit": ()}, "fit: must name at least one input"),
         ({"law": "backin"}, 'did you mean "backing"'),
         ({"criterion": "A"}, "criterion: must be D or I"),
+        ({"law": "backing", "fit": "backing.shear_strength_MPa"}, f"law: must not be given where {FLOW_STRESS} is not"),
+        (
+            {"criterion": "I", "law": "backing", "candidates": {BACKING: [5.0], CERAMIC: [5.0, 7.0]}},
+            'must not be "I": the candidates do not determine the limit of a design',
+        ),
         ({"criterion": 1}, "criterion: must be a text, found 1"),
         ({"measure": None}, "measure: must be a text"),
         ({"law": 3}, "law: must be a text or None"),
@@ -198,6 +268,12 @@ def test_wrong_settings(wilkins: Scenario, settings: dict[str, object], words: s
     with pytest.raises(InputError) as caught:
         plan_tests(wilkins, **{"candidates": GRID, "scatter_percent": 3.0, **settings})  # type: ignore[arg-type]
     assert words in str(caught.value)
+
+
+def test_too_many_candidates(wilkins: Scenario, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("armour.planning.plan_tests.MAX_CANDIDATES", 8)
+    with pytest.raises(InputError, match="candidates: must be at most 8 candidates, found 9"):
+        plan_tests(wilkins, GRID, scatter_percent=3.0)
 
 
 def test_a_design_of_another_ceramic(wilkins: Scenario):

@@ -27,7 +27,7 @@ def leaves(value: Any, parts: tuple[str | int, ...] = ()) -> Iterator[tuple[str 
 
 
 @given(st.dictionaries(NAMES, VALUES, max_size=4))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_every_key_is_found_on_its_line(data: dict[str, Any]):
     text = tomli_w.dumps(data)
     found, written = lines_of(text), text.split("\n")

@@ -84,6 +84,17 @@ def test_an_impact():
     assert_matched(chart)
 
 
+def test_an_impact_that_is_drawn_in_part_says_so():
+    dwell = simulate(shipped_scenario("dwell"), history=True)
+    chart = charts.impact_chart(dwell, "")
+    assert chart.panels[0].x.limits is not None
+    shown = chart.panels[0].x.limits[1]
+    assert shown < dwell.duration_us
+    assert chart.note.startswith(f"Drawn up to {shown:.3g} µs of {dwell.duration_us:.3g} µs. Stages: ")
+    whole = simulate(scenario(velocity=900.0), history=True)
+    assert charts.impact_chart(whole, "").note.startswith("Stages: ")
+
+
 def test_an_impact_without_its_history():
     with pytest.raises(ValueError, match="history=True"):
         charts.impact_chart(simulate(scenario()), "")
@@ -299,6 +310,13 @@ def test_a_calibration_to_tests_with_uncertainties_has_error_bars():
     assert "one standard deviation" in chart.note
 
 
+def test_a_calibration_to_outcomes_alone_has_no_deviations():
+    found = calibrated()
+    chart = charts.calibration_chart(replace(found, residuals=tuple(r for r in found.residuals if r.bound)))
+    [parity] = chart.panels
+    assert labels(parity) == ["defeated at", "agreement"]
+
+
 def test_a_calibration_to_many_tests_shows_the_largest_deviations():
     _, deviations = charts.calibration_chart(calibrated(60)).panels
     assert len(deviations.y.categories) == charts.MAX_ROWS
@@ -350,6 +368,22 @@ def test_a_v50():
     assert all(low <= y <= high for low, y, high in zip(band.low, curve.y, band.high, strict=True))  # type: ignore[operator]
     assert chart.note == "The 95 % interval of V50 is not bounded."
     assert not any(item.x_ends for item in some(panel, Points))
+
+
+def test_a_v50_without_a_recommended_curve_has_no_band():
+    found = replace(v50(SHOTS), recommended=None)
+    [panel] = charts.v50_chart(SHOTS, found).panels
+    assert not some(panel, Band)
+    assert some(panel, Line)[0].label.startswith(f"{found.fits[0].curve}, {found.fits[0].method}: V50")
+
+
+def test_a_v50_far_from_the_shots_is_outside_the_axis():
+    found = v50(SHOTS)
+    far = replace(found.fits[0], v50_m_s=2000.0, v50_interval_m_s=(None, None))
+    [panel] = charts.v50_chart(SHOTS, replace(found, fits=(far,), recommended=None)).panels
+    assert panel.x.limits is not None
+    assert panel.x.limits[1] < 2000.0
+    assert len(some(panel, Points)) == 2
 
 
 def test_the_interval_of_a_v50_is_a_bar_where_it_has_an_end():
@@ -480,6 +514,14 @@ def test_a_sweep_over_other_keys_has_no_areal_densities():
     assert headings(chart) == [("ceramic flow stress, GPa", "ceramic thickness, mm")]
     assert len(some(chart.panels[0], Contours)) == 1
     assert chart.title == "Ballistic limit over ceramic flow stress and ceramic thickness"
+
+
+def test_a_sweep_of_equal_answers_has_no_lines_of_equal_answers():
+    x, y = (column.ravel() for column in np.meshgrid([4.0, 6.0], [5.0, 7.0]))
+    columns = {"impact.velocity_m_s": x, BACKING: y, "ballistic_limit_m_s": np.full(4, 700.0)}
+    chart = charts.sweep_chart(columns, ["impact.velocity_m_s", BACKING], "ballistic_limit_m_s", scenario())
+    assert len(some(chart.panels[0], Map)) == 1
+    assert some(chart.panels[0], Contours) == []
 
 
 def test_words_that_both_keys_end_in_stand_once():

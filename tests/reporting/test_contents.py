@@ -43,6 +43,17 @@ def test_a_scenario_without_a_design_is_its_own_answer():
     assert abs(found.energy.difference) < 1e-6 * found.energy.before
 
 
+def test_the_answer_of_a_bare_plate_has_no_ceramic():
+    plate = {
+        "ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0},
+        "backing_thickness_mm": {"min": 8.0, "max": 20.0, "step": 1.0},
+    }
+    found = contents_of(scenario(ceramic=None, ceramic_mm=0.0, velocity=500.0, optimise=plate))
+    assert found.design is not None
+    assert not found.answer.armour.ceramic
+    assert found.answer.armour.backing_thickness_mm == found.design.best.backing_thickness_mm
+
+
 def test_the_own_armour_faces_every_threat():
     found = contents_of(load_scenario(SCENARIOS / "catalogue.toml"), as_is=True)
     assert found.design is None

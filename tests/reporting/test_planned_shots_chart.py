@@ -34,3 +34,11 @@ def test_without_a_prior_the_curve_is_that_of_the_shots():
     [panel] = chart.panels
     assert [series.label for series in panel.series if isinstance(series, Line)] == ["probit, penalised likelihood"]
     assert any(series.label == "requirement 730.0 m/s" for series in panel.series)
+
+
+def test_shots_of_one_kind_have_no_curve():
+    unknown = scenario(uncertainty={"model": {"included": False}})
+    plan = plan_shots(unknown, Shots((700.0,), (False,), "f.csv"), procedure="up-and-down")
+    [panel] = shot_plan_chart(plan).panels
+    assert [series.label for series in panel.series if isinstance(series, Points)] == ["partial penetration"]
+    assert not any(isinstance(series, Line) for series in panel.series)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from armour.planning.plan_tests import PlannedTests, ScatterSource, plan_tests
-from armour.reporting.chart import Line, Map, Points
+from armour.reporting.chart import Contours, Line, Map, Points
 from armour.reporting.figures import plot
 from armour.reporting.planned_tests_chart import GAIN, planned_chart, velocities_in_words
 from armour.reporting.tables.planned_tests import form_table, plan_table, planned_tables, step_table
@@ -31,6 +31,13 @@ def test_a_map_with_the_number_of_tests_of_each_armour(result: PlannedTests):
     points = {item.label: len(item.x) for item in panel.series if isinstance(item, Points)}
     assert points == {"2 tests": 1, "3 tests": 1}
     assert plot(result, title="mine").axes
+
+
+def test_equal_gains_have_no_lines_of_equal_gain(result: PlannedTests):
+    equal = replace(result, sensitivities=(1.0,) * len(result.sensitivities))
+    [panel] = planned_chart(equal, "").panels
+    assert not any(isinstance(series, Contours) for series in panel.series)
+    assert any(isinstance(series, Contours) for series in planned_chart(result, "").panels[0].series)
 
 
 def test_a_curve_over_one_input(result: PlannedTests):

@@ -284,3 +284,9 @@ def test_a_probability_with_exact_inputs_is_said_to_be_one_where_another_is_samp
         f"{THREAT}: margin +20.0 m/s, probability of defeat 60 % with exact inputs; "
         f"{OTHER}: margin +20.0 m/s, probability of defeat 60 %"
     )
+
+
+def test_a_threat_whose_limit_is_outside_the_range_has_no_margin():
+    threats = tuple(AgainstThreat(name, True, None, 0.0, None) for name in (THREAT, OTHER))
+    _, detail = statements(replace(wilkins(), threats=threats))["Defeats"]
+    assert f"{OTHER}: limit outside the range searched, probability of defeat" in detail

@@ -118,6 +118,15 @@ def test_a_mistake_is_named(key: str, value: object, message: str):
     assert found[0].startswith(f"{key}: {message}")
 
 
+def test_a_library_file_that_is_no_path_is_named_alone():
+    assert messages(changed(data(), {"library.files": [3]})) == ["library.files[0]: must be a text in quotes, found 3"]
+
+
+def test_a_single_value_of_an_entry_that_is_not_known_makes_no_entry():
+    with pytest.raises(InputError, match=r"library\.ceramic\.Nothing\.density_kg_m3: is missing and must be given"):
+        scenario().replaced({"library.ceramic.Nothing.flow_stress_GPa": 5.0})
+
+
 @pytest.mark.parametrize(
     ("axis", "message"),
     [

@@ -326,6 +326,15 @@ def test_coefficients_that_are_not_identified(tmp_path: Path, wilkins: Scenario)
     assert result.coefficients[1].reason == "the tests bound it neither above nor below"
 
 
+def test_tests_that_identify_no_law(tmp_path: Path, wilkins: Scenario):
+    header = "impact.velocity_m_s,outcome,ballistic_limit_uncertainty_m_s"
+    tests = read_tests(csv_file(tmp_path / "t.csv", header, "30,defeated,1"), wilkins)
+    result = calibrate(tests, wilkins, law="all")
+    assert result.law == "constant"
+    assert [c.estimate for c in result.coefficients] == [None]
+    assert [row.law for row in result.laws] == ["constant"]
+
+
 def test_tests_of_other_materials(tmp_path: Path):
     """A parameter of the projectile from tests with two ceramics."""
     truth = with_inputs(scenario(), {"projectile.penetrator_diameter_mm": 6.2})

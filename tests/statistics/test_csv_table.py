@@ -81,3 +81,8 @@ def test_a_table_of_too_many_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     rows = "velocity_m_s,result\n700,partial\n710,partial\n"
     assert messages(tmp_path, rows) == []
     assert messages(tmp_path, rows + "720,complete\n") == ["t.csv: must have at most 2 rows below its header, found 3"]
+
+
+def test_a_cell_that_is_too_long_for_a_table(tmp_path: Path):
+    [message] = messages(tmp_path, f"velocity_m_s,result\n700,{'x' * 140_000}\n")
+    assert message == "t.csv: line 2: must be CSV: field larger than field limit (131072)"

@@ -1,4 +1,5 @@
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -105,6 +106,27 @@ def test_a_coefficient_that_is_bounded_on_one_side_has_no_distribution(tmp_path:
     tests = read_tests(csv_file(tmp_path / "t.csv", header, "700,defeated,10"), wilkins)
     with pytest.raises(NoAnswerError, match=r"ceramic\.flow_stress_GPa on one side only"):
         scenario_text(calibrate(tests, wilkins), tests, wilkins, tmp_path / "s.toml")
+
+
+def test_a_library_of_outcomes_has_their_velocities_and_no_interval_that_is_open(tmp_path: Path):
+    wilkins = shipped_scenario("wilkins")
+    header = "impact.velocity_m_s,outcome,ballistic_limit_uncertainty_m_s"
+    tests = read_tests(csv_file(tmp_path / "t.csv", header, "700,defeated,10", "750,perforated,10"), wilkins)
+    result = calibrate(tests, wilkins)
+    [stress] = result.coefficients
+    opened = replace(result, coefficients=(replace(stress, interval=(None, 6.0)),))
+    for found, interval in ((result, True), (opened, False)):
+        [entry] = tomllib.loads(library_text(found, tests, wilkins))["ceramic"].values()
+        assert ("% interval" in entry["flow_stress_GPa"]["source"]) is interval
+        assert [test["impact.velocity_m_s"] for test in entry["flow_stress_GPa"]["tests"]] == [700.0, 750.0]
+
+
+def test_too_few_tests_have_no_error_of_the_model(tmp_path: Path):
+    wilkins = shipped_scenario("wilkins")
+    header = f"{C},ballistic_limit_m_s,ballistic_limit_uncertainty_m_s"
+    tests = read_tests(csv_file(tmp_path / "t.csv", header, "6.35,720,5"), wilkins)
+    written = tomllib.loads(scenario_text(calibrate(tests, wilkins), tests, wilkins, tmp_path / "s.toml"))
+    assert "model" not in written["uncertainty"]
 
 
 def test_a_coefficient_that_is_not_identified_is_not_written(tmp_path: Path):

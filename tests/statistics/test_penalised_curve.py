@@ -119,6 +119,10 @@ def test_a_curve_that_does_not_rise_is_none():
     assert fit_penalised((700.0, 740.0, 770.0, 780.0), (750.0,), "probit") is None
 
 
+def test_a_v50_below_zero_is_none():
+    assert fit_penalised((1.0,), (2.0, 3.0, 40.0, 60.0, 80.0), "probit") is None
+
+
 @pytest.mark.parametrize("link", LINKS)
 def test_the_band_at_one_half_is_the_interval_of_v50(link: Link):
     fit = fitted("apart", link)

@@ -68,6 +68,11 @@ def test_the_shipped_tests():
             ["6,defeated"],
             "line 2: impact.velocity_m_s: is missing and must be given with an outcome",
         ),
+        (
+            f"{C},{V},outcome,residual_velocity_m_s",
+            ["6,700,defeated,50"],
+            "line 2: outcome: must not be defeated where there is a residual velocity",
+        ),
         (f"{C},{V},residual_velocity_m_s", ["6,700,0"], "a projectile that is stopped is an outcome"),
         (f"test,{C},ballistic_limit_m_s", ["a,6,700", "a,6,710"], 'line 2: test: must name one test, found "a"'),
         (

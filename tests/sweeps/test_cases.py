@@ -26,6 +26,13 @@ def test_texts_that_are_not_axes(text: str):
         axis_of(text)
 
 
+def test_an_axis_of_too_many_numbers(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("armour.sweeps.cases.MAX_VALUES", 3)
+    assert len(axis_of("a=1,2,3").values) == 3
+    with pytest.raises(InputError, match="over a: must be at most 3 numbers, found more in 1,2,3,4"):
+        axis_of("a=1,2,3,4")
+
+
 def test_a_grid_gives_every_combination_once():
     source = sweep_grid("a=1,2,3", "b=4:5:0.5")
     rows = [

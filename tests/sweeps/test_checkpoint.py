@@ -1,6 +1,7 @@
 import itertools
 import os
 import shutil
+import tempfile
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -141,6 +142,24 @@ def test_a_damaged_chunk_is_noticed_before_and_while_they_are_joined(output: Pat
     assert not output.exists()
     assert finished(output) == 9
     assert output.read_bytes() == output.with_stem("b").read_bytes()
+
+
+def test_rows_that_fill_the_last_group(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("armour.sweeps.tables.ROW_GROUP", 3)
+    output = tmp_path / "a.parquet"
+    assert finished(output) == 9
+    assert count_rows(output, as_csv=False) == 9
+    np.testing.assert_array_equal(read_table(output)["armour.x_mm"], values(0, 9)["armour.x_mm"])
+
+
+@pytest.mark.skipif(not Path("/dev/shm").is_dir(), reason="needs a second file system")
+def test_chunks_on_another_file_system_are_refused(output: Path):
+    with tempfile.TemporaryDirectory(dir="/dev/shm") as other:
+        if os.stat(other).st_dev == output.parent.stat().st_dev:
+            pytest.skip("needs a second file system")
+        output.with_name(f"{output.name}.parts").symlink_to(other)
+        with pytest.raises(InputError, match=f"must be on the file system of {output.parent}"), Store(output, JOB):
+            pass
 
 
 def test_a_table_that_lacks_rows_is_not_given_out(output: Path):

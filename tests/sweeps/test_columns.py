@@ -120,6 +120,24 @@ def test_wrong_values(values, found: str):
     assert found in str(error.value)
 
 
+def test_a_range_of_names():
+    with pytest.raises(InputError, match=r"over armour\.ceramic: must be a sequence of names, found"):
+        sweep(scenario(), {"armour.ceramic": {"min": 1.0, "max": 2.0, "step": 1.0}})
+
+
+def test_a_run_that_does_not_end_names_the_key(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 5)
+    with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run"):
+        sweep(scenario(), {CERAMIC: [6.0]}, "outcome")
+
+
+def test_a_wrong_input_of_a_group_has_the_place_of_its_row(tmp_path: Path):
+    lines = ("AD85,6", "B4C,6", "AD85,7", "B4C,-6")
+    path = csv_file(tmp_path / "c.csv", f"armour.ceramic,{CERAMIC}", *lines)
+    with pytest.raises(InputError, match=f"line 5: {CERAMIC}: must be at least 0, found -6"):
+        sweep(scenario(), path)
+
+
 def test_wrong_questions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     with pytest.raises(InputError, match="at least one key"):
         sweep(scenario(), {})

@@ -1,12 +1,17 @@
 """A cluster gives the same rows, whatever happens to a worker."""
 
+import asyncio
 import os
 import pickle
 import signal
 import socket
+import sys
 import threading
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
+from queue import Empty, SimpleQueue
+from typing import Any
 
 import pytest
 from distributed import Client, LocalCluster
@@ -100,6 +105,82 @@ def test_workers_of_another_version_are_refused(client: Client, tmp_path: Path, 
     # One that joins later is found out by its first chunk.
     with pytest.raises(InputError, match=message):
         sweep(sweep_scenario(), source, ["outcome"], tmp_path / "b.csv", compute=on_cluster(client), size=1)
+
+
+def test_a_scheduler_is_connected_to_and_a_worker_is_none(client: Client, tmp_path: Path):
+    assert client.cluster is not None
+    client.cluster.scale(1)
+    client.wait_for_workers(1)
+    source = sweep_grid(VELOCITIES)
+    with connected(client.cluster.scheduler_address) as found:
+        sweep(sweep_scenario(), source, ["outcome"], tmp_path / "a.csv", compute=on_cluster(found), size=1)
+    sweep(sweep_scenario(), source, ["outcome"], tmp_path / "b.csv")
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+    [worker] = client.scheduler_info()["workers"]
+    with pytest.raises(InputError, match=f'found "{worker}": that is a Worker'), connected(worker):
+        pass
+
+
+def test_a_cluster_is_started_on_this_machine(monkeypatch: pytest.MonkeyPatch):
+    here = partial(LocalCluster, n_workers=1, processes=False)
+    monkeypatch.setattr("distributed.LocalCluster", here)
+    with connected("local") as found:
+        assert list(found.nthreads().values()) == [1]
+        assert found.submit(abs, -1).result() == 1
+
+
+def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with (
+        pytest.raises(InputError, match=r"needs dask.distributed; pip install 'armour\[cluster\]'"),
+        connected("local"),
+    ):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (asyncio.CancelledError(), "lost the connection to the scheduler; what is done is kept, repeat the same"),
+        (OSError("no route"), "failed: no route; what is done is kept"),
+        (OSError(), "failed: OSError; what is done is kept"),
+    ],
+)
+def test_what_fails_on_a_cluster_is_told(
+    client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException, message: str
+):
+    def submit(*_args: Any, **_settings: Any) -> None:
+        raise error
+
+    monkeypatch.setattr(client, "submit", submit)
+    with pytest.raises(InputError, match=message):
+        sweep(
+            sweep_scenario(),
+            sweep_grid(VELOCITIES),
+            ["outcome"],
+            tmp_path / "a.csv",
+            compute=on_cluster(client),
+            size=1,
+        )
+
+
+def test_a_chunk_that_takes_long_is_waited_for(client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    assert client.cluster is not None
+    client.cluster.scale(1)
+    client.wait_for_workers(1)
+    waits = [1, 1]
+
+    class Late(SimpleQueue[Any]):
+        def get(self, block: bool = True, timeout: float | None = None) -> Any:
+            if waits:
+                waits.pop()
+                raise Empty
+            return super().get(block, timeout)
+
+    monkeypatch.setattr("armour.sweeps.dask.SimpleQueue", Late)
+    source = sweep_grid(VELOCITIES)
+    rows = sweep(sweep_scenario(), source, ["outcome"], tmp_path / "a.csv", compute=on_cluster(client), size=1)
+    assert (rows, waits) == (2, [])
 
 
 def test_errors_of_workers_arrive_whole():

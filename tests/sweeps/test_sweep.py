@@ -13,6 +13,9 @@ from armour.analysis.quantities import QUANTITIES
 from armour.errors import InputError
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import Cases
+from armour.sweeps.checkpoint import DamagedError, Store
+from armour.sweeps.job import job_of
+from armour.sweeps.lock import unlock
 from armour.sweeps.plan import Pace
 from armour.sweeps.sweep import sweep
 from armour.sweeps.tables import read_table
@@ -130,6 +133,52 @@ def test_a_sweep_is_resumed_with_chunks_of_any_size(tmp_path: Path):
         sweep(case, source, ["outcome"], tmp_path / "a.csv")
         assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
         (tmp_path / "a.csv").unlink()
+
+
+def test_a_chunk_of_other_values_is_computed_anew(tmp_path: Path):
+    case, source, output = sweep_scenario(), sweep_grid("impact.velocity_m_s=700:900:50"), tmp_path / "a.csv"
+    with Store(output, job_of(case, source, ["outcome"])) as store:
+        store.begin()
+        store.save(0, 2, "0" * 64, b"of another table")
+    told: list[str] = []
+    sweep(case, source, ["outcome"], output, size=2, tell=told.append)
+    assert told[0].endswith("0000000000000.chunk: of other values, computed anew")
+    sweep(case, source, ["outcome"], tmp_path / "b.csv")
+    assert output.read_bytes() == (tmp_path / "b.csv").read_bytes()
+
+
+def test_a_disk_that_damages_every_chunk_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    def damaged(store: Store, _rows: int) -> int:
+        store.path(0).write_bytes(b"0 0 0\n")
+        raise DamagedError(store.path(0))
+
+    monkeypatch.setattr(Store, "finish", damaged)
+    done: list[bool] = []
+    told: list[str] = []
+    with pytest.raises(InputError, match="are damaged each time that they are written; check the disk, then repeat"):
+        sweep(
+            sweep_scenario(),
+            sweep_grid("impact.velocity_m_s=700,800"),
+            ["outcome"],
+            tmp_path / "a.csv",
+            size=1,
+            on_chunk=lambda _rows, stored: done.append(stored),
+            tell=told.append,
+        )
+    assert done == [False, False]
+    assert {line.endswith("chunk: damaged, computed anew") for line in told} == {True}
+
+
+def test_a_sweep_that_was_killed_after_its_last_step_has_its_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    case, source, output = sweep_scenario(), sweep_grid("impact.velocity_m_s=700,800"), tmp_path / "a.csv"
+    with monkeypatch.context() as killed:
+        killed.setattr(Store, "_close", lambda store: unlock(store._lock, store.folder, remove=False))
+        sweep(case, source, ["outcome"], output)
+    assert (tmp_path / "a.csv.parts").exists()
+    done: list[int] = []
+    assert sweep(case, source, ["outcome"], output, on_chunk=lambda rows, _: done.append(rows)) == 2
+    assert done == []
+    assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
 
 
 def test_rows_of_a_chunk_follow_the_time_of_a_row():

@@ -108,3 +108,12 @@ def test_a_range_that_ends_at_the_limit_has_nothing_to_fit():
     limit = wilkins().limit.ballistic_limit_m_s
     with pytest.raises(NoAnswerError, match="no fit: the range of velocities ends at the ballistic limit"):
         compare(scenario(ballistic_limit={"velocity_max_m_s": limit}))
+
+
+def test_the_best_split_may_have_its_limit_outside_the_range():
+    own = wilkins()
+    best, *_ = [found.model_ballistic_limit_m_s for found in own.florence]
+    assert best is not None
+    assert best < own.limit.ballistic_limit_m_s - 10.0
+    between = compare(scenario(ballistic_limit={"velocity_min_m_s": best + 5.0}))
+    assert between.florence[0].model_ballistic_limit_m_s is None

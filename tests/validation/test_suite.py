@@ -1,5 +1,6 @@
 """Suite files: their meaning, and every mistake reported at once."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -181,6 +182,11 @@ def test_an_outcome_is_one_of_two(folder: Path):
 def test_mistakes_of_a_table(folder: Path, old: str, new: str, message: str):
     found = mistakes(folder, TABLE.replace(old, new, 1))
     assert f"table[0]: {message}" in found[0]
+
+
+def test_a_table_without_rows(folder: Path):
+    [found] = mistakes(folder, re.sub(r"rows = \[\n.*?\n\]\n", "", TABLE, flags=re.DOTALL))
+    assert found == "table[0]: must have rows, or a file that has them"
 
 
 def test_mistakes_in_scenarios_say_where_they_are_named(folder: Path):

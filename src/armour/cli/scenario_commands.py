@@ -44,6 +44,7 @@ def simulate(
     from armour.reporting.tables.confidence import SAMPLED_ALONE
     from armour.reporting.tables.impact import history_table, impact_tables
     from armour.reporting.words import computed
+    from armour.scenario import applicability
 
     check_outputs(csv=history, plot=plot, force=force)
     reads = ("impact", "armour", "ballistic_limit", "uncertainty.model")
@@ -54,17 +55,20 @@ def simulate(
         result = impact.simulate(loaded, history=history is not None or plot is not None)
         count(1)
         sure = confidence.confidence(loaded, on_progress=count)
+    limit = sure.ballistic_limit_m_s
+    of_limit = () if limit is None else applicability.warnings_of(loaded, limit, "ballistic_limit")
+    warnings = tuple(dict.fromkeys((*result.warnings, *of_limit)))
     distributed = loaded.uncertainty is not None and bool(loaded.uncertainty.inputs())
     alone = [f"{SAMPLED_ALONE}: armour uncertainty"] if sure.model_error is None and distributed else []
     respond(
-        {**result.to_dict(), "confidence": sure.to_dict()},
+        {**result.to_dict(), "warnings": list(warnings), "confidence": sure.to_dict()},
         [*computed(loaded), *impact_tables(result, sure), *alone],
         as_json=as_json,
         title=loaded.title,
         files=[(history, lambda: None if result.history is None else csv_text(history_table(result.history)))],
         plot=plot,
         chart=lambda charts: charts.impact_chart(result, loaded.title),
-        warnings=warnings_of(loaded, result.warnings),
+        warnings=warnings_of(loaded, warnings),
     )
 
 

@@ -52,6 +52,8 @@ MAX_COST = 1e12
 NOTHING = 1e-12
 # Part of a vector that may lie outside of the directions of which tests inform.
 OUTSIDE = 1e-2
+# Parts of the range of a search within which a fit ends at its end.
+AT_END = 1e-6
 
 Criterion = Literal["D", "I"]
 Measure = Literal["limit", "outcome"]
@@ -491,7 +493,9 @@ def _fitted(fit: Fit, scatter: float) -> _Knowledge:
             f"the tests in {tests.file} deviate more than their scatter explains, p = {fit.p_value:.2g}; "
             f"what they tell is less by a factor of {fit.widened_by:.2f}"
         )
-    if ((fit.best.x <= fit.likelihood.lower) | (fit.best.x >= fit.likelihood.upper)).any():
+    lower, upper = fit.likelihood.lower, fit.likelihood.upper
+    # The search comes close to an end and does not reach it.
+    if (np.minimum(fit.best.x - lower, upper - fit.best.x) < AT_END * (upper - lower)).any():
         warnings.append("the fit to the tests ends at the end of the range of its search")
     freedom = fit.degrees_of_freedom if fit.likelihood.scatters else None
     return _Knowledge(fit.best.x, rows.T @ rows, scatter, freedom, tuple(warnings))

@@ -132,7 +132,10 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
         outcome += f", residual velocity {result.residual_velocity_m_s:.1f} m/s"
     # The caption names every stage: some are too narrow for a name above the panel, or start after the time shown.
     parts = (f"{s.stage} from {s.start_us:.3g} µs, {_stage_words(s.stage)}" for s in result.stages)
-    return Chart(f"{title}\n{outcome}".strip(), tuple(panels), f"Stages: {'; '.join(parts)}.", width=6.0)
+    caption = f"Stages: {'; '.join(parts)}."
+    if shown < result.duration_us:
+        caption = f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs. {caption}"
+    return Chart(f"{title}\n{outcome}".strip(), tuple(panels), caption, width=6.0)
 
 
 def _stage_words(stage: str) -> str:

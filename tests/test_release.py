@@ -1,0 +1,50 @@
+"""The version, the changelog and CITATION.cff agree; `make release` checks the rest."""
+
+import runpy
+import zipfile
+from pathlib import Path
+
+import pytest
+from hatchling.build import build_wheel
+
+import armour
+from armour import files
+
+ROOT = Path(__file__).parent.parent
+CHECKOUT = (ROOT / "src").exists()  # not in the environment of `make release`
+RELEASE = runpy.run_path(str(ROOT / ".ci" / "release.py")) if CHECKOUT else {}
+pytestmark = pytest.mark.skipif(not CHECKOUT, reason="needs the sources")
+
+
+def test_the_version_is_that_of_the_changelog_and_the_citation():
+    assert RELEASE["VERSION"] == armour.__version__
+    assert RELEASE["disagreements"]() == []
+
+
+def test_another_version_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    tmp_path.joinpath("CHANGELOG.md").write_text(
+        f"# Changelog\n\n## Unreleased\n\n## {armour.__version__} (2001-02-03)\n"
+    )
+    tmp_path.joinpath("CITATION.cff").write_text("version: 0.0.1\ndate-released: 2001-02-03\n")
+    names = RELEASE["disagreements"].__globals__
+    monkeypatch.setitem(names, "ROOT", tmp_path)
+    assert RELEASE["disagreements"]() == [f"CITATION.cff: must have the line version: {armour.__version__}"]
+    monkeypatch.setitem(names, "VERSION", "0.0.1")
+    assert RELEASE["disagreements"]() == [
+        f"CHANGELOG.md: the first version must be 0.0.1, with its date, found {armour.__version__} (2001-02-03)"
+    ]
+
+
+def test_the_wheel_ships_what_the_program_reads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(ROOT)
+    with zipfile.ZipFile(tmp_path / build_wheel(str(tmp_path))) as wheel:
+        wheel.extractall(tmp_path)
+    here = {name: [*files.shipped_files(name, "").items()] for name in ("configs", "scenarios", "suites")}
+    monkeypatch.setattr(files, "_PACKAGE", tmp_path / "armour")
+    for name, shipped in here.items():
+        assert shipped
+        assert [*files.shipped_files(name, "")] == [path for path, _ in shipped]
+        assert files.shipped(name) == tmp_path / "armour" / name
+    assert (tmp_path / "armour" / "py.typed").exists()
+    assert (tmp_path / "armour" / "__init__.pyi").exists()
+    assert (tmp_path / "armour" / "reporting" / "templates" / "report.html").exists()
