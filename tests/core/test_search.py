@@ -396,28 +396,29 @@ def linear(V: float, sign: float, limit: float = 700.0, left: float = 0.8, bend:
     return Impact(V, True, False, True, -left * more - bend * more * more) if more > 0.0 else stopped(V)
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("bend", "rough_runs", "runs"), [(0.0, 2, 4), (1e-6, 4, 7)])
-def test_a_change_is_narrowed_in_either_direction(
-    monkeypatch: pytest.MonkeyPatch, sign: float, bend: float, rough_runs: int, runs: int
-):
+def test_a_change_is_narrowed_in_few_runs(monkeypatch: pytest.MonkeyPatch, bend: float, rough_runs: int, runs: int):
     def given(V: float) -> Impact:
-        return linear(V, sign, bend=bend)
+        return linear(V, 1.0, bend=bend)
 
     monkeypatch.setattr(search, "rough_impact", lambda _, V, __: given(V))
     monkeypatch.setattr(search, "impact", lambda _, V, __: given(V))
-    low, high = 620.0, 790.0
-    change = Change(given(low), given(high), 0)
-    first, ends = (given(high), (low, high)) if sign > 0.0 else (given(low), (-high, -low))
-    root = rough_root(armour(), *ends, first, sign, SOLVER)
-    assert root.x == pytest.approx(sign * 700.0, rel=1e-4)
+    root = rough_root(armour(), 620.0, 790.0, given(790.0), 1.0, SOLVER)
+    assert root.x == pytest.approx(700.0, rel=1e-4)
     assert root.slope == pytest.approx(1.0 / (0.8 * 1400.0), rel=1e-2)
     assert root.resolved
-    found = narrowed(armour(), change, 1e-4, SOLVER)
-    start, end = bisected(sign * 700.0, *ends, 1e-4)
-    assert (found.low, found.high) == ((start, end) if sign > 0.0 else (-end, -start))
-    assert found.resolved
-    assert (root.runs, found.runs) == (rough_runs, runs)
+    found = narrowed(armour(), Change(given(620.0), given(790.0), 0), 1e-4, SOLVER)
+    assert found == (*bisected(700.0, 620.0, 790.0, 1e-4), runs, True)
+    assert root.runs == rough_runs
+
+
+def test_a_change_to_defeat_is_narrowed(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(search, "rough_impact", lambda _, V, __: linear(V, -1.0))
+    monkeypatch.setattr(search, "impact", lambda _, V, __: linear(V, -1.0))
+    found = narrowed(armour(), Change(linear(620.0, -1.0), linear(790.0, -1.0), 0), 1e-4, SOLVER)
+    low, high = bisected(-700.0, -790.0, -620.0, 1e-4)
+    assert (found.low, found.high, found.resolved) == (-high, -low, True)
+    assert found.runs <= 12
 
 
 def test_an_unresolved_run_ends_the_narrowing(monkeypatch: pytest.MonkeyPatch):

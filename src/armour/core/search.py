@@ -345,7 +345,7 @@ def rough_root(p: Parameters, low: float, high: float, first: Impact, sign: floa
     which the square of the residual velocity is nearly linear.
     """
     b = after_defeat(initial_bracket(sign * low * low, sign * high * high), sign * low * low)
-    guess = b.high + first.nearness / ENERGY_LEFT
+    guess = sign * (first.V * first.V + first.nearness / ENERGY_LEFT)
     b = after_perforation(b, b.high, -first.nearness, guess, 0.2 * (b.high - guess))
     slope = 1.0 / ENERGY_LEFT
     tolerance = 2.0 * ROUGH_ERROR * high * high
