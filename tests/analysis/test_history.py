@@ -46,6 +46,11 @@ def test_the_history_is_on_the_grid_of_the_time_step():
     assert np.count_nonzero(~on_grid) <= 2 * (changes + 1) + 1
 
 
+def test_a_long_time_step_leaves_no_gaps_in_the_history():
+    """A time step beyond the default is not taken."""
+    assert recorded(1000.0) == recorded()
+
+
 def test_the_interface_force_is_recorded_on_both_sides_of_a_change():
     history = recorded()
     entered = int(np.flatnonzero(history.stage == "iii.3")[0])

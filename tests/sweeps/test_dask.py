@@ -76,19 +76,18 @@ def client() -> Iterator[Client]:
         yield client
 
 
+def sweep_on(client: Client, folder: Path) -> None:
+    """A sweep on a cluster, a row a chunk."""
+    compute = on_cluster(client)
+    sweep(sweep_scenario(), sweep_grid(VELOCITIES), ["outcome"], folder / "a.csv", compute=compute, size=1)
+
+
 def test_a_cluster_without_workers(client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     with pytest.raises(InputError, match="must have a worker, found none"):
         check_workers(client, timeout_s=0.1)
     monkeypatch.setattr("armour.sweeps.dask.TIMEOUT_S", 0.1)
     with pytest.raises(InputError, match="lost all workers; start others, then repeat the same command to resume"):
-        sweep(
-            sweep_scenario(),
-            sweep_grid(VELOCITIES),
-            ["outcome"],
-            tmp_path / "a.csv",
-            compute=on_cluster(client),
-            size=1,
-        )
+        sweep_on(client, tmp_path)
 
 
 def test_workers_of_another_version_are_refused(client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -154,14 +153,7 @@ def test_what_fails_on_a_cluster_is_told(
 
     monkeypatch.setattr(client, "submit", submit)
     with pytest.raises(InputError, match=message):
-        sweep(
-            sweep_scenario(),
-            sweep_grid(VELOCITIES),
-            ["outcome"],
-            tmp_path / "a.csv",
-            compute=on_cluster(client),
-            size=1,
-        )
+        sweep_on(client, tmp_path)
 
 
 def test_a_chunk_that_takes_long_is_waited_for(client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -83,8 +83,8 @@ class LimitResult(Result):
 def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> LimitResult:
     """Compute the ballistic limit of a scenario's armour: the lowest change of the outcome that a scan sees.
 
-    The scan has 33 velocities, evenly spaced on a logarithmic scale; those at which the projectile has not the energy
-    to perforate are not computed.  Between two of them, changes of the outcome are
+    The scan has 33 velocities, evenly spaced on a logarithmic scale; those at which the projectile lacks the energy to
+    perforate are not computed.  Between two of them, changes of the outcome are
     searched for at a maximum of the penetration depth of defeated projectiles, at a minimum of the residual velocity,
     and where projectiles stop at one and are used up at the next.
 
@@ -168,6 +168,7 @@ def find_crossings(scenario: Scenario, on_progress: OnProgress) -> tuple[tuple[C
         crossings.append(Crossing((found.low, found.high), "perforated" if change.above.perforated else "defeated"))
         before = start = search.impact(armour, found.high, solver)
         count(1)
+        resolved(start.V, start)
 
 
 def residual_velocity_curve(

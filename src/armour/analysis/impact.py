@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 # A run stops unresolved after this many steps; one with the default step takes some tens.
 MAX_STEPS = 500_000
-# Instants of a history per default time step.
+# Least number of instants of a history per default time step.
 INSTANTS_PER_STEP = 4.0
 
 
@@ -146,9 +146,8 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         # Imported here because a simulation without a history does not need numpy.
         from armour.analysis.history import history_of
 
-        given = scenario.solver.time_step
-        spacing = given if given > 0.0 else stepping.default_time_step(armour, velocity) / INSTANTS_PER_STEP
-        recorded = history_of(trace, armour, spacing)
+        usual = stepping.default_time_step(armour, velocity) / INSTANTS_PER_STEP
+        recorded = history_of(trace, armour, min(scenario.solver.time_step or usual, usual))
     perforated = end.outcome == Outcome.PERFORATED
     return ImpactResult(
         outcome="perforated" if perforated else "defeated",

@@ -96,7 +96,6 @@ def step_to_event(
             j = first_negative(g_after, -1)
     if j < 0:
         return Advance(-1, dt, y_end, k_end, g_end)
-    event = j
     # Each event found shortens the interval, and may reveal another that had come and gone within it.
     for _ in range(2 * EVENTS):
         event = j

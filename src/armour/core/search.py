@@ -208,7 +208,7 @@ def impact_of(end: Run, p: Parameters, V: float, solver: Solver) -> Impact:
 def first_impacts(p: Parameters, velocities: Sequence[float], solver: Solver) -> tuple[Impact, Impact]:
     """Return the first two impacts of a scan of velocities, m/s: an imagined one, and the one at which it starts.
 
-    The scan starts at the highest velocity at which the projectile has not the energy to perforate, or the lowest.  The
+    The scan starts at the highest velocity at which the projectile lacks the energy to perforate, or the lowest.  The
     depth of the imagined impact, one velocity below, is none, so that a maximum is seen where the depth falls.
     """
     i = 0
