@@ -61,7 +61,7 @@ def test_the_shipped_tests():
         (
             f"{C},{V},outcome",
             ["6,700,stopped"],
-            'line 2: outcome: must be "defeated" or "perforated", or "partial" or "complete", found "stopped"',
+            'line 2: outcome: must be "defeated" or "perforated", "partial" or "complete", P or C, or PP or CP, found',
         ),
         (
             f"{C},outcome",

@@ -78,7 +78,10 @@ def test_the_models_limit_beside_it():
     [
         ("700,partial", "result: must have at least one partial and one complete penetration, found only partial ones"),
         ("700,complete\n710,complete", "found only complete ones"),
-        ("700,part\n710,complete", 'line 2: result: must be "partial" or "complete", or P or C, found "part"'),
+        (
+            "700,part\n710,complete",
+            'line 2: result: must be "partial" or "complete", or P or C, or PP or CP, found "part"',
+        ),
         (",partial\n710,complete", 'line 2: velocity_m_s: must be at least 1 and at most 10000, found ""'),
         ("-700,partial\n710,complete", 'line 2: velocity_m_s: must be at least 1 and at most 10000, found "-700"'),
     ],

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from armour.errors import InputError
-from armour.sweeps.checkpoint import DamagedError, Store, hash_of
+from armour.sweeps.cases import hash_of
+from armour.sweeps.checkpoint import DamagedError, Store
 from armour.sweeps.tables import count_rows, encoded, read_table
 from tests.helpers.faults import faults, full_disk
 

@@ -8,11 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from armour.analysis.variants import Floats, Ints
+from armour.csv_files import CsvRow, Rows, in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_sequence, check_types
 from armour.scenario.parameters import INPUTS, NAMES, ROLES, VELOCITY, check_rows, inputs_of, with_inputs
-from armour.statistics.csv_table import CsvRow, Rows, in_line_order, lines_of, read_rows
+from armour.statistics.v50 import RESULTS
 
 LIMIT, RESIDUAL, MASS, OUTCOME = "ballistic_limit_m_s", "residual_velocity_m_s", "residual_mass_g", "outcome"
 # Quantities that a test can measure, and the columns of their uncertainties (one standard deviation).
@@ -24,7 +25,7 @@ MEASURED = {
 # Range of measurements and uncertainties, in any unit.
 MIN_MEASURED, MAX_MEASURED = 1e-3, 1e6
 # Side of the impact velocity on which the ballistic limit lies, by outcome.
-SIDES = {"defeated": 1, "partial": 1, "perforated": -1, "complete": -1}
+SIDES = {"defeated": 1, "perforated": -1} | {word: 1 if word[0] == "p" else -1 for word in RESULTS}
 
 
 class Measurement(NamedTuple):
@@ -153,13 +154,15 @@ def _mistakes(row: CsvRow, repeated: Container[str]) -> list[tuple[str, str]]:
     """Return the mistakes in a row, column and message, given the names that several tests have."""
     found = []
     name, outcome = row.texts.get("test"), row.texts.get(OUTCOME)
+    side = None if outcome is None else SIDES.get(outcome.lower())
     if name is not None and name in repeated:
         found.append(("test", f'must name one test, found "{name}" on several lines'))
     if outcome is None and not any(column in row.texts for column in MEASURED):
         found.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}"))
-    if outcome is not None and outcome not in SIDES:
-        found.append((OUTCOME, f'must be "defeated" or "perforated", or "partial" or "complete", found "{outcome}"'))
-    if SIDES.get(outcome or "") == 1 and RESIDUAL in row.texts:
+    if outcome is not None and side is None:
+        must = 'must be "defeated" or "perforated", "partial" or "complete", P or C, or PP or CP'
+        found.append((OUTCOME, f'{must}, found "{outcome}"'))
+    if side == 1 and RESIDUAL in row.texts:
         found.append((OUTCOME, f"must not be {outcome} where there is a residual velocity"))
     if outcome is not None and VELOCITY not in row.texts:
         found.append((VELOCITY, "is missing and must be given with an outcome"))
@@ -179,10 +182,10 @@ def _measurements(test: int, row: CsvRow) -> list[Measurement]:
         for name, uncertainty in MEASURED.items()
         if name in row.numbers
     ]
-    outcome = row.texts.get(OUTCOME)
-    if outcome in SIDES and VELOCITY in row.numbers and not found:
+    side = SIDES.get(row.texts.get(OUTCOME, "").lower())
+    if side is not None and VELOCITY in row.numbers and not found:
         uncertainty = row.numbers.get(MEASURED[LIMIT])
-        found.append(Measurement(test, LIMIT, row.numbers[VELOCITY], uncertainty, SIDES[outcome]))
+        found.append(Measurement(test, LIMIT, row.numbers[VELOCITY], uncertainty, side))
     return found
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain, islice
 from math import inf
 from numbers import Real
 from os import PathLike
@@ -14,10 +15,10 @@ from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import TableResult, by_column
+from armour.csv_files import in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem, refuse, suggestion
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import PATH, Section, check_types, validated
-from armour.statistics.csv_table import in_line_order, lines_of, read_rows
 from armour.statistics.firing_posterior import (
     FiringEstimate,
     contradictions,
@@ -31,7 +32,7 @@ from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
 from armour.units import missing_unit
 
 # Results of shots by their words in lower case.
-RESULTS = {"partial": "partial", "p": "partial", "complete": "complete", "c": "complete"}
+RESULTS = {word: result for result in ("partial", "complete") for word in (result, result[0], f"{result[0]}p")}
 # Number of shots of each kind in the mean, and the span of their velocities that is usual with it, m/s: 125, 90 and
 # 60 ft/s.  MIL-STD-662F leaves the span to the specification.
 SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
@@ -171,8 +172,9 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     Parameters
     ----------
     path : path-like
-        File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete", also P or C, in letters of any
-        case) and, optionally, ``shot``; or, where there is no such file, the name of a shipped one, ``"shots.csv"``.
+        File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete", also P or C, PP or CP, in letters
+        of any case) and, optionally, ``shot``; or, where there is no such file, the name of a shipped one,
+        ``"shots.csv"``.
         Other columns are not read, unless they look like a misspelt one of these, which is refused.
     one_kind : bool
         Whether all penetrations may be partial, or all complete: enough for a plan and for a posterior.
@@ -188,15 +190,15 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     """
     names = ("velocity_m_s", "result")
     check_types("read_shots", path=(path, PATH))
-    file, found_lines = lines_of(path)
-    lines = list(found_lines)
-    header = next((cells for _, cells in lines if any(cells)), [])
+    file, lines = lines_of(path)
+    first = list(islice(lines, 1))
+    header = first[0][1] if first else []
     known = (*names, "shot")
     others = [name for name in header if name and not (missing_unit(name, known) or suggestion(name, known))]
     if len(header) == 1 or not {*names} & {*header}:
         others = []  # no table of shots
     texts = ("shot", "result", *others)
-    rows, problems = read_rows(file, lines, numbers=names[:1], texts=texts, needed=names)
+    rows, problems = read_rows(file, chain(first, lines), numbers=names[:1], texts=texts, needed=names)
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     given = [row.texts.get("result", "") for row in rows]
     results = [RESULTS.get(text.lower(), "") for text in given]
@@ -206,7 +208,7 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
             message = f'must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found "{found}"'
             problems.append(Problem(file, f"{row.place}: velocity_m_s", message))
         if not result:
-            message = f'must be "partial" or "complete", or P or C, found "{text}"'
+            message = f'must be "partial" or "complete", or P or C, or PP or CP, found "{text}"'
             problems.append(Problem(file, f"{row.place}: result", message))
     if not problems and not one_kind and len(set(results)) == 1:
         message = f"must have at least one partial and one complete penetration, found only {results[0]} ones"

@@ -1,12 +1,10 @@
 """Rows of a sweep: grids of values and tables of cases."""
 
-import csv
-import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from hashlib import sha256
-from itertools import islice, repeat
+from itertools import islice
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -14,25 +12,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from armour.errors import InputError, Problem, choices
-from armour.files import check_unreserved, exists, reason
+from armour.csv_files import check_header, in_line_order, number, read_csv, wrong_width
+from armour.errors import InputError, Problem, choices, refuse
 from armour.scenario.assignments import parts_of
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import key_name
 from armour.scenario.parameters import INPUTS, NAMES, ROLES
 from armour.scenario.schema import MAX_VALUES, Range
-from armour.statistics.csv_table import finite_number, other_separator
 
 # More rows than a sweep can compute in years.
 MAX_ROWS = 10**12
-# Longer than any line of numbers.
-MAX_LINE_BYTES = 100_000
+# Cases are held in memory, in 8 bytes a number.
+MAX_CASES = 10_000_000
 # Longer than any name of a projectile or material.
 MAX_NAME = 200
-# Lines of a file that are read at a time where nothing else is asked for.
+# Rows that are read or checked at a time.
 BLOCK = 10_000
-
-_CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f]")
 
 
 @dataclass(frozen=True)
@@ -101,129 +96,71 @@ class Grid:
 class Cases:
     """Rows of a CSV file whose header names keys of the scenario: numbers, and names of projectiles and materials.
 
-    The file is read from its start for each pass; a pass that does not find what the first one found raises an error.
+    The file is read once; ``others`` are columns of numbers that are no keys.
     """
 
     def __init__(self, path: Path, others: Sequence[str] = ()) -> None:
         self.path = path
-        self.others = others  # columns of numbers that are no keys
-        self.keys: tuple[str, ...] = ()
+        lines = read_csv(path)
+        first, header = next(lines, (0, []))
+        check_header(str(path), f"line {first}", header)
+        if "" in header:
+            message = f"must name a key in each column, found none in {header.index('') + 1}"
+            raise InputError([Problem(str(path), f"line {first}", message)])
+        self.keys = tuple(header)
         self.count = 0
-        self.digest = ""
-        for columns in self.chunks(repeat(BLOCK)):
-            self.keys = tuple(columns)
-            self.count += len(columns[self.keys[0]])
+        blocks: list[tuple[Any, ...]] = []
+        while block := list(islice(lines, BLOCK)):
+            self.count += len(block)
+            if self.count > MAX_CASES:
+                raise InputError([Problem(str(path), "", f"must have at most {MAX_CASES:,} rows, found more")])
+            blocks.append((np.array([line for line, _ in block]), *self._columns(block, others)))
         if not self.count:
-            raise self._error("", "must have a header of keys and at least one row")
+            raise InputError([Problem(str(path), "", "must have a header of keys and at least one row")])
+        self._lines, *columns = map(np.concatenate, zip(*blocks, strict=True))
+        self._all = dict(zip(self.keys, columns, strict=True))
+        self.digest = hash_of(self._all)
 
     def sample(self, size: int) -> dict[str, Any]:
         """Return some rows as columns by key."""
-        return next(self.chunks(repeat(size)))
+        return next(self.chunks([size]))
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:
         """Return a problem in a row, counted from a row at which a chunk starts, with its line."""
-        number, _ = next(islice(self._lines(len), start + row + 1, None))
-        return Problem(str(self.path), f"line {number}", f"{problem.key}: {problem.message}")
+        return Problem(str(self.path), f"line {self._lines[start + row]}", f"{problem.key}: {problem.message}")
 
     def chunks(self, sizes: Iterable[int]) -> Iterator[dict[str, Any]]:
-        """Yield the rows as columns by key, in chunks of numbers of rows; notice at the end if the file has changed."""
-        found = sha256()
-        count = 0
-        lines = self._lines(found.update)
-        header = next(lines, None)
-        if header is not None:
-            keys = self._keys(*header)
-            if self.digest and keys != self.keys:
-                raise self._error("", "must not change during the sweep, found another header")
-            for size in sizes:
-                block = list(islice(lines, size))
-                if not block:
-                    break
-                count += len(block)
-                yield self._columns(block, keys)
-        count += sum(1 for _ in lines)
-        if self.digest and (self.digest, self.count) != (found.hexdigest(), count):
-            raise self._error("", f"must not change during the sweep: it had {self.count:,} rows, and has {count:,}")
-        self.digest = found.hexdigest()
+        """Yield the rows as columns by key, in chunks of numbers of rows."""
+        start = 0
+        for size in sizes:
+            if start >= self.count:
+                return
+            yield {key: column[start : start + size] for key, column in self._all.items()}
+            start += size
 
-    def _lines(self, update: Callable[[bytes], object]) -> Iterator[tuple[int, str]]:
-        """Yield the lines that are not blank, with their numbers; give all bytes to a hash."""
-        try:
-            if exists(self.path) and not self.path.is_file():
-                raise self._error("", "must be a file, since it is read several times")
-            check_unreserved(self.path)
-            with self.path.open("rb") as file:
-                for number, line in enumerate(iter(lambda: file.readline(MAX_LINE_BYTES), b""), 1):
-                    update(line)
-                    text = self._decoded(number, line)
-                    if text.strip():
-                        yield number, text
-        except OSError as error:
-            raise self._error("", f"cannot be read: {reason(error)}") from None
-
-    def _decoded(self, number: int, line: bytes) -> str:
-        line = line.removesuffix(b"\n").removesuffix(b"\r")
-        if len(line) >= MAX_LINE_BYTES:
-            raise self._error(f"line {number}", f"must be shorter than {MAX_LINE_BYTES:,} bytes")
-        try:
-            text = line.decode("utf-8-sig" if number == 1 else "utf-8")
-        except UnicodeDecodeError as error:
-            message = f"must be UTF-8 text, found the byte {line[error.start]:#04x}"
-            raise self._error(f"line {number}", message) from None
-        if not text.isprintable() and (wrong := _CONTROL.search(text)):
-            raise self._error(f"line {number}", f"must be text, found the character {ord(wrong[0]):#04x}")
-        return text
-
-    def _keys(self, number: int, line: str) -> tuple[str, ...]:
-        keys = tuple(cell.strip() for cell in _cells(line))
-        if message := other_separator(keys):
-            raise self._error(f"line {number}", message)
-        if "" in keys:
-            raise self._error(f"line {number}", f"must name a key in each column, found none in {keys.index('') + 1}")
-        if twice := [key for key in dict.fromkeys(keys) if keys.count(key) > 1]:
-            raise self._error(f"line {number}: {twice[0]}", "must be the name of one column, found several")
-        return keys
-
-    def _columns(self, block: Sequence[tuple[int, str]], keys: Sequence[str]) -> dict[str, Any]:
-        """Return the numbers and names in lines as columns by key, (n,)."""
-        lines = [line for _, line in block]
-        numeric = [i for i, key in enumerate(keys) if key not in NAMES.values()]
-        try:
-            names = {} if len(numeric) == len(keys) else _names(lines, keys)
-            # Without names all columns are read, so that a line with more of them is noticed.
-            read = partial(np.loadtxt, delimiter=",", quotechar='"', comments=None, ndmin=2)
-            numbers = read(lines, usecols=numeric if names else None) if numeric else np.empty((len(lines), 0))
-            if numbers.shape == (len(lines), len(numeric)) and np.isfinite(numbers).all():
-                found = names | {keys[i]: column for i, column in zip(numeric, numbers.T, strict=True)}
-                return {key: found[key] for key in keys}
-        except ValueError:
-            pass
-        raise self._wrong_line(block, keys)
-
-    def _wrong_line(self, block: Sequence[tuple[int, str]], keys: Sequence[str]) -> InputError:
-        """Return the error of the first line that does not hold a number or a name for each key."""
-        for number, line in block:
-            cells = _cells(line)
-            if len(cells) != len(keys):
-                message = f"must have {len(keys)} cells as the header has, found {len(cells)}"
-                return self._error(f"line {number}", message)
-            for key, cell in zip(keys, cells, strict=True):
-                if key in NAMES.values():
-                    if not _is_name(cell):
-                        return self._error(f"line {number}: {key}", f'must be a name, found "{cell[:40]}"')
-                elif finite_number(cell) is None or "_" in cell or not cell.isascii():
-                    known = [*NAMES.values(), *INPUTS, *self.others]
-                    hint = "" if _is_key(key) or key in known else f"; unknown column{choices(key, known)}"
-                    return self._error(f"line {number}: {key}", f'must be a number, found "{cell[:40]}"{hint}')
-        return self._error(f"line {block[0][0]}", "must be a table of numbers from here")
-
-    def _error(self, key: str, message: str) -> InputError:
-        return InputError([Problem(str(self.path), key, message)])
-
-
-def _cells(line: str) -> list[str]:
-    """Return the cells of a line; a quote that is not closed ends with the line."""
-    return next(csv.reader([line]))
+    def _columns(self, block: Sequence[tuple[int, Sequence[str]]], others: Sequence[str]) -> list[Any]:
+        """Return the columns of lines, numbers or names, each (n,)."""
+        file = str(self.path)
+        refuse(
+            Problem(file, f"line {line}", wrong_width(cells, self.keys))
+            for line, cells in block
+            if len(cells) != len(self.keys)
+        )
+        columns, problems = [], list[Problem]()
+        for key, cells in zip(self.keys, zip(*(cells for _, cells in block), strict=True), strict=True):
+            kind, read = ("name", _name) if key in NAMES.values() else ("number", number)
+            values = [read(cell) for cell in cells]
+            if None in values:
+                known = [*NAMES.values(), *INPUTS, *others]
+                hint = "" if _is_key(key) or key in known else f"; unknown column{choices(key, known)}"
+                problems += (
+                    Problem(file, f"line {line}: {key}", f'must be a {kind}, found "{cell[:40]}"{hint}')
+                    for (line, _), cell, value in zip(block, cells, values, strict=True)
+                    if value is None
+                )
+            columns.append(np.array(values))
+        refuse(in_line_order(problems))
+        return columns
 
 
 def _is_key(name: str) -> bool:
@@ -231,18 +168,17 @@ def _is_key(name: str) -> bool:
     return name.split(".")[0] in {*Scenario.model_fields, *ROLES}
 
 
-def _is_name(cell: str) -> bool:
-    return 0 < len(cell.strip()) <= MAX_NAME
+def _name(cell: str) -> str | None:
+    """Return a name; None for a text that is none."""
+    return cell if 0 < len(cell) <= MAX_NAME else None
 
 
-def _names(lines: Sequence[str], keys: Sequence[str]) -> dict[str, Any]:
-    """Return the names in lines as columns by key, (n,); raise a ValueError if a line does not have them."""
-    rows = [_cells(line) for line in lines]
-    found = {key: [row[i].strip() for row in rows if len(row) == len(keys)] for i, key in enumerate(keys)}
-    names = {key: cells for key, cells in found.items() if key in NAMES.values()}
-    if not all(len(cells) == len(lines) and all(map(_is_name, cells)) for cells in names.values()):
-        raise ValueError
-    return {key: np.array(cells) for key, cells in names.items()}
+def hash_of(columns: Mapping[str, Any]) -> str:
+    """Return a hash of columns by key."""
+    found = sha256(repr(list(columns)).encode())
+    for column in columns.values():
+        found.update(column.tobytes())
+    return found.hexdigest()
 
 
 def range_axis(key: str, low: float, high: float, step: float) -> Axis:
@@ -270,11 +206,11 @@ def axis_of(text: str) -> Axis:
         message = f'must be a key of numbers, found "{values}"; names are given by --cases, in a column {key}'
         raise InputError([Problem("sweep", f"over {key}", message)])
     cells = values.split(":" if ":" in values else ",")
-    numbers = [finite_number(cell) for cell in cells]
-    found = tuple(number for number in numbers if number is not None)
+    numbers = [number(cell) for cell in cells]
+    found = tuple(value for value in numbers if value is not None)
     message = ""
-    if "_" in values or not values.isascii() or len(found) < len(cells):
-        wrong = next((cell for cell, number in zip(cells, numbers, strict=True) if number is None), values)
+    if len(found) < len(cells):
+        wrong = cells[numbers.index(None)]
         message = f'must be a finite number at each place of MIN:MAX:STEP or VALUE,VALUE,..., found "{wrong}"'
     elif ":" in values and len(found) != 3:
         message = f'must be MIN:MAX:STEP, found {len(found)} numbers in "{values}"'

@@ -16,11 +16,11 @@ Chunks have any number of rows: a process that resumes a job computes what is mi
 
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from armour.errors import InputError, Problem, refuse
 from armour.files import reason, sync_folder, unwritable, wrong_ending
@@ -252,14 +252,6 @@ class Store:
             with suppress(OSError):
                 message += f"; what is done is kept, {RESUME}" if self.starts() else ""
             raise _problem(error.filename or self.output, message) from None
-
-
-def hash_of(values: Mapping[str, Any]) -> str:
-    """Return a hash of columns by key."""
-    found = sha256(repr(list(values)).encode())
-    for column in values.values():
-        found.update(column.tobytes())
-    return found.hexdigest()
 
 
 def _problem(path: Path | str, message: str) -> InputError:

@@ -16,8 +16,8 @@ from armour.analysis.quantities import reads_of
 from armour.analysis.variants import outside_limits
 from armour.errors import InputError, Problem, refuse
 from armour.scenario.loading import Scenario
-from armour.sweeps.cases import BLOCK, Cases, Grid
-from armour.sweeps.checkpoint import RESUME, Chunk, DamagedError, Store, hash_of
+from armour.sweeps.cases import BLOCK, Cases, Grid, hash_of
+from armour.sweeps.checkpoint import RESUME, Chunk, DamagedError, Store
 from armour.sweeps.job import job_of
 from armour.sweeps.plan import Pace, Plan, plan_of
 from armour.sweeps.tables import encoded

@@ -8,10 +8,10 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
+from armour.csv_files import number
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import Section, describe
-from armour.statistics.csv_table import finite_number
 from armour.statistics.test_data import read_tests
 
 Cells = Mapping[str, float | str]
@@ -27,10 +27,10 @@ class Condition:
 
     def met(self, cell: float | str | None) -> bool:
         """Whether a cell, None where it is empty, meets the condition."""
-        number = finite_number(str(cell))
+        value = number(str(cell))
         if self.values:
-            return cell in self.values or number in self.values
-        return number is not None and self.least <= number < self.below
+            return cell in self.values or value in self.values
+        return value is not None and self.least <= value < self.below
 
 
 def _condition(value: object) -> Condition:

@@ -2,9 +2,9 @@ from pathlib import Path
 
 import pytest
 
+from armour import csv_files
+from armour.csv_files import lines_of, number, read_csv, read_rows
 from armour.errors import InputError
-from armour.statistics import csv_table
-from armour.statistics.csv_table import lines_of, read_rows
 
 
 def read(tmp_path: Path, text: str):
@@ -54,7 +54,7 @@ def test_a_row_twice_with_names_is_two(tmp_path: Path):
             ["velocity: unknown column; its unit is missing: velocity_m_s", "velocity_m_s: is missing"],
         ),
         ("velocity_m_s,resul", ['resul: unknown column; did you mean "result"?', "result: is missing"]),
-        ("velocity_m_s,result,result", ["result: must be the name of one column, found several"]),
+        ("velocity_m_s,result,result", ["line 1: result: must be the name of one column, found several"]),
         ("velocity_m_s;result", ["line 1: must separate columns by commas, found semicolons"]),
         ("velocity_m_s\tresult", ["line 1: must separate columns by commas, found tabs"]),
         ("velocity_m_s,result,", ["header: unknown column; choose from velocity_m_s, shot, result"]),
@@ -77,12 +77,55 @@ def test_nothing_in_it(tmp_path: Path, text: str, message: str):
 
 
 def test_a_table_of_too_many_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(csv_table, "MAX_ROWS", 2)
+    monkeypatch.setattr(csv_files, "MAX_ROWS", 2)
     rows = "velocity_m_s,result\n700,partial\n710,partial\n"
     assert messages(tmp_path, rows) == []
-    assert messages(tmp_path, rows + "720,complete\n") == ["t.csv: must have at most 2 rows below its header, found 3"]
+    assert messages(tmp_path, rows + "720,complete\n") == [
+        "t.csv: must have at most 2 rows below its header, found more"
+    ]
 
 
-def test_a_cell_that_is_too_long_for_a_table(tmp_path: Path):
-    [message] = messages(tmp_path, f"velocity_m_s,result\n700,{'x' * 140_000}\n")
-    assert message == "t.csv: line 2: must be CSV: field larger than field limit (131072)"
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ('700,"partial', "line 3: must close each quote on its line, before a comma or the end of the line"),
+        ('700,partial\n710,"complete\n720,partial\n730,"complete\n', "line 4: must close each quote on its line"),
+        ('700,"par\ntial"\n', "line 3: must close each quote on its line"),
+        ('700,"partial" or so\n', "line 3: must close each quote on its line"),
+        (f"700,{'x' * 140_000}\n", "line 3: must be shorter than 100,000 characters"),
+        ("700,partial\n710,compl\u00e8te\n".encode("latin-1"), "line 4: must be UTF-8 text, found the byte 0xe8"),
+    ],
+)
+def test_lines_that_are_no_rows(tmp_path: Path, rows: str | bytes, message: str):
+    (tmp_path / "t.csv").write_bytes(b"\nvelocity_m_s,result\n" + (rows if isinstance(rows, bytes) else rows.encode()))
+    with pytest.raises(InputError, match=f"t.csv: {message}"):
+        list(read_csv(tmp_path / "t.csv"))
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_quotes_blanks_and_line_ends_of_other_programs(tmp_path: Path, end: str):
+    lines = ("\ufeff velocity_m_s ,remark", "", '"700 ",5" of "it"', ",", ' 710,"say ""no"", then"')
+    (tmp_path / "t.csv").write_bytes(end.join(lines).encode())
+    assert list(read_csv(tmp_path / "t.csv")) == [
+        (1, ["velocity_m_s", "remark"]),
+        (3, ["700", '5" of "it"']),
+        (5, ["710", 'say "no", then']),
+    ]
+
+
+def test_what_cannot_be_opened(tmp_path: Path):
+    for name, message in ((".", "is a directory"), ("none.csv", "no such file"), ("a\0b", "embedded null")):
+        with pytest.raises(InputError, match=f"cannot be read: {message}"):
+            next(read_csv(tmp_path / name))
+
+
+@pytest.mark.parametrize(("text", "value"), [("-1.5", -1.5), ("1e3", 1e3), ("700", 700), ("+.5", 0.5), ("7.E-2", 0.07)])
+def test_numbers(text: str, value: float):
+    assert number(text) == value
+
+
+@pytest.mark.parametrize(
+    "text", ["7_00", "\uff17\uff10\uff10", "\u0667", "nan", "inf", "-Infinity", "1e999", "0x10", "1,5", ""]
+)
+def test_texts_that_are_no_numbers(text: str):
+    assert number(text) is None

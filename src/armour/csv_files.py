@@ -1,21 +1,24 @@
-"""CSV tables of tests and shots; every mistake in a file is reported, with its line."""
+"""CSV files that people write: shots, tests and cases; every mistake in a file is reported, with its line."""
 
 import csv
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from io import StringIO
-from math import isfinite
+from itertools import chain, islice
+from math import isfinite, nan
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
-from armour.errors import InputError, Problem, choices
-from armour.files import read_text, table_file
-from armour.scenario.messages import PATH
+from armour.errors import InputError, Problem, choices, refuse
+from armour.files import check_unreserved, reason, table_file
 from armour.units import missing_unit
 
 # More rows than tests or shots that anyone has made; their fits take about a minute.
 MAX_ROWS = 100_000
+# Longer than any line of numbers; a device such as /dev/zero has no end of line.
+MAX_LINE = 100_000
+# Bytes that are no UTF-8 text, as they are read.
+_UNDECODED = re.compile("[\udc80-\udcff]")
 
 
 class Frame(Protocol):
@@ -50,24 +53,22 @@ def read_rows(
 
     The header names columns of numbers and of texts, at least the needed ones; the first of texts is the name of a row.
     """
-    lines = [(place, cells) for place, cells in lines if any(cells)]
+    lines = list(islice(lines, MAX_ROWS + 2))
     if not lines:
         columns = f" with {' and '.join(needed)}" if needed else ""
         raise InputError([Problem(file, "", f"must have a header{columns}, found an empty file")])
     if len(lines) > MAX_ROWS + 1:
-        message = f"must have at most {MAX_ROWS} rows below its header, found {len(lines) - 1}"
+        message = f"must have at most {MAX_ROWS} rows below its header, found more"
         raise InputError([Problem(file, "", message)])
     header = lines[0][1]
-    if message := other_separator(header):
-        raise InputError([Problem(file, lines[0][0], message)])
+    check_header(file, *lines[0])
     wrong = [Problem(file, *found) for found in _wrong_columns(header, [*numbers, *texts], needed)]
     rows: list[CsvRow] = []
     problems: list[Problem] = []
     seen: dict[tuple[str, ...], str] = {}
     for place, cells in lines[1:]:
         if len(cells) != len(header):
-            message = f"must have {len(header)} cells as the header has, found {len(cells)}"
-            problems.append(Problem(file, place, message))
+            problems.append(Problem(file, place, wrong_width(cells, header)))
             continue
         if tuple(cells) in seen:
             message = f"repeats {seen[tuple(cells)]}; where both took place, name them in the column {texts[0]}"
@@ -75,7 +76,7 @@ def read_rows(
         seen[tuple(cells)] = place
         row = CsvRow(place, {}, {name: cell for name, cell in zip(header, cells, strict=True) if cell})
         for name in filter(row.texts.get, numbers):
-            if (value := finite_number(row.texts[name])) is not None:
+            if (value := number(row.texts[name])) is not None:
                 row.numbers[name] = value
             else:
                 problems.append(Problem(file, f"{place}: {name}", f'must be a number, found "{row.texts[name]}"'))
@@ -87,11 +88,44 @@ def read_rows(
     return rows, problems
 
 
+def read_csv(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Yield the lines of a CSV file that are not blank: number and cells; a cell ends on the line that it begins on."""
+
+    def wrong(place: str, message: str) -> InputError:
+        return InputError([Problem(str(path), place, message)])
+
+    def texts() -> Iterator[str]:
+        for place, line in enumerate(iter(lambda: file.readline(MAX_LINE), ""), 1):
+            if len(line) == MAX_LINE:
+                raise wrong(f"line {place}", f"must be shorter than {MAX_LINE:,} characters")
+            if not line.isascii() and (found := _UNDECODED.search(line)):
+                raise wrong(f"line {place}", f"must be UTF-8 text, found the byte {ord(found[0]) - 0xDC00:#04x}")
+            yield line
+
+    read = 0
+    try:
+        with open(path, encoding="utf-8-sig", errors="surrogateescape", newline="") as file:
+            check_unreserved(path)
+            reader = csv.reader(texts(), strict=True)
+            for cells in reader:
+                if reader.line_num > read + 1:
+                    raise csv.Error
+                read += 1
+                stripped = [cell.strip() for cell in cells]
+                if any(stripped):
+                    yield read, stripped
+    except csv.Error:
+        message = "must close each quote on its line, before a comma or the end of the line"
+        raise wrong(f"line {read + 1}", message) from None
+    except (OSError, ValueError) as error:
+        raise wrong("", f"cannot be read: {reason(error)}") from None
+
+
 def lines_of(table: str | PathLike[str] | Rows) -> tuple[str, Iterator[Line]]:
     """Return the name of a table, for messages, and its lines: of a CSV file, or rows that are given."""
-    if isinstance(table, PATH):
+    if isinstance(table, str | PathLike):
         path = table_file(table)
-        return str(path), _lines(path)
+        return str(path), ((f"line {number}", cells) for number, cells in read_csv(path))
     columns: Any = getattr(table, "columns", None)
     found: Any = table
     try:
@@ -103,7 +137,8 @@ def lines_of(table: str | PathLike[str] | Rows) -> tuple[str, Iterator[Line]]:
         raise InputError([Problem("rows", "", message)]) from None
     header = [*dict.fromkeys(name for row in rows for name in row)]
     lines = [(f"row {place}", [_cell(row.get(name)) for name in header]) for place, row in enumerate(rows, 1)]
-    return "rows", iter([("header", list(map(str, header))), *lines])
+    filled = (line for line in lines if any(line[1]))
+    return "rows", chain([("header", list(map(str, header)))] if header else [], filled)
 
 
 def _cell(value: object) -> str:
@@ -111,30 +146,30 @@ def _cell(value: object) -> str:
     return "" if value is None or value != value else str(value).strip()
 
 
-def _lines(path: Path) -> Iterator[Line]:
-    reader = csv.reader(StringIO(read_text(path), newline=""))
-    try:
-        for cells in reader:
-            yield f"line {reader.line_num}", [cell.strip() for cell in cells]
-    except csv.Error as error:
-        raise InputError([Problem(str(path), f"line {reader.line_num}", f"must be CSV: {error}")]) from None
-
-
 def in_line_order(problems: Iterable[Problem]) -> list[Problem]:
     """Return the problems of a file in the order of their lines, after those of the whole file."""
     return sorted(problems, key=lambda problem: int((re.match(r"(?:line|row) (\d+)", problem.key) or [0, 0])[1]))
 
 
-def other_separator(header: Sequence[str]) -> str:
-    """Return what is wrong with a header of one cell that semicolons or tabs divide; "" if nothing is."""
+def check_header(file: str, place: str, header: Sequence[str]) -> None:
+    """Raise an InputError for a header that semicolons or tabs divide, or that names a column twice."""
     found = [name for mark, name in ((";", "semicolons"), ("\t", "tabs")) if mark in "".join(header)]
-    return f"must separate columns by commas, found {found[0]}" if found and len(header) == 1 else ""
+    if found and len(header) == 1:
+        raise InputError([Problem(file, place, f"must separate columns by commas, found {found[0]}")])
+    message = "must be the name of one column, found several"
+    twice = [name for name in dict.fromkeys(header) if header.count(name) > 1]
+    refuse(Problem(file, f"{place}: {name}" if name else place, message) for name in twice)
 
 
-def finite_number(cell: str) -> float | None:
-    """Return a finite number; None for any other text."""
+def wrong_width(cells: Sequence[str], header: Sequence[str]) -> str:
+    """Return what is wrong with a row that has not as many cells as the header."""
+    return f"must have {len(header)} cells as the header has, found {len(cells)}"
+
+
+def number(cell: str) -> float | None:
+    """Return a finite decimal number as people write it; None for any other text, such as "7_00"."""
     try:
-        value = float(cell)
+        value = float(cell) if cell.isascii() and "_" not in cell else nan
     except ValueError:
         return None
     return value if isfinite(value) else None
@@ -143,8 +178,6 @@ def finite_number(cell: str) -> float | None:
 def _wrong_columns(header: Sequence[str], known: Sequence[str], needed: Sequence[str]) -> Iterator[tuple[str, str]]:
     """Yield the mistakes in a header: key and message."""
     for name in dict.fromkeys(header):
-        if header.count(name) > 1:
-            yield name, "must be the name of one column, found several"
         if name not in known:
             yield name or "header", f"unknown column{missing_unit(name, known) or choices(name, known)}"
     for name in needed:
