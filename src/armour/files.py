@@ -196,6 +196,11 @@ def _is_replaced(there: os.stat_result | None) -> bool:
     return there is None or stat.S_ISREG(there.st_mode)
 
 
+def content_of(path: Path) -> bytes | None:
+    """Return the content of a file; None if there is no such file."""
+    return path.read_bytes() if path.exists() else None
+
+
 def write_atomic(path: Path, content: bytes) -> None:
     """Write a file as `written` does."""
     with written({path: content}):
@@ -203,11 +208,12 @@ def write_atomic(path: Path, content: bytes) -> None:
 
 
 @contextmanager
-def written(contents: Mapping[Path, bytes]) -> Iterator[None]:
+def written(contents: Mapping[Path, bytes], read: Mapping[Path, bytes | None] | None = None) -> Iterator[None]:
     """Write files, all or none, before the body; if the body fails, they are taken back.
 
     All are written under other names before any is renamed.  The target of a symbolic link is replaced, and the new
-    file has its mode, owner and group; devices and pipes are written to.  Raise an InputError with every failure.
+    file has its mode, owner and group; devices and pipes are written to.  Raise an InputError with every failure, such
+    as a file that no longer has the content that was ``read``.
     """
     problems: list[Problem] = []
     with ExitStack() as cleanup, ExitStack() as undo:
@@ -218,6 +224,8 @@ def written(contents: Mapping[Path, bytes]) -> Iterator[None]:
                     temporaries[path] = _temporary(_target(path), content, cleanup)
         for path in sorted(contents, key=temporaries.__contains__) if not problems else ():
             with _collected(path, problems):
+                if read and path in read and content_of(path) != read[path]:
+                    raise ValueError("it has changed since it was read; repeat the command")
                 if path in temporaries:
                     _rename(temporaries[path], _target(path), cleanup, undo)
                 else:

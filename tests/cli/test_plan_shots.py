@@ -1,11 +1,15 @@
 """`armour plan shots`."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from armour.cli.plan_shots import EXAMPLES
+from armour.planning import shot_plan
 
 NEXT = "next velocity"
 
@@ -120,11 +124,48 @@ def test_an_armour_without_a_known_error(cli, folder: Path):
     assert "uncertainty.model: must give scale_percent for a prior: the model was compared with no test" in line
 
 
-def test_a_result_may_be_a_letter_and_a_shot_repeat_another(cli, folder: Path):
-    (folder / "f.csv").write_text("velocity_m_s,result\n723,P\n770,C\n")
-    for letter in ("C", "c"):
-        assert cli("plan", "shots", "wilkins", "f.csv", "--result", letter, "--velocity-m-s", "770").exit_code == 0
-    assert rows(folder / "f.csv") == ["shot,velocity_m_s,result", "1,723,P", "2,770,C", "3,770,C", "4,770,C"]
+@pytest.mark.parametrize(
+    ("partial", "complete", "given"), [("P", "C", "cp"), ("PP", "CP", "cp"), ("pp", "cp", "Complete")]
+)
+def test_results_in_any_spelling_and_shots_that_repeat_others(
+    cli, folder: Path, partial: str, complete: str, given: str
+):
+    (folder / "f.csv").write_text(f"velocity_m_s,result\n723,{partial}\n770,{complete}\n")
+    for result in (given, "C"):
+        assert cli("plan", "shots", "wilkins", "f.csv", "--result", result, "--velocity-m-s", "770").exit_code == 0
+    assert rows(folder / "f.csv") == [
+        "shot,velocity_m_s,result",
+        f"1,723,{partial}",
+        *(f"{shot},770,{complete}" for shot in (2, 3, 4)),
+    ]
+
+
+def test_a_save_between_reading_and_writing_stays(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
+    table, saved = folder / "f.csv", "velocity_m_s,result\n723,P\n770,C\n741,P\n"
+    table.write_text("velocity_m_s,result\n723,P\n770,C\n")
+    plan_shots = shot_plan.plan_shots
+
+    def plan(*args: Any, **kwargs: Any) -> Any:
+        table.write_text(saved)
+        return plan_shots(*args, **kwargs)
+
+    monkeypatch.setattr(shot_plan, "plan_shots", plan)
+    options = ("plan", "shots", "wilkins", "f.csv", "--plot", "p.svg", "--velocity-m-s", "750", "--result", "complete")
+    result = cli(*options)
+    assert result.exit_code == 2
+    assert "f.csv: cannot be written: it has changed since it was read; repeat the command\n" in result.stderr
+    assert table.read_text() == saved
+    assert not (folder / "p.svg").exists()
+    assert cli(*options).exit_code == 0
+    assert table.read_text() == f"{saved}750,C\n"
+
+
+def test_two_shots_at_once_are_both_there(folder: Path):
+    command = [sys.executable, "-m", "armour", "plan", "shots", "wilkins", "f.csv", "--result", "partial"]
+    velocities = ("700", "710", "720")
+    started = [subprocess.Popen([*command, "--velocity-m-s", velocity], cwd=folder) for velocity in velocities]
+    assert [process.wait() for process in started] == [0, 0, 0]
+    assert sorted(row.split(",")[1] for row in rows(folder / "f.csv")[1:]) == [*velocities]
 
 
 def test_a_shipped_table_is_not_taken_for_the_firing(cli, folder: Path):

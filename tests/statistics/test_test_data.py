@@ -28,8 +28,10 @@ def test_measurements_and_bounds(tmp_path: Path):
 
 
 def test_the_words_of_firing_results_are_outcomes(tmp_path: Path):
-    path = csv_file(tmp_path / "t.csv", f"{V},outcome", "700,partial", "720,complete")
-    assert [m.side for m in read_tests(path, shipped_scenario("wilkins")).measurements] == [1, -1]
+    outcomes = ("partial", "complete", "P", "c", "PP", "cp", "Defeated", "PERFORATED")
+    rows = (f"{700 + place},{outcome}" for place, outcome in enumerate(outcomes))
+    path = csv_file(tmp_path / "t.csv", f"{V},outcome", *rows)
+    assert [m.side for m in read_tests(path, shipped_scenario("wilkins")).measurements] == [1, -1] * 4
 
 
 def test_tests_are_grouped_by_material(tmp_path: Path):

@@ -1,5 +1,6 @@
 """``armour plan shots``."""
 
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
@@ -12,7 +13,7 @@ from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, a
 from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, warnings_of
 from armour.cli.scenario_commands import LIMIT
 from armour.errors import InputError, Problem
-from armour.files import exists
+from armour.files import content_of, exists
 
 EXAMPLES = (
     "plan shots wilkins",
@@ -79,7 +80,7 @@ def plan_of_shots(
     lower_m_s: Annotated[float | None, option("Lower limit of V50, m/s, for langlie and neyer.")] = None,
     upper_m_s: Annotated[float | None, option("Upper limit of V50, m/s, for langlie and neyer.")] = None,
     result: Annotated[
-        Literal["partial", "complete", "P", "C"] | None,
+        Literal["partial", "complete", "P", "C", "PP", "CP"] | None,
         option("Result of the shot just fired, which is added to SHOTS.", case_sensitive=False),
     ] = None,
     velocity_m_s: Annotated[
@@ -96,7 +97,7 @@ def plan_of_shots(
 ) -> None:
     """Plan the next shot of a V50 firing, given the shots so far."""
     from armour.planning.shot_plan import ABSURD_FACTOR, plan_shots
-    from armour.planning.shot_table import added, with_shot
+    from armour.planning.shot_table import added, locked, with_shot
     from armour.reporting.planned_shots_chart import shot_plan_chart
     from armour.reporting.tables.planned_shots import shot_plan_tables
     from armour.statistics.v50 import RESULTS, Shots, read_shots
@@ -112,13 +113,6 @@ def plan_of_shots(
         raise _problem("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
     check_outputs(plot=plot, updated=updated, force=force)
     loaded = read_scenario(scenario, changes, LIMIT)
-    fired = Shots((), (), str(table or "shots"))
-    if table is not None and exists(table):
-        fired = read_shots(table, one_kind=True)
-    elif table is not None and updated is None:
-        # A shipped table of this name is of another firing.
-        raise InputError([Problem(str(table), "", "cannot be read: no such file; --result makes it")])
-
     plan_of = partial(
         plan_shots,
         loaded,
@@ -132,43 +126,52 @@ def plan_of_shots(
         limits_m_s=None if lower_m_s is None or upper_m_s is None else (lower_m_s, upper_m_s),
         seed=seed,
     )
-    text: str | None = None
+    content: bytes | None = None
     far: list[str] = []
-    with (
-        progress("impacts", first="searching") as count,
-        named_as_options("plan_shots", *SETTINGS, limits_m_s="--lower-m-s, --upper-m-s"),
-    ):
-        if updated is not None and result is not None:
-            before = plan_of(fired, on_progress=count)
-            planned, limit = before.next_velocity_m_s, before.model_ballistic_limit_m_s
-            velocity = planned if velocity_m_s is None else velocity_m_s
-            if velocity is None:
-                raise _problem("--velocity-m-s", "must be given: no further shot was planned")
-            if velocity < limit / ABSURD_FACTOR or velocity > limit * ABSURD_FACTOR:
-                message = f"must be near the model's limit, {limit:.0f} m/s: a third to three times it"
-                raise _problem("--velocity-m-s", f"{message}, found {velocity:g}; is it in m/s?")
-            if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
-                far.append(f"the shot, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s")
-            word = RESULTS[result.lower()]
-            text = with_shot(updated, velocity, word)
-            fired = added(fired, velocity, word == "complete")
-        plan = plan_of(
-            fired,
-            simulate=simulate,
-            true_v50_m_s=true_v50_m_s,
-            true_scatter_m_s=true_scatter_m_s,
-            on_progress=count,
+    with locked(updated) if updated is not None else nullcontext():
+        read = {} if updated is None else {updated: content_of(updated)}
+        fired = Shots((), (), str(table or "shots"))
+        if table is not None and exists(table):
+            fired = read_shots(table, one_kind=True)
+        elif table is not None and updated is None:
+            # A shipped table of this name is of another firing.
+            raise InputError([Problem(str(table), "", "cannot be read: no such file; --result makes it")])
+        with (
+            progress("impacts", first="searching") as count,
+            named_as_options("plan_shots", *SETTINGS, limits_m_s="--lower-m-s, --upper-m-s"),
+        ):
+            if updated is not None and result is not None:
+                before = plan_of(fired, on_progress=count)
+                planned, limit = before.next_velocity_m_s, before.model_ballistic_limit_m_s
+                velocity = planned if velocity_m_s is None else velocity_m_s
+                if velocity is None:
+                    raise _problem("--velocity-m-s", "must be given: no further shot was planned")
+                if velocity < limit / ABSURD_FACTOR or velocity > limit * ABSURD_FACTOR:
+                    message = f"must be near the model's limit, {limit:.0f} m/s: a third to three times it"
+                    raise _problem("--velocity-m-s", f"{message}, found {velocity:g}; is it in m/s?")
+                if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
+                    far.append(f"the shot, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s")
+                word = RESULTS[result.lower()]
+                content = with_shot(updated, velocity, word)
+                fired = added(fired, velocity, word == "complete")
+            plan = plan_of(
+                fired,
+                simulate=simulate,
+                true_v50_m_s=true_v50_m_s,
+                true_scatter_m_s=true_scatter_m_s,
+                on_progress=count,
+            )
+        respond(
+            plan.to_dict(),
+            shot_plan_tables(plan),
+            as_json=as_json,
+            title=loaded.title,
+            files=[(updated, lambda: content)],
+            plot=plot,
+            chart=lambda _charts: shot_plan_chart(plan),
+            warnings=warnings_of(loaded, (*far, *plan.warnings)),
+            read=read,
         )
-    respond(
-        plan.to_dict(),
-        shot_plan_tables(plan),
-        as_json=as_json,
-        title=loaded.title,
-        files=[(updated, lambda: text)],
-        plot=plot,
-        chart=lambda _charts: shot_plan_chart(plan),
-        warnings=warnings_of(loaded, (*far, *plan.warnings)),
-    )
 
 
 def _problem(option: str, message: str) -> InputError:

@@ -145,11 +145,13 @@ def respond(
     plot: Path | None = None,
     chart: Callable[[Any], Any] | None = None,
     warnings: Iterable[str] = (),
+    read: Mapping[Path, bytes | None] | None = None,
 ) -> None:
     """Write the files that are asked for, show an answer as tables or JSON, and warn.
 
     ``files`` are paths with functions that make the contents, or None where there is nothing to write.  ``chart`` makes
-    the chart for ``plot`` by the functions of `armour.reporting.charts`, which it is given.
+    the chart for ``plot`` by the functions of `armour.reporting.charts`, which it is given.  A file that no longer has
+    the content that was ``read`` is not written.
     """
 
     def drawn() -> bytes | None:
@@ -164,7 +166,7 @@ def respond(
             for path, content in [*files, (plot, drawn)]:
                 if path is not None and (made := content()) is not None:
                     contents[path] = _encoded(made)
-            stack.enter_context(written(contents))
+            stack.enter_context(written(contents, read))
         except ArmourError as error:
             failed = error
         # The answer is shown even if a file cannot be made or written; if it cannot be shown, no file stays.

@@ -1,52 +1,75 @@
 """The CSV file of a firing, to which shots are added as they are fired."""
 
-import csv
-from collections.abc import Sequence
-from io import StringIO
+import os
+from codecs import BOM_UTF8
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
-from armour.files import exists, read_text
+from filelock import FileLock, Timeout
+
+from armour.csv_files import read_csv
+from armour.errors import InputError, Problem
+from armour.files import content_of, reason
 from armour.statistics.v50 import Shots
 
 HEADER = ("shot", "velocity_m_s", "result")
+# A command waits for others that add a shot to the same file, each of which takes a second or two.
+WAIT_S = 60.0
 
 
-def with_shot(path: Path, velocity_m_s: float, result: str) -> str:
-    """Return the text of a file of shots, which need not exist, with one more shot.
+@contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Keep other commands from adding a shot to a file; the lock is a file beside it, since it is replaced itself."""
+    target = Path(os.path.realpath(path))
+    lock = FileLock(target.with_name(f".{target.name}.lock"), timeout=WAIT_S)
+    try:
+        held = lock.acquire()
+    except Timeout:
+        message = f"cannot be written: other commands have been adding shots to it for {WAIT_S:.0f} s"
+        raise InputError([Problem(str(path), "", message)]) from None
+    except OSError as error:
+        raise InputError([Problem(lock.lock_file, "", f"cannot be locked: {reason(error)}")]) from None
+    with held:
+        yield
+
+
+def with_shot(path: Path, velocity_m_s: float, result: str) -> bytes:
+    """Return the content of a file of shots, which need not exist, with one more; what `read_shots` read of it stays.
 
     The row has the columns of the file, and its result is spelt as the one before.  A shot that repeats another is
-    named, in a column that all rows get if they have none.
+    named, in a column that all rows get if they have none, before the others.
     """
-    text = read_text(path) if exists(path) else f"{','.join(HEADER)}\n"
-    rows = [
-        [cell.strip() for cell in row] for row in csv.reader(StringIO(text, newline="")) if any(map(str.strip, row))
-    ]
-    header, shots = rows[0], rows[1:]
-    names = [row[header.index("shot")] for row in shots] if "shot" in header else []
-    known = shots[-1][header.index("result")] if shots else result
-    cells = {
+    content = content_of(path)
+    lines = [(1, [*HEADER])] if content is None else [*read_csv(path)]
+    content = f"{','.join(HEADER)}\n".encode() if content is None else content
+    (_, header), *shots = lines
+    names = [cells[header.index("shot")] for _, cells in shots] if "shot" in header else []
+    known = shots[-1][1][header.index("result")] if shots else result
+    texts = {
         "shot": next_name(names, len(shots)),
         "velocity_m_s": f"{velocity_m_s:g}" if float(f"{velocity_m_s:g}") == velocity_m_s else repr(velocity_m_s),
         "result": _spelt(result, known),
     }
-    row = [cells.get(name, "") for name in header]
-    end = "\r\n" if "\r\n" in text else "\n"
-    if row in shots:
-        numbered = ([str(number), *shot] for number, shot in enumerate(shots, 1))
-        return _csv([["shot", *header], *numbered, [cells["shot"], *row]], end)
-    return f"{text}{'' if text.endswith(end) else end}{_csv([row], end)}"
+    row = [texts.get(name, "") for name in header]
+    if any(cells == row for _, cells in shots):
+        row = [texts["shot"], *row]
+        content = _named(content, [place for place, _ in lines])
+    end = b"\r\n" if b"\r\n" in content else b"\n"
+    return content + (b"" if content.endswith(b"\n") else end) + ",".join(row).encode() + end
 
 
-def _csv(rows: Sequence[Sequence[str]], end: str) -> str:
-    """Return the text of rows, each with an end of line."""
-    made = StringIO()
-    csv.writer(made, lineterminator=end).writerows(rows)
-    return made.getvalue()
+def _named(content: bytes, places: Sequence[int]) -> bytes:
+    """Return the content of a file with a column of names, numbers from 1, before the others of lines at places."""
+    lines = content.removeprefix(BOM_UTF8).splitlines(keepends=True)
+    for name, place in enumerate(places):
+        lines[place - 1] = f"{name or 'shot'},".encode() + lines[place - 1]
+    return (BOM_UTF8 if content.startswith(BOM_UTF8) else b"") + b"".join(lines)
 
 
 def _spelt(result: str, known: str) -> str:
-    """Return a result as a word or a letter, in the case of a known one."""
-    word = result[: len(known)] if len(known) == 1 else result
+    """Return a result as a word, P or C, or PP or CP, in the case of a known one."""
+    word = {1: result[0], 2: f"{result[0]}p"}.get(len(known), result)
     return word.upper() if known.isupper() else word.capitalize() if known.istitle() else word
 
 
