@@ -162,9 +162,9 @@ def test_a_save_between_reading_and_writing_stays(cli, folder: Path, monkeypatch
 
 def test_two_shots_at_once_are_both_there(folder: Path):
     command = [sys.executable, "-m", "armour", "plan", "shots", "wilkins", "f.csv", "--result", "partial"]
-    velocities = ("700", "710", "720")
+    velocities = ("700", "710")
     started = [subprocess.Popen([*command, "--velocity-m-s", velocity], cwd=folder) for velocity in velocities]
-    assert [process.wait() for process in started] == [0, 0, 0]
+    assert [process.wait() for process in started] == [0, 0]
     assert sorted(row.split(",")[1] for row in rows(folder / "f.csv")[1:]) == [*velocities]
 
 

@@ -15,7 +15,7 @@ from armour.statistics.v50 import Shots
 
 HEADER = ("shot", "velocity_m_s", "result")
 # A command waits for others that add a shot to the same file, each of which takes a second or two.
-WAIT_S = 60.0
+WAIT_S = 120.0
 
 
 @contextmanager
