@@ -1,6 +1,6 @@
 """Library of projectiles and materials: the shipped entries and those that files and scenarios add.
 
-Every value has a status (measured, fitted or assumed) and a source.
+Every value has a status (measured, nominal, fitted or assumed) and a source.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,7 +30,7 @@ from armour.scenario.messages import (
 )
 from armour.units import GPA, MM, MPA, G
 
-Status = Literal["measured", "fitted", "assumed"]
+Status = Literal["measured", "nominal", "fitted", "assumed"]
 Number = TypeVar("Number", bound=float)
 
 
@@ -42,7 +42,7 @@ class Value(Section, Generic[Number]):
     value : float
         The number, in the unit at the end of its key.
     status : str
-        "measured", "fitted" or "assumed".
+        "measured", "nominal" (as a table or a standard lists it), "fitted" or "assumed".
     source : str
         Where it comes from; empty where none is given.
     tests : list of dict
