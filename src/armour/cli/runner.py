@@ -192,12 +192,11 @@ def _encoded(content: str | bytes) -> bytes:
 def warnings_of(scenario: "Scenario", warnings: Iterable[str], *, of_threats: bool = False) -> list[str]:
     """Return the warnings on a scenario as lines for standard error, with those on parts that an answer ignores."""
     from armour.scenario.applicability import unused_threats
-    from armour.scenario.library import replaced_entries
+    from armour.scenario.loading import replaced_entries
 
     unused = () if of_threats else unused_threats(scenario)
     found = dict.fromkeys((*unused, *warnings))
-    notes = [f"note: {scenario.file}: {note}" for note in replaced_entries(scenario.library)]
-    return [*notes, *(f"warning: {scenario.file}: {warning}" for warning in found)]
+    return [*replaced_entries(scenario), *(f"warning: {scenario.file}: {warning}" for warning in found)]
 
 
 @contextmanager
