@@ -184,7 +184,7 @@ class LibraryEntry:
     description: str
     values: Mapping[str, Value[float]]
     derived: frozenset[str] = frozenset()
-    file: str = ""
+    file: str = field(default="", compare=False, repr=False)
 
     def __getitem__(self, key: str) -> float:
         """Return the number of a key."""

@@ -339,7 +339,8 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[P
     A name is known even if its entry has a mistake, and none is where a file has one, so that one mistake gives one
     message.
     """
-    library, problems = shipped_library(), []
+    library = shipped_library()
+    problems: list[Problem] = []
     tables = _table(source.data, "library")
     files = tables.get("files")
     for index, file in enumerate(files if isinstance(files, list) else []):
@@ -350,7 +351,9 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[P
             before, library = library, read_library(source.folder / file, library)
             for kind in KINDS:
                 problems += (
-                    Problem(source.file, key, f'must not name "{file}": like {entry.file}, it defines the {kind} "{name}"')
+                    Problem(
+                        source.file, key, f'must not name "{file}": like {entry.file}, it defines the {kind} "{name}"'
+                    )
                     for name, entry in before.entries[kind].items()
                     if entry.file and library.entries[kind][name] is not entry
                 )
