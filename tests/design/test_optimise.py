@@ -278,6 +278,17 @@ def test_the_key_at_fault_of_runs_that_do_not_end(sections: dict[str, Any], monk
         optimise(of)
 
 
+def test_a_warning_of_a_threat_names_its_keys():
+    threats = [
+        {"projectile": "7.62 mm AP", "velocity_m_s": 850.0},
+        {"projectile": "20 mm FSP", "velocity_m_s": 250.0},
+    ]
+    told = optimise(case().replaced({"threat": threats})).warnings
+    keys = {warning.partition(": the model")[0] for warning in told if ": the model" in warning}
+    assert {"threat[1].projectile", "threat[1].velocity_m_s"} <= keys
+    assert not any(key.startswith(("impact", "projectile", "threat[0]")) for key in keys)
+
+
 def test_an_impact_that_is_no_threat_is_warned_of():
     case = shipped_scenario("catalogue").replaced({"design.pareto": None})
     assert not any("none of the threats" in warning for warning in optimise(case).warnings)

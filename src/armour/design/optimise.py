@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
-from itertools import chain
 from math import inf, isnan
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -17,8 +16,8 @@ from armour.design.catalogue import MARGIN, Catalogue, catalogue_of
 from armour.design.requirement import Requirement
 from armour.design.search import Search
 from armour.errors import NoDesignError, Problem, refuse
-from armour.scenario.applicability import armour_warnings, error_on_tests, given_error, is_excluded
-from armour.scenario.evidence import ModelError
+from armour.scenario.applicability import VELOCITY, armour_warnings, error_on_tests, given_error, is_excluded
+from armour.scenario.evidence import ROD_DENSITY, ROD_STRENGTH, SLENDERNESS, ModelError
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_types
 from armour.scenario.schema import DesignSection
@@ -297,11 +296,12 @@ def _outside(search: Search, place: int) -> list[str]:
     """Return the ways in which a design and its threats are unlike what the model was compared with."""
     catalogue = search.catalogue
     ceramic = catalogue.offers[search.candidates.pair[place]].ceramic.material or None
-    found = (
-        armour_warnings(_armour(search, place, i), ceramic, threat.velocity_m_s)
-        for i, threat in enumerate(catalogue.threats)
-    )
-    return list(dict.fromkeys(chain.from_iterable(found)))
+    found: list[str] = []
+    for i, threat in enumerate(catalogue.threats):
+        keys = {measure.key: f"threat[{i}].projectile" for measure in (SLENDERNESS, ROD_DENSITY, ROD_STRENGTH)}
+        keys = {VELOCITY: f"threat[{i}].velocity_m_s", **keys} if catalogue.scenario.threat else {}
+        found += armour_warnings(_armour(search, place, i), ceramic, threat.velocity_m_s, keys)
+    return list(dict.fromkeys(found))
 
 
 def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[str]:
