@@ -96,7 +96,7 @@ def sweep(
             output,
             replace=force,
             compute=sweeps.in_process(threads) if client is None else on_cluster(client),
-            on_chunk=lambda n, _stored: count(n),
+            on_chunk=lambda n, stored: count(n, stored=stored),
             approve=lambda plan: _approve(plan, yes),
             tell=say,
         )
