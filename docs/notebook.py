@@ -4,7 +4,6 @@ import ast
 import base64
 import io
 import json
-import os
 import sys
 from contextlib import redirect_stdout
 from pathlib import Path
@@ -55,9 +54,8 @@ def _png(figure: Figure) -> str:
 
 
 if __name__ == "__main__":
-    path = Path(sys.argv[1]).resolve()
+    path = Path(sys.argv[1])
     notebook = json.loads(path.read_text(encoding="utf-8"))
-    os.chdir(path.parent)
     code = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
     for number, (cell, found) in enumerate(zip(code, outputs(code), strict=True), start=1):
         cell |= {"execution_count": number, "outputs": found}

@@ -115,7 +115,7 @@ def test_a_scenario_a_value_and_tests_are_shown_in_a_line():
         "<Scenario: '6.35 mm AD85 on 6.35 mm 6061-T6, 7.62 mm AP', 6.35 mm AD85 on 6.35 mm 6061-T6, "
         "7.62 mm AP at 800 m/s>"
     )
-    assert repr(scenario.entry("metal", "6061-T6").values["density_kg_m3"]).startswith("<Value: 2750, measured, ")
+    assert repr(scenario.entry("metal", "6061-T6").values["density_kg_m3"]).startswith("<Value: 2750, nominal, ")
     tests = armour.read_tests(SCENARIOS / "tests" / "wilkins.csv", scenario)
     assert re.fullmatch(r"<Tests: \d+ tests of .*wilkins.csv, \d+ measurements>", repr(tests))
 

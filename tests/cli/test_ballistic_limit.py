@@ -32,6 +32,16 @@ def test_json_is_the_same_as_from_python(cli):
     assert data["areal_density_kg_m2"] == pytest.approx(39.243)
 
 
+@pytest.mark.parametrize("command", ["ballistic-limit", "compare", "v50 shots.csv"])
+def test_an_impact_velocity_is_noted_to_have_no_effect(cli, command: str):
+    result = cli(*command.split(), WILKINS, "--set", "impact.velocity_m_s=900")
+    assert result.stdout == cli(*command.split(), WILKINS).stdout
+    note = "note: --set impact.velocity_m_s: has no effect: the ballistic limit does not depend on it"
+    assert note in result.stderr.splitlines()
+    [line] = cli.fails(2, *command.split(), WILKINS, "--set", "optimise.ceramic_thickness_mm.max=30")
+    assert line.endswith("must have an effect: the ballistic limit does not depend on it")
+
+
 def test_a_plot(cli, folder: Path):
     assert cli("ballistic-limit", WILKINS, "--plot", "limit.png").exit_code == 0
     assert (folder / "limit.png").read_bytes().startswith(b"\x89PNG")

@@ -1,11 +1,14 @@
 """Output of the process itself: what it finds out about the terminal."""
 
+import io
 import json
 import os
 import pty
+import re
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -14,7 +17,7 @@ from types import ModuleType
 import pytest
 
 from armour.cli import plan_shots, scenario_commands, v50
-from armour.cli.console import show_json
+from armour.cli.console import progress, show_json
 from tests.helpers.cases import SCENARIOS
 
 
@@ -68,6 +71,23 @@ def test_a_long_command_shows_progress_and_ends_when_interrupted(folder: Path):
     os.close(theirs)
     assert b"interrupted" in shown
     assert not list(folder.iterdir())
+
+
+def test_the_rate_is_that_of_what_is_computed(monkeypatch: pytest.MonkeyPatch):
+    """Rows of an earlier process are counted, and not timed."""
+    terminal = io.StringIO()
+    monkeypatch.setattr(terminal, "isatty", lambda: True)
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    with progress("rows", 100_000) as count:
+        for _ in range(9):
+            count(10_000, stored=True)
+        count(1)
+        time.sleep(0.1)
+        count(10)
+    *_, rate = re.findall(r"([\d,.]+) rows/s", terminal.getvalue())
+    assert 0.0 < float(rate.replace(",", "")) <= 10.0 / 0.1
+    assert "90011/100000" in terminal.getvalue()
 
 
 @pytest.mark.parametrize(

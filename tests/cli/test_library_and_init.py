@@ -27,6 +27,7 @@ def test_an_entry_is_shown_with_its_sources(cli):
     assert diameter.split()[1:3] == ["6.5", "fitted"]
     data = json.loads(cli("library", "show", "6061-T6", "--json").stdout)
     assert data["shear_strength_MPa"]["status"] == "assumed"
+    assert json.loads(cli("library", "--json", "show", "6061-T6").stdout) == data
 
 
 def test_an_entry_that_is_not_there(cli):

@@ -12,8 +12,8 @@ NOTEBOOK = SCENARIOS.parent / "docs" / "study.ipynb"
 MAX_BYTES = 200_000
 
 
-def test_the_cells_print_what_they_show(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.chdir(NOTEBOOK.parent)
+@pytest.mark.usefixtures("folder")
+def test_the_cells_print_what_they_show_in_an_empty_folder():
     cells = [cell for cell in json.loads(NOTEBOOK.read_text())["cells"] if cell["cell_type"] == "code"]
     shown = [cell["outputs"] for cell in cells]
     pictures = [output["data"] for found in shown for output in found if "image/png" in output.get("data", {})]

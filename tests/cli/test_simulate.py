@@ -129,6 +129,17 @@ def test_an_entry_that_replaces_a_shipped_one_is_told(cli, folder: Path):
     assert "replaces" not in cli("simulate", WILKINS, "--set", "backing.density_kg_m3=2740").stderr
 
 
+def test_an_entry_that_a_library_file_replaces_is_told(cli, folder: Path):
+    (folder / "lib.toml").write_text("[ceramic.AD85]\nbased_on = 'AD99.5'\n[ceramic.X]\nbased_on = 'AD85'\n")
+    own = "[library]\nfiles = ['lib.toml']\n"
+    (folder / "own.toml").write_text(WILKINS.read_text() + own)
+    told = cli("simulate", "own.toml").stderr.splitlines()
+    assert "note: lib.toml: ceramic.AD85: replaces the AD85 of the shipped library" in told
+    (folder / "own.toml").write_text(WILKINS.read_text() + own + "[library.ceramic.X]\nbased_on = 'AD85'\n")
+    told = cli("simulate", "own.toml").stderr.splitlines()
+    assert "note: own.toml: library.ceramic.X: replaces the X of lib.toml" in told
+
+
 @pytest.mark.parametrize(("name", "kind"), [("paper", "suite"), ("shots.csv", "table of tests")])
 @pytest.mark.usefixtures("folder")
 def test_the_name_of_a_suite_or_of_a_table_is_told(cli, name: str, kind: str):

@@ -208,3 +208,9 @@ def test_a_group_that_leaves_its_bands_is_named(cli, folder: Path):
     result = cli("validate", "s.toml")
     assert result.exit_code == 3
     assert result.stdout.endswith("t: RMS 9.53 %, RMS band 5 %\n0 of 1 within their bands, 1 outside\n")
+
+
+@pytest.mark.parametrize("change", ["uncertainty.seed=4", "author=me"])
+def test_a_change_that_no_case_depends_on_is_refused(cli, change: str):
+    [line] = cli.fails(2, "validate", "paper", "--set", change)
+    assert line.startswith(f"command line: --set {change.partition('=')[0]}: must have an effect")

@@ -92,8 +92,38 @@ def test_a_pair_of_which_no_design_meets_the_constraints():
     result = optimise(catalogue(ceramic=ceramics, backing=metal, thickness_max_mm=25.0))
     assert [(pair.ceramic, pair.reason) for pair in result.pairs] == [
         ("AD85", ""),
-        ("AD99.5", "no design meets the constraints"),
+        (
+            "AD99.5",
+            "design.thickness_max_mm: the thinnest design that defeats every threat has 38 mm, "
+            "at most 25 mm is allowed",
+        ),
     ]
+
+
+@pytest.mark.parametrize("free", [{}, {"ceramic": [{"material": "AD99.5", "thickness_mm": {"min": 1.0, "max": 20.0}}]}])
+def test_a_pair_without_a_design_says_which_constraint_keeps_it_out(free: dict[str, Any]):
+    masses = {
+        (pair.ceramic, pair.backing): pair.best.areal_density_kg_m2
+        for pair in optimise(catalogue(**free)).pairs
+        if pair.best is not None
+    }
+    most = min(masses.values())
+    held = optimise(catalogue(areal_density_max_kg_m2=most, thickness_max_mm=1000.0, **free)).pairs
+    assert {(pair.ceramic, pair.backing): pair.reason for pair in held} == {
+        names: f"design.areal_density_max_kg_m2: the lightest design that defeats every threat has {mass:.4g} kg/m², "
+        f"at most {most:g} kg/m² is allowed"
+        if mass > most
+        else ""
+        for names, mass in masses.items()
+    }
+
+
+def test_a_pair_of_which_no_free_thickness_defeats_the_threats():
+    metals = [{"material": "6061-T6", "thickness_mm": [10.0]}, {"material": "7075-T6", "thickness_mm": [0.5]}]
+    ceramics = [{"material": "AD85", "thickness_mm": {"min": 1.0, "max": 12.0}}]
+    for constraint in ({}, {"areal_density_max_kg_m2": 500.0}):
+        result = optimise(catalogue(ceramic=ceramics, backing=metals, **constraint))
+        assert [pair.reason for pair in result.pairs] == ["", "no design defeats 7.62 mm AP at 800 m/s or M2"]
 
 
 def test_nothing_on_offer():

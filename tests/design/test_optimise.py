@@ -48,6 +48,15 @@ def defeats(of: Scenario, ceramic: float, backing: float) -> bool:
     return simulate(of.replaced(thicknesses)).outcome == "defeated"
 
 
+def test_a_range_whose_end_is_omitted():
+    told = "ceramic_thickness_mm: the last value is 14, since 15 is no whole number of steps away"
+    beyond = {"min": 8.0, "max": 15.0, "step": 2.0}
+    assert f"optimise.{told}" in optimise(case(ceramic_thickness_mm=beyond)).warnings
+    layers = {"ceramic": [{"material": "AD85", "thickness_mm": [10.0]}, {"material": "AD85", "thickness_mm": beyond}]}
+    found = optimise(case().replaced({"design": layers})).warnings
+    assert "design.ceramic[1].thickness_mm: " + told.partition(": ")[2] in found
+
+
 def test_every_design_of_the_frontier_is_the_thinnest():
     result = optimise(case())
     for design in result.frontier:
@@ -267,6 +276,17 @@ def test_the_key_at_fault_of_runs_that_do_not_end(sections: dict[str, Any], monk
     of = case().replaced({"solver.arrest_velocity_m_s": 1e-9, **sections})
     with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run .* end"):
         optimise(of)
+
+
+def test_a_warning_of_a_threat_names_its_keys():
+    threats = [
+        {"projectile": "7.62 mm AP", "velocity_m_s": 850.0},
+        {"projectile": "20 mm FSP", "velocity_m_s": 250.0},
+    ]
+    told = optimise(case().replaced({"threat": threats})).warnings
+    keys = {warning.partition(": the model")[0] for warning in told if ": the model" in warning}
+    assert {"threat[1].projectile", "threat[1].velocity_m_s"} <= keys
+    assert not any(key.startswith(("impact", "projectile", "threat[0]")) for key in keys)
 
 
 def test_an_impact_that_is_no_threat_is_warned_of():

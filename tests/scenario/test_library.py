@@ -48,7 +48,7 @@ def test_every_shipped_value_says_where_it_comes_from():
             assert entry.description
             for key, value in entry.values.items():
                 assert value.source, (entry.name, key)
-                assert value.status in ("measured", "fitted", "assumed")
+                assert value.status in ("nominal", "fitted", "assumed")
 
 
 def test_the_rod_is_as_long_as_its_mass_makes_it():

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from armour.core.equations import CONOID
-from armour.errors import InputError
+from armour.errors import InputError, Problem
 from armour.scenario.assignments import changed
 from armour.scenario.loading import Scenario, load_scenario, parse_scenario, save_scenario
 from armour.scenario.schema import Range
@@ -222,6 +222,15 @@ def test_library_files_are_found_beside_the_scenario(tmp_path: Path):
     (tmp_path / "mine.toml").write_text("[ceramic.mine]\nbased_on = 'AD85'\nflow_stress_GPa = 4.0\n")
     case = parse_scenario(data(ceramic="mine", library={"files": ["mine.toml"]}), folder=tmp_path)
     assert case.core_armour().Yc0 == 4e9
+
+
+def test_library_files_must_not_define_one_name_twice(tmp_path: Path):
+    (tmp_path / "a.toml").write_text("[ceramic.mine]\nbased_on = 'AD85'\nflow_stress_GPa = 4.0\n")
+    (tmp_path / "b.toml").write_text("[ceramic.mine]\nbased_on = 'AD85'\nflow_stress_GPa = 6.0\n")
+    with pytest.raises(InputError) as caught:
+        parse_scenario(data(ceramic="mine", library={"files": ["a.toml", "b.toml"]}), folder=tmp_path)
+    message = f'must not name "b.toml": like {tmp_path / "a.toml"}, it defines the ceramic "mine"'
+    assert caught.value.problems == (Problem("scenario", "library.files[1]", message),)
 
 
 def test_a_missing_library_file_is_the_only_mistake_of_what_may_be_in_it():

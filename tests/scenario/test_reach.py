@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from armour.errors import InputError
-from armour.scenario.reach import check_known, check_reach, check_read, check_used, read_of
+from armour.scenario.reach import DESIGNS, check_known, check_reach, check_read, check_used, read_of
 from tests.helpers.cases import catalogue, scenario, shipped_scenario
 
 OWN = {
@@ -115,6 +115,9 @@ def test_entries_that_no_scenario_uses():
         ("catalogue", ("design", "armour.ceramic"), "ceramic.flow_stress_GPa", False),
         ("wilkins", ("armour",), "solver.time_step_us", True),
         ("wilkins", ("armour",), "uncertainty.samples", False),
+        ("wilkins", DESIGNS, "uncertainty.samples", False),
+        ("wilkins", DESIGNS, "uncertainty.model.included", True),
+        ("uncertain", DESIGNS, "uncertainty.samples", True),
         ("wilkins", ("threat", "impact", "armour.ceramic"), "impact.velocity_m_s", True),
         ("wilkins", ("threat", "impact", "armour.ceramic"), "armour.ceramic_thickness_mm", False),
         ("catalogue", ("threat", "impact"), "impact.projectile", False),

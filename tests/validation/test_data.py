@@ -7,6 +7,7 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.errors import InputError
 from armour.reporting.junit import suite_junit
+from armour.reporting.tables.validation import suite_tables
 from armour.validation.data import Condition
 from armour.validation.suite import load_suite
 from armour.validation.update import updates_of
@@ -98,6 +99,13 @@ def test_a_row_may_have_a_band_of_its_own(folder: Path):
     (folder / "t.csv").write_text(CSV)
     own = result(folder, SUITE.replace("rms_band_percent", "band = 50.0\nrms_band_percent")).checks
     assert [check.status for check in own] == ["within", "outside", "within"]
+
+
+def test_the_rows_outside_their_bands_are_named(folder: Path):
+    (folder / "t.csv").write_text(CSV)
+    found = result(folder, SUITE.replace("rms_band_percent", "band = 50.0\nrms_band_percent"))
+    [table] = [table for table in suite_tables(found) if "not within" in table.title]
+    assert [(row[0], row[-1]) for row in table.texts()] == [("two", "outside")]
 
 
 def test_a_row_without_an_answer_fails(folder: Path):

@@ -81,11 +81,11 @@ def progress(
 ) -> Iterator[Callable[..., None]]:
     """Give a function that counts some more of a total: a bar with rate and time left on a terminal.
 
-    The total may also be given, or given anew, with each count; without one, the bar only moves.  ``first`` says
-    what is done before the first count.
+    The total may also be given, or given anew, with each count; without one, the bar only moves.  What was ``stored``
+    before is no part of the rate.  ``first`` says what is done before the first count.
     """
     if not sys.stderr.isatty():
-        yield lambda _count, _total=None: None
+        yield lambda *_count, **_stored: None
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -94,7 +94,10 @@ def progress(
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(what, total=total, rate=first)
 
-        def advance(count: int, total: int | None = None) -> None:
+        def advance(count: int, total: int | None = None, stored: bool = False) -> None:
+            if stored:
+                bar.reset(task, completed=int(bar.tasks[task].completed) + count)
+                return
             bar.update(task, advance=count, total=total)
             speed = bar.tasks[task].speed
             bar.update(task, rate=f"{speed:,.1f} {what}/s" if speed else "")

@@ -26,6 +26,7 @@ def list_library(ctx: typer.Context, as_json: AsJson = False) -> None:
 
 @app.command(cls=Command)
 def show(
+    ctx: typer.Context,
     name: Annotated[str, argument("NAME", "Name of the entry.", autocompletion=completion.entries)],
     as_json: AsJson = False,
 ) -> None:
@@ -37,5 +38,6 @@ def show(
         entries = shipped_library().find(name)
     except KeyError as error:
         raise InputError([Problem("library", name, error.args[0])]) from None
+    as_json = as_json or (ctx.parent is not None and ctx.parent.params["as_json"])
     for entry in entries:
         respond(entry.to_dict(), entry_tables(entry), as_json=as_json, title=f"{entry.name} ({entry.kind})")

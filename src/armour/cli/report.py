@@ -10,7 +10,6 @@ from armour.cli import completion
 from armour.cli.console import progress
 from armour.cli.options import Changes, Force, argument, option
 from armour.cli.runner import check_outputs, read_scenario, say_if_compiling, write
-from armour.cli.scenario_commands import DESIGNS
 from armour.errors import InputError, Problem, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
 
@@ -66,6 +65,7 @@ def report(
 def _scenario_report(source: Path, changes: list[str], command: str, *, as_is: bool) -> "Report":
     from armour.reporting.contents import contents_of
     from armour.reporting.scenario_report import scenario_report
+    from armour.scenario.reach import DESIGNS
 
     loaded = read_scenario(source, changes, (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS)), what="the report")
     say_if_compiling()

@@ -94,6 +94,7 @@ def read_scenario(
     """
     from armour.scenario.assignments import changes_of
     from armour.scenario.loading import parse_changed, parse_scenario, scenario_file
+    from armour.scenario.parameters import VELOCITY
     from armour.scenario.reach import check_read, check_used, read_of
 
     changes = changes_of(assignments or ())
@@ -119,7 +120,12 @@ def read_scenario(
         except InputError as without:
             own = without.problems
         raise InputError([p if p in own else _blamed(p, options, file) for p in error.problems]) from None
-    check_read(changes, read_of(loaded, reads), what)
+    read = read_of(loaded, reads)
+    if VELOCITY in changes and "ballistic_limit" in reads and "impact" not in reads:
+        # Who looks at an armour with simulate goes on with the same command line.
+        say(f"note: --set {VELOCITY}: has no effect: {what} does not depend on it")
+        read.add(VELOCITY)
+    check_read(changes, read, what)
     check_used(changes, loaded)
     return loaded
 
@@ -194,12 +200,11 @@ def _encoded(content: str | bytes) -> bytes:
 def warnings_of(scenario: "Scenario", warnings: Iterable[str], *, of_threats: bool = False) -> list[str]:
     """Return the warnings on a scenario as lines for standard error, with those on parts that an answer ignores."""
     from armour.scenario.applicability import unused_threats
-    from armour.scenario.library import replaced_entries
+    from armour.scenario.loading import replaced_entries
 
     unused = () if of_threats else unused_threats(scenario)
     found = dict.fromkeys((*unused, *warnings))
-    notes = [f"note: {scenario.file}: {note}" for note in replaced_entries(scenario.library)]
-    return [*notes, *(f"warning: {scenario.file}: {warning}" for warning in found)]
+    return [*replaced_entries(scenario), *(f"warning: {scenario.file}: {warning}" for warning in found)]
 
 
 @contextmanager

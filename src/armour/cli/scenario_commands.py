@@ -9,16 +9,6 @@ from armour.cli.runner import check_outputs, read_scenario, respond, say_if_comp
 
 # What commands read, see `armour.scenario.reach`.
 LIMIT = ("impact.projectile", "armour", "ballistic_limit", "uncertainty.model")
-DESIGNS = (
-    "impact",
-    "threat",
-    "armour.ceramic",
-    "armour.backing",
-    "design",
-    "optimise",
-    "ballistic_limit",
-    "uncertainty",
-)
 
 
 def simulate(
@@ -164,6 +154,7 @@ def optimise(
     from armour.reporting.table import csv_text
     from armour.reporting.tables.design import design_tables, frontier_table, pareto_table, required_margins
     from armour.scenario.applicability import is_excluded
+    from armour.scenario.reach import DESIGNS
 
     check_outputs(csv=csv, plot=plot, force=force)
     loaded = read_scenario(

@@ -96,7 +96,7 @@ def sweep(
             output,
             replace=force,
             compute=sweeps.in_process(threads) if client is None else on_cluster(client),
-            on_chunk=lambda n, _stored: count(n),
+            on_chunk=lambda n, stored: count(n, stored=stored),
             approve=lambda plan: _approve(plan, yes),
             tell=say,
         )
@@ -132,12 +132,12 @@ def _source(over: list[str], cases: Path | None) -> "Grid | Cases":
 
 def grid_of(option: str, texts: Sequence[str]) -> "Grid":
     """Return the grid of the values of an option, and warn of ranges whose end is left out."""
-    from armour.sweeps.cases import Grid, axis_of, omission
+    from armour.sweeps.cases import Grid, axis_of
 
     axes = tuple(map(axis_of, texts))
     for axis in axes:
-        if axis.omitted is not None:
-            say(f"warning: {option} {axis.key}: {omission(axis)}")
+        if axis.omission:
+            say(f"warning: {option} {axis.key}: {axis.omission}")
     return Grid(axes)
 
 

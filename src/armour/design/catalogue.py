@@ -1,6 +1,6 @@
 """Catalogue of a scenario: pairs of materials with thicknesses and costs, threats and constraints."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -26,6 +26,7 @@ from armour.scenario.schema import (
     Layer,
     Range,
     Threat,
+    omission,
 )
 from armour.units import MM
 
@@ -191,17 +192,30 @@ class Catalogue:
 
     def ranges(self, pair: int) -> list[tuple[str, str, float, float]]:
         """Return key, name and ends, mm, of the ranges of thicknesses of a pair; lists of thicknesses are none."""
-        design = self.scenario.design or DesignSection()
         found = []
         places = divmod(pair, len(self.section.backing))
-        roles = ("ceramic", "ceramic", design.ceramic), ("backing", "back plate", design.backing)
-        for layer, place, (role, name, listed) in zip(self.offers[pair][:2], places, roles, strict=True):
+        roles = ("ceramic", "ceramic"), ("backing", "back plate")
+        for layer, place, (role, name) in zip(self.offers[pair][:2], places, roles, strict=True):
             thickness = layer.thickness_mm
             if not isinstance(thickness, list) and thickness.min < thickness.max:
-                key = f"design.{role}[{place}].thickness_mm" if listed else f"optimise.{role}_thickness_mm"
                 values = layer.thicknesses()
-                found.append((key, name, values[0], values[-1]))
+                found.append((self._key(role, place), name, values[0], values[-1]))
         return found
+
+    def _key(self, role: str, place: int) -> str:
+        """Return the key of the thicknesses of a layer."""
+        listed = getattr(self.scenario.design, role, ())
+        return f"design.{role}[{place}].thickness_mm" if listed else f"optimise.{role}_thickness_mm"
+
+    def omissions(self) -> Iterator[str]:
+        """Give a warning for each range of thicknesses whose end is no whole number of steps from its start."""
+        for role in ("ceramic", "backing"):
+            for place, layer in enumerate(getattr(self.section, role)):
+                thickness = layer.thickness_mm
+                if isinstance(thickness, Range) and (
+                    words := omission(thickness.values()[-1], thickness.max, thickness.step)
+                ):
+                    yield f"{self._key(role, place)}: {words}"
 
     def has_costs(self) -> bool:
         """Return whether a cost is given."""

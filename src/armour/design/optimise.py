@@ -1,8 +1,7 @@
 """Design optimisation: the best design that defeats every threat, and its comparison with the others."""
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, fields
-from itertools import chain
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields, replace
 from math import inf, isnan
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -10,17 +9,18 @@ import numpy as np
 
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result, data_frame
-from armour.analysis.variants import Ints, grid_of
+from armour.analysis.variants import Ints
 from armour.core.state import Parameters
 from armour.design.candidates import candidates_of
 from armour.design.catalogue import MARGIN, Catalogue, catalogue_of
 from armour.design.requirement import Requirement
 from armour.design.search import Search
 from armour.errors import NoDesignError, Problem, refuse
-from armour.scenario.applicability import armour_warnings, error_on_tests, given_error, is_excluded
-from armour.scenario.evidence import ModelError
+from armour.scenario.applicability import VELOCITY, armour_warnings, error_on_tests, given_error, is_excluded
+from armour.scenario.evidence import ROD_DENSITY, ROD_STRENGTH, SLENDERNESS, ModelError
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_types
+from armour.scenario.schema import DesignSection
 
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
@@ -266,6 +266,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         not_monotonic_mm=search.not_monotonic_mm(frontier),
         warnings=(
             *_unused_impact(scenario),
+            *catalogue.omissions(),
             *_outside(search, first),
             *_at_the_ends(catalogue, pair, best),
             *_least_of_the_range(catalogue, pair, found, ceramic_min),
@@ -295,11 +296,12 @@ def _outside(search: Search, place: int) -> list[str]:
     """Return the ways in which a design and its threats are unlike what the model was compared with."""
     catalogue = search.catalogue
     ceramic = catalogue.offers[search.candidates.pair[place]].ceramic.material or None
-    found = (
-        armour_warnings(_armour(search, place, i), ceramic, threat.velocity_m_s)
-        for i, threat in enumerate(catalogue.threats)
-    )
-    return list(dict.fromkeys(chain.from_iterable(found)))
+    found: list[str] = []
+    for i, threat in enumerate(catalogue.threats):
+        keys = {measure.key: f"threat[{i}].projectile" for measure in (SLENDERNESS, ROD_DENSITY, ROD_STRENGTH)}
+        keys = {VELOCITY: f"threat[{i}].velocity_m_s", **keys} if catalogue.scenario.threat else {}
+        found += armour_warnings(_armour(search, place, i), ceramic, threat.velocity_m_s, keys)
+    return list(dict.fromkeys(found))
 
 
 def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[str]:
@@ -417,11 +419,17 @@ def _pairs(search: Search, best: int) -> tuple[Pair, ...]:
         possible = [own[search.values[own] <= most] for own in possible]
     # The limits of the first designs, which most often pass, are computed together, which is quicker.
     search.limits(np.array([own[0] for own in possible if len(own)], dtype=np.int64))
+    places = [search.first(own) for own in possible]
+    without = [index for index, place in enumerate(places) if place is None]
+    unconstrained = _unconstrained(search.catalogue, without) if without else {}
     pairs = []
-    for index, offer in enumerate(offers):
-        place = search.first(possible[index])
-        found = None if place is None else _best(search, place)
-        excess, reason = (None, _why_none_of(search, index)) if place is None else _excess(search, place, least)
+    for index, (offer, place) in enumerate(zip(offers, places, strict=True)):
+        if place is not None:
+            found, (excess, reason) = _best(search, place), _excess(search, place, least)
+        else:
+            found, excess = None, None
+            needed = _least_of(unconstrained, without.index(index))
+            reason = _bound_by_constraints(search.catalogue.section, needed) or _why_none_of(search, index)
         pairs.append(Pair(offer.ceramic.material, offer.backing.material, found, excess, reason))
     return tuple(sorted(pairs, key=lambda pair: inf if pair.excess_percent is None else pair.excess_percent))
 
@@ -442,15 +450,16 @@ def _excess(search: Search, place: int, least: float) -> tuple[float | None, str
 def _why_none(search: Search) -> str:
     """Return why no design passes."""
     catalogue, scenario = search.catalogue, search.catalogue.scenario
-    bound = _bound_by_constraints(search)
-    if bound or not len(search.values):
-        return bound or "no design in the catalogue meets the constraints of [design]"
+    if least := _least_of(_unconstrained(catalogue, range(len(catalogue.offers)))):
+        return _bound_by_constraints(catalogue.section, least)
+    if catalogue.sampled and not len(search.values):
+        return "no design in the catalogue meets the constraints of [design]"
     defeating = search.defeating.any()
     if scenario.design is None and not scenario.threat and not defeating:
-        grid = grid_of(scenario)
+        ceramic, backing = (layer.thicknesses()[-1] for layer in catalogue.offers[0][:2])
         return (
-            f"no design: every design of the grid, up to {grid.ceramic_thickness_mm.max:g} mm ceramic on "
-            f"{grid.backing_thickness_mm.max:g} mm back plate, is perforated at {scenario.impact.velocity_m_s:g} m/s; "
+            f"no design: every design of the grid, up to {ceramic:g} mm ceramic on {backing:g} mm back plate, is "
+            f"perforated at {scenario.impact.velocity_m_s:g} m/s; "
             "raise the max of optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"
         )
     if catalogue.sampled and defeating:
@@ -465,43 +474,53 @@ def _why_none(search: Search) -> str:
     return "; ".join(reasons) + ("; offer thicker layers in [design] or [optimise]" if known else "")
 
 
-def _bound_by_constraints(search: Search) -> str:
-    """Return which constraints keep every design out that defeats the threats, and by how much; "" if none does.
+def _unconstrained(catalogue: Catalogue, pairs: Sequence[int]) -> dict[str, Search]:
+    """Return searches of some pairs without the constraints, by the quantity of each constraint, which is minimised.
 
     Where inputs are sampled too, this is not searched for.
     """
-    section, scenario = search.catalogue.section, search.catalogue.scenario
-    given = {name: most for name, key in CONSTRAINTS.items() if (most := getattr(section, key)) is not None}
-    if not given or search.catalogue.sampled:
-        return ""
-    alone = {f"design.{CONSTRAINTS[name]}": None for name in given}
-    needed = {}
-    for name in given:
-        relaxed = scenario.replaced({**alone, "design.minimise": name, "design.pareto": None})
-        requirement = Requirement(catalogue_of(relaxed))
-        free = Search(requirement, candidates_of(requirement))
-        first = free.first(np.arange(len(free.values)))
-        if first is None:
-            return ""
-        needed[name] = float(free.values[first])
-    missed = {name: value for name, value in needed.items() if value > given[name]} or needed
-    parts = (
+    found = {}
+    for name, key in CONSTRAINTS.items():
+        if getattr(catalogue.section, key) is not None and not catalogue.sampled:
+            section = catalogue.section.model_copy(update={**dict.fromkeys(CONSTRAINTS.values()), "minimise": name})
+            offers = tuple(catalogue.offers[pair] for pair in pairs)
+            free = Requirement(replace(catalogue, section=section, offers=offers, layers=catalogue.layers[pairs]))
+            found[name] = Search(free, candidates_of(free))
+    return found
+
+
+def _bound_by_constraints(section: DesignSection, least: Mapping[str, float]) -> str:
+    """Return which constraints keep designs out, given the least that a design without them has; "" if none does."""
+    given = {name: getattr(section, CONSTRAINTS[name]) for name in least}
+    missed = {name: value for name, value in least.items() if value > given[name]}
+    parts = [
         f"design.{CONSTRAINTS[name]}: the {SUPERLATIVES[name]} design that defeats every threat has "
         f"{value:.4g}{UNITS[name]}, at most {given[name]:g}{UNITS[name]} is allowed"
-        for name, value in missed.items()
-    )
-    both = "; no design keeps to all of them at once" if missed is needed else ""
-    return "; ".join(parts) + both
+        for name, value in (missed or least).items()
+    ]
+    return "; ".join(parts if missed or not parts else [*parts, "no design keeps to all of them at once"])
+
+
+def _least_of(unconstrained: Mapping[str, Search], pair: int | None = None) -> dict[str, float]:
+    """Return the least of each constrained quantity among the designs, or those of a pair, that pass; {} if none do."""
+    found = {}
+    for name, search in unconstrained.items():
+        first = search.first(np.arange(len(search.values)) if pair is None else search.of_pair(pair))
+        if first is None:
+            return {}
+        found[name] = float(search.values[first])
+    return found
 
 
 def _why_none_of(search: Search, pair: int) -> str:
     """Return why no design of a pair passes."""
-    catalogue, own = search.catalogue, search.of_pair(pair)
-    if not len(own):
+    catalogue, own, offer = search.catalogue, search.of_pair(pair), search.catalogue.offers[pair]
+    if catalogue.sampled and not len(own):
         return "no design meets the constraints"
-    unknown = catalogue.unknown_errors(search.candidates.at(own))
+    thickest = (np.array([layer.thicknesses()[-1]]) for layer in offer[:2])
+    candidates = search.candidates.at(own) if len(own) else catalogue.candidates(pair, *thickest)
+    unknown = catalogue.unknown_errors(candidates)
     if unknown.any(axis=1).all():
-        offer = catalogue.offers[pair]
         armour = f"{offer.ceramic.material} on {offer.backing.material}" if offer.ceramic.material else "bare plates"
         threats = np.array(catalogue.titles)[unknown.any(axis=0)]
         against = "" if len(threats) == len(catalogue.titles) else f" against {' or '.join(threats)}"
@@ -512,7 +531,6 @@ def _why_none_of(search: Search, pair: int) -> str:
     if len(good):
         lost = (search.excess_m_s(good) < 0.0).all(axis=0)
     else:
-        candidates = search.candidates.at(own)
         lost = np.array([not search.requirement.defeats(candidates, i).any() for i in range(len(catalogue.threats))])
     titles = " or ".join(np.array(catalogue.titles)[lost]) or "all threats at once"
     lower = " and at every lower velocity" if len(good) else ""

@@ -1,6 +1,6 @@
 """Applicability of the model: where an armour lies outside what was tested, and the error of its ballistic limit."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from armour.core.state import Parameters
@@ -80,16 +80,17 @@ def warnings_of(scenario: "Scenario", velocity: float, key: str = VELOCITY) -> t
 
     `velocity` is the impact velocity, m/s, or the ballistic limit, whose key is then given.
     """
-    return armour_warnings(scenario.core_armour(), scenario.armour.ceramic, velocity, key)
+    return armour_warnings(scenario.core_armour(), scenario.armour.ceramic, velocity, {VELOCITY: key})
 
 
 def armour_warnings(
-    armour: Parameters, ceramic: str | None, velocity: float, velocity_key: str = VELOCITY
+    armour: Parameters, ceramic: str | None, velocity: float, keys: Mapping[str, str]
 ) -> tuple[str, ...]:
-    """Return the warnings of `warnings_of` on an armour, given the name of its ceramic."""
+    """Return the warnings of `warnings_of` on an armour, given the name of its ceramic and keys in place of others."""
     outside = (limit for limit in limits_of(closest(armour), armour, velocity) if limit.outside)
-    keyed = (limit._replace(key=velocity_key) if limit.key == VELOCITY else limit for limit in outside)
-    return tuple(f"{limit.key}: {limit.words}, found {_found(ceramic, limit)}" for limit in keyed)
+    return tuple(
+        f"{keys.get(limit.key, limit.key)}: {limit.words}, found {_found(ceramic, limit)}" for limit in outside
+    )
 
 
 def _found(ceramic: str | None, limit: Limit) -> str:

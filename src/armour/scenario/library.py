@@ -1,6 +1,6 @@
 """Library of projectiles and materials: the shipped entries and those that files and scenarios add.
 
-Every value has a status (measured, fitted or assumed) and a source.
+Every value has a status (measured, nominal, fitted or assumed) and a source.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,7 +30,7 @@ from armour.scenario.messages import (
 )
 from armour.units import GPA, MM, MPA, G
 
-Status = Literal["measured", "fitted", "assumed"]
+Status = Literal["measured", "nominal", "fitted", "assumed"]
 Number = TypeVar("Number", bound=float)
 
 
@@ -42,7 +42,7 @@ class Value(Section, Generic[Number]):
     value : float
         The number, in the unit at the end of its key.
     status : str
-        "measured", "fitted" or "assumed".
+        "measured", "nominal" (as a table or a standard lists it), "fitted" or "assumed".
     source : str
         Where it comes from; empty where none is given.
     tests : list of dict
@@ -175,6 +175,8 @@ class LibraryEntry:
         Number, status and source by key; a key ends with the unit.
     derived : frozenset of str
         Keys of values that follow from other values.
+    file : str
+        File that defines it; empty for the shipped library.
     """
 
     kind: Kind
@@ -182,6 +184,7 @@ class LibraryEntry:
     description: str
     values: Mapping[str, Value[float]]
     derived: frozenset[str] = frozenset()
+    file: str = field(default="", compare=False, repr=False)
 
     def __getitem__(self, key: str) -> float:
         """Return the number of a key."""
@@ -225,9 +228,12 @@ class Library:
     ----------
     entries : mapping
         Entries by kind and name.
+    notes : tuple of str
+        A line for each entry that replaces one of its name, on which it is not based.
     """
 
     entries: Mapping[Kind, Mapping[str, LibraryEntry]] = field(default_factory=lambda: {kind: {} for kind in KINDS})
+    notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Library: {', '.join(f'{len(names)} {kind}s' for kind, names in self.entries.items())}>"
@@ -269,17 +275,22 @@ class Library:
         tables = tables if isinstance(tables, LibraryTables) else validated(LibraryTables, tables, file)
         entries: dict[Kind, dict[str, LibraryEntry]] = {kind: dict(self.entries[kind]) for kind in KINDS}
         problems: dict[str, Problem] = {}
+        notes = list(self.notes)
         for kind in KINDS:
             added: Mapping[str, Entry] = getattr(tables, kind)
             for name, resolved in _resolved(kind, added, self.entries[kind], file).items():
                 if isinstance(resolved, LibraryEntry):
                     entries[kind][name] = resolved
+                    if name in self.entries[kind] and added[name].based_on != name:
+                        where = key_name([part for part in (prefix, kind, name) if part])
+                        of = self.entries[kind][name].file or "the shipped library"
+                        notes.append(f"{file}: {where}: replaces the {name} of {of}")
                     continue
                 for key, message in resolved.found:
                     where = key_name([part for part in (prefix, kind, resolved.name, key) if part])
                     problems[where] = Problem(file, where, message)
         refuse(problems.values())
-        return Library(entries)
+        return Library(entries, tuple(notes))
 
 
 class _Mistakes(NamedTuple):
@@ -333,7 +344,7 @@ def _resolve(
         values = {key: inherited.values[key] for key in inherited.values if key not in inherited.derived}
     for key, value in entry.values().items():
         values[key] = value if value.source else value.model_copy(update={"source": file})
-    return _completed(LibraryEntry(kind, name, description, values))
+    return _completed(LibraryEntry(kind, name, description, values, file=file))
 
 
 def _completed(entry: LibraryEntry) -> LibraryEntry | _Mistakes:
@@ -398,16 +409,5 @@ def shipped_library() -> Library:
     """Return the library that is shipped with the package."""
     library = Library()
     for path in sorted(shipped("configs").glob("*.toml")):
-        library = read_library(path, library)
+        library = library.extended(read_toml(path), file="")
     return library
-
-
-def replaced_entries(tables: LibraryTables) -> list[str]:
-    """Return a note for each entry that replaces a shipped one of its name, on which it is not based."""
-    shipped = shipped_library().entries
-    return [
-        f"library.{kind}.{name}: replaces the {name} of the shipped library"
-        for kind in KINDS
-        for name, entry in getattr(tables, kind).items()
-        if name in shipped[kind] and entry.based_on != name
-    ]

@@ -328,22 +328,36 @@ def scenario_schema() -> dict[str, Any]:
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "armour scenario"}
 
 
+def replaced_entries(scenario: Scenario) -> list[str]:
+    """Return a note for each entry that replaces one of its name, on which it is not based."""
+    return [f"note: {note}" for note in scenario._entries.notes]
+
+
 def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[Problem]]:
     """Return the scenario's library, the known names by kind and the mistakes in it.
 
     A name is known even if its entry has a mistake, and none is where a file has one, so that one mistake gives one
     message.
     """
-    library, problems = shipped_library(), []
+    library = shipped_library()
+    problems: list[Problem] = []
     tables = _table(source.data, "library")
     files = tables.get("files")
     for index, file in enumerate(files if isinstance(files, list) else []):
         if not isinstance(file, str):
             continue
+        key = key_name(["library", "files", index])
         try:
-            library = read_library(source.folder / file, library)
+            before, library = library, read_library(source.folder / file, library)
+            for kind in KINDS:
+                problems += (
+                    Problem(
+                        source.file, key, f'must not name "{file}": like {entry.file}, it defines the {kind} "{name}"'
+                    )
+                    for name, entry in before.entries[kind].items()
+                    if entry.file and library.entries[kind][name] is not entry
+                )
         except InputError as error:
-            key = key_name(["library", "files", index])
             for problem in error.problems:
                 whole = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
                 problems.append(problem if problem.key else whole)

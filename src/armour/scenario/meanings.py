@@ -95,7 +95,7 @@ MEANINGS = {
     "ultimate_tensile_strength_MPa": "Ultimate tensile strength of the metal, for Florence's formula.",
     "strain_to_fracture": "Strain to fracture of the metal, for Florence's formula.",
     "value": "The number, in the unit of the key.",
-    "status": '"measured", "fitted" or "assumed".',
+    "status": '"measured", "nominal" (as a table or a standard lists it), "fitted" or "assumed".',
     "source": "Where the number comes from.",
     "tests": "Tests that the number was calibrated to.",
 }

@@ -19,6 +19,17 @@ if TYPE_CHECKING:
 
 # What every computation reads.
 ALWAYS = ("model", "solver")
+# What a design depends on.
+DESIGNS = (
+    "impact",
+    "threat",
+    "armour.ceramic",
+    "armour.backing",
+    "design",
+    "optimise",
+    "ballistic_limit",
+    "uncertainty",
+)
 NO_EFFECT = "must have an effect: {} does not depend on it"
 
 
@@ -56,8 +67,13 @@ def check_read(changes: Mapping[str, object], reads: Collection[str], what: str 
 
 
 def read_of(scenario: "Scenario", reads: Collection[str]) -> set[str]:
-    """Return what a command reads of a scenario: not what threats and a catalogue replace, if it reads these."""
+    """Return what a command reads of a scenario: not what threats and a catalogue replace, if it reads these.
+
+    Of a section ``uncertainty`` without distributions, a design, and a report, depend on the error of the model alone.
+    """
     replaced: set[str] = set()
+    if "threat" in reads and not (scenario.uncertainty is not None and scenario.uncertainty.inputs()):
+        reads, replaced = {*reads, "uncertainty.model"}, {"uncertainty"}
     if "threat" in reads and scenario.threat:
         replaced |= {"impact"}
     if "design" in reads and scenario.design is not None:

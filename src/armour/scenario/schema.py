@@ -126,6 +126,11 @@ class Range(Section):
         return tuple(round(self.min + i * self.step, 9) for i in range(int(self.count())))
 
 
+def omission(last: float, end: float, step: float) -> str:
+    """Return that the last value of a range is not its end; "" where it is."""
+    return f"the last value is {last:g}, since {end:g} is no whole number of steps away" * (end - last > 1e-3 * step)
+
+
 def _above_zero(thickness: Any) -> Any:
     least = min(thickness) if isinstance(thickness, list) else thickness.min
     if least <= 0.0:

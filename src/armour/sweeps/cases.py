@@ -18,7 +18,7 @@ from armour.scenario.assignments import parts_of
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import key_name
 from armour.scenario.parameters import INPUTS, NAMES, ROLES
-from armour.scenario.schema import MAX_VALUES, Range
+from armour.scenario.schema import MAX_VALUES, Range, omission
 
 # More rows than a sweep can compute in years.
 MAX_ROWS = 10**12
@@ -36,7 +36,7 @@ class Axis:
 
     key: str
     values: tuple[float, ...] | tuple[str, ...]
-    omitted: float | None = None  # end of a range that is no whole number of steps from its start
+    omission: str = ""  # of the end of a range that is no whole number of steps from its start, in words
 
 
 @dataclass(frozen=True)
@@ -186,12 +186,7 @@ def range_axis(key: str, low: float, high: float, step: float) -> Axis:
     # A range is one of thicknesses, which a value of another key may lie below.
     above_low = Range.model_validate({"min": 0.0, "max": high - low, "step": step}).values()
     values = tuple(round(low + value, 9) for value in above_low)
-    return Axis(key, values, high if high - values[-1] > 1e-3 * step else None)
-
-
-def omission(axis: Axis) -> str:
-    """Return which end of a range is omitted."""
-    return f"the last value is {axis.values[-1]:g}, since {axis.omitted:g} is no whole number of steps away"
+    return Axis(key, values, omission(values[-1], high, step))
 
 
 def axis_of(text: str) -> Axis:

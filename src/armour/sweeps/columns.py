@@ -33,7 +33,7 @@ from armour.scenario.messages import (
 from armour.scenario.parameters import NAMES
 from armour.scenario.schema import MAX_VALUES
 from armour.sweeps import sweep as in_chunks
-from armour.sweeps.cases import Axis, Cases, Grid, omission, range_axis
+from armour.sweeps.cases import Axis, Cases, Grid, range_axis
 from armour.sweeps.tables import read_table
 
 # Rows that are kept in memory; more go to a file.
@@ -180,7 +180,7 @@ def sweep(
         raise InputError([Problem("sweep", "quantities", "must name at least one quantity, found none")])
     source = source_of(over)
     axes = source.axes if isinstance(source, Grid) else ()
-    warnings = [f"{axis.key}: {omission(axis)}" for axis in axes if axis.omitted is not None]
+    warnings = [f"{axis.key}: {axis.omission}" for axis in axes if axis.omission]
     computed: Mapping[str, Any] = {}
     if output is None:
         if source.count > MAX_ROWS:

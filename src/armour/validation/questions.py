@@ -12,6 +12,7 @@ from armour.analysis.variants import Floats, Variants, grid_of
 from armour.design.optimise import BestDesign, optimise
 from armour.errors import InputError, NoDesignError, Problem
 from armour.scenario.loading import Scenario
+from armour.scenario.reach import DESIGNS
 
 
 class Asked:
@@ -59,16 +60,14 @@ def _saved_percent(amount: Callable[[Variants], Floats], asked: Asked) -> float:
     return 100.0 * (1.0 - after / before)
 
 
-# The lightest design may depend on each.
-SECTIONS = tuple(Scenario.model_fields)
 QUESTIONS: dict[str, Question] = {
     **{
         name: Question(partial(_quantity, name), quantity.on_grid, reads=quantity.reads)
         for name, quantity in QUANTITIES.items()
     },
-    "optimum_ceramic_thickness_mm": Question(lambda asked: asked.lightest.ceramic_thickness_mm, reads=SECTIONS),
-    "optimum_backing_thickness_mm": Question(lambda asked: asked.lightest.backing_thickness_mm, reads=SECTIONS),
-    "optimum_areal_density_kg_m2": Question(lambda asked: asked.lightest.areal_density_kg_m2, reads=SECTIONS),
+    "optimum_ceramic_thickness_mm": Question(lambda asked: asked.lightest.ceramic_thickness_mm, reads=DESIGNS),
+    "optimum_backing_thickness_mm": Question(lambda asked: asked.lightest.backing_thickness_mm, reads=DESIGNS),
+    "optimum_areal_density_kg_m2": Question(lambda asked: asked.lightest.areal_density_kg_m2, reads=DESIGNS),
     "thickness_saved_percent": Question(
         partial(_saved_percent, lambda armours: armours.ceramics_mm + armours.backings_mm), of_two=True
     ),

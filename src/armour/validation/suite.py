@@ -15,7 +15,7 @@ from armour.files import exists, read_toml, shipped, shipped_files, suite_file
 from armour.scenario.assignments import canonical, leaves, parts_of
 from armour.scenario.loading import Scenario, parse_changed
 from armour.scenario.messages import PATH, Section, SectionT, check_types, describe, key_name, validated
-from armour.scenario.reach import check_reach, check_read, check_used
+from armour.scenario.reach import check_reach, check_read, check_used, read_of
 from armour.statistics.test_data import MEASURED
 from armour.units import words_and_unit
 from armour.validation.data import Cells, GroupSection, Percent, Where, selected
@@ -333,10 +333,12 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     if len(wrong) > MAX_PROBLEMS:
         problems.append(Problem(str(path), "", "must be right up to here; what follows is not checked"))
     refuse(problems)
-    check_read(
-        changes, {"impact.projectile", "armour", *(name for case in cases for name in QUESTIONS[case.quantity].reads)}
-    )
-    check_used(changes, *(found for case in cases for found in (case.scenario, case.replacement) if found is not None))
+    asked = [
+        (made, case) for case in cases for made in (case.scenario, case.replacement) if changes and made is not None
+    ]
+    reads = (name for made, case in asked for name in read_of(made, QUESTIONS[case.quantity].reads))
+    check_read(changes, {"impact.projectile", "armour", *reads})
+    check_used(changes, *(made for made, _ in asked))
     return Suite(suite.title, path, tuple(cases), tuple(suite.table), suite.description)
 
 
@@ -450,7 +452,14 @@ def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) 
         # The title is for people; entries of the library may be based on each other.
         counting = [leaf[0] not in ("title", "library") for leaf in given] + [True] * len(row.inputs)
         keys = compress(canonical([*map(key_name, given), *row.inputs], file), counting)
-        check_reach(scenario, list(keys), quantity.reads, file, row.section.quantity, closed_forms=bool(row.rivals))
+        check_reach(
+            scenario,
+            list(keys),
+            read_of(scenario, quantity.reads),
+            file,
+            row.section.quantity,
+            closed_forms=bool(row.rivals),
+        )
         check_used(changes, scenario, *([replacement] if replacement else []), file=file, option="")
 
 

@@ -152,11 +152,16 @@ def verdict(result: "SuiteResult") -> str:
 
 
 def suite_tables(result: "SuiteResult") -> list[Table]:
-    """Return the tables of a suite: the cases of each table or its groups, the tables as a whole, and the errors."""
-    found = [
-        group_table(result, name) if checks[0].case.cells else check_table(checks, name)
-        for name, checks in check_groups(result).items()
-    ]
+    """Return the tables of a suite: the cases of each table or its groups, the tables as a whole, and the errors.
+
+    Of the rows of a file, those outside their bands, or without an answer, follow the groups.
+    """
+    found = []
+    for name, checks in check_groups(result).items():
+        in_file = bool(checks[0].case.cells)
+        found.append(group_table(result, name) if in_file else check_table(checks, name))
+        if failed := [check for check in checks if in_file and check.status in ("outside", "no answer")]:
+            found.append(check_table(failed, f"{name}: not within their bands"))
     if (whole := summary_table(result)).rows:
         found.append(whole)
     if result.errors:
