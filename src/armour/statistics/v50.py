@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from math import inf
 from numbers import Real
 from os import PathLike
+from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, Literal
 
@@ -17,6 +18,7 @@ from armour.analysis.results import TableResult, by_column
 from armour.errors import InputError, Problem, refuse, suggestion
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import PATH, Section, check_types, validated
+from armour.scenario.words import ANY_VELOCITY, subject
 from armour.statistics.csv_table import in_line_order, lines_of, read_rows
 from armour.statistics.firing_posterior import (
     FiringEstimate,
@@ -287,6 +289,9 @@ def v50(
         if prior and scenario and model
         else (None, None, ())
     )
+    computed = f"V50 of the shots in {Path(shots.file).name}"
+    if scenario is not None:
+        computed += f": {subject(scenario, ANY_VELOCITY)}"
     return FiringResult(
         shots=len(shots.complete),
         complete=len(complete),
@@ -304,7 +309,7 @@ def v50(
         prior=before,
         posterior=after,
         prior_share=None if before is None or after is None else prior_share(before, after),
-    )._of(shots=shots)
+    )._of(computed, scenario=scenario, shots=shots)
 
 
 def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
