@@ -116,7 +116,7 @@ main()
 
 def test_one_line_of_a_pipe(tmp_path: Path):
     code, output, messages = piped(f"simulate {SCENARIOS / 'wilkins.toml'}", tmp_path)
-    assert (code, output, messages) == (0, "6.35 mm AD85 on 6.35 mm 6061-T6, 7.62 mm AP\n", "")
+    assert (code, output, messages) == (0, "6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s\n", "")
 
 
 def test_an_encoding_without_the_units(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -106,15 +106,6 @@ def test_what_is_unlike_the_tests_is_warned_of(cli):
     assert "no test of such an armour" in data["confidence"]["reason"]
 
 
-@pytest.mark.parametrize("command", ["simulate", "ballistic-limit", "compare"])
-def test_the_armour_computed_is_shown_unless_the_title_is_it(cli, command: str):
-    assert "computed:" not in cli(command, WILKINS).stdout
-    changes = "--set", "armour.backing=7075-T6", "--set", "armour.ceramic_thickness_mm=8"
-    assert (
-        cli(command, WILKINS, *changes).stdout.splitlines()[1] == "computed: 8 mm AD85 on 6.35 mm 7075-T6, 7.62 mm AP"
-    )
-
-
 def test_threats_that_are_not_used_are_told(cli, folder: Path):
     (folder / "own.toml").write_text(WILKINS.read_text() + THREAT)
     for command in ("simulate", "ballistic-limit"):

@@ -284,6 +284,7 @@ def test_a_design_of_another_ceramic(wilkins: Scenario):
 
 def test_a_result_is_plain_data(wilkins: Scenario):
     result = plan_tests(wilkins, GRID, number=2, scatter_percent=3.0)
-    assert repr(result) == "<PlannedTests: 2 tests of 9 candidates, D-efficiency 1.000>"
+    tests = "Tests of AD85 on 6061-T6 against 7.62 mm AP"
+    assert repr(result) == f"<PlannedTests: {tests}: 2 tests of 9 candidates, D-efficiency 1.000>"
     assert result._columns()["number"] == [1, 2]
     assert result.to_dict()["planned"][1]["inputs"][BACKING] == 4.0

@@ -13,6 +13,7 @@ from armour.statistics.v50 import Shots
 from tests.helpers.cases import scenario
 
 SHOTS = Shots((723.0, 770.0, 745.0, 760.0), (False, True, False, False))
+ARMOUR = "6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP"
 # Silicon carbide on titanium: no error is known.
 UNKNOWN = {"ceramic": "SiC", "backing": "Ti-6Al-4V"}
 
@@ -29,7 +30,7 @@ def test_a_plan_is_a_pure_function_of_the_shots_so_far(procedure: Any):
     assert (first.fired, first.simulated, first.stopped) == (SHOTS, 0, "")
     assert first.to_dict()["posterior"]["v50_m_s"] > first.to_dict()["prior"]["v50_m_s"]
     assert json.loads(json.dumps(first.to_dict(), allow_nan=False))["procedure"] == procedure
-    assert repr(first) == f"<ShotPlan: 4 shots, the next at {first.next_velocity_m_s:.1f} m/s>"
+    assert repr(first) == f"<ShotPlan: {ARMOUR}: 4 shots, the next at {first.next_velocity_m_s:.1f} m/s>"
 
 
 @pytest.mark.parametrize("procedure", ["bayesian", "neyer"])
@@ -44,7 +45,7 @@ def test_a_simulated_firing_is_reproducible_and_continues_the_shots(procedure: A
     assert found.simulated == len(found.fired.complete) - 4
     assert found.stopped
     assert found.next_velocity_m_s is None
-    assert repr(found) == f"<ShotPlan: {4 + found.simulated} shots, the interval of V50 is within ± 60 m/s>"
+    assert repr(found) == f"<ShotPlan: {ARMOUR}: {4 + found.simulated} shots, the interval of V50 is within ± 60 m/s>"
 
 
 def test_a_simulated_sequence_is_that_of_shots_planned_one_by_one():

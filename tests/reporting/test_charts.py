@@ -70,8 +70,8 @@ def test_an_axis_is_in_words_with_its_unit(name: str, heading: str):
 
 def test_an_impact():
     found = impact()
-    chart = charts.impact_chart(found, "A title")
-    assert chart.title == f"A title\nperforated at 800 m/s, residual velocity {found.residual_velocity_m_s:.1f} m/s"
+    chart = charts.impact_chart(found)
+    assert chart.title == f"Impact: perforated at 800 m/s, residual velocity {found.residual_velocity_m_s:.1f} m/s"
     time = "time since impact, µs"
     assert headings(chart) == [(time, "velocity, m/s"), (time, "rod length, mm"), (time, "depth, bulge, mm")]
     expected = ["projectile V", "penetration U", "target W", "rod length L", "depth Z", "bulge h"]
@@ -86,24 +86,24 @@ def test_an_impact():
 
 def test_an_impact_that_is_drawn_in_part_says_so():
     dwell = simulate(shipped_scenario("dwell"), history=True)
-    chart = charts.impact_chart(dwell, "")
+    chart = charts.impact_chart(dwell)
     assert chart.panels[0].x.limits is not None
     shown = chart.panels[0].x.limits[1]
     assert shown < dwell.duration_us
     assert chart.note.startswith(f"Drawn up to {shown:.3g} µs of {dwell.duration_us:.3g} µs. Stages: ")
     whole = simulate(scenario(velocity=900.0), history=True)
-    assert charts.impact_chart(whole, "").note.startswith("Stages: ")
+    assert charts.impact_chart(whole).note.startswith("Stages: ")
 
 
 def test_an_impact_without_its_history():
     with pytest.raises(ValueError, match="history=True"):
-        charts.impact_chart(simulate(scenario()), "")
+        charts.impact_chart(simulate(scenario()))
 
 
 def test_a_long_tail_is_left_out():
     slow = simulate(scenario(ceramic_mm=12.0, velocity=300.0), history=True)
-    chart = charts.impact_chart(slow, "")
-    assert chart.title == "defeated at 300 m/s"
+    chart = charts.impact_chart(slow)
+    assert chart.title == "Impact: defeated at 300 m/s"
     assert chart.panels[0].x.text(12.3456) == "12.35 µs"
     assert chart.panels[2].y.text(0.0018156) == "0.00 mm"
     for panel in chart.panels:
@@ -116,7 +116,7 @@ def test_a_long_tail_is_left_out():
 def test_a_ballistic_limit():
     limit = ballistic_limit(scenario())
     velocities = curve_velocities(limit, scenario())
-    chart = charts.limit_chart(limit, residual_velocity_curve(scenario(), velocities), "T")
+    chart = charts.limit_chart(limit, residual_velocity_curve(scenario(), velocities))
     [panel] = chart.panels
     assert labels(panel) == ["no armour", "projectile", "plug", f"ballistic limit {WILKINS_LIMIT:.1f} m/s"]
     assert some(panel, Line)[1].y[0] == 0.0
@@ -125,7 +125,7 @@ def test_a_ballistic_limit():
 
 def test_designs_of_a_pair():
     found = design_result(refined=True)
-    chart = charts.design_chart(found, "T")
+    chart = charts.design_chart(found)
     areal, required = chart.panels
     x = "back plate thickness, mm"
     assert headings(chart) == [(x, "areal density, kg/m²"), (x, "required ceramic thickness, mm")]
@@ -150,7 +150,7 @@ def test_designs_of_a_pair():
     ],
 )
 def test_what_is_minimised_is_drawn(minimised: str, heading: str, values: list[float], best: str):
-    first, _ = charts.frontier_chart(replace(design_result(), minimised=minimised), "T").panels
+    first, _ = charts.frontier_chart(replace(design_result(), minimised=minimised)).panels
     assert first.y.heading == heading
     assert some(first, Line)[0].y == values
     assert labels(first)[-1] == f"best: 8 on 6 mm, {best}"
@@ -160,7 +160,7 @@ def test_what_is_minimised_is_drawn(minimised: str, heading: str, values: list[f
 def test_every_pair_is_marked_up_to_a_limit(count: int, marked: int):
     found = design_result()
     others = [Pair(f"C{i}", "6061-T6", best_design(), 1.0 + i, f"{1 + i} % heavier") for i in range(count - 1)]
-    chart = charts.frontier_chart(replace(found, pairs=(*found.pairs, *others)), "T")
+    chart = charts.frontier_chart(replace(found, pairs=(*found.pairs, *others)))
     first, _ = chart.panels
     looks = {(item.colour, item.marker) for item in first.series[:-1] if isinstance(item, Line | Points)}
     assert len(looks) == marked
@@ -171,7 +171,7 @@ def test_every_pair_is_marked_up_to_a_limit(count: int, marked: int):
 
 
 def test_designs_of_several_pairs_against_several_threats():
-    chart = charts.design_chart(design_result(threats=(THREAT, OTHER), pareto=True), "T")
+    chart = charts.design_chart(design_result(threats=(THREAT, OTHER), pareto=True))
     areal, _, front = chart.panels
     assert "AD99.5 on 6061-T6: 10.1 % heavier" in labels(areal)
     assert not any("Al-N" in label for label in labels(*chart.panels))
@@ -189,12 +189,12 @@ def test_designs_of_several_pairs_against_several_threats():
 
 def test_the_least_ceramic_of_a_range_is_noted():
     words = "Where the ceramic is 7 mm, the least of its range, less may be required."
-    assert charts.frontier_chart(replace(design_result(), ceramic_min_mm=7.0), "T").note == words
-    assert charts.frontier_chart(replace(design_result(), ceramic_min_mm=6.0), "T").note == ""
+    assert charts.frontier_chart(replace(design_result(), ceramic_min_mm=7.0)).note == words
+    assert charts.frontier_chart(replace(design_result(), ceramic_min_mm=6.0)).note == ""
 
 
 def test_a_pareto_front_of_its_own_names_its_pairs():
-    [panel] = charts.pareto_chart(design_result(pareto=True), "Pareto front").panels
+    [panel] = charts.pareto_chart(design_result(pareto=True)).panels
     assert labels(panel) == ["Pareto front", "AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"]
     [front] = some(panel, Line)
     assert (front.x, front.y) == ([43.6, 48.0], [100.0, 80.0])
@@ -202,7 +202,7 @@ def test_a_pareto_front_of_its_own_names_its_pairs():
 
 def test_a_front_of_three_criteria_is_no_line():
     found = replace(design_result(pareto=True), criteria=("areal_density_kg_m2", "cost_per_m2", "thickness_mm"))
-    [panel] = charts.pareto_chart(found, "").panels
+    [panel] = charts.pareto_chart(found).panels
     assert some(panel, Line) == []
 
 
@@ -264,7 +264,7 @@ def test_parity_of_a_suite_without_tables(folder):
 
 def test_a_comparison():
     found = compare(scenario())
-    [panel] = charts.comparison_chart(found, "T").panels
+    [panel] = charts.comparison_chart(found).panels
     assert labels(panel)[0] == f"this model: ballistic limit {WILKINS_LIMIT:.1f} m/s"
     assert len(some(panel, Line)) == 1 + len(found.fits)
     assert [rule.at for rule in some(panel, Rule)] == [florence.ballistic_limit_m_s for florence in found.florence]
@@ -337,7 +337,7 @@ def test_a_sensitivity_is_ordered_by_the_largest_elasticity_of_any_answer():
             item(BACKING, None, None),
         ),
     )
-    chart = charts.sensitivity_chart(found, "T")
+    chart = charts.sensitivity_chart(found)
     [panel] = chart.panels
     assert panel.y.categories == ("impact velocity", "ceramic thickness", "ceramic flow stress")
     assert labels(panel) == ["ballistic limit", "least areal density"]
@@ -355,7 +355,6 @@ def test_a_v50():
     found = v50(SHOTS, scenario())
     chart = charts.v50_chart(SHOTS, found)
     [panel] = chart.panels
-    assert chart.title == "V50 of the shots in shots.csv"
     assert f"this model: ballistic limit {WILKINS_LIMIT:.1f} m/s" in labels(panel)
     assert [item.text[0] for item in some(panel, Points)][:2] == [
         "partial penetration at 700 m/s",
@@ -548,6 +547,6 @@ def test_a_front_over_three_criteria_says_what_is_not_drawn():
     front = tuple(replace(design, margin_m_s=5.0) for design in design_result(pareto=True).pareto)
     found = replace(design_result(pareto=True), criteria=criteria, pareto=front)
     note = "A design of the front that another one beats in both criteria drawn is better in margin."
-    assert note in charts.pareto_chart(found, "").note
-    assert note in charts.design_chart(found, "").note
-    assert note not in charts.pareto_chart(replace(found, criteria=criteria[:2]), "").note
+    assert note in charts.pareto_chart(found).note
+    assert note in charts.design_chart(found).note
+    assert note not in charts.pareto_chart(replace(found, criteria=criteria[:2])).note

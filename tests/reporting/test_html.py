@@ -75,8 +75,8 @@ def test_a_page_is_one_file_without_scripts_and_links(name: str):
 
 def test_every_chart_and_table_has_its_heading():
     found = headings(page(contents_of(scenario())))
-    [impact] = [heading for heading in found if heading.startswith("Impact of")]
-    assert impact.startswith("Impact of the 7.62 mm AP: perforated at 800 m/s, residual velocity 277")
+    [impact] = [heading for heading in found if heading.startswith("Impact: ")]
+    assert impact.startswith("Impact: perforated at 800 m/s, residual velocity 277")
     first, *rest = [heading for heading in found if heading != impact]
     assert first == "Cross-section, to scale"
     assert {*rest[:2]} == {"Sensitivity to the inputs", "Where the projectile&#39;s energy went"}
@@ -115,8 +115,9 @@ def test_no_line_ends_between_a_number_and_its_unit():
     found = contents_of(scenario(title="6.35 mm AD85"))
     content = html_report(scenario_report(found, "armour report case.toml"))
     shown, code = content.split('<pre class="toml">')
-    assert f"<h1>6.35{NO_BREAK}mm AD85</h1>" in shown
-    assert f"<b>6.35{NO_BREAK}mm AD85 on 6.35{NO_BREAK}mm <span>6061-T6</span></b>" in shown
+    armour = f"6.35{NO_BREAK}mm AD85 on 6.35{NO_BREAK}mm <span>6061-T6</span>"
+    assert f"<h1>{armour} against 7.62{NO_BREAK}mm AP at 800{NO_BREAK}m/s</h1>" in shown
+    assert f"<b>{armour}</b>" in shown
     assert f"7.62{NO_BREAK}mm AP, 21.0{NO_BREAK}mm long, 6.5{NO_BREAK}mm in diameter</span>" in shown
     assert "title = &#34;6.35 mm AD85&#34;" in code
 

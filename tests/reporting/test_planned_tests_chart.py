@@ -24,7 +24,7 @@ def result() -> PlannedTests:
 
 
 def test_a_map_with_the_number_of_tests_of_each_armour(result: PlannedTests):
-    [panel] = planned_chart(result, "title").panels
+    [panel] = planned_chart(result).panels
     assert (panel.x.heading, panel.y.heading) == ("ceramic thickness, mm", "back plate thickness, mm")
     assert isinstance(panel.series[0], Map)
     assert panel.series[0].heading == GAIN
@@ -35,14 +35,14 @@ def test_a_map_with_the_number_of_tests_of_each_armour(result: PlannedTests):
 
 def test_equal_gains_have_no_lines_of_equal_gain(result: PlannedTests):
     equal = replace(result, sensitivities=(1.0,) * len(result.sensitivities))
-    [panel] = planned_chart(equal, "").panels
+    [panel] = planned_chart(equal).panels
     assert not any(isinstance(series, Contours) for series in panel.series)
-    assert any(isinstance(series, Contours) for series in planned_chart(result, "").panels[0].series)
+    assert any(isinstance(series, Contours) for series in planned_chart(result).panels[0].series)
 
 
 def test_a_curve_over_one_input(result: PlannedTests):
     one = replace(result, candidates={CERAMIC: result.candidates[CERAMIC], BACKING: (4.0,) * 6})
-    [panel] = planned_chart(one, "").panels
+    [panel] = planned_chart(one).panels
     assert isinstance(panel.series[0], Line)
     assert len(panel.series[0].x) == 3
 
@@ -50,11 +50,11 @@ def test_a_curve_over_one_input(result: PlannedTests):
 def test_candidates_that_are_no_grid(result: PlannedTests):
     few = {key: values[:3] + values[5:] for key, values in result.candidates.items()}
     some = replace(result, candidates=few, sensitivities=result.sensitivities[:3] + result.sensitivities[5:])
-    assert planned_chart(some, "").panels[0].series[0].label == "candidates"
+    assert planned_chart(some).panels[0].series[0].label == "candidates"
 
 
 def test_tests_that_do_not_determine_the_inputs(result: PlannedTests):
-    assert "no gain" in planned_chart(replace(result, sensitivities=()), "").note
+    assert "no gain" in planned_chart(replace(result, sensitivities=())).note
     assert "none: too few tests" in plan_table(replace(result, efficiency=None)).rows[0]
     lacking = replace(result, efficiency=None, not_identified=("ceramic.flow_stress_GPa",))
     assert "none: the candidates do not determine the inputs" in plan_table(lacking).rows[0]
@@ -103,7 +103,7 @@ def test_planned_shots_have_their_velocities():
     assert [row[-1] for row in form_table(shots, None).rows] == pytest.approx(
         [0.03 * float(step.inputs[VELOCITY]) for step in shots.planned[1:]], abs=0.05
     )
-    chart = planned_chart(shots, "")
+    chart = planned_chart(shots)
     slow, fast = sorted(step.inputs[VELOCITY] for step in shots.planned[1:])
     assert chart.note.endswith(f"The planned shots are at {slow:g} and {fast:g} m/s.")
     texts = [text for item in chart.panels[0].series if isinstance(item, Points) for text in item.text]

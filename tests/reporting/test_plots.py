@@ -26,8 +26,8 @@ def one(*series, **panel) -> Chart:
 
 
 CHARTS = {
-    "impact": lambda: charts.impact_chart(impact(), "A title"),
-    "design": lambda: charts.design_chart(design_result(threats=(THREAT, OTHER), pareto=True), "T"),
+    "impact": lambda: charts.impact_chart(impact()),
+    "design": lambda: charts.design_chart(design_result(threats=(THREAT, OTHER), pareto=True)),
     "uncertainty": lambda: charts.uncertainty_chart(uncertainty_result(), scenario(velocity=700.0)),
     "map": lambda: one(Map(*GRID, VALUES, "speed, m/s"), Contours(*GRID, VALUES)),
     "bars": lambda: one(
@@ -120,7 +120,7 @@ def test_categories_are_rows_of_bars_with_the_first_on_top():
 
 
 def test_panels_share_an_x_axis():
-    upper, _, lower = draw(charts.impact_chart(impact(), "")).axes
+    upper, _, lower = draw(charts.impact_chart(impact())).axes
     lower.set_xlim(0.0, 7.0)
     assert upper.get_xlim() == (0.0, 7.0)
     assert upper.get_xlabel() == ""
@@ -131,7 +131,7 @@ def stage_names(axes: Axes) -> list[str]:
 
 
 def test_stages_are_named_where_there_is_room():
-    chart = charts.impact_chart(impact(), "")
+    chart = charts.impact_chart(impact())
     assert stage_names(draw(chart).axes[0]) == [stage.stage for stage in impact().stages]
     narrow = stage_names(draw(chart, 1.5).axes[0])
     assert 0 < len(narrow) < len(impact().stages)

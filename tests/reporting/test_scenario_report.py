@@ -16,6 +16,7 @@ from armour.reporting.table import Column, Table
 from armour.reporting.tables.confidence import SAMPLED_ALONE
 from armour.reporting.tables.design import frontier_table
 from armour.scenario.evidence import ModelError
+from armour.scenario.loading import load_scenario
 from tests.helpers.cases import RANGE, THREATS, scenario
 from tests.helpers.results import OTHER, THREAT, best_design, design_result, uncertainty_result
 
@@ -45,10 +46,13 @@ def statements(contents: Contents) -> dict[str, tuple[str, str]]:
     return {card.subject: (card.statement, card.detail) for card in report(contents).cards}
 
 
-def test_the_title_is_the_scenarios_or_its_file():
-    assert report(wilkins()).title == wilkins().scenario.title
-    untitled = replace(wilkins(), scenario=wilkins().scenario.replaced({"title": ""}))
-    assert report(untitled).title == untitled.scenario.file
+def test_the_title_is_the_armour_reported_with_the_scenarios_beside_it():
+    found = report(wilkins())
+    assert found.title == "6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s"
+    assert found.byline[0] == ("scenario", "A title")
+    designed = contents_of(load_scenario("catalogue"))
+    threats = "7.62 mm AP at 850 m/s and 7.62 mm APM2 at 830 m/s"
+    assert report(designed).title == f"5 mm Al-N on 5 mm 7075-T6 against {threats}"
 
 
 def test_questions():
@@ -191,9 +195,9 @@ def test_sections_follow_the_results():
 
 def test_charts_follow_the_results():
     def titles(contents: Contents) -> list[str]:
-        return [chart.title.partition("\n")[0] for chart in report(contents).charts]
+        return [chart.title.partition(":")[0] for chart in report(contents).charts]
 
-    last = ["Sensitivity to the inputs", "Where the projectile's energy went", "Impact of the 7.62 mm AP"]
+    last = ["Sensitivity to the inputs", "Where the projectile's energy went", "Impact"]
     assert titles(wilkins()) == last
     full = replace(wilkins(), design=design_result(pareto=True), uncertainty=uncertainty_result())
     first = ["Required ceramic for each back plate", "Pareto front", "Probability of perforation"]
@@ -254,10 +258,10 @@ def test_threats_that_perforate_are_named_alone():
 
 
 def test_author_project_and_date_are_shown_where_given():
-    assert report(wilkins()).byline == (("revision", f"armour {__version__}"),)
+    assert report(wilkins()).byline == (("scenario", "A title"), ("revision", f"armour {__version__}"))
     keys = {"author": "A. Smith", "date": "2026-01-31", "project": "Door"}
     named = report(replace(wilkins(), scenario=wilkins().scenario.replaced(keys)))
-    assert named.byline[:3] == (("project", "Door"), ("author", "A. Smith"), ("date", "2026-01-31"))
+    assert named.byline[1:4] == (("project", "Door"), ("author", "A. Smith"), ("date", "2026-01-31"))
     assert "project: Door, author: A. Smith, date: 2026-01-31, revision: armour " in markdown_report(named)
 
 

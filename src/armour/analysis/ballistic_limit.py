@@ -13,6 +13,7 @@ from armour.scenario.applicability import model_error, warnings_of
 from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_types
+from armour.scenario.words import ANY_VELOCITY, subject
 
 # Number of intervals above the limit in a plotted curve.
 CURVE_POINTS = 60
@@ -127,7 +128,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         warnings=warnings_of(scenario, limit, "ballistic_limit"),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
-    )._of(scenario=scenario)
+    )._of(subject(scenario, ANY_VELOCITY), scenario=scenario)
 
 
 def not_monotonic(limit: LimitResult) -> tuple[str, ...]:

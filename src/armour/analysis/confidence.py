@@ -11,6 +11,7 @@ from armour.scenario.applicability import is_excluded, model_error, warnings_of
 from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_types
+from armour.scenario.words import subject
 
 NO_TEST = "the model was compared with no test of such an armour"
 # Probability above which a lower bound is given as the probability.
@@ -74,8 +75,10 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     try:
         limit = ballistic_limit(scenario, on_progress=on_progress).ballistic_limit_m_s
     except NoLimitError as error:
-        return without_limit(scenario, str(error), above=error.above)
-    return of_limit(scenario, limit, scenario.impact.velocity_m_s)
+        found = without_limit(scenario, str(error), above=error.above)
+    else:
+        found = of_limit(scenario, limit, scenario.impact.velocity_m_s)
+    return found._of(subject(scenario), scenario=scenario)
 
 
 def without_limit(scenario: Scenario, reason: str, *, above: bool) -> ConfidenceResult:

@@ -15,6 +15,7 @@ from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_types
 from armour.scenario.schema import Solver
+from armour.scenario.words import subject
 from armour.units import MM, US, G
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
         If the run does not end within the maximum number of steps.
     """
     check_types("simulate", scenario=(scenario, Scenario))
-    return impact_at(scenario, scenario.impact.velocity_m_s, history=history)._of(scenario=scenario)
+    return impact_at(scenario, scenario.impact.velocity_m_s, history=history)._of(subject(scenario), scenario=scenario)
 
 
 def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> ImpactResult:

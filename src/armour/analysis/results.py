@@ -4,7 +4,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from importlib import import_module
 from math import nan
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+from armour.scenario.words import heading, subject
+
+if TYPE_CHECKING:
+    from armour.scenario.loading import Scenario
 
 
 @dataclass(frozen=True, repr=False)
@@ -13,20 +18,26 @@ class Result:
 
     # Makes the tables of a result as HTML.  They belong to a layer above; `armour/__init__.py` sets this.
     _in_html: ClassVar[Callable[["Result"], str] | None] = None
-    # The scenario or the shots that a result answers, for its figure; no field, so that they are no part of its data.
+    # What was computed, in words, and its scenario or shots, for a figure; no field, so that it is no part of the data.
     _question: ClassVar[Mapping[str, Any]] = {}
 
-    def _of(self, **question: Any) -> Self:
-        """Note the scenario or the shots of the result."""
-        vars(self)["_question"] = question
+    def _of(self, computed: str, **question: Any) -> Self:
+        """Note what was computed, in words, and the scenario or the shots of the result."""
+        vars(self)["_question"] = {"computed": computed, **question}
         return self
+
+    def _heading(self, scenario: "Scenario | None" = None) -> list[str]:
+        """Return the first lines of every output; none for a result that is made by hand, without a scenario."""
+        scenario = scenario or self._question.get("scenario")
+        computed = self._question.get("computed") or (subject(scenario) if scenario else "")
+        return heading(computed, scenario.title if scenario else "") if computed else []
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data."""
         return asdict(self)
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__}: {self._words()}>"
+        return f"<{': '.join([type(self).__name__, *self._heading()[:1], self._words()])}>"
 
     def _words(self) -> str:
         """Return the result in a line."""

@@ -81,7 +81,7 @@ def calibrate(
         result.to_dict(),
         calibration_tables(result),
         as_json=as_json,
-        title=loaded.title,
+        of=result._heading(),
         files=[
             (library, lambda: library_text(result, read, loaded)),
             (fitted, lambda: None if fitted is None else scenario_text(result, read, loaded, fitted)),

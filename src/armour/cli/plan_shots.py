@@ -165,7 +165,7 @@ def plan_of_shots(
             plan.to_dict(),
             shot_plan_tables(plan),
             as_json=as_json,
-            title=loaded.title,
+            of=plan._heading(),
             files=[(updated, lambda: content)],
             plot=plot,
             chart=lambda _charts: shot_plan_chart(plan),

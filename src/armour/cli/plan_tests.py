@@ -125,10 +125,10 @@ def plan_of_tests(
         result.to_dict(),
         planned_tables(result),
         as_json=as_json,
-        title=loaded.title,
+        of=result._heading(),
         files=[(csv, lambda: csv_text(form_table(result, read)))],
         plot=plot,
-        chart=lambda _charts: planned_chart(result, loaded.title),
+        chart=lambda _charts: planned_chart(result),
         warnings=[f"warning: {loaded.file}: {warning}" for warning in result.warnings],
     )
 

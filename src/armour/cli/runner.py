@@ -147,6 +147,7 @@ def respond(
     *,
     as_json: bool,
     title: str = "",
+    of: Sequence[str] = (),
     files: Iterable[tuple[Path | None, Callable[[], str | bytes | None]]] = (),
     plot: Path | None = None,
     chart: Callable[[Any], Any] | None = None,
@@ -156,14 +157,15 @@ def respond(
     """Write the files that are asked for, show an answer as tables or JSON, and warn.
 
     ``files`` are paths with functions that make the contents, or None where there is nothing to write.  ``chart`` makes
-    the chart for ``plot`` by the functions of `armour.reporting.charts`, which it is given.  A file that no longer has
-    the content that was ``read`` is not written.
+    the chart for ``plot`` by the functions of `armour.reporting.charts`, which it is given.  ``of`` are the lines above
+    tables and chart that say what was computed.  A file that no longer has the content that was ``read`` is not
+    written.
     """
 
     def drawn() -> bytes | None:
         from armour.reporting import charts, plots
 
-        return None if plot is None or chart is None else plots.rendered(chart(charts), plot.suffix.lower())
+        return None if plot is None or chart is None else plots.rendered(chart(charts).headed(of), plot.suffix.lower())
 
     contents: dict[Path, bytes] = {}
     failed: ArmourError | None = None
@@ -178,8 +180,8 @@ def respond(
         # The answer is shown even if a file cannot be made or written; if it cannot be shown, no file stays.
         if as_json:
             show_json(data)
-        else:
-            show(*tables, title=title)
+        elif shown := [*tables]:
+            show(*of[1:], *shown, title=of[0] if of else title)
     say(*(f"wrote {path}" for path in contents if not failed), *warnings)
     if failed:
         raise failed

@@ -33,7 +33,6 @@ def simulate(
     from armour.reporting.table import csv_text
     from armour.reporting.tables.confidence import SAMPLED_ALONE
     from armour.reporting.tables.impact import history_table, impact_tables
-    from armour.reporting.words import computed
     from armour.scenario import applicability
 
     check_outputs(csv=history, plot=plot, force=force)
@@ -52,12 +51,12 @@ def simulate(
     alone = [f"{SAMPLED_ALONE}: armour uncertainty"] if sure.model_error is None and distributed else []
     respond(
         {**result.to_dict(), "warnings": list(warnings), "confidence": sure.to_dict()},
-        [*computed(loaded), *impact_tables(result, sure), *alone],
+        [*impact_tables(result, sure), *alone],
         as_json=as_json,
-        title=loaded.title,
+        of=result._heading(),
         files=[(history, lambda: None if result.history is None else csv_text(history_table(result.history)))],
         plot=plot,
-        chart=lambda charts: charts.impact_chart(result, loaded.title),
+        chart=lambda charts: charts.impact_chart(result),
         warnings=warnings_of(loaded, warnings),
     )
 
@@ -72,7 +71,6 @@ def ballistic_limit(
     """Find the ballistic limit."""
     from armour.analysis import ballistic_limit as analysis
     from armour.reporting.tables.impact import limit_tables
-    from armour.reporting.words import computed
     from armour.scenario.applicability import is_excluded
 
     check_outputs(plot=plot, force=force)
@@ -84,13 +82,13 @@ def ballistic_limit(
         velocities = analysis.curve_velocities(result, loaded)
         with progress("impacts", len(velocities)) as count:
             curve = analysis.residual_velocity_curve(loaded, velocities, count)
-        return charts.limit_chart(result, curve, loaded.title)
+        return charts.limit_chart(result, curve)
 
     respond(
         result.to_dict(),
-        [*computed(loaded), *limit_tables(result, excluded=is_excluded(loaded))],
+        [*limit_tables(result, excluded=is_excluded(loaded))],
         as_json=as_json,
-        title=loaded.title,
+        of=result._heading(),
         plot=plot,
         chart=chart,
         warnings=warnings_of(loaded, (*analysis.not_monotonic(result), *result.warnings)),
@@ -107,7 +105,6 @@ def compare(
     """Compare the model with closed-form formulas."""
     from armour.analysis.ballistic_limit import not_monotonic
     from armour.reporting.tables.comparison import comparison_tables
-    from armour.reporting.words import computed
     from armour.validation import comparison
 
     check_outputs(plot=plot, force=force)
@@ -116,11 +113,11 @@ def compare(
         result = comparison.compare(loaded, on_progress=count)
     respond(
         result.to_dict(),
-        [*computed(loaded), *comparison_tables(result)],
+        [*comparison_tables(result)],
         as_json=as_json,
-        title=loaded.title,
+        of=result._heading(),
         plot=plot,
-        chart=lambda charts: charts.comparison_chart(result, loaded.title),
+        chart=lambda charts: charts.comparison_chart(result),
         warnings=warnings_of(loaded, (*not_monotonic(result.limit), *result.limit.warnings)),
     )
 
@@ -169,10 +166,10 @@ def optimise(
         result.to_dict(),
         design_tables(result, required_margins(loaded), excluded=is_excluded(loaded)),
         as_json=as_json,
-        title=loaded.title,
+        of=result._heading(),
         files=[(csv, lambda: csv_text(pareto_table(result) if result.pareto else frontier_table(result)))],
         plot=plot,
-        chart=lambda charts: charts.design_chart(result, loaded.title),
+        chart=lambda charts: charts.design_chart(result),
         warnings=[*perforated, *warnings_of(loaded, result.warnings, of_threats=True)],
     )
 
@@ -190,7 +187,6 @@ def sensitivity(
     when an input grows by 1 %.
     """
     from armour.reporting.tables.statistics import sensitivity_tables
-    from armour.reporting.words import computed
     from armour.statistics import sensitivity as statistics
 
     check_outputs(plot=plot, force=force)
@@ -200,11 +196,11 @@ def sensitivity(
         result = statistics.sensitivity(loaded, on_progress=count)
     respond(
         result.to_dict(),
-        [*computed(loaded), *sensitivity_tables(result)],
+        [*sensitivity_tables(result)],
         as_json=as_json,
-        title=loaded.title,
+        of=result._heading(),
         plot=plot,
-        chart=lambda charts: charts.sensitivity_chart(result, loaded.title),
+        chart=lambda charts: charts.sensitivity_chart(result),
         warnings=warnings_of(loaded, result.warnings),
     )
 
@@ -227,7 +223,6 @@ def uncertainty(
 ) -> None:
     """Propagate input uncertainty to the outcome and the ballistic limit."""
     from armour.reporting.tables.statistics import uncertainty_tables
-    from armour.reporting.words import computed
     from armour.scenario.applicability import is_excluded
     from armour.statistics import uncertainty as statistics
 
@@ -243,9 +238,9 @@ def uncertainty(
         result = statistics.uncertainty(loaded, on_progress=count)
     respond(
         result.to_dict(),
-        [*computed(loaded), *uncertainty_tables(result, excluded=is_excluded(loaded))],
+        [*uncertainty_tables(result, excluded=is_excluded(loaded))],
         as_json=as_json,
-        title=loaded.title,
+        of=result._heading(),
         plot=plot,
         chart=lambda charts: charts.uncertainty_chart(result, loaded),
         warnings=warnings_of(loaded, result.warnings),

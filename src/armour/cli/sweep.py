@@ -69,8 +69,10 @@ def sweep(
     as_json: AsJson = False,
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
+    from armour.scenario.words import heading
     from armour.sweeps import sweep as sweeps
     from armour.sweeps.checkpoint import parts_of
+    from armour.sweeps.columns import subject_of
     from armour.sweeps.dask import connected, on_cluster
     from armour.sweeps.tables import read_table
 
@@ -105,6 +107,7 @@ def sweep(
         {"rows": rows, "output": str(output)},
         (),
         as_json=as_json,
+        of=heading(subject_of(loaded, source, names), loaded.title),
         plot=plot,
         chart=lambda charts: charts.sweep_chart(read_table(output), source.keys, names[0], loaded),
     )

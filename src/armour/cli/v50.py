@@ -88,7 +88,7 @@ def v50(
         result.to_dict(),
         v50_tables(result),
         as_json=as_json,
-        title=str(shots),
+        of=result._heading(),
         plot=plot,
         chart=lambda charts: charts.v50_chart(read, result),
         warnings=[] if loaded is None else warnings_of(loaded, result.warnings),

@@ -20,7 +20,9 @@ from armour.scenario.applicability import VELOCITY, armour_warnings, error_on_te
 from armour.scenario.evidence import ROD_DENSITY, ROD_STRENGTH, SLENDERNESS, ModelError
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_types
+from armour.scenario.parameters import BACKING, CERAMIC, NAMES
 from armour.scenario.schema import DesignSection
+from armour.scenario.words import Varied, subject
 
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
@@ -187,7 +189,7 @@ class DesignResult(Result):
         best = self.best
         ceramic = f"{best.ceramic_thickness_mm:g} mm {best.ceramic} on " if best.ceramic else ""
         armour = f"{ceramic}{best.backing_thickness_mm:g} mm {best.backing}"
-        return f"{armour}, {best.areal_density_kg_m2:.2f} kg/m², against {' and '.join(self.threats)}"
+        return f"{armour}, {best.areal_density_kg_m2:.2f} kg/m²"
 
 
 def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgress = ignore_progress) -> DesignResult:
@@ -273,7 +275,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         ),
         ceramic_min_mm=ceramic_min,
         without_mm=_without(search, pair, frontier),
-    )._of(scenario=scenario)
+    )._of(_subject(catalogue), scenario=scenario)
 
 
 def _unused_impact(scenario: Scenario) -> Iterator[str]:
@@ -510,6 +512,18 @@ def _least_of(unconstrained: Mapping[str, Search], pair: int | None = None) -> d
             return {}
         found[name] = float(search.values[first])
     return found
+
+
+def _subject(catalogue: Catalogue) -> str:
+    """Return what is searched for, such as "Lightest AD85 on 6061-T6 against 7.62 mm AP at 850 m/s"."""
+    varied: Varied = {
+        NAMES["ceramic"]: [offer.ceramic.material for offer in catalogue.offers],
+        NAMES["backing"]: [offer.backing.material for offer in catalogue.offers],
+        CERAMIC: (),
+        BACKING: (),
+    }
+    wanted = SUPERLATIVES[catalogue.section.minimise].capitalize()
+    return f"{wanted} {subject(catalogue.scenario, varied, catalogue.scenario.threat)}"
 
 
 def _why_none_of(search: Search, pair: int) -> str:

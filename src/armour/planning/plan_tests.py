@@ -38,7 +38,7 @@ from armour.statistics.likelihood_fit import (
     needed_of,
     rows_at,
 )
-from armour.statistics.test_data import LIMIT, MEASURED, MaterialGroup, Measurement, Tests
+from armour.statistics.test_data import LIMIT, MEASURED, MaterialGroup, Measurement, Tests, subject_of
 from armour.sweeps.cases import Cases, Grid
 from armour.sweeps.columns import source_of
 
@@ -304,7 +304,7 @@ def plan_tests(
         sensitivities=tuple((slopes / (slopes[chosen] @ task.costs[chosen] / total)).tolist() if regular else ()),
         confidence=CONFIDENCE,
         warnings=(*known.warnings, *_warnings(lacking, number, task)),
-    )
+    )._of(subject_of(rows), scenario=scenario)
 
 
 def _scenarios(designs: Scenario | Sequence[Scenario]) -> tuple[Scenario, ...]:

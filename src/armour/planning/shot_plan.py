@@ -19,6 +19,7 @@ from armour.planning.procedures.stopping import recommended_fit
 from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import Section, check_types, validated
+from armour.scenario.words import ANY_VELOCITY, subject
 from armour.statistics.firing_posterior import (
     SCATTER_FACTOR,
     SCATTER_PERCENT,
@@ -245,7 +246,7 @@ def plan_shots(
     --------
     >>> import armour
     >>> armour.plan_shots(armour.load_scenario("wilkins"))
-    <ShotPlan: 0 shots, the next at 722.8 m/s>
+    <ShotPlan: 6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP: 0 shots, the next at 722.8 m/s>
     """
     check_types(
         "plan_shots",
@@ -338,7 +339,7 @@ def plan_shots(
             *([f"the simulation stopped after {MAX_SIMULATED} shots without an end"] if simulate and aim else ()),
             *limit.warnings,
         ),
-    )
+    )._of(subject(scenario, ANY_VELOCITY), scenario=scenario)
 
 
 def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:

@@ -156,6 +156,10 @@ class Chart:
     note: str = ""
     width: float = 5.2  # of a file, inches
 
+    def headed(self, lines: Sequence[str]) -> "Chart":
+        """Return the chart with lines above its title."""
+        return replace(self, title="\n".join(filter(None, (*lines, self.title))))
+
 
 def printable_chart(chart: Any) -> Any:
     """Return a chart, or a part of one, with the control characters of its texts escaped; line ends stay."""

@@ -91,7 +91,7 @@ def _velocity_rule(label: str, velocity: float, colour: str, style: Style = "-")
     return Rule(velocity, style, label=f"{label} {velocity:.1f} m/s", colour=colour)
 
 
-def impact_chart(result: "ImpactResult", title: str) -> Chart:
+def impact_chart(result: "ImpactResult") -> Chart:
     """Describe an impact over time, from its history: velocities, rod length, depth and bulge, with its stages."""
     history = result.history
     if history is None:
@@ -127,7 +127,7 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
         panels.append(Panel(x, y, (spans, *lines), height=height, shares_x=bool(panels)))
         # The first panel alone names the stages.
         spans = replace(spans, names=(), text=())
-    outcome = f"{result.outcome} at {result.impact_velocity_m_s:g} m/s"
+    outcome = f"Impact: {result.outcome} at {result.impact_velocity_m_s:g} m/s"
     if result.outcome == "perforated":
         outcome += f", residual velocity {result.residual_velocity_m_s:.1f} m/s"
     # The caption names every stage: some are too narrow for a name above the panel, or start after the time shown.
@@ -135,7 +135,7 @@ def impact_chart(result: "ImpactResult", title: str) -> Chart:
     caption = f"Stages: {'; '.join(parts)}."
     if shown < result.duration_us:
         caption = f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs. {caption}"
-    return Chart(f"{title}\n{outcome}".strip(), tuple(panels), caption, width=6.0)
+    return Chart(outcome, tuple(panels), caption, width=6.0)
 
 
 def _stage_words(stage: str) -> str:
@@ -143,7 +143,7 @@ def _stage_words(stage: str) -> str:
     return STAGES[stage].replace(";", ",")
 
 
-def limit_chart(limit: "LimitResult", curve: Sequence["ImpactResult"], title: str) -> Chart:
+def limit_chart(limit: "LimitResult", curve: Sequence["ImpactResult"]) -> Chart:
     """Describe the residual velocity over impact velocity, in the order of the curve, with the ballistic limit."""
     impact = [result.impact_velocity_m_s for result in curve]
     series = (
@@ -152,7 +152,7 @@ def limit_chart(limit: "LimitResult", curve: Sequence["ImpactResult"], title: st
         Line(impact, [result.plug_velocity_m_s for result in curve], "--", label="plug", colour=GREEN),
         _velocity_rule("ballistic limit", limit.ballistic_limit_m_s, VERMILION),
     )
-    return Chart(title, (_residual_velocity_panel(series, limits=(impact[0], impact[-1])),))
+    return Chart("", (_residual_velocity_panel(series, limits=(impact[0], impact[-1])),))
 
 
 def _residual_velocity_panel(series: Iterable[Series], limits: tuple[float, float] | None = None) -> Panel:
@@ -160,17 +160,17 @@ def _residual_velocity_panel(series: Iterable[Series], limits: tuple[float, floa
     return Panel(x, quantity_axis("residual_velocity_m_s", from_zero=True), tuple(series), height=1.2)
 
 
-def design_chart(result: "DesignResult", title: str) -> Chart:
+def design_chart(result: "DesignResult") -> Chart:
     """Describe the designs of a search: the frontier, the best of other pairs, and the Pareto front."""
-    frontier = frontier_chart(result, title)
+    frontier = frontier_chart(result)
     if not result.pareto:
         return frontier
     named = {"best", _pair(result.best), *(name for name, *_ in _others(result))}
-    pareto = pareto_chart(result, "")
+    pareto = pareto_chart(result)
     [front] = pareto.panels
     series = tuple(replace(item, label="") if item.label in named else item for item in front.series)
     money = "Costs are in the currency of the scenario." if COST.key in result.criteria[:2] else ""
-    panels = *frontier.panels, replace(front, series=series, title="Pareto front")
+    panels = *frontier.panels, replace(front, series=series, title=pareto.title)
     return replace(frontier, panels=panels, note=" ".join(filter(None, (frontier.note, pareto.note, money))))
 
 
@@ -192,7 +192,7 @@ def _look(index: int) -> dict[str, Any]:
     return {"colour": COLOURS[colour], "marker": MARKERS[(colour + turn) % len(MARKERS)]}
 
 
-def frontier_chart(result: "DesignResult", title: str) -> Chart:
+def frontier_chart(result: "DesignResult") -> Chart:
     """Describe the criterion minimised and the required ceramic over the back plate, for the best pair and others."""
     x = quantity_axis(BACKING)
     # The legend is that of the first panel.
@@ -211,7 +211,7 @@ def frontier_chart(result: "DesignResult", title: str) -> Chart:
         notes.append(
             f"Where the ceramic is {result.ceramic_min_mm:g} mm, the least of its range, less may be required."
         )
-    return Chart(title, panels, " ".join(notes))
+    return Chart("Required ceramic for each back plate", panels, " ".join(notes))
 
 
 def _frontier(result: "DesignResult", key: str) -> tuple[Series, ...]:
@@ -235,7 +235,7 @@ def _frontier(result: "DesignResult", key: str) -> tuple[Series, ...]:
     return tuple(series)
 
 
-def pareto_chart(result: "DesignResult", title: str) -> Chart:
+def pareto_chart(result: "DesignResult") -> Chart:
     """Describe the Pareto front over its first two criteria, a series for each pair of materials."""
     looks = _looks(result)
     x, y = result.criteria[:2]
@@ -253,7 +253,7 @@ def pareto_chart(result: "DesignResult", title: str) -> Chart:
     if len(result.criteria) > 2:
         hidden = " and ".join(CRITERIA[key].label for key in result.criteria[2:])
         notes = f"A design of the front that another one beats in both criteria drawn is better in {hidden}."
-    return Chart(title, (Panel(CRITERIA[x], CRITERIA[y], tuple(series)),), notes)
+    return Chart("Pareto front", (Panel(CRITERIA[x], CRITERIA[y], tuple(series)),), notes)
 
 
 def _at(designs: Iterable["Design"], x: str, y: str) -> tuple[list[float], list[float]]:
@@ -367,7 +367,7 @@ def _grouped(items: Iterable[Any], key: Callable[[Any], str]) -> dict[str, list[
     return groups
 
 
-def comparison_chart(result: "Comparison", title: str) -> Chart:
+def comparison_chart(result: "Comparison") -> Chart:
     """Describe the residual velocity by the model and by fits to it, with Florence's ballistic limits."""
     found = result.limit.ballistic_limit_m_s
     impact = [impact.impact_velocity_m_s for impact in result.curve]
@@ -380,7 +380,7 @@ def comparison_chart(result: "Comparison", title: str) -> Chart:
     for florence, colour, style in zip(result.florence, (ORANGE, PURPLE), (":", "--"), strict=False):
         label = f"Florence, {florence.projectile}: ballistic limit"
         series.append(_velocity_rule(label, florence.ballistic_limit_m_s, colour, style))
-    return Chart(title, (_residual_velocity_panel(series),))
+    return Chart("", (_residual_velocity_panel(series),))
 
 
 def calibration_chart(result: "CalibrationResult") -> Chart:
@@ -431,7 +431,7 @@ def _bars_panel(
     return Panel(x, Axis(categories=names), tuple(series), title)
 
 
-def sensitivity_chart(result: "SensitivityResult", title: str) -> Chart:
+def sensitivity_chart(result: "SensitivityResult") -> Chart:
     """Describe the elasticities of every answer as bars, the inputs of the largest on top."""
     answers = [name for name, value in result.answers.items() if value is not None]
     largest = [max((abs(item.elasticities[name] or 0.0) for name in answers), default=0.0) for item in result.inputs]
@@ -441,7 +441,8 @@ def sensitivity_chart(result: "SensitivityResult", title: str) -> Chart:
     names = tuple(quantity_axis(item.input).label for item in inputs)
     values = {quantity_axis(answer).label: [item.elasticities[answer] for item in inputs] for answer in answers}
     x = Axis("change per % of the input", "%", spec="+.3f")
-    return Chart(title, (_bars_panel(x, names, values),), "Inputs are in the order of their longest bars.")
+    note = "Inputs are in the order of their longest bars."
+    return Chart("Sensitivity to the inputs", (_bars_panel(x, names, values),), note)
 
 
 # Height of the posterior's interval of V50, below that of the shots alone.
@@ -508,8 +509,7 @@ def v50_chart(shots: "Shots", result: "FiringResult") -> Chart:
         quantity_axis(VELOCITY, limits=(low, high)),
         Axis("probability of complete penetration", limits=(-0.02, 1.02)),
     )
-    title = f"V50 of the shots in {Path(shots.file).name}"
-    return Chart(title, (Panel(*axes, tuple(series), height=1.1),), " ".join(notes))
+    return Chart("", (Panel(*axes, tuple(series), height=1.1),), " ".join(notes))
 
 
 def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Chart:
@@ -550,7 +550,7 @@ def uncertainty_chart(result: "UncertaintyResult", scenario: "Scenario") -> Char
         title = "Ballistic limit with one input changed"
         swings = _bars_panel(x, names, values, title, found)
         panels.append(replace(swings, shares_x=True))
-    return Chart(scenario.title, tuple(panels))
+    return Chart("Probability of perforation", tuple(panels))
 
 
 def energy_chart(energy: "EnergyBalance") -> Chart:

@@ -37,17 +37,6 @@ class _Source(NamedTuple):
     scenario: "Scenario | None"
     shots: "Shots | None"
 
-    @property
-    def title(self) -> str:
-        return "" if self.scenario is None else self.scenario.title
-
-    @property
-    def heading(self) -> str:
-        """Title, followed by the armour where the title does not name it, as after a change of its thickness."""
-        if self.scenario is None or self.scenario.armour_words() in self.title:
-            return self.title
-        return f"{self.title}\n{self.scenario.armour_words()}".strip()
-
 
 def plot(
     result: "Result", scenario: "Scenario | None" = None, *, shots: "Shots | None" = None, title: str | None = None
@@ -88,12 +77,13 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
     if chart is None:
         raise _missing("result", f"must be one of {', '.join(CHARTS)}, found {type(result).__name__}")
     own = result._question
-    if scenario is not None and "scenario" in own and not _same(scenario, own["scenario"]):
+    other = own.get("scenario")
+    if scenario is not None and other is not None and not _same(scenario, other):
         raise _missing("scenario", "must be the scenario of the result, found another; it can be left out")
     if shots is not None and shots != own.get("shots", shots):
         raise _missing("shots", "must be the shots of the result, found others; they can be left out")
     made = chart(result, _Source(scenario or own.get("scenario"), shots or own.get("shots")))
-    return draw(made if title is None else replace(made, title=title))
+    return draw(made.headed(result._heading(scenario)) if title is None else replace(made, title=title))
 
 
 def _same(scenario: "Scenario", other: "Scenario") -> bool:
@@ -106,16 +96,16 @@ def _missing(key: str, message: str) -> InputError:
     return InputError([Problem("plot", key, message)])
 
 
-def _impact(result: "ImpactResult", source: _Source) -> Chart:
+def _impact(result: "ImpactResult", _source: _Source) -> Chart:
     if result.history is None:
         raise _missing("result", "must have its history: simulate(scenario, history=True)")
-    return charts.impact_chart(result, source.heading)
+    return charts.impact_chart(result)
 
 
 def _limit(result: "LimitResult", source: _Source) -> Chart:
     scenario = _needed(source.scenario, "scenario")
     curve = residual_velocity_curve(scenario, curve_velocities(result, scenario))
-    return charts.limit_chart(result, curve, source.heading)
+    return charts.limit_chart(result, curve)
 
 
 def _v50(result: "FiringResult", source: _Source) -> Chart:
@@ -123,8 +113,7 @@ def _v50(result: "FiringResult", source: _Source) -> Chart:
 
 
 def _uncertainty(result: "UncertaintyResult", source: _Source) -> Chart:
-    made = charts.uncertainty_chart(result, _needed(source.scenario, "scenario"))
-    return replace(made, title=source.heading)
+    return charts.uncertainty_chart(result, _needed(source.scenario, "scenario"))
 
 
 def _sweep(result: "SweepResult", source: _Source) -> Chart:
@@ -147,13 +136,13 @@ def _needed(value: Any, key: str) -> Any:
 # By the name of the result's class: the modules of most need not be imported for one.
 CHARTS: Mapping[str, Callable[[Any, _Source], Chart]] = {
     "CalibrationResult": lambda result, _source: charts.calibration_chart(result),
-    "Comparison": lambda result, source: charts.comparison_chart(result, source.heading),
-    "DesignResult": lambda result, source: charts.design_chart(result, source.title),
+    "Comparison": lambda result, _source: charts.comparison_chart(result),
+    "DesignResult": lambda result, _source: charts.design_chart(result),
     "FiringResult": _v50,
     "ImpactResult": _impact,
     "LimitResult": _limit,
-    "PlannedTests": lambda result, source: planned_chart(result, source.title),
-    "SensitivityResult": lambda result, source: charts.sensitivity_chart(result, source.heading),
+    "PlannedTests": lambda result, _source: planned_chart(result),
+    "SensitivityResult": lambda result, _source: charts.sensitivity_chart(result),
     "ShotPlan": lambda result, _source: shot_plan_chart(result),
     "SuiteResult": lambda result, _source: charts.parity_chart(result),
     "SweepResult": _sweep,

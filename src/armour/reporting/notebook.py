@@ -27,7 +27,9 @@ def in_html(result: "Result") -> str | None:
     tables = TABLES.get(type(result).__name__)
     if tables is None:
         return None
-    return html_tables([*tables(result), *(f"warning: {warning}" for warning in getattr(result, "warnings", ()))])
+    return html_tables(
+        [*result._heading(), *tables(result), *(f"warning: {warning}" for warning in getattr(result, "warnings", ()))]
+    )
 
 
 def sweep_tables(result: "SweepResult") -> list[Table | str]:

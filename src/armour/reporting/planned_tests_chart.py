@@ -27,7 +27,7 @@ MARKS: tuple[dict[str, Any], ...] = (
 )
 
 
-def planned_chart(result: "PlannedTests", title: str) -> Chart:
+def planned_chart(result: "PlannedTests") -> Chart:
     """Describe the gain of one more test over the inputs that vary, with the planned tests and their numbers.
 
     It is a map over two of them, by preference the thicknesses, or a curve over one; the greatest gain is shown where
@@ -68,7 +68,7 @@ def planned_chart(result: "PlannedTests", title: str) -> Chart:
     note = NOTE if result.sensitivities else "The planned tests do not determine the inputs, so that no gain is shown."
     if velocities:
         note += f" The planned shots are at {velocities_in_words(velocities)}."
-    return Chart(title, (Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
+    return Chart("", (Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
 
 
 def _velocities(result: "PlannedTests") -> list[float]:

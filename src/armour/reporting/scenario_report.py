@@ -26,9 +26,10 @@ from armour.reporting.tables.design import (
 from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT, energy_table, stage_table
 from armour.reporting.tables.library import entry_table
 from armour.reporting.tables.statistics import elasticity_table, estimate_table
-from armour.reporting.words import in_words, layers
+from armour.reporting.words import in_words
 from armour.scenario.applicability import is_excluded
 from armour.scenario.parameters import INPUTS
+from armour.scenario.words import subject, title_beside
 from armour.units import MM
 
 
@@ -36,7 +37,7 @@ def scenario_report(contents: Contents, command: str) -> Report:
     """Report the results of a scenario; the command is the one that makes the report."""
     scenario = contents.scenario
     return Report(
-        title=scenario.title or scenario.file,
+        title=_subject(contents),
         lead=_question(contents),
         byline=_byline(contents),
         remarks=_remarks(contents),
@@ -51,6 +52,11 @@ def scenario_report(contents: Contents, command: str) -> Report:
         warnings=(*map(_told, contents.warnings), *_extrapolated(contents), *_without_margin(contents)),
         cross_section=_cross_section(contents),
     )
+
+
+def _subject(contents: Contents) -> str:
+    """Return the armour that is reported, with its threats."""
+    return subject(contents.answer, threats=contents.scenario.threat)
 
 
 def _question(contents: Contents) -> str:
@@ -69,16 +75,21 @@ def _the(found: AgainstThreat) -> str:
 
 
 def _byline(contents: Contents) -> tuple[tuple[str, str], ...]:
-    """Return project, author and date, where the scenario names them, and the version of the program."""
+    """Return title, project, author and date, where the scenario has them, and the version of the program."""
     scenario = contents.scenario
-    given = (("project", scenario.project), ("author", scenario.author), ("date", scenario.date))
+    given = (
+        ("scenario", title_beside(_subject(contents), scenario.title)),
+        ("project", scenario.project),
+        ("author", scenario.author),
+        ("date", scenario.date),
+    )
     return (*((name, text) for name, text in given if text), ("revision", f"armour {__version__}"))
 
 
 def _remarks(contents: Contents) -> tuple[str, ...]:
     """Return which armour is reported where the scenario asks for a design, and how to get the other."""
     if contents.design is not None:
-        own = layers(contents.scenario.armour)
+        own = contents.scenario.armour_words()
         return (f"The armour is the best design found. With --as-is, the report is on the scenario's own, {own}.",)
     if asks_for_design(contents.scenario):
         return ("The armour is the scenario's own. Without --as-is, the report is on the best design.",)
@@ -95,7 +106,7 @@ def _armour(contents: Contents) -> tuple[Card, Card]:
         subject = "Best design"
         areal_density, thickness = design.best.areal_density_kg_m2, design.best.thickness_mm
         cost = f"cost {COST.text(design.best.cost_per_m2)} per m²" if design.best.cost_per_m2 else ""
-    card = Card(subject, layers(armour), f"{round(thickness, 3):g} mm thick")
+    card = Card(subject, contents.answer.armour_words(), f"{round(thickness, 3):g} mm thick")
     return card, Card("Areal density", f"{AREAL_DENSITY.text(areal_density)} kg/m²", cost)
 
 
@@ -240,16 +251,15 @@ def _in_words(table: Table) -> Table:
 
 def _charts(contents: Contents) -> Iterator[Chart]:
     if contents.design is not None:
-        yield charts.frontier_chart(contents.design, "Required ceramic for each back plate")
+        yield charts.frontier_chart(contents.design)
         if contents.design.pareto:
-            yield charts.pareto_chart(contents.design, "Pareto front")
+            yield charts.pareto_chart(contents.design)
     if contents.uncertainty is not None:
-        chart = charts.uncertainty_chart(contents.uncertainty, contents.answer)
-        yield replace(chart, title="Probability of perforation")
-    yield charts.sensitivity_chart(contents.sensitivity, "Sensitivity to the inputs")
+        yield charts.uncertainty_chart(contents.uncertainty, contents.answer)
+    yield charts.sensitivity_chart(contents.sensitivity)
     # The low chart before the high one, so that the first printed page has room for it.
     yield charts.energy_chart(contents.energy)
-    yield charts.impact_chart(contents.impact, f"Impact of the {contents.answer.impact.projectile}")
+    yield charts.impact_chart(contents.impact)
 
 
 def _cross_section(contents: Contents) -> CrossSection:

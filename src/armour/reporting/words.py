@@ -3,9 +3,7 @@
 from armour.analysis.quantities import label_and_unit
 from armour.reporting.text import spelt
 from armour.scenario.assignments import parts_of
-from armour.scenario.loading import Scenario
 from armour.scenario.parameters import ROLES
-from armour.scenario.schema import ArmourSection
 
 
 def words_of(name: str) -> tuple[str, str]:
@@ -25,17 +23,3 @@ def in_words(name: str) -> str:
     """Return label and unit of a quantity, an input or a key, such as "ceramic flow stress, GPa"."""
     words, unit = words_of(name)
     return f"{words}, {unit}" if unit else words
-
-
-def layers(armour: ArmourSection) -> str:
-    """Return the materials of an armour with their thicknesses."""
-    plate = f"{round(armour.backing_thickness_mm, 3):g} mm {armour.backing}"
-    if armour.ceramic is None or armour.ceramic_thickness_mm == 0.0:
-        return plate
-    return f"{round(armour.ceramic_thickness_mm, 3):g} mm {armour.ceramic} on {plate}"
-
-
-def computed(scenario: Scenario) -> list[str]:
-    """Return a line with the armour and the projectile that are computed, unless the title begins with it."""
-    words = f"{layers(scenario.armour)}, {scenario.impact.projectile}"
-    return [] if scenario.title.startswith(words) else [f"computed: {words}"]

@@ -40,6 +40,7 @@ from armour.scenario.schema import (
     Solver,
     Threat,
 )
+from armour.scenario.words import heading, layers, subject
 from armour.units import MM
 
 
@@ -111,13 +112,10 @@ class Scenario(Section):
 
     def armour_words(self) -> str:
         """Return thicknesses and names of the layers, such as "6.35 mm AD85 on 6.35 mm 6061-T6"."""
-        armour = self.armour
-        ceramic = f"{armour.ceramic_thickness_mm:g} mm {armour.ceramic} on " if armour.ceramic else ""
-        return f"{ceramic}{armour.backing_thickness_mm:g} mm {armour.backing}"
+        return layers(self.armour)
 
     def __repr__(self) -> str:
-        impact, title = self.impact, f"'{self.title}', " if self.title else ""
-        return f"<Scenario: {title}{self.armour_words()}, {impact.projectile} at {impact.velocity_m_s:g} m/s>"
+        return f"<Scenario: {'; '.join(heading(subject(self), self.title))}>"
 
     __str__ = __repr__
 

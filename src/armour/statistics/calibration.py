@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_sequence, check_types
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, law_of, with_law
 from armour.statistics.likelihood_fit import MIN_P_VALUE, Coefficient, Fit, enough, fit_inputs, intervals, without
-from armour.statistics.test_data import LIMIT, Tests, common_of
+from armour.statistics.test_data import LIMIT, Tests, common_of, subject_of
 
 # Greatest number of folds of the leave-one-out error.
 MAX_FOLDS = 100
@@ -210,19 +210,19 @@ def calibrate(
         message = f'must not be given where {FLOW_STRESS} is not fitted, found "{law}"'
         raise InputError([Problem("calibrate", "law", message)])
     if law != "all":
-        return _with_intervals(_with_one_law(tests, scenario, fit, law, on_progress, prior=prior))
+        return _with_intervals(_with_one_law(tests, scenario, fit, law, on_progress, prior=prior), scenario)
     fits = [_with_one_law(tests, scenario, fit, "constant", on_progress, prior=prior)]
     for each in [*LAWS][1:]:
         # Some laws have more coefficients than there are tests for.
         with suppress(InputError):
             fits.append(_with_one_law(tests, scenario, fit, each, on_progress, prior=prior))
-    rows = [LawFit(f.law, len(f.done.best.x), f.mean_error, f.left_out_error, f.done.aicc) for f in fits]
+    laws = tuple(LawFit(f.law, len(f.done.best.x), f.mean_error, f.left_out_error, f.done.aicc) for f in fits)
     results: list[CalibrationResult] = []
     for candidate in sorted(fits, key=_rank):
-        results.append(_with_intervals(candidate))
+        results.append(_with_intervals(candidate, scenario, laws))
         if not any(coefficient.estimate is None for coefficient in results[-1].coefficients):
-            return replace(results[-1], laws=tuple(rows))
-    return replace(results[0], laws=tuple(rows))
+            return results[-1]
+    return results[0]
 
 
 class _LawFit(NamedTuple):
@@ -279,7 +279,7 @@ def _with_one_law(
     return _LawFit(tests, (law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in inputs else "", done, residuals)
 
 
-def _with_intervals(found: _LawFit) -> CalibrationResult:
+def _with_intervals(found: _LawFit, scenario: Scenario, laws: tuple[LawFit, ...] = ()) -> CalibrationResult:
     done, tests = found.done, found.tests
     errors = np.sqrt(np.maximum(np.diag(done.covariance), 1e-300))
     correlation = done.covariance / np.outer(errors, errors)
@@ -301,8 +301,9 @@ def _with_intervals(found: _LawFit) -> CalibrationResult:
         p_value=done.p_value,
         widened_by=done.widened_by,
         aicc=done.aicc,
+        laws=laws,
         warnings=(*_bad_fit(done), *_strange(found), *_unlike(tests)),
-    )
+    )._of(subject_of(tests), scenario=scenario)
 
 
 def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bools:

@@ -18,6 +18,7 @@ from armour.scenario.applicability import warnings_of
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_types
 from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of
+from armour.scenario.words import subject
 
 # Relative change of an input in either direction.
 CHANGE = 0.005
@@ -126,7 +127,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         answers={answer: _number(values[0]) for answer, values in answers.items()},
         inputs=tuple(sorted(inputs, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
         warnings=warnings_of(scenario, scenario.impact.velocity_m_s),
-    )._of(scenario=scenario)
+    )._of(subject(scenario), scenario=scenario)
 
 
 def _answers(scenario: Scenario, variants: Variants, on_progress: OnProgress) -> dict[str, Floats]:

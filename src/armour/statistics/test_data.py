@@ -12,7 +12,8 @@ from armour.csv_files import CsvRow, Rows, in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_sequence, check_types
-from armour.scenario.parameters import INPUTS, NAMES, ROLES, VELOCITY, check_rows, inputs_of, with_inputs
+from armour.scenario.parameters import INPUTS, NAMES, ROLES, VELOCITY, check_rows, inputs_of, name_of, with_inputs
+from armour.scenario.words import ANY_VELOCITY, subject
 from armour.statistics.v50 import RESULTS
 
 LIMIT, RESIDUAL, MASS, OUTCOME = "ballistic_limit_m_s", "residual_velocity_m_s", "residual_mass_g", "outcome"
@@ -83,6 +84,13 @@ class Tests(NamedTuple):
 
     def __repr__(self) -> str:
         return f"<Tests: {len(self.names)} tests of {self.file}, {len(self.measurements)} measurements>"
+
+
+def subject_of(tests: Tests) -> str:
+    """Return the materials and rounds of tests, such as "Tests of AD85 on 6061-T6 against 7.62 mm AP"."""
+    names = {key: [name_of(group.scenario, role) for group in tests.groups] for role, key in NAMES.items()}
+    inputs = dict.fromkeys((key for group in tests.groups for key in group.columns), ())
+    return f"Tests of {subject(tests.scenario, {**ANY_VELOCITY, **names, **inputs})}"
 
 
 def common_of(scenario: Scenario) -> dict[str, object]:

@@ -21,6 +21,7 @@ from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_types
 from armour.scenario.parameters import VELOCITY, inputs_of
 from armour.scenario.sampling import REPLICATES, columns_of, moved_mean, points_of, quantiles
+from armour.scenario.words import subject
 from armour.statistics.sobol_indices import first_order_indices, total_indices
 
 # Quantiles of the ballistic limit.
@@ -188,7 +189,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
             *warnings_of(scenario, deterministic, "ballistic_limit"),
         ),
         model_error=model_error(scenario),
-    )._of(scenario=scenario)
+    )._of(subject(scenario), scenario=scenario)
 
 
 def probability_of_perforation(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> Estimate:

@@ -6,6 +6,7 @@ from itertools import chain, islice
 from math import inf
 from numbers import Real
 from os import PathLike
+from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, Literal
 
@@ -19,6 +20,7 @@ from armour.csv_files import in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem, refuse, suggestion
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import PATH, Section, check_types, validated
+from armour.scenario.words import ANY_VELOCITY, subject
 from armour.statistics.firing_posterior import (
     FiringEstimate,
     contradictions,
@@ -289,6 +291,9 @@ def v50(
         if prior and scenario and model
         else (None, None, ())
     )
+    computed = f"V50 of the shots in {Path(shots.file).name}"
+    if scenario is not None:
+        computed += f": {subject(scenario, ANY_VELOCITY)}"
     return FiringResult(
         shots=len(shots.complete),
         complete=len(complete),
@@ -306,7 +311,7 @@ def v50(
         prior=before,
         posterior=after,
         prior_share=None if before is None or after is None else prior_share(before, after),
-    )._of(shots=shots)
+    )._of(computed, scenario=scenario, shots=shots)
 
 
 def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:

@@ -15,6 +15,7 @@ from pydantic import Field
 
 from armour.analysis.evaluate import evaluate, groups_of
 from armour.analysis.progress import OnProgress, ignore_progress
+from armour.analysis.quantities import reads_of
 from armour.analysis.results import TableResult, same_columns
 from armour.analysis.variants import Floats
 from armour.errors import InputError, Problem, choices
@@ -32,6 +33,7 @@ from armour.scenario.messages import (
 )
 from armour.scenario.parameters import NAMES
 from armour.scenario.schema import MAX_VALUES
+from armour.scenario.words import ANY_VELOCITY, subject
 from armour.sweeps import sweep as in_chunks
 from armour.sweeps.cases import Axis, Cases, Grid, range_axis
 from armour.sweeps.tables import read_table
@@ -207,7 +209,7 @@ def sweep(
             tell=lambda line: warnings.append(line.removeprefix("warning: ")),
         )
     found = SweepResult(scenario, source.keys, names, source.count, output, tuple(warnings), computed)
-    return found._of(scenario=scenario)
+    return found._of(subject_of(scenario, source, names), scenario=scenario)
 
 
 def source_of(over: Mapping[str, object] | str | PathLike[str]) -> Grid | Cases:
@@ -247,3 +249,10 @@ def _outside(scenario: Scenario, columns: Mapping[str, Floats], quantities: Sequ
     outside = in_chunks.outside_of(groups_of(scenario, columns), quantities)
     rows = len(next(iter(columns.values())))
     return [f"{limit}; this concerns {number:,} of {rows:,} rows" for limit, number in sorted(outside.items())]
+
+
+def subject_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> str:
+    """Return the armours and rounds of a sweep, such as "AD85 on 6.35 mm 6061-T6 against 7.62 mm AP"."""
+    axes = source.axes if isinstance(source, Grid) else ()
+    varied = {**dict.fromkeys(source.keys, ()), **{axis.key: axis.values for axis in axes}}
+    return subject(scenario, varied if "impact" in reads_of(quantities) else {**ANY_VELOCITY, **varied})

@@ -21,6 +21,7 @@ from armour.scenario.library import LibraryEntry
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_types
 from armour.scenario.parameters import ROLES, entry_of, name_of
+from armour.scenario.words import ANY_VELOCITY, subject
 from armour.validation.rivals import Error, areal_densities, measured_limits
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.validate import paper_suite, validate
@@ -170,7 +171,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
         rules=tuple(_rule(cases, p, scenario.areal_density_kg_m2()) for p in (1.0, None)) if own else (),
         errors=_errors() if own else (),
         florence_missing=tuple(problem.key for problem in missing),
-    )._of(scenario=scenario)
+    )._of(subject(scenario, ANY_VELOCITY), scenario=scenario)
 
 
 @cache

@@ -1,0 +1,59 @@
+"""The words of what is computed."""
+
+import pytest
+
+from armour import load_scenario
+from armour.scenario.schema import Threat
+from armour.scenario.words import ANY_VELOCITY, Varied, heading, subject
+from tests.helpers.cases import scenario
+
+CERAMIC, BACKING, PROJECTILE = "armour.ceramic", "armour.backing", "impact.projectile"
+THICK, PLATE = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
+
+
+def test_the_armour_is_that_of_the_scenario_as_changed():
+    changed = scenario().replaced({CERAMIC: "SiC", THICK: 8.00049, "impact.velocity_m_s": 850.5})
+    assert subject(changed) == "8 mm SiC on 6.35 mm 6061-T6 against 7.62 mm AP at 850.5 m/s"
+    assert subject(changed.replaced({THICK: 0.0})) == "6.35 mm 6061-T6 against 7.62 mm AP at 850.5 m/s"
+    assert subject(load_scenario("bare_plate"), ANY_VELOCITY) == "20 mm AA6082-T651 against 7.62 mm APM2"
+
+
+@pytest.mark.parametrize(
+    ("varied", "words"),
+    [
+        ({THICK: (4.0, 8.0)}, "AD85 on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s"),
+        ({PLATE: (), **ANY_VELOCITY}, "6.35 mm AD85 on 6061-T6 against 7.62 mm AP"),
+        ({CERAMIC: ("AD85", "SiC", "AD85")}, "6.35 mm AD85 or SiC on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s"),
+        ({CERAMIC: [*"abc"], THICK: ()}, "a, b or c on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s"),
+        ({CERAMIC: [*"abcde"], THICK: ()}, "a, b, c or 2 more on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s"),
+        ({CERAMIC: [None], THICK: ()}, "6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s"),
+        (
+            dict.fromkeys((CERAMIC, BACKING, PROJECTILE), ()),
+            "6.35 mm ceramic on 6.35 mm metal against different rounds at 800 m/s",
+        ),
+    ],
+)
+def test_what_varies_is_listed_or_left_out(varied: Varied, words: str):
+    assert subject(scenario(), varied) == words
+
+
+def test_threats_are_in_place_of_the_impact():
+    threats = [Threat(name=name, projectile="7.62 mm APM2", velocity_m_s=800.0) for name in ("a", "b", "c", "d")]
+    assert subject(scenario(), {}, threats[:1]).endswith(" against 7.62 mm APM2 at 800 m/s")
+    assert subject(scenario(), {}, threats).endswith("6061-T6 against 4 threats")
+
+
+@pytest.mark.parametrize(
+    ("title", "shown"),
+    [
+        ("", False),
+        ("8 mm SiC on 6.35 mm 6061-T6, 7.62 mm AP", False),
+        ("8 mm SiC", False),
+        ("6.35 mm AD85 on 6.35 mm 6061-T6, 7.62 mm AP", True),
+        ("6.35 mm SiC on 8 mm 6061-T6, 7.62 mm AP", True),
+        ("8 mm SiC on 6.35 mm 6061-T6, 7.62 mm AP: dwell", True),
+    ],
+)
+def test_a_title_of_the_same_words_is_not_repeated(title: str, shown: bool):
+    words = "8 mm SiC on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s"
+    assert heading(words, title) == [words, *([f"scenario: {title}"] if shown else [])]
