@@ -282,6 +282,11 @@ def _tried(function: Callable[..., None], *paths: Path) -> None:
         function(*paths)
 
 
+def is_private(status: os.stat_result) -> bool:
+    """Return whether a file of this status is the user's and no other can write it; True where there are no users."""
+    return not hasattr(os, "geteuid") or (status.st_uid == os.geteuid() and not status.st_mode & 0o022)
+
+
 def sync_folder(path: Path) -> None:
     """See the names of the files in a folder on disk; Windows does so itself."""
     if sys.platform != "win32":

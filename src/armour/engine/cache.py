@@ -23,6 +23,7 @@ from zipfile import ZipFile
 from platformdirs import user_cache_dir
 
 from armour.errors import ArmourError
+from armour.files import is_private
 
 if TYPE_CHECKING:
     from armour.engine.kernels import Kernel
@@ -134,7 +135,7 @@ def _load(path: Path, archive: bytes | None, *names: str) -> "dict[str, Kernel]"
 def read_archive(path: Path) -> bytes | None:
     """Return the content of an archive, or None if it is missing, damaged or could be another user's."""
     try:
-        if not (is_exclusive(path.parent) and stat.S_ISREG(path.lstat().st_mode) and is_private(path)):
+        if not (is_exclusive(path.parent) and stat.S_ISREG(path.lstat().st_mode) and is_private(path.stat())):
             return None
         data = path.read_bytes()
     except OSError:
@@ -170,15 +171,9 @@ def checksum(path: Path, content: bytes) -> bytes:
     return sha256(path.name.encode() + content).digest()
 
 
-def is_private(path: Path) -> bool:
-    """Return whether a path belongs to this user and others cannot write it; True where there are no users."""
-    status = path.stat()
-    return not hasattr(os, "geteuid") or (status.st_uid == os.geteuid() and not status.st_mode & 0o022)
-
-
 def is_exclusive(directory: Path) -> bool:
     """Return whether a directory is this user's alone, or will be when it is made."""
-    return is_trusted(directory) and (not os.path.exists(directory) or is_private(directory))
+    return is_trusted(directory) and (not os.path.exists(directory) or is_private(directory.stat()))
 
 
 def is_trusted(path: Path) -> bool:
