@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armour.errors import InputError, Problem, choices
-from armour.files import check_unreserved, exists, reason
+from armour.files import check_unreserved, csv_value, exists, reason
 from armour.scenario.assignments import parts_of
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import key_name
@@ -238,7 +238,7 @@ def _is_name(cell: str) -> bool:
 def _names(lines: Sequence[str], keys: Sequence[str]) -> dict[str, Any]:
     """Return the names in lines as columns by key, (n,); raise a ValueError if a line does not have them."""
     rows = [_cells(line) for line in lines]
-    found = {key: [row[i].strip() for row in rows if len(row) == len(keys)] for i, key in enumerate(keys)}
+    found = {key: [csv_value(row[i].strip()) for row in rows if len(row) == len(keys)] for i, key in enumerate(keys)}
     names = {key: cells for key, cells in found.items() if key in NAMES.values()}
     if not all(len(cells) == len(lines) and all(map(_is_name, cells)) for cells in names.values()):
         raise ValueError
