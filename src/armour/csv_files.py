@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from armour.errors import InputError, Problem, choices, refuse
-from armour.files import check_unreserved, reason, table_file
+from armour.files import check_unreserved, csv_value, reason, table_file
 from armour.units import missing_unit
 
 # More rows than tests or shots that anyone has made; their fits take about a minute.
@@ -74,7 +74,8 @@ def read_rows(
             message = f"repeats {seen[tuple(cells)]}; where both took place, name them in the column {texts[0]}"
             problems.append(Problem(file, place, message))
         seen[tuple(cells)] = place
-        row = CsvRow(place, {}, {name: cell for name, cell in zip(header, cells, strict=True) if cell})
+        named = zip(header, cells, strict=True)
+        row = CsvRow(place, {}, {name: csv_value(cell) if name in texts else cell for name, cell in named if cell})
         for name in filter(row.texts.get, numbers):
             if (value := number(row.texts[name])) is not None:
                 row.numbers[name] = value

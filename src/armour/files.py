@@ -1,10 +1,11 @@
-"""Read text and TOML files, locate the shipped data and write files, all or none."""
+"""Read text and TOML files, locate the shipped data, make texts safe for files and write files, all or none."""
 
 import os
 import secrets
 import stat
 import sys
 import tomllib
+import unicodedata
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from contextvars import ContextVar
@@ -14,6 +15,9 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from armour.errors import ArmourError, InputError, Problem, refuse, suggestion
+
+# Beginnings of a cell that a spreadsheet takes for a formula.
+FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
 
 # Longer than any scenario or library; a device such as /dev/zero has no end.
 MAX_BYTES = 10_000_000
@@ -149,6 +153,28 @@ def _check_sizes(value: object, depth: int = 0) -> None:
         raise ValueError
     for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
         _check_sizes(inner, depth + 1)
+
+
+def printable(text: str) -> str:
+    """Escape the control characters of a text from a file, line ends among them."""
+    return text if text.isprintable() else "".join(_shown(character) for character in text)
+
+
+def _shown(character: str) -> str:
+    # Categories C: control, format, surrogate, private and unassigned; Zl and Zp: separators of lines and paragraphs.
+    category = unicodedata.category(character)
+    hidden = category.startswith("C") or category in ("Zl", "Zp")
+    return character.encode("unicode_escape").decode("ascii") if hidden else character
+
+
+def csv_cell(text: str) -> str:
+    """Return a text as a cell of CSV: an apostrophe precedes what a spreadsheet would take for a formula."""
+    return printable(f"'{text}" if text.lstrip("'").startswith(FORMULA) else text)
+
+
+def csv_value(cell: str) -> str:
+    """Return the text of a cell, without the apostrophe of `csv_cell`."""
+    return cell[1:] if cell.startswith("'") and cell.lstrip("'").startswith(FORMULA) else cell
 
 
 def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:
@@ -288,6 +314,11 @@ def _hidden(target: Path, cleanup: ExitStack) -> Path:
 def _tried(function: Callable[..., None], *paths: Path) -> None:
     with suppress(OSError):
         function(*paths)
+
+
+def is_private(status: os.stat_result) -> bool:
+    """Return whether a file of this status is the user's and no other can write it; True where there are no users."""
+    return not hasattr(os, "geteuid") or (status.st_uid == os.geteuid() and not status.st_mode & 0o022)
 
 
 def sync_folder(path: Path) -> None:

@@ -44,6 +44,20 @@ def test_the_form_has_the_given_scatter_of_the_tests_made_before(cli, folder: Pa
     assert float(made["ballistic_limit_uncertainty_m_s"]) == pytest.approx(0.04 * float(made["ballistic_limit_m_s"]))
 
 
+def test_the_form_reads_names_as_they_were(cli, folder: Path):
+    """Each form is the table of the next: a name that a spreadsheet takes for a formula stays what it is."""
+    (folder / "t.csv").write_text(
+        "test,armour.ceramic_thickness_mm,ballistic_limit_m_s\n=1+1,6,700\n-1,8,760\n@x,9,800\n"
+    )
+    for source, form in (("t.csv", "first.csv"), ("first.csv", "second.csv")):
+        result = cli(*PLAN, "--tests", source, "--csv", form)
+        assert result.exit_code == 0, result.output
+        lines = (folder / form).read_text().splitlines()
+        assert [line.split(",")[0] for line in lines[1:4]] == ["'=1+1", "'-1", "'@x"]
+        (folder / form).write_text("\n".join(line for line in lines if "planned" not in line))
+        assert read_tests(form, shipped_scenario("wilkins")).names == ("=1+1", "-1", "@x")
+
+
 def test_candidates_of_a_file_and_designs(cli, folder: Path):
     (folder / "c.csv").write_text("armour.ceramic_thickness_mm,cost\n8,100\n10,120\n")
     optimum = "paper/optimum_7.62mm_AP"

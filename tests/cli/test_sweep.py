@@ -13,6 +13,7 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.quantities import QUANTITIES
 from armour.scenario.loading import load_scenario
+from armour.sweeps.tables import read_table
 from tests.helpers.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
@@ -182,6 +183,34 @@ def test_materials_and_projectiles_by_name(cli, folder: Path):
     (folder / "c.csv").write_text("\n".join((header, *rows, "AD85,5.2,6061-T7,7.62 mm AP")))
     [line] = cli.fails(2, "sweep", WILKINS, "--cases", "c.csv", "-o", "u.csv")
     assert line.startswith('c.csv: line 5: armour.backing: must name a metal of the library, found "6061-T7"; did you')
+
+
+FORMULAS = ["=cmd|' /C calc'!A0", "+1", "@x", "-1", "'=y"]
+
+
+def formulas_toml(folder: Path) -> Path:
+    """Write a scenario whose library has ceramics that a spreadsheet takes for formulas."""
+    entries = (f'[library.ceramic."{name}"]\nbased_on = "AD85"\n' for name in FORMULAS)
+    path = folder / "formulas.toml"
+    path.write_text(WILKINS.read_text() + "".join(entries))
+    return path
+
+
+def test_names_are_no_formulas_and_are_read_again(cli, folder: Path):
+    scenario = formulas_toml(folder)
+    # As a person writes them, but for the last name.
+    cases = [f"{name},{number}" for number, name in enumerate([*FORMULAS[:-1], "''=y"], 5)]
+    (folder / "cases.csv").write_text("\n".join([f"armour.ceramic,{CERAMIC}", *cases]))
+    for source, output in (("cases.csv", "first.csv"), ("again.csv", "second.csv")):
+        done = cli("sweep", scenario, "--cases", source, "--quantities", "residual_velocity_m_s", "-o", output)
+        assert done.exit_code == 0, done.output
+        with (folder / output).open(newline="") as file:
+            rows = list(csv.reader(file))
+        assert not [cell for cell, *_ in rows if cell[0] in "=+-@"]
+        with (folder / "again.csv").open("w", newline="") as file:
+            csv.writer(file).writerows(row[:2] for row in rows)
+    assert (folder / "first.csv").read_bytes() == (folder / "second.csv").read_bytes()
+    assert read_table(folder / "first.csv")["armour.ceramic"].tolist() == FORMULAS
 
 
 def test_a_bare_plate_gets_a_ceramic_by_name(cli, folder: Path):

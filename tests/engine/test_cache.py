@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -237,7 +238,7 @@ def test_a_home_that_can_only_be_read(archive: Path, compiler: FakeCompiler, mon
 
 
 def test_no_temporary_directory(home: Path, compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(tempfile, "TemporaryDirectory", refuse)
+    monkeypatch.setattr(tempfile, "gettempdir", refuse)
     assert cache.load_kernels() == RESULT
     assert compiler.compiled == 1
     assert not home.exists()
@@ -260,6 +261,37 @@ def test_the_temporary_directory_is_removed(monkeypatch: pytest.MonkeyPatch, tmp
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
     cache.load_kernels()
     assert not list((tmp_path / "temporary").iterdir())
+
+
+# Gets a signal while the code loads.
+SIGNALLED = """
+import os, signal, sys
+from armour.engine import cache, kernels
+number = getattr(signal, sys.argv[1])
+if sys.argv[2:]:
+    signal.signal(number, signal.SIG_IGN)
+before = signal.getsignal(number)
+def compiled(*names, directory):
+    (directory / "code").write_bytes(b"code")
+    os.kill(os.getpid(), number)
+    return {}
+kernels.compiled = compiled
+cache.load_kernels()
+assert signal.getsignal(number) == before
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs signals")
+@pytest.mark.parametrize(("name", "ends"), [("SIGTERM", True), ("SIGHUP", True), ("SIGHUP", False)])
+def test_a_process_that_a_signal_ends_leaves_nothing(tmp_path: Path, name: str, ends: bool):
+    """A signal that is ignored, as nohup has it, stays so."""
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "cache"), "TMPDIR": str(temporary)}
+    program = [sys.executable, "-c", SIGNALLED, name, *([] if ends else ["ignored"])]
+    done = subprocess.run(program, env=environment, check=False)
+    assert done.returncode == (-getattr(signal, name) if ends else 0)
+    assert not list(temporary.iterdir())
 
 
 def test_numbas_settings_are_restored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -56,11 +56,11 @@ def faults(first: int, fault: Fault) -> Iterator[list[str]]:
     open_path = Path.open
 
     def opened(path: Path, mode: str = "r", *args: Any, **kwargs: Any) -> Any:
-        if mode != "wb":
+        if mode != "xb":
             return open_path(path, mode, *args, **kwargs)
         if step("create"):
             fault("create")
-        return io.BufferedWriter(File(path, "wb"))
+        return io.BufferedWriter(File(path, "xb"))
 
     with ExitStack() as stack:
         for name in STEPS:

@@ -3,7 +3,9 @@ from io import StringIO
 from types import SimpleNamespace
 
 import pytest
+from hypothesis import given, strategies
 
+from armour.files import FORMULA, csv_cell, csv_value
 from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
 
 LENGTH = Column("length", "mm", ".2f", key="length_mm")
@@ -76,6 +78,12 @@ def test_a_text_is_no_formula_for_a_spreadsheet():
     cells = [row["name"] for row in csv.DictReader(StringIO(csv_text(table)))]
     assert cells == ["'=cmd|' /C calc'!A0", "'+1", "'-x", "'@x", "'\\tx", "'\\rx", "a=b", "6061-T6", ""]
     assert {row["length_mm"] for row in csv.DictReader(StringIO(csv_text(table)))} == {"-1.5"}
+
+
+@given(strategies.text(alphabet="'=+-@a1 "))
+def test_a_text_in_csv_is_no_formula_and_is_read_as_it_was(text: str):
+    assert csv_cell(text)[:1] not in FORMULA
+    assert csv_value(csv_cell(text)) == text
 
 
 def test_a_number_that_is_not_finite_is_left_out():

@@ -1,6 +1,7 @@
 import pytest
 
-from armour.reporting.text import interval, percent, printable, spelt, unbroken, wrapped
+from armour.files import printable
+from armour.reporting.text import interval, percent, spelt, unbroken, wrapped
 
 
 @pytest.mark.parametrize(

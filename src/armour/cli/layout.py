@@ -10,8 +10,8 @@ from dataclasses import replace
 
 from rich.cells import cell_len
 
+from armour.files import printable
 from armour.reporting.table import Column, Table
-from armour.reporting.text import printable
 from armour.units import ENDINGS
 
 GAP = "  "

@@ -8,21 +8,26 @@ cannot be kept, every process compiles.
 
 import io
 import os
+import secrets
+import shutil
+import signal
 import stat
 import sys
 import tempfile
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from threading import Lock
+from threading import Lock, current_thread, main_thread
 from typing import TYPE_CHECKING
 from zipfile import ZipFile
 
 from platformdirs import user_cache_dir
 
 from armour.errors import ArmourError
+from armour.files import is_private
 
 if TYPE_CHECKING:
     from armour.engine.kernels import Kernel
@@ -115,8 +120,7 @@ def _load(path: Path, archive: bytes | None, *names: str) -> "dict[str, Kernel]"
     """Load kernels from the content of an archive, or compile all; write the archive if anything was compiled."""
     from armour.engine.kernels import compiled
 
-    with tempfile.TemporaryDirectory(prefix="armour-", ignore_cleanup_errors=True) as name:
-        directory = Path(name)
+    with _temporary_directory() as directory:
         if not is_trusted(directory):
             raise PermissionError
         if archive is not None:
@@ -131,10 +135,34 @@ def _load(path: Path, archive: bytes | None, *names: str) -> "dict[str, Kernel]"
     return found
 
 
+@contextmanager
+def _temporary_directory() -> Iterator[Path]:
+    """Make a private temporary directory, which is removed also where a signal ends the process."""
+    directory = Path(tempfile.gettempdir()) / f"armour-{secrets.token_hex(8)}"
+
+    def end(number: int, _frame: object) -> None:
+        shutil.rmtree(directory, ignore_errors=True)
+        signal.signal(number, signal.SIG_DFL)
+        signal.raise_signal(number)
+
+    # Only the main thread can handle signals; Windows has no SIGHUP.
+    signals = {signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)} if current_thread() is main_thread() else ()
+    handled = [number for number in signals if signal.getsignal(number) == signal.SIG_DFL]
+    try:
+        for number in handled:
+            signal.signal(number, end)
+        directory.mkdir(mode=0o700)
+        yield directory
+    finally:
+        shutil.rmtree(directory, ignore_errors=True)
+        for number in handled:
+            signal.signal(number, signal.SIG_DFL)
+
+
 def read_archive(path: Path) -> bytes | None:
     """Return the content of an archive, or None if it is missing, damaged or could be another user's."""
     try:
-        if not (is_exclusive(path.parent) and stat.S_ISREG(path.lstat().st_mode) and is_private(path)):
+        if not (is_exclusive(path.parent) and stat.S_ISREG(path.lstat().st_mode) and is_private(path.stat())):
             return None
         data = path.read_bytes()
     except OSError:
@@ -170,15 +198,9 @@ def checksum(path: Path, content: bytes) -> bytes:
     return sha256(path.name.encode() + content).digest()
 
 
-def is_private(path: Path) -> bool:
-    """Return whether a path belongs to this user and others cannot write it; True where there are no users."""
-    status = path.stat()
-    return not hasattr(os, "geteuid") or (status.st_uid == os.geteuid() and not status.st_mode & 0o022)
-
-
 def is_exclusive(directory: Path) -> bool:
     """Return whether a directory is this user's alone, or will be when it is made."""
-    return is_trusted(directory) and (not os.path.exists(directory) or is_private(directory))
+    return is_trusted(directory) and (not os.path.exists(directory) or is_private(directory.stat()))
 
 
 def is_trusted(path: Path) -> bool:

@@ -2,8 +2,8 @@
 
 from xml.etree import ElementTree
 
+from armour.files import printable
 from armour.reporting.tables.validation import failure, held_to
-from armour.reporting.text import printable
 from armour.validation.validate import FAILED, Status, SuiteResult
 
 

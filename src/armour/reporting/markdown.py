@@ -3,8 +3,9 @@
 import re
 from typing import TYPE_CHECKING
 
+from armour.files import printable
 from armour.reporting.table import Table
-from armour.reporting.text import printable, printable_lines
+from armour.reporting.text import printable_lines
 
 if TYPE_CHECKING:
     from armour.reporting.report import Report, Section

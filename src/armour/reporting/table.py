@@ -7,7 +7,8 @@ from io import StringIO
 from math import isfinite
 from typing import Any
 
-from armour.reporting.text import number, printable, spelt
+from armour.files import csv_cell
+from armour.reporting.text import number, spelt
 from armour.units import words_and_unit
 
 Cell = float | int | str | None
@@ -91,15 +92,8 @@ def _cell(item: Any, source: Source) -> Cell:
     return value(item) if callable(value) else value
 
 
-# Beginnings of a cell that a spreadsheet takes for a formula.
-FORMULA = ("=", "+", "-", "@", "\t", "\r")
-
-
 def csv_text(table: Table) -> str:
-    """Format a table as a CSV file: the keys of its columns, and numbers with all their digits.
-
-    A text that a spreadsheet would take for a formula is preceded by an apostrophe.
-    """
+    """Format a table as a CSV file: the keys of its columns, and numbers with all their digits."""
     text = StringIO()
     writer = csv.writer(text, lineterminator="\n")
     kept = [index for index, column in enumerate(table.columns) if column.key]
@@ -110,5 +104,5 @@ def csv_text(table: Table) -> str:
 
 def _csv_cell(cell: Cell) -> Cell:
     if isinstance(cell, str):
-        return printable(f"'{cell}" if cell.startswith(FORMULA) else cell)
+        return csv_cell(cell)
     return None if cell is None or not isfinite(cell) else cell

@@ -1,10 +1,10 @@
 """Texts: words of keys, numbers, intervals, and text from files made safe for terminals and XML."""
 
 import re
-import unicodedata
 from math import isfinite
 from textwrap import wrap
 
+from armour.files import printable
 from armour.units import ENDINGS
 
 # Words of keys that people read in another spelling.
@@ -16,18 +16,6 @@ BEFORE_UNIT = re.compile(rf"(?<=\d) (?=({'|'.join(map(re.escape, [*ENDINGS.value
 def spelt(words: str) -> str:
     """Return the words of a key as people read them: "backing thickness" as "back plate thickness"."""
     return " ".join(SPELLING.get(word, word) for word in words.split(" "))
-
-
-def printable(text: str) -> str:
-    """Escape the control characters of a text from a file, line ends among them."""
-    return text if text.isprintable() else "".join(_shown(character) for character in text)
-
-
-def _shown(character: str) -> str:
-    # Categories C: control, format, surrogate, private and unassigned; Zl and Zp: separators of lines and paragraphs.
-    category = unicodedata.category(character)
-    hidden = category.startswith("C") or category in ("Zl", "Zp")
-    return character.encode("unicode_escape").decode("ascii") if hidden else character
 
 
 def printable_lines(text: str) -> str:

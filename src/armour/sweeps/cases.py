@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from armour.csv_files import check_header, in_line_order, number, read_csv, wrong_width
 from armour.errors import InputError, Problem, choices, refuse
+from armour.files import csv_value
 from armour.scenario.assignments import parts_of
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import key_name
@@ -170,7 +171,8 @@ def _is_key(name: str) -> bool:
 
 def _name(cell: str) -> str | None:
     """Return a name; None for a text that is none."""
-    return cell if 0 < len(cell) <= MAX_NAME else None
+    name = csv_value(cell)
+    return name if 0 < len(name) <= MAX_NAME else None
 
 
 def hash_of(columns: Mapping[str, Any]) -> str:

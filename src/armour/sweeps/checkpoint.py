@@ -1,22 +1,24 @@
 """Checkpoints of a long job: chunks of its table on disk, joined into one file at the end.
 
-A folder beside the output, named after it with the suffix ``.parts``, holds
+A folder beside the output, named after it with the suffix ``.parts``, which only the user can enter, holds
 
 * ``lock``, locked by the process at work; the system unlocks it when that process ends;
-* ``job``, what the chunks belong to: the job and the format of the table;
+* ``job``, what the chunks belong to: the job and the format of the table and, once it is joined, its checksum: after a
+  kill, it tells that the output is this table;
 * ``0000000000000.chunk`` and so on, each named after its first row, counted from 0: a line with its number of rows and
-  two checksums, and then its rows;
-* ``whole``, the table while it is joined;
-* ``joined``, the checksum of the joined table: after a kill, it tells that the output is this table.
+  two checksums, and then its rows.
 
 Files are written under another name, synced and renamed: a kill at any instant leaves each of them whole or missing.
 The checksum of a chunk covers its job, place and content, so that a damaged, exchanged or foreign one is noticed.
+A folder that exists is a sweep's if it has a job, or nothing but what precedes one; nothing else in it is touched.
 Chunks have any number of rows: a process that resumes a job computes what is missing between them in chunks of its own.
 """
 
 import json
 import os
-from collections.abc import Iterator
+import re
+import secrets
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
@@ -25,13 +27,15 @@ from typing import NamedTuple
 from armour.errors import InputError, Problem, refuse
 from armour.files import reason, sync_folder, unwritable, wrong_ending
 from armour.sweeps.job import Job, differences
-from armour.sweeps.lock import holds, locked, unlock
+from armour.sweeps.lock import NAME, holds, locked, make, unlock
 from armour.sweeps.tables import count_rows, is_csv, join
 
 RESUME = "repeat the same command to resume"
 
-# In the order in which they are removed: the record of a finished job goes last.
-_FILES = ("*.chunk", "*.new", "whole", "job", "joined")
+_JOB = "job"
+_CHUNK = re.compile(r"\d{13}\.chunk")
+# A file that is being written.
+_PART = re.compile(r"\.armour-[0-9a-f]{16}")
 
 
 class DamagedError(Exception):
@@ -69,6 +73,8 @@ class Store:
     def __enter__(self) -> "Store":
         refuse(unwritable(self.output))
         with self._disk():
+            make(self.folder)
+            self._check_free()
             lock = locked(self.folder)
             if lock is None:
                 raise _problem(self.folder, "another sweep is at work on this output; wait for it, or choose another")
@@ -87,12 +93,12 @@ class Store:
         """Start a job that is not begun."""
         if not self.begun:
             with self._disk():
-                self._write("job", json.dumps(self.job).encode())
+                self._write(_JOB, json.dumps(self.job).encode())
                 sync_folder(self.output.parent)
 
     def starts(self) -> list[int]:
         """Return the first rows of the chunks on disk, ascending."""
-        return sorted(int(path.stem) for path in self.folder.glob("*.chunk") if path.stem.isdecimal())
+        return sorted(int(path.stem) for path in self._files(_CHUNK))
 
     def path(self, start: int) -> Path:
         """Return the file of the chunk of a first row."""
@@ -114,16 +120,16 @@ class Store:
 
         Raise a DamagedError if a chunk is not what was written.
         """
-        whole = self.folder / "whole"
+        whole = self._part()
         with self._disk():
             try:
-                with whole.open("wb") as file:
+                with whole.open("xb") as file:
                     join(file, self._contents(rows), as_csv=self.is_csv)
                     file.flush()
                     os.fsync(file.fileno())
                 if (found := count_rows(whole, as_csv=self.is_csv)) != rows:
                     raise _problem(whole, f"must have {rows} rows, found {found}; {RESUME}")
-                self._write("joined", self._record(whole, found))
+                self._write(_JOB, json.dumps({**self.job, "table": self._record(whole, found)}).encode())
                 self._check_folder()
                 self._check_output()
                 whole.replace(self.output)
@@ -141,53 +147,58 @@ class Store:
                 count += int(file.readline().split()[0])
         return count
 
+    def _check_free(self) -> None:
+        """Check that a sweep made the folder; another process may be at work in it."""
+        if self._known_job() is None:
+            for path in self.folder.glob("*"):
+                if not (_PART.fullmatch(path.name) or (path.name == NAME and not path.lstat().st_size)):
+                    message = f"holds files of something else, {path.name} for one; choose another output, or move them"
+                    raise _problem(self.folder, message)
+
     def _open(self) -> None:
         """Check that the folder and the output are this job's, or free."""
-        if self.starts():
-            self._check_job()
-        elif strange := [path for path in self.folder.iterdir() if not any(map(path.match, (*_FILES, "lock")))]:
-            message = f"holds files of something else, {strange[0].name} for one; choose another output, or move them"
-            raise _problem(self.folder, message)
-        else:
-            with suppress(InputError):  # what a process left that was killed before its first chunk
-                self._check_job()
-        if self.folder.stat().st_dev != self.output.parent.stat().st_dev:
-            raise _problem(self.folder, f"must be on the file system of {self.output.parent}, to which it is moved")
-        self.finished = self._rows_of_output()
-        if self.finished is None:
-            self._check_output()
-
-    def _check_job(self) -> None:
-        """Check that the job on disk is this one."""
-        try:
-            job = dict(json.loads((self.folder / "job").read_bytes()))
-        except (FileNotFoundError, ValueError, TypeError):
-            message = "does not say which sweep it belongs to; remove the folder to start anew"
-            raise _problem(self.folder / "job", message) from None
-        if others := differences(self.job, job):
+        job = self._known_job()
+        others = differences(self.job, job) if job else []
+        # Without a chunk, it is what a process left that was killed before its first one.
+        if others and self.starts():
             message = (
                 f"holds chunks of another sweep, which differs in {' and '.join(others)}; "
                 "finish that with its own command and program, or remove the folder to start anew"
             )
             raise _problem(self.folder, message)
-        self.begun = True
+        self.begun = job is not None and not others
+        self.finished = self._rows_of_output(job or {})
+        if self.finished is None:
+            self._check_output()
 
-    def _rows_of_output(self) -> int | None:
-        """Return the rows of the output if a process of this job wrote it and was killed before it removed the rest."""
+    def _known_job(self) -> Mapping[str, str] | None:
+        """Return the job on disk, None if there is none."""
         try:
-            record = (self.folder / "joined").read_bytes()
+            job = json.loads((self.folder / _JOB).read_bytes())
+            if self.job.keys() <= job.keys():
+                return dict(job)
+        except FileNotFoundError:
+            return None
+        except (ValueError, AttributeError):
+            pass
+        message = "does not say which sweep it belongs to; choose another output, or remove the folder to start anew"
+        raise _problem(self.folder / _JOB, message)
+
+    def _rows_of_output(self, job: Mapping[str, str]) -> int | None:
+        """Return the rows of the output if a process of this job wrote it and was killed before it removed the rest."""
+        with suppress(OSError, ValueError, IndexError):
+            record = job.get("table", "")
             rows = int(record.split()[0])
             return rows if record == self._record(self.output, rows) else None
-        except (OSError, ValueError, IndexError):
-            return None
+        return None
 
-    def _record(self, table: Path, rows: int) -> bytes:
+    def _record(self, table: Path, rows: int) -> str:
         """Return what tells a joined table: its number of rows, and a checksum of the job and the file."""
         found = sha256(json.dumps(self.job).encode())
         with table.open("rb") as file:
             while block := file.read(1 << 20):
                 found.update(block)
-        return f"{rows} {found.hexdigest()}".encode()
+        return f"{rows} {found.hexdigest()}"
 
     def _contents(self, rows: int) -> Iterator[bytes]:
         """Yield the contents of the chunks of a number of rows."""
@@ -215,13 +226,20 @@ class Store:
 
     def _write(self, name: str, content: bytes) -> None:
         """Write a file of the folder and see it on disk."""
-        part = self.folder / f"{name}.new"
-        with part.open("wb") as file:
+        part = self._part()
+        with part.open("xb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
         part.replace(self.folder / name)
         sync_folder(self.folder)
+
+    def _part(self) -> Path:
+        """Return a new name in the folder, for a file that is being written."""
+        return self.folder / f".armour-{secrets.token_hex(8)}"
+
+    def _files(self, name: re.Pattern[str]) -> list[Path]:
+        return [path for path in self.folder.glob("*") if name.fullmatch(path.name)]
 
     def _check_folder(self) -> None:
         if not holds(self._lock, self.folder):
@@ -238,8 +256,9 @@ class Store:
         with suppress(OSError):
             unused = holds(self._lock, self.folder) and (self.finished is not None or not self.starts())
             if unused:
-                for path in (path for pattern in _FILES for path in self.folder.glob(pattern)):
-                    path.unlink()
+                # The record of a finished job goes last.
+                for path in (*self._files(_CHUNK), *self._files(_PART), self.folder / _JOB):
+                    path.unlink(missing_ok=True)
         unlock(self._lock, self.folder, remove=unused)
 
     @contextmanager

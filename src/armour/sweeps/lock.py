@@ -1,9 +1,13 @@
-"""A folder that is locked for one process; the system unlocks it when that process ends."""
+"""A private folder that is locked for one process; the system unlocks it when that process ends."""
 
 import os
+import stat
 import sys
 from contextlib import suppress
 from pathlib import Path
+
+from armour.errors import InputError, Problem
+from armour.files import is_private
 
 NAME = "lock"
 
@@ -20,13 +24,26 @@ else:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
+def make(folder: Path) -> None:
+    """Make a folder that only this user can enter; raise an InputError if there is one that others may have changed."""
+    while True:
+        with suppress(FileExistsError):
+            return folder.mkdir(mode=0o700)
+        with suppress(FileNotFoundError):  # another process has just removed it
+            status = folder.lstat()
+            if stat.S_ISDIR(status.st_mode) and is_private(status):
+                return None
+            message = "must be a folder of yours that no other user can write; choose another output, or move it"
+            raise InputError([Problem(str(folder), "", message)])
+
+
 def locked(folder: Path) -> int | None:
-    """Make a folder and lock it; return its open lock, or None if another process has locked it."""
+    """Lock a folder and return its open lock, or None if another process has locked it."""
     lock = folder / NAME
     while True:
-        folder.mkdir(exist_ok=True)
+        make(folder)
         try:
-            handle = os.open(lock, os.O_RDWR | os.O_CREAT, 0o666)
+            handle = os.open(lock, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o600)
         except FileNotFoundError:  # another process has just removed the folder
             continue
         try:
@@ -60,6 +77,6 @@ def unlock(handle: int, folder: Path, *, remove: bool) -> None:
 def holds(handle: int, folder: Path) -> bool:
     """Return whether an open lock is that of the folder, which another process may have removed and made anew."""
     try:
-        return os.path.samestat(os.fstat(handle), (folder / NAME).stat())
+        return os.path.samestat(os.fstat(handle), (folder / NAME).lstat())
     except FileNotFoundError:
         return False

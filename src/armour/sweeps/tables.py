@@ -10,6 +10,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from armour.errors import InputError, Problem
+from armour.files import csv_cell, csv_value
 
 # Rows of a row group of Parquet, whatever the size of a piece.
 ROW_GROUP = 100_000
@@ -49,6 +50,8 @@ def _cells(values: Any) -> list[Any]:
     """Return the values of a column as cells of CSV: None, which gives an empty field, for NaN."""
     column = np.asarray(values)
     cells: list[Any] = column.tolist()
+    if column.dtype.kind not in "fiu":
+        return [csv_cell(cell) for cell in cells]
     if column.dtype.kind == "f" and np.isnan(column).any():
         return [None if cell != cell else cell for cell in cells]
     return cells
@@ -71,7 +74,7 @@ def _column(cells: Iterable[str]) -> Any:
     try:
         return np.array([float(cell) if cell else np.nan for cell in cells])
     except ValueError:
-        return np.array(cells)
+        return np.array([csv_value(cell) for cell in cells])
 
 
 def count_rows(path: Path, *, as_csv: bool) -> int:
