@@ -13,7 +13,7 @@ MEANINGS = {
     "uncertainty": "Uncertain inputs, and how they are sampled.",
     "library": "Projectiles and materials that the scenario adds to the library.",
     # the scenario
-    "title": "Title of answers and reports.",
+    "title": "Title, shown below the armour and the round that are computed.",
     "author": "Author, shown in reports.",
     "project": "Project, shown in reports.",
     "date": "Date, shown in reports.",
