@@ -87,6 +87,14 @@ def test_names_in_a_table_of_cases(tmp_path: Path):
     assert found["armour.backing"].tolist() == ["5083-H3", "6061-T6"]
 
 
+@pytest.mark.parametrize("output", [None, "t.csv"])
+def test_a_probability_without_the_error_of_the_model(output: str | None, tmp_path: Path):
+    case = scenario().replaced({"uncertainty.model.included": False})
+    path = None if output is None else tmp_path / output
+    told = sweep(case, {CERAMIC: [4.0, 6.0]}, ["ballistic_limit_m_s", "probability_of_defeat"], path).warnings
+    assert "probability_of_defeat: has no value where uncertainty.model.included is false" in told
+
+
 def test_a_range_whose_end_is_omitted():
     found = sweep(scenario(), {"impact.velocity_m_s": {"min": 700.0, "max": 750.0, "step": 20.0}}, "duration_us")
     assert found["impact.velocity_m_s"].tolist() == [700.0, 720.0, 740.0]

@@ -190,6 +190,7 @@ def sweep(
             raise InputError([Problem("sweep", "output", message)])
         [columns] = source.chunks([source.count])
         in_chunks.check(scenario, source, names)
+        warnings += in_chunks.unanswered(scenario, names)
         try:
             computed = {**columns, **evaluate(scenario, columns, names, threads)}
         except InputError:

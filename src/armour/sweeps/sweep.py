@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 
 from armour.analysis.evaluate import Group, check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
 from armour.analysis.progress import ignore_progress
-from armour.analysis.quantities import reads_of
+from armour.analysis.quantities import QUANTITIES, reads_of
 from armour.analysis.variants import outside_limits
 from armour.errors import InputError, Problem, refuse
+from armour.scenario.applicability import is_excluded
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import BLOCK, Cases, Grid, hash_of
 from armour.sweeps.checkpoint import RESUME, Chunk, DamagedError, Store
@@ -82,6 +83,8 @@ def sweep(
     ``replace`` allows the output to take the place of an older file.
     """
     check(scenario, source, quantities)
+    for line in unanswered(scenario, quantities):
+        tell(f"warning: {line}")
     compute = compute or in_process()
     with Store(output, job_of(scenario, source, quantities), replace=replace) as store:
         if store.finished is not None:
@@ -171,6 +174,12 @@ def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -
     refuse(problems)
     first = next(source.chunks(repeat(1)))
     check_keys(scenario, {key: values[0].item() for key, values in first.items()}, quantities, "sweep")
+
+
+def unanswered(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
+    """Return a warning where a quantity needs the error of the model, which the scenario excludes."""
+    needing = [name for name in quantities if "uncertainty.model" in QUANTITIES[name].reads and is_excluded(scenario)]
+    return [f"{name}: has no value where uncertainty.model.included is false" for name in needing]
 
 
 def check_rows(scenario: Scenario, source: Grid | Cases) -> None:
