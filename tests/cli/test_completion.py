@@ -41,6 +41,7 @@ def offered(line: str) -> list[str]:
         ("calibrate wilkins.csv wilkins --law ba", ["backing"]),
         ("v50 shots.csv wil", ["wilkins"]),
         ("sweep wilkins --quantities outcome,dur", ["outcome,duration_us"]),
+        ("sweep wilkins --quantities '$(x),dur", []),
         ("sweep wilkins --over impact.", ["impact.velocity_m_s="]),
         ("simulate wilkins --set impact.", ["impact.velocity_m_s=", "impact.projectile="]),
         ("simulate wilkins --set backing.sh", ["backing.shear_strength_MPa="]),
@@ -63,68 +64,114 @@ def test_words(line: str, words: list[str]):
 
 
 def test_files_stand_beside_shipped_names(folder: Path):
-    for name in ("wilma.toml", "wil.csv", "other.toml"):
+    for name in ("wilma.toml", "wil.csv", "other.toml", "wil$(x).toml", "wil`x`.toml", "wil'.toml", "wil\n.toml"):
         (folder / name).touch()
     assert offered("simulate wil") == ["wilkins", "wilma.toml"]
 
 
-class Bash:
-    """A bash at a terminal, in which one types; it completes words as the script of the program has it."""
+# Command, settings, and the key that puts in what is offered, one after the other.
+SHELLS = {
+    "bash": (
+        ["bash", "--noprofile", "--rcfile", "rc", "-i"],
+        'eval "$(_ARMOUR_COMPLETE=source_bash armour)"\nbind "\\C-n":menu-complete\n',
+        "\x0e",
+    ),
+    "zsh": (
+        ["zsh", "-d", "-i"],
+        'autoload -Uz compinit; compinit -D\neval "$(_ARMOUR_COMPLETE=source_zsh armour)"\nsetopt menu_complete\n',
+        "\t",
+    ),
+    "fish": (["fish", "-i"], "env _ARMOUR_COMPLETE=source_fish armour | source\n", "\t"),
+}
 
-    def __init__(self, folder: Path) -> None:
-        (folder / "bin").mkdir()
-        (folder / "bin" / "armour").write_text(f'#!/bin/sh\nexec {sys.executable} -m armour "$@"\n')
-        (folder / "bin" / "armour").chmod(0o755)
-        self.lines = folder / "lines"
-        self.lines.touch()
-        # Control-T notes the line and clears it.
-        note = f'"\\C-t": printf "%s\\n" "$READLINE_LINE" >> {self.lines}; READLINE_LINE='
-        script = 'eval "$(_ARMOUR_COMPLETE=source_bash armour)"'
-        (folder / "rc").write_text(f"{script}\nbind -x '{note}'\n")
+
+class Shell:
+    """A shell at a terminal, in which one types; in it, the program notes its arguments and ends."""
+
+    def __init__(self, name: str, folder: Path) -> None:
+        command, settings, self.key = SHELLS[name]
+        home = folder / "home"
+        for place in ("bin", ".config/fish"):
+            (home / place).mkdir(parents=True)
+        self.arguments = home / "arguments"
+        self.arguments.touch()
+        note = f'[ "$_ARMOUR_COMPLETE" ] || {{ printf "%s\\n" "$*" >>{self.arguments}; exit; }}'
+        (home / "bin" / "armour").write_text(f'#!/bin/sh\n{note}\nexec {sys.executable} -m armour "$@"\n')
+        (home / "bin" / "armour").chmod(0o755)
+        for file in ("rc", ".zshrc", ".config/fish/config.fish"):
+            (home / file).write_text(f"{settings}cd {folder}\n")
+        places = {"HOME": str(home), "ZDOTDIR": str(home), "XDG_CONFIG_HOME": str(home / ".config")}
         controller, terminal = os.openpty()
         self.keyboard = controller
         self.process = subprocess.Popen(
-            ["bash", "--noprofile", "--rcfile", str(folder / "rc"), "-i"],
+            command,
             stdin=terminal,
             stdout=terminal,
             stderr=terminal,
-            cwd=folder,
+            cwd=home,
             start_new_session=True,
-            env={**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}", "TERM": "dumb"},
+            preexec_fn=lambda: os.close(os.open(os.ttyname(0), os.O_RDWR)),  # the terminal of its session
+            env={**os.environ, **places, "PATH": f"{home / 'bin'}:{os.environ['PATH']}", "TERM": "dumb"},
         )
         os.close(terminal)
 
-    def completed(self, lines: Sequence[str]) -> list[str]:
-        """Return lines as they are after the tab at their end."""
-        deadline = time.monotonic() + 30.0
-        os.write(self.keyboard, "".join(f"{line}\t\x14" for line in lines).encode())
-        while self.lines.read_text().count("\n") < len(lines):
-            assert time.monotonic() < deadline, self.lines.read_text()
-            if select.select([self.keyboard], [], [], 0.01)[0]:
-                os.read(self.keyboard, 4096)
-        return self.lines.read_text().splitlines()
+    def run(self, typed: Sequence[str]) -> list[str]:
+        """Type lines and return the arguments with which the program was then called."""
+        for number, line in enumerate(typed):
+            os.write(self.keyboard, line.encode())
+            deadline = time.monotonic() + 30.0
+            while self.arguments.read_text().count("\n") <= number:
+                assert time.monotonic() < deadline, self.arguments.read_text()
+                if select.select([self.keyboard], [], [], 0.01)[0]:
+                    os.read(self.keyboard, 4096)
+        return self.arguments.read_text().splitlines()
 
     def close(self) -> None:
-        """End bash."""
+        """End the shell."""
         self.process.kill()
         self.process.wait()
         os.close(self.keyboard)
 
 
+# What would make a file in the working folder.
+EVIL = (
+    *("$(touch {})", "`touch {}`", "\\$(touch {})", "\\`touch {}`", "'$(touch {})'", '"$(touch {})"', "\n$(touch {})"),
+    *(";touch {};", "'; touch {}; '", '"; touch {}; "', "\\\\$(touch {})", ")'; touch {}; '", "\ntouch {}\n"),
+)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal")
+@pytest.mark.parametrize("name", SHELLS)
+def test_a_shell_evaluates_no_name_of_a_file(name: str, tmp_path: Path):
+    """Whatever is chosen of what is offered: names that a shell could take for more than a word are not."""
+    if shutil.which(name) is None:
+        pytest.skip(f"there is no {name}")
+    for number, evil in enumerate(EVIL):
+        (tmp_path / f"wil{evil.format(f'evaluated{number}')}.toml").touch()
+    (tmp_path / "wil of two.toml").touch()
+    shell = Shell(name, tmp_path)
+    try:
+        # The first end of line may only take what is chosen.
+        found = shell.run([f"armour simulate wil{shell.key * presses}\r\r" for presses in range(1, 4)])
+    finally:
+        shell.close()
+    assert not list(tmp_path.glob("evaluated*"))
+    assert set(found) <= {"simulate wil", "simulate wilkins", "simulate wil of two.toml"}
+    assert "simulate wil of two.toml" in found
+
+
 BASH = {
-    "armour library show 25\\ m": "armour library show 25\\ mm\\ APDS ",
-    "armour simulate wilkins --set armour.backing=Ti-": "armour simulate wilkins --set armour.backing=Ti-6Al-4V ",
-    "armour simulate wilkins --set a=1:2 --set impact.v": (
-        "armour simulate wilkins --set a=1:2 --set impact.velocity_m_s="
-    ),
+    "armour library show 25\\ m": "library show 25 mm APDS 9",
+    "armour simulate wilkins --set armour.backing=Ti-": "simulate wilkins --set armour.backing=Ti-6Al-4V 9",
+    "armour simulate wilkins --set a=1:2 --set impact.v": ("simulate wilkins --set a=1:2 --set impact.velocity_m_s=9"),
 }
 
 
 @pytest.mark.skipif(shutil.which("bash") is None or sys.platform == "win32", reason="there is no bash")
-def test_bash_completes_values_and_names_of_several_words(folder: Path):
-    bash = Bash(folder)
+def test_bash_completes_values_and_names_of_several_words(tmp_path: Path):
+    bash = Shell("bash", tmp_path)
     try:
-        assert bash.completed(list(BASH)) == list(BASH.values())
+        assert bash.run([f"{line}\t9\r" for line in BASH]) == list(BASH.values())
     finally:
         bash.close()
 

@@ -20,6 +20,8 @@ from armour.files import shipped_files, shipped_suites, shipped_tests
 # What bash splits words at, and what the shell takes for more than itself.
 _SPLIT = re.compile("[=:]+")
 _UNSAFE = re.compile(r"[^\w@%+=:,./-]")
+# Names of files that are offered: what typer prints for zsh is evaluated there, other shells insert words as they are.
+_PLAIN = re.compile(rf"(?:[\w@%+=:,./-]|{re.escape(os.sep)}| (?! ))+")
 
 
 def shipped_names() -> list[str]:
@@ -68,7 +70,8 @@ def inputs() -> list[str]:
 def quantities(incomplete: str) -> list[str]:
     """Return the names of quantities after those of a list that are there."""
     done, comma, _ = incomplete.rpartition(",")
-    return [done + comma + name for name in QUANTITIES if name not in done.split(",")]
+    names = done.split(",") if comma else []
+    return [done + comma + name for name in QUANTITIES if name not in names and set(names) <= {*QUANTITIES}]
 
 
 def numbers(incomplete: str) -> list[str]:
@@ -156,4 +159,4 @@ def _joined(typed: Sequence[str]) -> list[str]:
 
 def _with_files(names: list[str], incomplete: str, ending: str) -> list[str]:
     found = [name for name in names if name.startswith(incomplete)]
-    return found and [*found, *sorted(glob(f"{escape(incomplete)}*{ending}"))]
+    return found and [*found, *sorted(filter(_PLAIN.fullmatch, glob(f"{escape(incomplete)}*{ending}")))]
