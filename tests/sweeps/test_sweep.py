@@ -139,7 +139,7 @@ def test_a_chunk_of_other_values_is_computed_anew(tmp_path: Path):
     case, source, output = sweep_scenario(), sweep_grid("impact.velocity_m_s=700:900:50"), tmp_path / "a.csv"
     with Store(output, job_of(case, source, ["outcome"])) as store:
         store.begin()
-        store.save(0, 2, "0" * 64, b"of another table")
+        store.save(0, 2, "0" * 64, b"of another table", {})
     told: list[str] = []
     sweep(case, source, ["outcome"], output, size=2, tell=told.append)
     assert told[0].endswith("0000000000000.chunk: of other values, computed anew")

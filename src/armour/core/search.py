@@ -30,6 +30,8 @@ ENERGY_LEFT = 0.65
 MAX_INTERPOLATED_RUNS = 30
 # Number of velocities of a scan.
 SCAN_POINTS = 33
+# The same where the outcome is likely to change more than once.
+DENSE_SCAN_POINTS = 1025
 # Runs of a search between scanned velocities.
 HIDDEN_RUNS = 10
 # Error of a parabola through three perforations as a part of its difference from the line.

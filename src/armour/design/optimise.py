@@ -25,6 +25,8 @@ from armour.scenario.messages import check_types
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
 
+# Thicknesses that a warning lists.
+MOST_LISTED = 5
 NO_ERROR = "the error of the model is not known"
 SMALLER = {"areal_density_kg_m2": "lighter", "thickness_mm": "thinner", "cost_per_m2": "cheaper"}
 # Keys of [design] that bound a quantity, its unit, and what a design with the least of it is called.
@@ -247,6 +249,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     criteria = tuple(catalogue.section.pareto or ())
     pair = int(search.candidates.pair[first])
     frontier = search.frontier(first)
+    not_monotonic = search.not_monotonic_mm(frontier)
     best = _best(search, first)
     found = _designs(search, frontier, with_margins=True)
     ceramic_min = min((low for _, name, low, _ in catalogue.ranges(pair) if name == "ceramic"), default=0.0) or None
@@ -263,12 +266,13 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         designs=len(search.values),
         examined=len(search.values),
         runs=requirement.runs,
-        not_monotonic_mm=search.not_monotonic_mm(frontier),
+        not_monotonic_mm=not_monotonic,
         warnings=(
             *_unused_impact(scenario),
             *_outside(search, first),
             *_at_the_ends(catalogue, pair, best),
             *_least_of_the_range(catalogue, pair, found, ceramic_min),
+            *_changing(search, (*search.changing(), *((pair, "ceramic", other) for other in not_monotonic))),
         ),
         ceramic_min_mm=ceramic_min,
         without_mm=_without(search, pair, frontier),
@@ -300,6 +304,22 @@ def _outside(search: Search, place: int) -> list[str]:
         for i, threat in enumerate(catalogue.threats)
     )
     return list(dict.fromkeys(chain.from_iterable(found)))
+
+
+def _changing(search: Search, columns: Sequence[tuple[int, str, float]]) -> Iterator[str]:
+    """Give a warning for each pair and layer of which a thicker one may fail, with thicknesses of the other one, mm."""
+    found = search.requirement.changing
+    for pair, layer, other in columns:
+        found[pair, layer].add(other)
+    for (pair, layer), others in sorted(found.items()):
+        if others:
+            offer, shown = search.catalogue.offers[pair], [f"{other:.4g}" for other in sorted(others)]
+            armour = " on ".join(part.material for part in offer[:2] if part.material)
+            listed = ", ".join(shown[:MOST_LISTED]) + (" and more" if len(shown) > MOST_LISTED else "")
+            yield (
+                f"{armour}: a thicker {layer} is perforated at a velocity that a thinner one stops, "
+                f"with a {'ceramic' if layer == 'back plate' else 'back plate'} of {listed} mm"
+            )
 
 
 def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[str]:
