@@ -134,8 +134,7 @@ def _least(
     def is_unusual(values: Floats, rows: Ints) -> Bools:
         threats = range(len(requirement.catalogue.threats))
         variants = requirement.catalogue.against_each(designs(values, other[rows]), threats)
-        found: Bools = unusual(variants).reshape(-1, len(threats)).any(axis=1)
-        return found
+        return np.asarray(unusual(variants).reshape(-1, len(threats)).any(axis=1))
 
     low, high = np.full(len(other), free.min), np.full(len(other), free.max)
     least = least_values_mm(defeats, is_unusual, low, high)

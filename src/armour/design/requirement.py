@@ -30,8 +30,8 @@ class Requirement:
     catalogue: Catalogue
     on_progress: OnProgress = ignore_progress  # called with impacts
     runs: int = 0
-    # Thicknesses of the other layer, mm, by pair and free layer, with which a thicker one is perforated at a velocity that
-    # a thinner one stops.
+    # By pair and free layer: thicknesses of the other layer, mm, with which a thicker one is perforated at a velocity
+    # that a thinner one stops.
     changing: defaultdict[tuple[int, str], set[float]] = field(default_factory=lambda: defaultdict(set))
 
     def defeats(self, candidates: Candidates, threat: int | None = None) -> Bools:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from armour.core.state import Parameters
-from armour.scenario.evidence import CERAMICS, COVERED, EVIDENCE, LAW_MEASURES, OF_CERAMIC, Evidence, ModelError
+from armour.scenario.evidence import CERAMICS, COVERED, EVIDENCE, LAW_MEASURES, Evidence, ModelError
 
 if TYPE_CHECKING:
     from armour.scenario.loading import Scenario
@@ -69,16 +69,17 @@ def closest(armour: Parameters) -> Evidence:
 
 
 def is_unusual(armour: Parameters) -> Any:
-    """Return whether an armour, or each of n, is far from all that the model was compared with.
+    """Return whether an armour, or each of n, is far from all of its kind that the model was compared with.
 
     A strength, a density, the slenderness or a thickness over the diameter is then outside by more than a factor of
     two, and the outcome may change more than once with the velocity or a thickness.  A NaN is not outside.
     """
     found = False
-    for limits in COVERED:
-        value = limits.measure.of(armour)
-        outside = (value < limits.low / FAR) | (value > limits.high * FAR)
-        found = found | (outside & (armour.Hc0 != 0.0) if limits.measure in OF_CERAMIC else outside)
+    for bare, ranges in COVERED.items():
+        for limits in ranges:
+            value = limits.measure.of(armour)
+            outside = (value < limits.low / FAR) | (value > limits.high * FAR)
+            found = found | (outside & ((armour.Hc0 == 0.0) == bare))
     return found
 
 

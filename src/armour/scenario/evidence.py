@@ -280,13 +280,16 @@ EVIDENCE = (
 )
 
 
-def _covered(measure: Measure) -> DataRange:
-    """Return the range of a quantity over all that the model was compared with."""
-    ceramics = (limits for ceramic in CERAMICS for limits in (ceramic.strength, *ceramic.ranges()))
-    of_all = (limits for evidence in EVIDENCE for limits in (*evidence.kind, *evidence.measured, *evidence.computed))
-    found = [limits for limits in (*ceramics, *of_all) if limits.measure is measure]
+def _covered(measure: Measure, *, bare: bool) -> DataRange:
+    """Return the range of a quantity over all armours with a ceramic, or bare ones, that the model was compared with."""
+    of_all = [limits for evidence in EVIDENCE if evidence.bare == bare for limits in evidence.ranges()]
+    ceramics = [limits for ceramic in CERAMICS for limits in (ceramic.strength, *ceramic.ranges())]
+    found = [limits for limits in (*of_all, *ceramics) if limits.measure is measure]
     return DataRange(measure, min(limits.low for limits in found), max(limits.high for limits in found))
 
 
-# Ranges over all that the model was compared with.
-COVERED = tuple(map(_covered, (*OF_CERAMIC, *OF_ALL)))
+# Ranges over all that the model was compared with, by whether the armour is bare.
+COVERED = {
+    False: tuple(_covered(measure, bare=False) for measure in (*OF_CERAMIC, *OF_ALL)),
+    True: tuple(_covered(measure, bare=True) for measure in OF_ALL),
+}
