@@ -36,6 +36,7 @@ CHANGES = {
     "defeated in between": [524.03, 670.95, 2156.25],
     "perforated between scanned velocities": [1488.70, 1735.91, 6038.31],
     "perforated at a maximum of depth": [48.02, 52.43, 143.89],
+    "perforated in narrow ranges": [252.67, 292.35, 322.58, 329.08, 380.98],
 }
 
 
@@ -44,7 +45,7 @@ def test_all_changes_of_the_outcome_are_found(name: str):
     of = changing_designs()[name]
     result = ballistic_limit(of)
     assert [c.bracket_m_s[1] for c in result.crossings] == pytest.approx(CHANGES[name], abs=0.01)
-    assert [c.above for c in result.crossings] == (["perforated", "defeated"] * 2)[: len(result.crossings)]
+    assert [c.above for c in result.crossings] == (["perforated", "defeated"] * 3)[: len(result.crossings)]
     assert result.ballistic_limit_m_s == result.crossings[0].bracket_m_s[1]
     assert not result.monotonic
     for crossing in result.crossings:

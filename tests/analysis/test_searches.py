@@ -7,6 +7,7 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.searches import (
     ballistic_limits,
     bisect_rows,
+    changes_above,
     least_backings_mm,
     least_ceramics_mm,
     least_totals_mm,
@@ -16,7 +17,7 @@ from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated, 
 from armour.errors import InputError, NoLimitError
 from armour.scenario.loading import Scenario
 from tests.helpers.cases import scenario
-from tests.helpers.exotic import changing_designs, random_wide_designs
+from tests.helpers.exotic import changing_designs, narrow_ranges, random_wide_designs
 
 WIDE = {
     "ceramic_thickness_mm": {"min": 1.0, "max": 20.0, "step": 0.5},
@@ -51,7 +52,7 @@ def defeated(variants: Variants) -> list[bool]:
 
 def test_the_least_ceramic_just_defeats_the_impact():
     variants = rows_of(case(), [5.0] * 3, [7.0, 1.0, 60.0])
-    least = least_ceramics_mm(variants)
+    least = least_ceramics_mm(variants).mm
     assert np.isnan(least).tolist() == [False, True, False]
     assert least[2] == 1.0
     assert defeated(with_thicknesses(variants, ceramic_mm=least).at(np.array([0, 2]))) == [True, True]
@@ -60,14 +61,14 @@ def test_the_least_ceramic_just_defeats_the_impact():
 
 def test_the_least_back_plate_is_that_of_the_least_ceramic():
     variants = rows_of(case(), [10.0, 1.0], [5.0, 5.0])
-    least = least_backings_mm(variants)
+    least = least_backings_mm(variants).mm
     assert np.isnan(least).tolist() == [False, True]
-    across = least_ceramics_mm(with_thicknesses(variants, backing_mm=least).at(np.array([0])))
+    across = least_ceramics_mm(with_thicknesses(variants, backing_mm=least).at(np.array([0]))).mm
     assert across[0] == pytest.approx(10.0, abs=1e-5)
 
 
 def test_the_least_armour_in_proportion():
-    half = 0.5 * least_totals_mm(alone(case()))  # the case has 6.35 mm of both
+    half = 0.5 * least_totals_mm(alone(case())).mm  # the case has 6.35 mm of both
     for less, outcome in ((-1e-9, True), (2e-6, False)):
         found = with_thicknesses(alone(case()), ceramic_mm=half - less, backing_mm=half - less)
         assert defeated(found) == [outcome]
@@ -79,7 +80,7 @@ def test_no_armour_in_proportion():
         "backing_thickness_mm": {"min": 10.0, "max": 20.0, "step": 0.5},
     }
     for of in (case(velocity=3000.0), case().replaced({"optimise": apart})):
-        assert np.isnan(least_totals_mm(alone(of))).all()
+        assert np.isnan(least_totals_mm(alone(of)).mm).all()
 
 
 def test_a_bare_plate_in_proportion():
@@ -89,7 +90,7 @@ def test_a_bare_plate_in_proportion():
         velocity=500.0,
         optimise={**WIDE, "ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}},
     )
-    assert least_totals_mm(alone(bare)) == pytest.approx(least_backings_mm(alone(bare)), abs=2e-6)
+    assert least_totals_mm(alone(bare)).mm == pytest.approx(least_backings_mm(alone(bare)).mm, abs=2e-6)
 
 
 def inside_the_data(count: int) -> list[Scenario]:
@@ -142,3 +143,36 @@ def test_brackets_are_narrowed_row_by_row():
     again = bisect_rows(holds, 1e-6, np.zeros(3), np.ones(3), places - 1e-3, places + 1e-3)
     assert again.tolist() == found.tolist()
     assert len(asked) - count < count
+
+
+def test_limits_of_unusual_rows_are_searched_densely_and_in_place():
+    ceramics = np.array([10.75, 10.0, 10.75])
+    variants = variants_of(narrow_ranges(), {"armour.ceramic_thickness_mm": ceramics}, 3)
+    usual = alone(scenario())
+    together = variants._replace(parameters=np.concatenate([usual.parameters, variants.parameters, usual.parameters]))
+    together = together._replace(velocities=np.full(5, 359.086))
+    limits = limit_brackets(together, 1.0, 10_000.0, 0.01).perforated
+    alone_limits = [limit_brackets(together.at(np.array([i])), 1.0, 10_000.0, 0.01).perforated[0] for i in range(5)]
+    assert limits.tolist() == alone_limits
+    assert limits[0] == limits[4] == pytest.approx(723.77, abs=0.02)
+    assert limits[1] == limits[3] == pytest.approx(252.67, abs=0.02)
+    assert changes_above(together, limits).tolist() == [False, True, True, True, False]
+
+
+def test_the_limit_of_one_unusual_armour_is_that_of_many():
+    of = narrow_ranges()
+    assert ballistic_limit(of).ballistic_limit_m_s == ballistic_limits(alone(of))[0]
+
+
+def test_the_thinnest_layer_that_stops_an_impact_that_a_thicker_one_does_not():
+    velocities = np.array([359.086, 320.0])
+    variants = variants_of(narrow_ranges(), {"impact.velocity_m_s": velocities}, 2)
+    least = least_ceramics_mm(variants)
+    assert least.mm[0] == pytest.approx(9.546, abs=1e-3)
+    values = np.linspace(0.5, 60.0, 500)
+    for i, thickness in enumerate(least.mm):
+        many = with_thicknesses(variants.at(np.full(500, i)), ceramic_mm=values)
+        stops = ~perforated(many)
+        assert not stops[values < thickness].any()
+        assert least.changes_again[i] == (~stops[values > thickness]).any()
+    assert not least_ceramics_mm(alone(case())).changes_again[0]

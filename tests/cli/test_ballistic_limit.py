@@ -64,7 +64,7 @@ def test_all_crossings_are_shown(cli, folder: Path):
     data = json.loads(cli("ballistic-limit", path, "--json").stdout)
     assert not data["monotonic"]
     assert len(data["crossings"]) == 3
-    assert (data["scanned_velocities"], data["scanned_range_m_s"]) == (33, [1.0, 10000.0])
+    assert (data["scanned_velocities"], data["scanned_range_m_s"]) == (1025, [1.0, 10000.0])
 
 
 def test_a_limit_outside_the_data_is_warned_of(cli):

@@ -350,6 +350,7 @@ def changes(monkeypatch: pytest.MonkeyPatch, given: list[Impact], hidden: Impact
         return Change(impacts[-3], hidden or impacts[-3], 10)
 
     scanned_as(monkeypatch, lambda V: next(i for i in given if V == i.V))
+    monkeypatch.setattr(search, "impact", lambda _p, V, _solver: next(i for i in [hidden, *given] if i and V == i.V))
     monkeypatch.setattr(search, "change_at_peak", between)
     monkeypatch.setattr(search, "change_between_causes", between)
     velocities = [5.0, *(i.V for i in given)]
@@ -378,7 +379,48 @@ def test_a_scan_searches_at_a_peak_and_between_causes(monkeypatch: pytest.Monkey
     assert searched == [(eroding[1], eroding[2])]
     for hidden in (Impact(35.0, True, False, True, -1.0), Impact(35.0, False, False, False, 0.0)):
         found, _ = changes(monkeypatch, given, hidden)
-        assert found == Change(given[2], hidden, 2 + 10)
+        confirming = 2 if hidden.resolved else 0
+        assert found == Change(given[2], hidden, 2 + 10 + confirming)
+
+
+def test_a_change_between_near_velocities_is_confirmed(monkeypatch: pytest.MonkeyPatch):
+    """Rough runs say that the outcome changes at 130 and at 150 m/s; by usual ones, it changes at 101 alone."""
+
+    def rough(V: float) -> Impact:
+        return Impact(V, 130.0 <= V < 131.0 or V >= 150.0, False, True, -1.0)
+
+    def usual(_p: Parameters, V: float, _solver: Solver) -> Impact:
+        return Impact(V, limit <= V, False, True, -1.0)
+
+    scanned_as(monkeypatch, rough)
+    monkeypatch.setattr(search, "impact", usual)
+    velocities = [100.0 * 1.01**i for i in range(60)]
+    limit, start = 140.0, stopped(100.0)
+    found = next_change(armour(), start, start, velocities, SOLVER)
+    assert found.below.V < limit <= found.above.V < 1.02 * found.below.V
+    limit = 99.0
+    found = next_change(armour(), start, start, velocities, SOLVER)
+    assert found.below.V < limit <= found.above.V
+    limit = 160.0
+    assert limit < next_change(armour(), start, start, velocities, SOLVER).above.V
+
+
+def test_a_dense_scan_ends_at_a_change_of_usual_runs():
+    """A rough run stops at 598.9 m/s, 0.1 % above the limit."""
+    diameter, length = 0.010040931635386902, 0.014445457264143074
+    p = armour()._replace(
+        **{"L0": length, "D0": diameter, "rho_p": 1742.0719886677127, "Yp": 478215813.40796876},
+        **{"Hc0": 0.007440340113910355, "rho_c": 6246.720506983897, "Ec": 289590958413.44086, "Yc0": 169740481.7533118},
+        **{"Hb": 0.0018409893972657538, "rho_B": 6831.447194808159, "YB": 616192919.3746121, "tau": 43166782.10224621},
+        shear_law=1,
+    )
+    limits = []
+    for points in (search.SCAN_POINTS, search.DENSE_SCAN_POINTS):
+        found = find_ballistic_limit(p, scan(1.0, 10000.0, points), 0.01, 1.0, 0.0, STEPS)
+        assert not impact(p, found.low, SOLVER).perforated
+        assert impact(p, found.high, SOLVER).perforated
+        limits.append(found.high)
+    assert limits[0] == pytest.approx(limits[1], abs=0.02)
 
 
 @pytest.mark.parametrize("resolved", [True, False])

@@ -12,6 +12,7 @@ from armour.design.optimise import optimise
 from armour.errors import InputError, NoDesignError
 from armour.scenario.loading import Scenario, load_scenario
 from tests.helpers.cases import SCENARIOS, library, scenario, shipped_scenario
+from tests.helpers.exotic import narrow_ranges
 
 GRID = {
     "ceramic_thickness_mm": {"min": 8.0, "max": 14.0, "step": 0.5},
@@ -24,6 +25,8 @@ LOWER_LIMIT = library(
     (4005.9656263700754, 398.6927467929853, 6.3598050199703575),
     (2750.0, 3.7794144984922697, 792.4002047497445),
 )
+
+THICKER = "{}: a thicker {} is perforated at a velocity that a thinner one stops"
 
 
 def case(**grid: dict[str, float]) -> Scenario:
@@ -258,6 +261,7 @@ def test_back_plates_at_which_a_thicker_ceramic_does_not_pass(monkeypatch: pytes
     monkeypatch.setattr("armour.design.requirement.perforated", weak_at_one)
     result = optimise(case())
     assert result.not_monotonic_mm == (6.0,)
+    assert THICKER.format("AD85 on 5083-H3", "ceramic") + ", with a back plate of 6 mm" in result.warnings
     [thinnest] = [d.ceramic_thickness_mm for d in result.frontier if d.backing_thickness_mm == 6.0]
     assert thinnest < 13.0
 
@@ -294,3 +298,22 @@ def test_an_impact_that_is_no_threat_is_warned_of():
     assert not any("none of the threats" in warning for warning in optimise(case).warnings)
     changed = optimise(case.replaced({"impact.velocity_m_s": 1500.0}))
     assert changed.warnings[0].startswith("impact: 7.62 mm AP at 1500 m/s is none of the threats")
+
+
+FREE = {"ceramic": [{"material": "c", "thickness_mm": {"min": 0.5, "max": 60.0}}]}
+LISTED = {"ceramic": [{"material": "c", "thickness_mm": {"min": 9.0, "max": 14.0, "step": 0.1}}]}
+
+
+@pytest.mark.parametrize("design", [FREE, LISTED], ids=["free", "listed"])
+def test_a_thicker_ceramic_that_is_perforated_where_a_thinner_one_stops_is_told(design: dict[str, Any]):
+    """Ceramics of 9.546 to 11.4 mm stop the impact, but not a slower one."""
+    backing = [{"material": "b", "thickness_mm": [0.345424597]}]
+    result = optimise(narrow_ranges().replaced({"design": {**design, "backing": backing}}))
+    assert result.best.ceramic_thickness_mm == pytest.approx(12.9 if design is FREE else 13.0, abs=0.02)
+    assert THICKER.format("c on b", "ceramic") + ", with a back plate of 0.3454 mm" in result.warnings
+    assert not any("thicker back plate is" in warning for warning in result.warnings)
+
+
+def test_no_thicker_layer_of_the_papers_optimum_is_perforated_where_a_thinner_one_stops():
+    result = optimise(shipped_scenario("paper/optimum_25mm_APDS"))
+    assert not any("a thinner one stops" in warning for warning in result.warnings)

@@ -53,7 +53,28 @@ def changing_designs() -> dict[str, Scenario]:
             (0.5861, 0.367),
             "projectile",
         ),
+        "perforated in narrow ranges": narrow_ranges(),
     }
+
+
+def narrow_ranges(**optimise: Any) -> Scenario:
+    """A design that is perforated at 253 to 292, 323 to 329 and from 381 m/s, with the grid of [optimise] given.
+
+    At 359.086 m/s, ceramics of 9.546 to 11.4 mm and from 12.908 mm stop the projectile on this back plate; all below
+    12.908 mm have a lower limit.
+    """
+    of = design(
+        (2.85693238445, 1.75600193977, 8256.92009144, 0.341668735899),
+        (4002.77413664, 506.552779197, 1.55021271811),
+        (2129.35430237, 0.483368800199, 114.784708593),
+        (10.75, 0.345424597),
+        "conoid",
+    )
+    grid = {
+        "ceramic_thickness_mm": {"min": 0.5, "max": 60.0, "step": 0.1},
+        "backing_thickness_mm": {"min": 0.345424597, "max": 0.345424597, "step": 1.0},
+    }
+    return of.replaced({"impact.velocity_m_s": 359.086, "optimise": {**grid, **optimise}})
 
 
 def random_wide_designs(count: int, seed: int) -> list[Scenario]:

@@ -6,14 +6,30 @@ from typing import Any
 import numpy as np
 import pytest
 
+from armour.core.state import Parameters
 from armour.engine import batch
 from armour.errors import InputError
-from armour.scenario.applicability import model_error, row_errors, row_limits, warnings_of
-from armour.scenario.evidence import BACKING_RATIO, CERAMIC_RATIO, EVIDENCE, SLENDERNESS, Measure, ModelError
-from armour.scenario.loading import Scenario
+from armour.scenario.applicability import is_unusual, model_error, row_errors, row_limits, warnings_of
+from armour.scenario.evidence import (
+    BACKING_DENSITY,
+    BACKING_RATIO,
+    BACKING_STRENGTH,
+    CERAMIC_DENSITY,
+    CERAMIC_RATIO,
+    CERAMIC_STRENGTH,
+    EVIDENCE,
+    ROD_DENSITY,
+    ROD_STRENGTH,
+    SLENDERNESS,
+    Measure,
+    ModelError,
+)
+from armour.scenario.library import shipped_library
+from armour.scenario.loading import Scenario, load_scenario
+from armour.units import GPA, MM
 from armour.validation.suite import load_suite
 from armour.validation.validate import paper_suite
-from tests.helpers.cases import scenario
+from tests.helpers.cases import SCENARIOS, scenario
 
 TILES = EVIDENCE[0]
 
@@ -229,3 +245,79 @@ def test_quantiles_at_the_ends():
 def test_wrong_numbers_for_an_error(call: Any, message: str):
     with pytest.raises(InputError, match=f"ModelError: {message}"):
         call(ModelError(0.0, 7.0, 12.0))
+
+
+def unusual(measure: Measure, value: float, *, bare: bool) -> bool:
+    """Whether the paper's armour, or its back plate, is unusual with a value of a quantity."""
+    p = scenario(ceramic=None, ceramic_mm=0.0).core_armour() if bare else scenario().core_armour()
+    field, factor = {
+        CERAMIC_RATIO: ("Hc0", p.D0),
+        CERAMIC_DENSITY: ("rho_c", 1.0),
+        CERAMIC_STRENGTH: ("Yc0", GPA),
+        BACKING_RATIO: ("Hb", p.D0),
+        BACKING_DENSITY: ("rho_B", 1.0),
+        BACKING_STRENGTH: ("YB", GPA),
+        SLENDERNESS: ("L0", p.D0),
+        ROD_DENSITY: ("rho_p", 1.0),
+        ROD_STRENGTH: ("Yp", GPA),
+    }[measure]
+    return bool(is_unusual(Parameters(**{**p._asdict(), field: value * factor})))
+
+
+# The ends of all ranges of docs/limits.md.
+@pytest.mark.parametrize(
+    ("measure", "low", "high", "bare"),
+    [
+        (BACKING_RATIO, 0.32, 9.7, True),
+        (BACKING_DENSITY, 2600.0, 8000.0, True),
+        (BACKING_STRENGTH, 0.18, 5.1, True),
+        (SLENDERNESS, 0.9, 3.6, True),
+        (ROD_DENSITY, 7700.0, 15000.0, True),
+        (ROD_STRENGTH, 2.3, 2.4, True),
+        (CERAMIC_RATIO, 0.61, 4.1, False),
+        (CERAMIC_DENSITY, 0.98 * 3420.0, 1.02 * 3840.0, False),
+        (CERAMIC_STRENGTH, 4.8, 8.0, False),
+        (BACKING_RATIO, 0.66, 3.0, False),
+        (BACKING_DENSITY, 2600.0, 2900.0, False),
+        (BACKING_STRENGTH, 0.9, 1.6, False),
+        (SLENDERNESS, 3.2, 5.4, False),
+        (ROD_DENSITY, 7700.0, 8000.0, False),
+        (ROD_STRENGTH, 2.3, 2.4, False),
+    ],
+    ids=lambda value: value.key if isinstance(value, Measure) else "",
+)
+def test_an_unusual_armour_is_outside_by_more_than_a_factor_of_two(
+    measure: Measure, low: float, high: float, bare: bool
+):
+    values = 0.49 * low, 0.51 * low, 1.99 * high, 2.01 * high
+    assert [unusual(measure, value, bare=bare) for value in values] == [True, False, False, True]
+    assert not unusual(measure, np.nan, bare=bare)
+
+
+def test_the_materials_and_rounds_of_ceramic_armours_are_not_unusual():
+    metals = "6061-T6", "7075-T6", "5083-H3", "Ti-6Al-4V"
+    for projectile in ("7.62 mm AP", "7.62 mm APM2", "25 mm APDS"):
+        diameter = scenario(projectile).core_armour().D0 / MM
+        for ceramic in shipped_library().names("ceramic"):
+            for metal in metals:
+                assert not is_unusual(scenario(projectile, ceramic, metal, diameter, diameter).core_armour())
+    for path in SCENARIOS.glob("**/*.toml"):
+        if "projectile =" in path.read_text():
+            assert not is_unusual(load_scenario(path).core_armour()), path
+
+
+def test_no_tested_plate_is_unusual():
+    cases = [case for case in load_suite(plates_suite()).cases if case.quantity == "ballistic_limit_m_s"]
+    assert cases
+    assert not any(is_unusual(case.scenario.core_armour()) for case in cases)
+
+
+def test_a_bare_plate_has_no_unusual_ceramic():
+    assert not is_unusual(scenario().core_armour()._replace(Hc0=0.0, Yc0=0.0, rho_c=0.0))
+
+
+def test_unusual_armours_are_told_in_arrays():
+    p = scenario().core_armour()
+    rows = [p, p._replace(YB=20e9), p._replace(Hc0=0.0), p._replace(Hc0=1e-3)]
+    found = is_unusual(Parameters(*(np.array(column) for column in zip(*rows, strict=True))))  # type: ignore[arg-type]
+    assert found.tolist() == [False, True, False, True]

@@ -34,7 +34,7 @@ def saved(store: Store, index: int, rows: int = 3) -> None:
     columns = values(index, rows)
     table = {**columns, **RESULTS}
     content = encoded(table, as_csv=store.is_csv, header=index == 0)
-    store.save(index * rows, rows, hash_of(columns), content)
+    store.save(index * rows, rows, hash_of(columns), content, {})
 
 
 def filled(output: Path, indices: tuple[int, ...] = (0, 1, 2), job: dict[str, str] = JOB) -> None:
@@ -170,7 +170,7 @@ def test_the_size_of_chunks_leaves_no_trace(output: Path, monkeypatch: pytest.Mo
             store.begin()
             for start in range(0, 60, size):
                 part = {"x": column[start : start + size]}
-                store.save(start, size, hash_of(part), encoded(part, as_csv=store.is_csv, header=start == 0))
+                store.save(start, size, hash_of(part), encoded(part, as_csv=store.is_csv, header=start == 0), {})
             store.finish(60)
     assert output.with_stem("one").read_bytes() == output.with_stem("many").read_bytes()
     assert count_rows(output.with_stem("one"), as_csv=output.suffix == ".csv") == 60

@@ -14,12 +14,14 @@ from armour.errors import InputError
 from armour.scenario.loading import Scenario
 from armour.sweeps.cases import Cases
 from armour.sweeps.checkpoint import DamagedError, Store
+from armour.sweeps.columns import sweep as sweep_in_python
 from armour.sweeps.job import job_of
 from armour.sweeps.lock import unlock
 from armour.sweeps.plan import Pace
 from armour.sweeps.sweep import sweep
 from armour.sweeps.tables import read_table
 from tests.helpers.cases import csv_file, scenario, sweep_grid, sweep_scenario
+from tests.helpers.exotic import narrow_ranges
 
 KEYS = ("impact.velocity_m_s", "armour.ceramic_thickness_mm", "armour.backing_thickness_mm")
 
@@ -139,7 +141,7 @@ def test_a_chunk_of_other_values_is_computed_anew(tmp_path: Path):
     case, source, output = sweep_scenario(), sweep_grid("impact.velocity_m_s=700:900:50"), tmp_path / "a.csv"
     with Store(output, job_of(case, source, ["outcome"])) as store:
         store.begin()
-        store.save(0, 2, "0" * 64, b"of another table")
+        store.save(0, 2, "0" * 64, b"of another table", {})
     told: list[str] = []
     sweep(case, source, ["outcome"], output, size=2, tell=told.append)
     assert told[0].endswith("0000000000000.chunk: of other values, computed anew")
@@ -251,3 +253,29 @@ def test_all_mistakes_at_once(tmp_path: Path):
         sweep(scenario(), sweep_grid("a=1", "a=2"), quantities, tmp_path / "a.csv")
     assert [problem.key for problem in error.value.problems] == ["quantities", "optimise", "over"]
     assert list(tmp_path.iterdir()) == []
+
+
+AGAIN = (
+    "ballistic_limit_m_s: the outcome changes more than once with the impact velocity, and the lowest change is taken"
+)
+THICKER = "required_ceramic_thickness_mm: a thicker ceramic is perforated at a velocity that a thinner one stops"
+
+
+def test_rows_whose_outcome_changes_again_are_told_even_when_resumed(tmp_path: Path):
+    source, quantities = sweep_grid("impact.velocity_m_s=359.086,20"), ["required_ceramic_thickness_mm"]
+    told: list[str] = []
+
+    def stop(_rows: int, _stored: bool) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sweep(narrow_ranges(), source, quantities, tmp_path / "a.csv", size=1, on_chunk=stop)
+    sweep(narrow_ranges(), source, quantities, tmp_path / "a.csv", size=1, tell=told.append)
+    assert f"warning: {THICKER}; this concerns 1 of 2 rows" in told
+    assert read_table(tmp_path / "a.csv")["required_ceramic_thickness_mm"][0] == pytest.approx(9.546, abs=1e-3)
+    found = sweep_in_python(narrow_ranges(), {"armour.ceramic_thickness_mm": [10.75, 40.0]})
+    again = [
+        not ballistic_limit(narrow_ranges().replaced({"armour.ceramic_thickness_mm": mm})).monotonic
+        for mm in (10.75, 40.0)
+    ]
+    assert f"{AGAIN}; this concerns {sum(again)} of 2 rows" in found.warnings

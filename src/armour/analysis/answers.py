@@ -1,6 +1,6 @@
 """Quantities of variants of a scenario, computed by the engine when they are first needed."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -13,6 +13,9 @@ from armour.core.equations import cross_section
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.units import MM, US, G
+
+AGAIN = "the outcome changes more than once with the impact velocity, and the lowest change is taken"
+THICKER = "a thicker {} is perforated at a velocity that a thinner one stops"
 
 
 class Answers:
@@ -41,14 +44,29 @@ class Answers:
         return searches.ballistic_limits(self.variants, self.threads)
 
     @cached_property
+    def least_ceramics(self) -> searches.Least:
+        """Least ceramic thicknesses that defeat the impacts, mm."""
+        return searches.least_ceramics_mm(self.variants, self.threads)
+
+    @cached_property
+    def least_backings(self) -> searches.Least:
+        """Least back plate thicknesses that defeat the impacts, mm."""
+        return searches.least_backings_mm(self.variants, self.threads)
+
+    @cached_property
+    def least_totals(self) -> searches.Least:
+        """Least thicknesses of both layers in proportion that defeat the impacts, mm."""
+        return searches.least_totals_mm(self.variants, self.threads)
+
+    @cached_property
     def with_least_ceramic(self) -> Variants:
         """The variants with the least ceramic thickness that defeats the impact."""
-        return rows.with_thicknesses(self.variants, ceramic_mm=searches.least_ceramics_mm(self.variants, self.threads))
+        return rows.with_thicknesses(self.variants, ceramic_mm=self.least_ceramics.mm)
 
     @cached_property
     def with_least_backing(self) -> Variants:
         """The variants with the least back plate thickness that defeats the impact."""
-        return rows.with_thicknesses(self.variants, backing_mm=searches.least_backings_mm(self.variants, self.threads))
+        return rows.with_thicknesses(self.variants, backing_mm=self.least_backings.mm)
 
     @cached_property
     def residual_velocities(self) -> Floats:
@@ -61,6 +79,19 @@ class Answers:
         p: Any = batch.fields(self.variants.parameters)
         found: Floats = p.rho_p * cross_section(p.D0) * self.impacts.L / G
         return found
+
+    def changes(self, quantities: Sequence[str]) -> dict[str, int]:
+        """Return ways in which quantities are not all of the answer, in words, each with its number of rows."""
+        found: dict[str, Bools] = {}
+        if limits := [name for name in quantities if name in LIMITS]:
+            found[f"{', '.join(limits)}: {AGAIN}"] = searches.changes_above(
+                self.variants, self.ballistic_limits, self.threads
+            )
+        for name in quantities:
+            if name in LEAST:
+                least, layer = LEAST[name]
+                found[f"{name}: {THICKER.format(layer)}"] = least(self).changes_again
+        return {words: int(np.count_nonzero(rows)) for words, rows in found.items() if rows.any()}
 
 
 COLUMNS: dict[str, Callable[[Answers], Any]] = {
@@ -81,6 +112,15 @@ COLUMNS: dict[str, Callable[[Answers], Any]] = {
     ),
     "required_ceramic_thickness_mm": lambda a: a.with_least_ceramic.ceramics_mm,
     "required_backing_thickness_mm": lambda a: a.with_least_backing.backings_mm,
-    "required_total_thickness_mm": lambda a: searches.least_totals_mm(a.variants, a.threads),
+    "required_total_thickness_mm": lambda a: a.least_totals.mm,
     "required_areal_density_kg_m2": lambda a: a.with_least_ceramic.areal_densities_kg_m2,
+}
+
+# Quantities that follow from the ballistic limit, and those that are a least thickness, with the layer.
+LIMITS = "ballistic_limit_m_s", "probability_of_defeat"
+LEAST: dict[str, tuple[Callable[[Answers], searches.Least], str]] = {
+    "required_ceramic_thickness_mm": (lambda a: a.least_ceramics, "ceramic"),
+    "required_backing_thickness_mm": (lambda a: a.least_backings, "back plate"),
+    "required_total_thickness_mm": (lambda a: a.least_totals, "armour"),
+    "required_areal_density_kg_m2": (lambda a: a.least_ceramics, "ceramic"),
 }

@@ -9,7 +9,7 @@ from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result
 from armour.core import search
 from armour.errors import NoLimitError
-from armour.scenario.applicability import model_error, warnings_of
+from armour.scenario.applicability import is_unusual, model_error, warnings_of
 from armour.scenario.evidence import ModelError
 from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_types
@@ -84,10 +84,10 @@ class LimitResult(Result):
 def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> LimitResult:
     """Compute the ballistic limit of a scenario's armour: the lowest change of the outcome that a scan sees.
 
-    The scan has 33 velocities, evenly spaced on a logarithmic scale; those at which the projectile lacks the energy to
-    perforate are not computed.  Between two of them, changes of the outcome are
-    searched for at a maximum of the penetration depth of defeated projectiles, at a minimum of the residual velocity,
-    and where projectiles stop at one and are used up at the next.
+    The scan has 33 velocities, evenly spaced on a logarithmic scale, or 1,025 where the armour is far from all that the
+    model was compared with; those at which the projectile lacks the energy to perforate are not computed.  Between two
+    of them, changes of the outcome are searched for at a maximum of the penetration depth of defeated projectiles, at a
+    minimum of the residual velocity, and where projectiles stop at one and are used up at the next.
 
     Parameters
     ----------
@@ -111,10 +111,11 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
     check_types("ballistic_limit", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     section = scenario.ballistic_limit
     low, high = section.velocity_min_m_s, section.velocity_max_m_s
-    crossings, runs, lowest_perforates = find_crossings(scenario, on_progress)
+    points = scan_points(scenario)
+    crossings, runs, lowest_perforates = find_crossings(scenario, points, on_progress)
     if lowest_perforates or not crossings:
         above = not crossings and not lowest_perforates
-        raise NoLimitError(_no_limit(crossings, lowest_perforates, low, high), above=above)
+        raise NoLimitError(_no_limit(crossings, lowest_perforates, points, low, high), above=above)
     limit, error = crossings[0].bracket_m_s[1], model_error(scenario)
     return LimitResult(
         ballistic_limit_m_s=limit,
@@ -123,7 +124,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
         monotonic=len(crossings) == 1,
         crossings=crossings,
-        scanned_velocities=search.SCAN_POINTS,
+        scanned_velocities=points,
         scanned_range_m_s=(low, high),
         warnings=warnings_of(scenario, limit, "ballistic_limit"),
         model_error=error,
@@ -136,11 +137,16 @@ def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
     return () if limit.monotonic else (f"the outcome is not monotonic: {_listed(limit.crossings)}",)
 
 
-def find_crossings(scenario: Scenario, on_progress: OnProgress) -> tuple[tuple[Crossing, ...], int, bool]:
+def scan_points(scenario: Scenario) -> int:
+    """Return the number of velocities that are scanned for the ballistic limit of a scenario."""
+    return search.DENSE_SCAN_POINTS if is_unusual(scenario.core_armour()) else search.SCAN_POINTS
+
+
+def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> tuple[tuple[Crossing, ...], int, bool]:
     """Return the changes of the outcome that the scan sees, the impacts computed, and whether the lowest perforates."""
     section, armour = scenario.ballistic_limit, scenario.core_armour()
     solver = search.Solver(scenario.solver.arrest_velocity_m_s, scenario.solver.time_step, MAX_STEPS)
-    velocities = search.scan(section.velocity_min_m_s, section.velocity_max_m_s)
+    velocities = search.scan(section.velocity_min_m_s, section.velocity_max_m_s, points)
     runs = 0
 
     def count(more: int) -> None:
@@ -211,9 +217,9 @@ def bisect(holds: Callable[[float], bool], low: float, high: float, tolerance: f
     return low, high
 
 
-def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, low: float, high: float) -> str:
+def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, points: int, low: float, high: float) -> str:
     """Return why the range contains no ballistic limit."""
-    scanned = f"{search.SCAN_POINTS} velocities from {low:g} to {high:g} m/s"
+    scanned = f"{points} velocities from {low:g} to {high:g} m/s"
     if not lowest_perforates:
         return f"no ballistic limit: none of {scanned} perforates; raise ballistic_limit.velocity_max_m_s"
     if not crossings:

@@ -4,6 +4,7 @@ Sweeps, suites, figures, uncertainty, sensitivity, calibration and designs use i
 A question without an answer gives NaN; a run that does not end raises an InputError that names the key at fault.
 """
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
@@ -12,7 +13,7 @@ import numpy as np
 
 from armour.analysis.answers import COLUMNS, Answers
 from armour.analysis.quantities import QUANTITIES, reads_of
-from armour.analysis.variants import Floats, Ints, Variants, grid_of, variants_of
+from armour.analysis.variants import Floats, Ints, Variants, grid_of, outside_limits, variants_of
 from armour.errors import InputError, Problem, choices, refuse
 from armour.scenario.assignments import canonical
 from armour.scenario.loading import Scenario
@@ -38,7 +39,7 @@ def evaluate(
     check_quantities(scenario, quantities, "evaluate", "quantities")
     columns = _checked(columns)
     check_keys(scenario, {key: values[0].item() for key, values in columns.items()}, quantities, "evaluate")
-    return evaluate_groups(groups_of(scenario, columns), quantities, threads)
+    return evaluate_groups(groups_of(scenario, columns), quantities, threads)[0]
 
 
 def check_quantities(scenario: Scenario, quantities: Sequence[str], file: str, key: str) -> None:
@@ -127,8 +128,15 @@ def _placed(where: Ints, place: Place, row: int, problem: Problem) -> Problem:
     return place(int(where[row]), problem)
 
 
-def evaluate_groups(groups: Sequence[Group], quantities: Sequence[str], threads: int | None = None) -> dict[str, Any]:
-    """Evaluate quantities for groups of rows, see `evaluate`."""
+def evaluate_groups(
+    groups: Sequence[Group], quantities: Sequence[str], threads: int | None = None
+) -> tuple[dict[str, Any], Counter[str]]:
+    """Evaluate quantities for groups of rows, see `evaluate`; return them, and warnings with their numbers of rows."""
     answers = [Answers(group.variants, threads) for group in groups]
     order = np.argsort(np.concatenate([group.where for group in groups]), kind="stable")
-    return {name: np.concatenate([COLUMNS[name](answer) for answer in answers])[order] for name in quantities}
+    columns = {name: np.concatenate([COLUMNS[name](answer) for answer in answers])[order] for name in quantities}
+    warnings: Counter[str] = Counter()
+    for answer in answers:
+        warnings.update(dict(outside_limits(answer.variants, velocities="impact" in reads_of(quantities))))
+        warnings.update(answer.changes(quantities))
+    return columns, warnings

@@ -1,19 +1,40 @@
 """Ballistic limits and least thicknesses of many variants of a scenario at once."""
 
 from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
-from armour.analysis.variants import Bools, Floats, Ints, Variants, check_resolved, perforated, with_thicknesses
-from armour.core.search import SCAN_POINTS
+from armour.analysis.variants import (
+    Bools,
+    Floats,
+    Ints,
+    Variants,
+    check_resolved,
+    perforated,
+    unusual,
+    with_thicknesses,
+)
+from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
 from armour.engine import batch
 from armour.units import MM
 
 # Width, mm, to which a least thickness is bisected.
 THICKNESS_TOLERANCE_MM = 1e-6
 
+# Rows whose outcome is computed at all points of a scan at a time, which bounds the memory.
+SCANS_AT_A_TIME = 250
+
 # Whether a condition holds at values of some rows: (values, rows) -> holds.
 Condition = Callable[[Floats, Ints], Bools]
+
+
+class Least(NamedTuple):
+    """Least thicknesses of n rows."""
+
+    mm: Floats  # NaN where none is found
+    changes_again: Bools  # a thicker layer is known to be perforated; looked for where a row is unusual
 
 
 def ballistic_limits(variants: Variants, threads: int | None = None, *, tolerance: float | None = None) -> Floats:
@@ -35,10 +56,30 @@ def limit_brackets(
     threads: int | None = None,
     points: int = SCAN_POINTS,
 ) -> batch.Brackets:
-    """Return brackets of the ballistic limit of each row that a scan of points from low to high, m/s, sees."""
-    options = variants.settings.options(threads)
-    found = batch.ballistic_limits(variants.parameters, low, high, tolerance, options, points)
+    """Return brackets of the ballistic limit of each row that a scan from low to high, m/s, sees.
+
+    It has at least a number of points, and is dense where a row is unusual.
+    """
+    options, dense = variants.settings.options(threads), unusual(variants)
+    found = batch.ballistic_limits(variants.parameters[~dense], low, high, tolerance, options, points)
+    if dense.any():
+        other = batch.ballistic_limits(variants.parameters[dense], low, high, tolerance, options, DENSE_SCAN_POINTS)
+        order = np.argsort(np.concatenate([np.flatnonzero(~dense), np.flatnonzero(dense)]))
+        found = batch.Brackets(*(np.concatenate(both)[order] for both in zip(found, other, strict=True)))
     check_resolved(found.resolved, variants._replace(velocities=found.perforated))
+    return found
+
+
+def changes_above(variants: Variants, limits: Floats, threads: int | None = None) -> Bools:
+    """Return which unusual rows are seen to stop an impact faster than their ballistic limit, (n,)."""
+    section, found = variants.settings.ballistic_limit, np.zeros(len(limits), dtype=bool)
+    velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, DENSE_SCAN_POINTS))
+    where = np.flatnonzero(unusual(variants) & np.isfinite(limits))
+    for start in range(0, len(where), SCANS_AT_A_TIME):
+        some = where[start : start + SCANS_AT_A_TIME]
+        row, place = np.nonzero(velocities > limits[some, None])
+        faster = variants.at(some[row])._replace(velocities=velocities[place])
+        found[some[row[~perforated(faster, threads)]]] = True
     return found
 
 
@@ -69,7 +110,7 @@ def bisect_rows(
         low[rows[~good]] = values[~good]
 
 
-def least_ceramics_mm(variants: Variants, threads: int | None = None) -> Floats:
+def least_ceramics_mm(variants: Variants, threads: int | None = None) -> Least:
     """Return the least ceramic thickness of the grid's range that defeats each impact, mm; NaN where none does."""
     grid = variants.settings.grid
     assert grid is not None, "checked before"
@@ -87,29 +128,38 @@ def least_ceramics_mm(variants: Variants, threads: int | None = None) -> Floats:
     below, above = found.perforated / MM, found.defeated / MM
     least = np.where(np.isfinite(above) & ~np.isfinite(below), low, np.nan)
     where = np.flatnonzero(np.isfinite(above) & np.isfinite(below))
-    bounded = variants.at(where)
+
+    def with_ceramic(values: Floats, rows: Ints) -> Variants:
+        return with_thicknesses(variants.at(rows), ceramic_mm=values)
 
     def defeated(values: Floats, rows: Ints) -> Bools:
-        return ~perforated(with_thicknesses(bounded.at(rows), ceramic_mm=values), threads)
+        return ~perforated(with_ceramic(values, rows), threads)
 
-    ends = np.full(len(where), low), np.full(len(where), high)
-    least[where] = bisect_rows(defeated, THICKNESS_TOLERANCE_MM, *ends, below[where], above[where])
-    return least
+    lows, highs = np.full(len(least), low), np.full(len(least), high)
+    least[where] = bisect_rows(
+        partial(_at_rows, defeated, where),
+        *(THICKNESS_TOLERANCE_MM, lows[where], highs[where], below[where], above[where]),
+    )
+    return scanned_where_unusual(least, lambda *at: unusual(with_ceramic(*at)), defeated, lows, highs)
 
 
-def least_backings_mm(variants: Variants, threads: int | None = None) -> Floats:
+def least_backings_mm(variants: Variants, threads: int | None = None) -> Least:
     """Return the least back plate thickness of the grid's range that defeats each impact, mm; NaN where none does."""
     grid = variants.settings.grid
     assert grid is not None, "checked before"
 
-    def defeated(values: Floats, rows: Ints) -> Bools:
-        return ~perforated(with_thicknesses(variants.at(rows), backing_mm=values), threads)
+    def with_backing(values: Floats, rows: Ints) -> Variants:
+        return with_thicknesses(variants.at(rows), backing_mm=values)
 
     count, backing = len(variants.velocities), grid.backing_thickness_mm
-    return least_values_mm(defeated, np.full(count, backing.min), np.full(count, backing.max))
+    return least_values_mm(
+        lambda *at: ~perforated(with_backing(*at), threads),
+        lambda *at: unusual(with_backing(*at)),
+        *(np.full(count, backing.min), np.full(count, backing.max)),
+    )
 
 
-def least_totals_mm(variants: Variants, threads: int | None = None) -> Floats:
+def least_totals_mm(variants: Variants, threads: int | None = None) -> Least:
     """Return the least thickness of both layers together that defeats each impact, mm; NaN where none does.
 
     The layers keep their proportion and are within the grid's ranges.
@@ -129,22 +179,51 @@ def least_totals_mm(variants: Variants, threads: int | None = None) -> Floats:
         ceramic_mm, backing_mm = (values * layer[some] / totals[some] for layer in (ceramics, backings))
         return with_thicknesses(variants.at(some), ceramic_mm=ceramic_mm, backing_mm=backing_mm)
 
-    least = np.full(len(totals), np.nan)
-    least[where] = least_values_mm(
-        lambda values, rows: ~perforated(scaled(values, rows), threads),
-        low[where] * totals[where],
-        high[where] * totals[where],
+    least = Least(np.full(len(totals), np.nan), np.zeros(len(totals), dtype=bool))
+    least.mm[where], least.changes_again[where] = least_values_mm(
+        lambda *at: ~perforated(scaled(*at), threads),
+        lambda *at: unusual(scaled(*at)),
+        *(low[where] * totals[where], high[where] * totals[where]),
     )
     return least
 
 
-def least_values_mm(defeated: Condition, low: Floats, high: Floats) -> Floats:
-    """Return the least thickness from low to high, mm, that defeats the threat in each row; NaN where high does not."""
+def least_values_mm(defeated: Condition, is_unusual: Condition, low: Floats, high: Floats) -> Least:
+    """Return the least thickness from low to high, mm, that defeats the threat in each row, by bisection or scan.
+
+    Where a row is not unusual, the outcome is taken to change once at most.
+    """
     rows = np.arange(len(low))
     least = np.where(defeated(low, rows), low, np.nan)
     rest = rows[np.isnan(least)]
     rest = rest[defeated(high[rest], rest)]
-    least[rest] = bisect_rows(
-        lambda values, some: defeated(values, rest[some]), THICKNESS_TOLERANCE_MM, low[rest], high[rest]
-    )
-    return least
+    least[rest] = bisect_rows(partial(_at_rows, defeated, rest), THICKNESS_TOLERANCE_MM, low[rest], high[rest])
+    return scanned_where_unusual(least, is_unusual, defeated, low, high)
+
+
+def scanned_where_unusual(
+    least: Floats, is_unusual: Condition, defeated: Condition, low: Floats, high: Floats
+) -> Least:
+    """Return least thicknesses of rows, mm, which a scan from low to high takes the place of where a row is unusual.
+
+    Whether it is tells the least thickness that is given; where that is NaN, the other quantities of the row.
+    """
+    found = Least(least.copy(), np.zeros(len(least), dtype=bool))
+    where = np.flatnonzero(is_unusual(least, np.arange(len(least))))
+    for start in range(0, len(where), SCANS_AT_A_TIME):
+        rows = where[start : start + SCANS_AT_A_TIME]
+        values = np.linspace(low[rows], high[rows], DENSE_SCAN_POINTS, axis=1)
+        stops = defeated(values.ravel(), np.repeat(rows, DENSE_SCAN_POINTS)).reshape(values.shape)
+        first, some = stops.argmax(axis=1), np.arange(len(rows))
+        upper = bisect_rows(
+            partial(_at_rows, defeated, rows),
+            *(THICKNESS_TOLERANCE_MM, values[some, np.maximum(first - 1, 0)], values[some, first]),
+        )
+        found.mm[rows] = np.where(stops.any(axis=1), upper, np.nan)
+        found.changes_again[rows] = (stops[:, :-1] > stops[:, 1:]).any(axis=1)
+    return found
+
+
+def _at_rows(holds: Condition, rows: Ints, values: Floats, places: Ints) -> Bools:
+    """Return whether a condition holds at values of some places in a selection of rows."""
+    return holds(values, rows[places])

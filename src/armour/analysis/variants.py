@@ -10,7 +10,7 @@ from armour.analysis.impact import MAX_STEPS, unresolved_error
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem
-from armour.scenario.applicability import given_error, is_excluded, row_errors, row_limits
+from armour.scenario.applicability import given_error, is_excluded, is_unusual, row_errors, row_limits
 from armour.scenario.evidence import UNKNOWN, ModelError
 from armour.scenario.library import DEFAULTS, ROD, length_mm
 from armour.scenario.loading import Scenario
@@ -109,6 +109,12 @@ def concatenated(parts: Sequence[Variants]) -> Variants:
 def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
     """Yield the limits of what the model was compared with that some rows lie outside of, and how many do."""
     return row_limits(batch.fields(variants.parameters), variants.velocities if velocities else None)
+
+
+def unusual(variants: Variants) -> Bools:
+    """Return which rows are far from all that the model was compared with."""
+    found: Bools = is_unusual(batch.fields(variants.parameters))
+    return found
 
 
 def grid_of(scenario: Scenario) -> Optimise:

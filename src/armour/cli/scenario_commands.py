@@ -160,8 +160,6 @@ def optimise(
     say_if_compiling()
     with progress("impacts") as count:
         result = design.optimise(loaded, refine=refine, on_progress=count)
-    thicknesses = ", ".join(f"{thickness:g}" for thickness in result.not_monotonic_mm)
-    perforated = [f"a thicker ceramic was perforated on a back plate of {thicknesses} mm"] if thicknesses else []
     respond(
         result.to_dict(),
         design_tables(result, required_margins(loaded), excluded=is_excluded(loaded)),
@@ -170,7 +168,7 @@ def optimise(
         files=[(csv, lambda: csv_text(pareto_table(result) if result.pareto else frontier_table(result)))],
         plot=plot,
         chart=lambda charts: charts.design_chart(result),
-        warnings=[*perforated, *warnings_of(loaded, result.warnings, of_threats=True)],
+        warnings=warnings_of(loaded, result.warnings, of_threats=True),
     )
 
 

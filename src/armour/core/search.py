@@ -30,6 +30,10 @@ ENERGY_LEFT = 0.65
 MAX_INTERPOLATED_RUNS = 30
 # Number of velocities of a scan.
 SCAN_POINTS = 33
+# The same where the outcome is likely to change more than once.
+DENSE_SCAN_POINTS = 1025
+# Ratio of two velocities up to which the outcome of a rough run between them may be wrong.
+NEAR = 1.05
 # Runs of a search between scanned velocities.
 HIDDEN_RUNS = 10
 # Error of a parabola through three perforations as a part of its difference from the line.
@@ -256,6 +260,10 @@ def next_change(p: Parameters, before: Impact, start: Impact, velocities: Sequen
             continue
         end = scanned_impact(p, V, solver)
         runs += 1
+        if end.resolved and end.perforated != last.perforated and V < NEAR * last.V:
+            sure = confirmed(p, start, Change(last, end, 0), solver)
+            runs += sure.runs
+            last, end = sure.below, sure.above
         if not end.resolved or end.perforated != last.perforated:
             return Change(last, end, runs)
         hidden = Change(last, last, 0)
@@ -264,10 +272,34 @@ def next_change(p: Parameters, before: Impact, start: Impact, velocities: Sequen
         elif before.eroded == last.eroded and before.nearness < last.nearness > end.nearness:
             hidden = change_at_peak(p, before, last, end, solver)
         runs += hidden.runs
-        if not hidden.above.resolved or hidden.above.perforated != last.perforated:
+        if hidden.above.resolved and hidden.above.perforated != last.perforated:
+            hidden = confirmed(p, start, hidden, solver)
+            runs += hidden.runs
+        if not hidden.above.resolved or hidden.above.perforated != hidden.below.perforated:
             return Change(hidden.below, hidden.above, runs)
         before, last = last, end
     return Change(last, last, runs)
+
+
+def confirmed(p: Parameters, start: Impact, change: Change, solver: Solver) -> Change:
+    """Return a change between near velocities with both ends by usual impacts, the lower moved down to one that stands.
+
+    Both ends have the outcome below the change if the upper one does not stand.  ``start`` is where the scan started.
+    """
+    above = impact(p, change.above.V, solver)
+    below, V, runs = change.below, change.below.V, 1
+    if not above.resolved or above.perforated == below.perforated:
+        return Change(below, above, runs)
+    ratio = above.V / V
+    while True:
+        below = impact(p, V, solver)
+        runs += 1
+        if not below.resolved:
+            return Change(below, below, runs)
+        if below.perforated != above.perforated:
+            return Change(below, above, runs)
+        above = below
+        V = start.V if V / ratio < start.V < V else V / ratio
 
 
 def change_at_peak(p: Parameters, below: Impact, peak: Impact, above: Impact, solver: Solver) -> Change:

@@ -6,8 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from armour.analysis.searches import least_values_mm
-from armour.analysis.variants import Bools, Floats, Ints
+from armour.analysis.searches import Least, least_values_mm
+from armour.analysis.variants import Bools, Floats, Ints, unusual
 from armour.design.catalogue import MARGIN, Candidates, first_backings
 from armour.design.free import minimise_over_backings
 from armour.design.requirement import Requirement
@@ -69,18 +69,27 @@ def _of_pair(
     ceramic, backing = (layer.free_range(refine=refine) for layer in (offer.ceramic, offer.backing))
     ceramics, backings = (np.array(layer.thicknesses()) for layer in (offer.ceramic, offer.backing))
     of_ceramics = partial(catalogue.candidates, pair)
-    least = partial(_least, requirement, verify=verify)
 
     def of_backings(backings: Floats, ceramics: Floats) -> Candidates:
         return of_ceramics(ceramics, backings)
+
+    def least_ceramics(free: Range | FreeRange, backings: Floats) -> Floats:
+        return known("ceramic", backings, _least(requirement, free, of_ceramics, backings, verify=verify))
+
+    def least_backings(free: Range | FreeRange, ceramics: Floats) -> Floats:
+        return known("back plate", ceramics, _least(requirement, free, of_backings, ceramics, verify=verify))
+
+    def known(layer: str, other: Floats, found: Least) -> Floats:
+        requirement.changing[pair, layer].update(other[found.changes_again].tolist())
+        return found.mm
 
     if ceramic is None and backing is None:
         return of_ceramics(np.repeat(ceramics, len(backings)), np.tile(backings, len(ceramics)))
     if ceramic is None:
         assert backing is not None
-        return of_backings(least(backing, of_backings, ceramics), ceramics)
+        return of_ceramics(ceramics, least_backings(backing, ceramics))
     if backing is None:
-        return of_ceramics(least(ceramic, of_ceramics, backings), backings)
+        return of_ceramics(least_ceramics(ceramic, backings), backings)
 
     # Both are free: each round has back plate thicknesses closer together around the best designs of the round before.
     found: list[Candidates] = []
@@ -88,7 +97,7 @@ def _of_pair(
 
     def values_of(backings: Floats) -> Floats:
         some, where = np.unique(backings, return_inverse=True)
-        designs = of_ceramics(least(ceramic, of_ceramics, some), some)
+        designs = of_ceramics(least_ceramics(ceramic, some), some)
         found.append(designs)
         violations = catalogue.violations(designs)
         if (violations > 0.0).all():
@@ -110,10 +119,10 @@ def _least(
     other: Floats,
     *,
     verify: bool,
-) -> Floats:
-    """Return the least thickness of a free layer, mm, that passes with each thickness of the other; NaN for none.
+) -> Least:
+    """Return the least thickness of a free layer that passes with each thickness of the other.
 
-    Bisects on the outcome at the velocities required and, to verify, on the limit where one lies below them.
+    Searches by the outcome at the velocities required and, to verify, by the limit where one lies below them.
     """
 
     def defeats(values: Floats, rows: Ints) -> Bools:
@@ -122,11 +131,22 @@ def _least(
     def passes(values: Floats, rows: Ints) -> Bools:
         return Search(requirement, designs(values, other[rows])).passes(np.arange(len(rows)))
 
+    def is_unusual(values: Floats, rows: Ints) -> Bools:
+        threats = range(len(requirement.catalogue.threats))
+        variants = requirement.catalogue.against_each(designs(values, other[rows]), threats)
+        return np.asarray(unusual(variants).reshape(-1, len(threats)).any(axis=1))
+
     low, high = np.full(len(other), free.min), np.full(len(other), free.max)
-    least = least_values_mm(defeats, low, high)
+    least = least_values_mm(defeats, is_unusual, low, high)
     if not verify:
         return least
-    found = np.flatnonzero(~np.isnan(least))
-    rest = found[~passes(least[found], found)]
-    least[rest] = least_values_mm(lambda values, rows: passes(values, rest[rows]), least[rest], high[rest])
+    found = np.flatnonzero(~np.isnan(least.mm))
+    rest = found[~passes(least.mm[found], found)]
+    again = least_values_mm(
+        lambda values, rows: passes(values, rest[rows]),
+        lambda values, rows: is_unusual(values, rest[rows]),
+        *(least.mm[rest], high[rest]),
+    )
+    least.mm[rest] = again.mm
+    least.changes_again[rest] |= again.changes_again
     return least

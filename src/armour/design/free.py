@@ -41,7 +41,7 @@ def least_areal_densities(variants: Variants, on_progress: OnProgress = ignore_p
         for part in portions(backings.size, SEARCHES_AT_A_TIME):
             many = variants.at(np.arange(part.start, part.stop) // backings.shape[1])
             many = with_thicknesses(many, backing_mm=backings.ravel()[part])
-            many = with_thicknesses(many, ceramic_mm=least_ceramics_mm(many))
+            many = with_thicknesses(many, ceramic_mm=least_ceramics_mm(many).mm)
             values[part] = np.nan_to_num(many.areal_densities_kg_m2, nan=np.inf)
             on_progress(part.stop - part.start, None)
         return values.reshape(backings.shape)

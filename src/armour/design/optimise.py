@@ -27,6 +27,8 @@ from armour.scenario.words import Varied, subject
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
 
+# Thicknesses that a warning lists.
+MOST_LISTED = 5
 NO_ERROR = "the error of the model is not known"
 SMALLER = {"areal_density_kg_m2": "lighter", "thickness_mm": "thinner", "cost_per_m2": "cheaper"}
 # Keys of [design] that bound a quantity, its unit, and what a design with the least of it is called.
@@ -249,6 +251,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     criteria = tuple(catalogue.section.pareto or ())
     pair = int(search.candidates.pair[first])
     frontier = search.frontier(first)
+    not_monotonic = search.not_monotonic_mm(frontier)
     best = _best(search, first)
     found = _designs(search, frontier, with_margins=True)
     ceramic_min = min((low for _, name, low, _ in catalogue.ranges(pair) if name == "ceramic"), default=0.0) or None
@@ -265,13 +268,14 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         designs=len(search.values),
         examined=len(search.values),
         runs=requirement.runs,
-        not_monotonic_mm=search.not_monotonic_mm(frontier),
+        not_monotonic_mm=not_monotonic,
         warnings=(
             *_unused_impact(scenario),
             *catalogue.omissions(),
             *_outside(search, first),
             *_at_the_ends(catalogue, pair, best),
             *_least_of_the_range(catalogue, pair, found, ceramic_min),
+            *_changing(search, (*search.changing(), *((pair, "ceramic", other) for other in not_monotonic))),
         ),
         ceramic_min_mm=ceramic_min,
         without_mm=_without(search, pair, frontier),
@@ -304,6 +308,22 @@ def _outside(search: Search, place: int) -> list[str]:
         keys = {VELOCITY: f"threat[{i}].velocity_m_s", **keys} if catalogue.scenario.threat else {}
         found += armour_warnings(_armour(search, place, i), ceramic, threat.velocity_m_s, keys)
     return list(dict.fromkeys(found))
+
+
+def _changing(search: Search, columns: Sequence[tuple[int, str, float]]) -> Iterator[str]:
+    """Give a warning for each pair and layer of which a thicker one may fail, with thicknesses of the other one, mm."""
+    found = search.requirement.changing
+    for pair, layer, other in columns:
+        found[pair, layer].add(other)
+    for (pair, layer), others in sorted(found.items()):
+        if others:
+            offer, shown = search.catalogue.offers[pair], [f"{other:.4g}" for other in sorted(others)]
+            armour = " on ".join(part.material for part in offer[:2] if part.material)
+            listed = ", ".join(shown[:MOST_LISTED]) + (" and more" if len(shown) > MOST_LISTED else "")
+            yield (
+                f"{armour}: a thicker {layer} is perforated at a velocity that a thinner one stops, "
+                f"with a {'ceramic' if layer == 'back plate' else 'back plate'} of {listed} mm"
+            )
 
 
 def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[str]:

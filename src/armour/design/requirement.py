@@ -1,21 +1,20 @@
 """Condition on a design: its lowest ballistic limit must reach the velocity plus margin of every threat."""
 
+from collections import defaultdict
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from armour.analysis.progress import FIRST_IMPACTS, OnProgress, ignore_progress, portions
 from armour.analysis.searches import limit_brackets
 from armour.analysis.variants import Bools, Floats, Variants, perforated
-from armour.core.search import SCAN_POINTS
+from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS
 from armour.design.catalogue import Candidates, Catalogue
 from armour.scenario.schema import FASTEST_M_S
 
 # Velocity, m/s, from which a ballistic limit is searched for below the range of the section ``ballistic_limit``.
 SLOWEST_M_S = 20.0
-# Velocities of a scan for limits that a coarser one has missed.
-DENSE_SCAN_POINTS = 1025
 # Impacts and limits that are computed at a time, which bounds the memory.
 IMPACTS_AT_A_TIME = 50_000
 LIMITS_AT_A_TIME = 10_000
@@ -31,6 +30,9 @@ class Requirement:
     catalogue: Catalogue
     on_progress: OnProgress = ignore_progress  # called with impacts
     runs: int = 0
+    # By pair and free layer: thicknesses of the other layer, mm, with which a thicker one is perforated at a velocity
+    # that a thinner one stops.
+    changing: defaultdict[tuple[int, str], set[float]] = field(default_factory=lambda: defaultdict(set))
 
     def defeats(self, candidates: Candidates, threat: int | None = None) -> Bools:
         """Return whether designs defeat all threats, or one, at the velocities required."""

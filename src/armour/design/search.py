@@ -1,7 +1,7 @@
 """Search for the designs of a catalogue that pass, in the order of the objective."""
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -114,6 +114,21 @@ class Search:
 
     def _passes_within_bounds(self, place: int) -> bool:
         return bool(self.passes(np.array([place]))[0]) and self.probabilities(place) is not None
+
+    def changing(self) -> Iterator[tuple[int, str, float]]:
+        """Give pair and layer of which a thicker one is perforated at a velocity that a thinner one stops.
+
+        The thickness of the other layer, mm, is given with them.
+        """
+        pairs, ceramics, backings = self.candidates[:3]
+        for name, layer, other in (("ceramic", ceramics, backings), ("back plate", backings, ceramics)):
+            order = np.lexsort((layer, other, pairs))
+            thin, thick = order[:-1], order[1:]
+            where = (pairs[thin] == pairs[thick]) & (other[thin] == other[thick])
+            where &= self.defeating[thin] & ~self.defeating[thick]
+            needed = (self.catalogue.required_m_s(self.candidates.at(some[where])) for some in (thin, thick))
+            for place in thin[where][np.equal(*needed).all(axis=1)]:
+                yield int(pairs[place]), name, float(other[place])
 
     def not_monotonic_mm(self, frontier: Ints) -> tuple[float, ...]:
         """Return the back plate thicknesses of a frontier at which a thicker ceramic is known not to pass, mm."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from armour.core.state import Parameters
-from armour.scenario.evidence import CERAMICS, EVIDENCE, LAW_MEASURES, Evidence, ModelError
+from armour.scenario.evidence import CERAMICS, COVERED, EVIDENCE, LAW_MEASURES, Evidence, ModelError
 
 if TYPE_CHECKING:
     from armour.scenario.loading import Scenario
@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 VELOCITY = "impact.velocity_m_s"
 # Degrees of freedom from which Student's t distribution is as good as normal.
 NORMAL = 1e6
+# Factor by which a quantity of an unusual armour lies outside of all that the model was compared with.
+FAR = 2.0
 
 
 class Limit(NamedTuple):
@@ -64,6 +66,21 @@ def closest(armour: Parameters) -> Evidence:
     """Return the evidence whose kind of armour and penetrator an armour differs from in the fewest respects."""
     known = [evidence for evidence in EVIDENCE if evidence.bare == (armour.Hc0 == 0.0)]
     return min(known, key=lambda evidence: sum(bool(limits.fails(armour)) for limits in evidence.kind))
+
+
+def is_unusual(armour: Parameters) -> Any:
+    """Return whether an armour, or each of n, is far from all of its kind that the model was compared with.
+
+    A strength, a density, the slenderness or a thickness over the diameter is then outside by more than a factor of
+    two, and the outcome may change more than once with the velocity or a thickness.  A NaN is not outside.
+    """
+    found = False
+    for bare, ranges in COVERED.items():
+        for limits in ranges:
+            value = limits.measure.of(armour)
+            outside = (value < limits.low / FAR) | (value > limits.high * FAR)
+            found = found | (outside & ((armour.Hc0 == 0.0) == bare))
+    return found
 
 
 def unused_threats(scenario: "Scenario") -> tuple[str, ...]:

@@ -112,6 +112,9 @@ PRODUCT_EXPONENT = Measure("ceramic.flow_stress_product_exponent", "an exponent 
 SLOPES = Measure("ceramic.flow_stress_ceramic_slope", "slopes of", "", lambda p: abs(p.a_c) + abs(p.a_B))
 LAW_MEASURES = BACKING_EXPONENT, PRODUCT_EXPONENT, SLOPES
 CERAMIC_MEASURES = (CERAMIC_DENSITY, CERAMIC_MODULUS, CERAMIC_STRENGTH, *LAW_MEASURES)
+# In these an armour may be unusual, see `armour.scenario.applicability.is_unusual`.
+OF_CERAMIC = CERAMIC_RATIO, CERAMIC_DENSITY, CERAMIC_STRENGTH
+OF_ALL = BACKING_RATIO, BACKING_DENSITY, BACKING_STRENGTH, SLENDERNESS, ROD_DENSITY, ROD_STRENGTH
 
 # Relative differences of density and Young's modulus up to which a ceramic is the same.
 SAME_DENSITY, SAME_MODULUS = 0.02, 0.05
@@ -275,3 +278,18 @@ EVIDENCE = (
         (-8.2, 17.5, 6.0),
     ),
 )
+
+
+def _covered(measure: Measure, *, bare: bool) -> DataRange:
+    """Return the range of a quantity over all armours with a ceramic, or bare ones, that the model was compared with."""
+    of_all = [limits for evidence in EVIDENCE if evidence.bare == bare for limits in evidence.ranges()]
+    ceramics = [limits for ceramic in CERAMICS for limits in (ceramic.strength, *ceramic.ranges())]
+    found = [limits for limits in (*of_all, *ceramics) if limits.measure is measure]
+    return DataRange(measure, min(limits.low for limits in found), max(limits.high for limits in found))
+
+
+# Ranges over all that the model was compared with, by whether the armour is bare.
+COVERED = {
+    False: tuple(_covered(measure, bare=False) for measure in (*OF_CERAMIC, *OF_ALL)),
+    True: tuple(_covered(measure, bare=True) for measure in OF_ALL),
+}

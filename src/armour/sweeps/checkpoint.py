@@ -6,7 +6,7 @@ A folder beside the output, named after it with the suffix ``.parts``, which onl
 * ``job``, what the chunks belong to: the job and the format of the table and, once it is joined, its checksum: after a
   kill, it tells that the output is this table;
 * ``0000000000000.chunk`` and so on, each named after its first row, counted from 0: a line with its number of rows and
-  two checksums, and then its rows.
+  two checksums and the warnings on its rows, and then these.
 
 Files are written under another name, synced and renamed: a kill at any instant leaves each of them whole or missing.
 The checksum of a chunk covers its job, place and content, so that a damaged, exchanged or foreign one is noticed.
@@ -47,6 +47,7 @@ class Chunk(NamedTuple):
 
     rows: int
     source: str  # hash of the values that the rows were computed for
+    warnings: Mapping[str, int]  # with the number of rows that each concerns
     content: bytes
 
 
@@ -108,9 +109,10 @@ class Store:
         """Read the chunk of a first row, None if it is not on disk; raise a DamagedError if it is not intact."""
         return self._chunk(start) if self.path(start).exists() else None
 
-    def save(self, start: int, rows: int, source: str, content: bytes) -> None:
-        """Write a chunk, given its first row, number of rows and content, and the hash of the values behind it."""
-        head = f"{rows} {source} {self._checksum(start, rows, source, content)}\n"
+    def save(self, start: int, rows: int, source: str, content: bytes, warnings: Mapping[str, int]) -> None:
+        """Write a chunk, given its first row, its parts, and the hash of the values behind it."""
+        told = json.dumps(warnings)
+        head = f"{rows} {source} {self._checksum(start, rows, source, told, content)} {told}\n"
         with self._disk():
             self._check_folder()
             self._write(self.path(start).name, head.encode() + content)
@@ -212,15 +214,15 @@ class Store:
         """Read a chunk and verify it."""
         try:
             head, _, content = self.path(start).read_bytes().partition(b"\n")
-            rows, source, checksum = head.decode("ascii").split(" ")
-            if checksum == self._checksum(start, int(rows), source, content):
-                return Chunk(int(rows), source, content)
+            rows, source, checksum, told = head.decode("ascii").split(" ", 3)
+            if checksum == self._checksum(start, int(rows), source, told, content):
+                return Chunk(int(rows), source, json.loads(told), content)
         except (OSError, ValueError):
             pass
         raise DamagedError(self.path(start))
 
-    def _checksum(self, start: int, rows: int, source: str, content: bytes) -> str:
-        found = sha256(f"{json.dumps(self.job)} {start} {rows} {source}\n".encode())
+    def _checksum(self, start: int, rows: int, source: str, told: str, content: bytes) -> str:
+        found = sha256(f"{json.dumps(self.job)} {start} {rows} {source} {told}\n".encode())
         found.update(content)
         return found.hexdigest()
 

@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from armour.analysis.evaluate import evaluate, groups_of
+from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.quantities import reads_of
 from armour.analysis.results import TableResult, same_columns
-from armour.analysis.variants import Floats
 from armour.errors import InputError, Problem, choices
 from armour.files import reason
 from armour.scenario.loading import Scenario
@@ -67,7 +66,8 @@ class SweepResult(TableResult):
     output : Path or None
         File of the table; None where it is kept in memory.
     warnings : tuple of str
-        Limits of what the model was compared with that rows lie outside of, and ends of ranges that are omitted.
+        Limits of what the model was compared with that rows lie outside of, quantities that are not all of the answer,
+        and ends of ranges that are omitted.
     columns : dict of str to array
         Column by name, read from the file when it is first used.  A question without an answer gives NaN.
     """
@@ -192,11 +192,12 @@ def sweep(
         in_chunks.check(scenario, source, names)
         warnings += in_chunks.unanswered(scenario, names)
         try:
-            computed = {**columns, **evaluate(scenario, columns, names, threads)}
+            results, concerning = evaluate_groups(groups_of(scenario, columns), names, threads)
         except InputError:
             in_chunks.check_rows(scenario, source)  # says which row is wrong
             raise
-        warnings += _outside(scenario, columns, names)
+        computed = {**columns, **results}
+        warnings += in_chunks.lines_of(concerning, source.count)
         on_progress(source.count, source.count)
     else:
         output = Path(output).absolute()
@@ -243,13 +244,6 @@ def _axis(key: str, values: object) -> Axis:
                 return Axis(key, tuple(found.astype(np.float64).tolist()))
             must = "be finite numbers"
     raise InputError([Problem("sweep", f"over {key}", f"must {must}, found {shown}")])
-
-
-def _outside(scenario: Scenario, columns: Mapping[str, Floats], quantities: Sequence[str]) -> list[str]:
-    """Return the limits of what the model was compared with that rows lie outside of."""
-    outside = in_chunks.outside_of(groups_of(scenario, columns), quantities)
-    rows = len(next(iter(columns.values())))
-    return [f"{limit}; this concerns {number:,} of {rows:,} rows" for limit, number in sorted(outside.items())]
 
 
 def subject_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> str:

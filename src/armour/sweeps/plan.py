@@ -85,7 +85,7 @@ def plan_of(
         columns = source.sample(number)
         groups = groups_of(scenario, columns)
         start = perf_counter()
-        results = evaluate_groups(groups, quantities, threads)
+        results, _ = evaluate_groups(groups, quantities, threads)
         # Rows of a chunk follow each other, and share more scenarios than rows from all over the source.
         groups_of(scenario, next(source.chunks(repeat(number))))
         taken = perf_counter() - start

@@ -2,7 +2,7 @@
 
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
 from itertools import repeat
@@ -10,10 +10,9 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
-from armour.analysis.evaluate import Group, check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
+from armour.analysis.evaluate import check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
 from armour.analysis.progress import ignore_progress
-from armour.analysis.quantities import QUANTITIES, reads_of
-from armour.analysis.variants import outside_limits
+from armour.analysis.quantities import QUANTITIES
 from armour.errors import InputError, Problem, refuse
 from armour.scenario.applicability import is_excluded
 from armour.scenario.loading import Scenario
@@ -49,7 +48,7 @@ class Part(NamedTuple):
     """Part of a table, as it is written to the disk."""
 
     content: bytes
-    outside: Counter[str]  # number of rows outside of each limit of what the model was compared with
+    warnings: Counter[str]  # with the number of rows that each concerns
     seconds: float  # that it took
 
 
@@ -79,7 +78,7 @@ def sweep(
     Each chunk is written when it is computed: the same call resumes an interrupted sweep.  A question without an answer
     gives an empty field in CSV and NaN in Parquet.  Without a size of chunks, a new sweep measures some rows;
     ``approve`` gets what all of them take and raises an error to stop.  ``tell`` gets a line for each chunk that is
-    damaged on disk, and at the end one for each limit of what the model was compared with that rows lie outside of.
+    damaged on disk, and at the end one for each warning on some rows.
     ``replace`` allows the output to take the place of an older file.
     """
     check(scenario, source, quantities)
@@ -103,7 +102,7 @@ def sweep(
         store.begin()
         pace = Pace(row_s, size)
         pending: dict[int, tuple[int, str, float]] = {}  # rows, hash of their values and time so far, by first row
-        outside: Counter[str] = Counter()
+        warnings: Counter[str] = Counter()
         first_pass = True
         question = Question(scenario, quantities, store.is_csv)
 
@@ -131,7 +130,7 @@ def sweep(
                 source_hash = hash_of(values)
                 if found and found.source == source_hash:
                     if first_pass:
-                        outside.update(outside_of(groups_of(scenario, values), quantities))
+                        warnings.update(found.warnings)
                         on_chunk(rows, True)
                 else:
                     if found:
@@ -145,15 +144,15 @@ def sweep(
                 for start, part in compute.run(question, missing_chunks()):
                     rows, source_hash, seconds = pending.pop(start)
                     began = perf_counter()
-                    store.save(start, rows, source_hash, part.content)
+                    store.save(start, rows, source_hash, part.content, part.warnings)
                     pace.note(rows, seconds + part.seconds + perf_counter() - began)
                     if first_pass:
-                        outside.update(part.outside)
+                        warnings.update(part.warnings)
                         on_chunk(rows, False)
                 with suppress(DamagedError):
                     rows = store.finish(source.count)
-                    for limit, number in sorted(outside.items()):
-                        tell(f"warning: {limit}; this concerns {number:,} of {rows:,} rows")
+                    for line in lines_of(warnings, rows):
+                        tell(f"warning: {line}")
                     return rows
                 first_pass = False
         except KeyboardInterrupt:
@@ -195,17 +194,14 @@ def computed(question: Question, rows: Rows, threads: int | None) -> Part:
     began = perf_counter()
     scenario, quantities, as_csv = question
     groups = groups_of(scenario, rows.values)
-    columns = {**rows.values, **evaluate_groups(groups, quantities, threads)}
-    content = encoded(columns, as_csv=as_csv, header=rows.start == 0)
-    return Part(content, outside_of(groups, quantities), perf_counter() - began)
+    results, warnings = evaluate_groups(groups, quantities, threads)
+    content = encoded({**rows.values, **results}, as_csv=as_csv, header=rows.start == 0)
+    return Part(content, warnings, perf_counter() - began)
 
 
-def outside_of(groups: Iterable[Group], quantities: Sequence[str]) -> Counter[str]:
-    """Count the rows that lie outside of each limit of what the model was compared with."""
-    outside: Counter[str] = Counter()
-    for group in groups:
-        outside.update(dict(outside_limits(group.variants, velocities="impact" in reads_of(quantities))))
-    return outside
+def lines_of(warnings: Counter[str], rows: int) -> list[str]:
+    """Return warnings on some of the rows of a table as lines."""
+    return [f"{words}; this concerns {number:,} of {rows:,} rows" for words, number in sorted(warnings.items())]
 
 
 def in_process(threads: int | None = None) -> Compute:

@@ -250,7 +250,7 @@ def _of_files(cases: Sequence[Case]) -> dict[int, float]:
     found: dict[int, float] = {}
     for (_, quantity, given), places in together.items():
         columns = {name: np.array([float(cases[place].cells[name]) for place in places]) for name in given}
-        values = evaluate_groups(groups_of(cases[places[0]].scenario, columns), [quantity])[quantity]
+        values = evaluate_groups(groups_of(cases[places[0]].scenario, columns), [quantity])[0][quantity]
         found.update(zip(places, np.broadcast_to(values, len(places)).tolist(), strict=True))
     return found
 

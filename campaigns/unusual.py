@@ -1,0 +1,135 @@
+"""Ballistic limits and least thicknesses of unusual designs, compared with scans by usual impacts.
+
+Projectile and materials have values spread over decades. A limit is right if it lies at the lowest change of the
+outcome that 1,025 velocities see, 1 to 10,000 m/s, or if a lower one is found that the impacts at both ends of its
+bracket confirm. Designs that are nearly unusual, up to a factor of two outside of what the model was compared with, are
+compared in the same way. A least ceramic thickness is compared with a scan that is four times as dense. Run it by
+
+    python -m campaigns.unusual
+"""
+
+import argparse
+from collections.abc import Sequence
+
+import numpy as np
+
+from armour.analysis.searches import least_ceramics_mm, limit_brackets
+from armour.analysis.variants import Bools, Floats, Variants, perforated, settings_of, with_thicknesses
+from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
+from armour.core.state import Parameters
+from armour.engine import batch
+from armour.scenario.applicability import FAR, is_unusual
+from armour.scenario.evidence import COVERED
+from tests.helpers.exotic import WIDE, random_wide_designs
+
+LOW, HIGH = WIDE.values()  # m/s
+TOLERANCE = 0.01  # m/s
+THICKNESSES = {"min": 0.5, "max": 60.0, "step": 1.0}  # mm
+TIMES_DENSER = 4
+# Designs whose impacts are computed at a time.
+PART = 100
+
+
+def unusual_designs(count: int, seed: int) -> Variants:
+    """Return unusual designs with values spread over decades, and impact velocities of 100 to 3,000 m/s."""
+    rng = np.random.default_rng(seed)
+    grid = {"optimise": {"ceramic_thickness_mm": THICKNESSES, "backing_thickness_mm": THICKNESSES}}
+    found = [design.replaced(grid) for design in random_wide_designs(2 * count, seed)]
+    armours = [armour for armour in (design.core_armour() for design in found) if is_unusual(armour)][:count]
+    return Variants(
+        batch.packed(armours), np.exp(rng.uniform(np.log(100.0), np.log(3000.0), count)), settings_of(found[0])
+    )
+
+
+def nearly_unusual_designs(count: int, like: Variants) -> Variants:
+    """Return designs with every quantity up to a factor of two outside of what the model was compared with."""
+    rng = np.random.default_rng(11)
+    of = {
+        limits.measure.key: np.exp(rng.uniform(np.log(limits.low / FAR), np.log(limits.high * FAR), count))
+        for limits in COVERED[False]
+    }
+    D0, strength = 6.5e-3, of["backing.flow_stress_GPa"] * 1e9
+    zero = np.zeros(count)
+    columns = {
+        "L0": of["impact.projectile"] * D0,
+        "D0": zero + D0,
+        "rho_p": of["projectile.density_kg_m3"],
+        "Yp": of["projectile.flow_stress_GPa"] * 1e9,
+        "Hc0": of["armour.ceramic_thickness_mm"] * D0,
+        "rho_c": of["ceramic.density_kg_m3"],
+        "Ec": rng.uniform(150e9, 500e9, count),
+        "Yc0": of["ceramic.flow_stress_GPa"] * 1e9,
+        "Hb": of["armour.backing_thickness_mm"] * D0,
+        "rho_B": of["backing.density_kg_m3"],
+        "YB": strength,
+        "tau": strength * rng.uniform(0.1, 0.4, count),
+        "shear_law": rng.integers(0, 2, count),
+    }
+    return Variants(np.column_stack([columns.get(name, zero) for name in Parameters._fields]), zero, like.settings)
+
+
+def outcomes(designs: Variants, velocities: Floats) -> Bools:
+    """Return whether each design is perforated at each velocity, (n, velocities)."""
+    count = len(velocities)
+    many = designs.at(np.repeat(np.arange(len(designs.velocities)), count))
+    return perforated(many._replace(velocities=np.tile(velocities, len(designs.velocities)))).reshape(-1, count)
+
+
+def compare_limits(name: str, designs: Variants) -> None:
+    """Print how many limits differ from the lowest change that a scan by usual impacts sees."""
+    velocities = np.array(scan(LOW, HIGH, DENSE_SCAN_POINTS))
+    parts = np.array_split(np.arange(len(designs.velocities)), -(-len(designs.velocities) // PART))
+    beyond = np.concatenate([outcomes(designs.at(part), velocities) for part in parts])
+    first = beyond.argmax(axis=1)
+    low = np.where(beyond.any(axis=1), velocities[np.maximum(first - 1, 0)], np.inf)
+    high = np.where(beyond.any(axis=1), velocities[first], np.inf)
+    several = (np.diff(beyond.astype(int), axis=1) != 0).sum(axis=1) > 1
+    print(f"{name}: {len(low)}, of which {several.sum()} change more than once")
+    found = limit_brackets(designs, LOW, HIGH, TOLERANCE)
+    coarse = batch.ballistic_limits(designs.parameters, LOW, HIGH, TOLERANCE, points=SCAN_POINTS)
+    for by, brackets in ((f"{SCAN_POINTS} velocities everywhere", coarse), ("the program", found)):
+        same = (brackets.perforated >= low) & (brackets.perforated <= high) | beyond[:, 0] & ~np.isfinite(
+            brackets.defeated
+        )
+        lower = np.flatnonzero(~same & (brackets.perforated < low))
+        ends = [designs.at(lower)._replace(velocities=end[lower]) for end in (brackets.defeated, brackets.perforated)]
+        confirmed = int((~perforated(ends[0]) & perforated(ends[1])).sum()) if len(lower) else 0
+        print(f"  by {by}: {same.sum()} the same, {confirmed} of {len(lower)} lower ones confirmed, "
+              f"{(~same).sum() - len(lower)} too high")  # fmt: skip
+
+
+def compare_thicknesses(designs: Variants) -> None:
+    """Print how many least ceramic thicknesses differ from the lowest change that a denser scan sees."""
+    least = least_ceramics_mm(designs)
+    points = TIMES_DENSER * (DENSE_SCAN_POINTS - 1) + 1
+    values = np.linspace(THICKNESSES["min"], THICKNESSES["max"], points)
+    same = told = several = 0
+    for i in range(len(least.mm)):
+        stops = ~perforated(with_thicknesses(designs.at(np.full(points, i)), ceramic_mm=values))
+        first = int(stops.argmax())
+        again = bool((stops[:-1] & ~stops[1:]).any())
+        several += again
+        told += again and bool(least.changes_again[i])
+        if stops.any():
+            same += bool(values[max(first - 1, 0)] <= least.mm[i] <= values[first])
+        else:
+            same += bool(np.isnan(least.mm[i]))
+    print(f"least ceramics: {len(least.mm)}, {same} the same as by {points} thicknesses; "
+          f"a thicker one is perforated in {several}, of which {told} are told")  # fmt: skip
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print the comparison."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--designs", type=int, default=2_000)
+    parser.add_argument("--nearly", type=int, default=10_000)
+    parser.add_argument("--thicknesses", type=int, default=500)
+    asked = parser.parse_args(arguments)
+    unusual = unusual_designs(asked.designs, seed=24)
+    compare_limits("unusual designs", unusual)
+    compare_limits("nearly unusual designs", nearly_unusual_designs(asked.nearly, unusual))
+    compare_thicknesses(unusual.at(slice(asked.thicknesses)))
+
+
+if __name__ == "__main__":
+    main()
