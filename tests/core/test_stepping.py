@@ -4,13 +4,20 @@ from math import sqrt
 
 import pytest
 
-from armour.core.stages import first_stage, rates
+from armour.core.equations import CONOID, PROJECTILE
+from armour.core.rk4 import advance
+from armour.core.search import find_ballistic_limit, scan
+from armour.core.stages import first_stage, front_velocity, medium_ahead, rates
 from armour.core.state import Medium, Parameters, Stage, State
 from armour.core.stepping import (
+    BEND_FALLING,
+    BEND_RISING,
     LONGEST_RESPONSE,
     ROUGH_RESPONSE,
     ROUGH_SLOWING,
+    SETTLED,
     default_time_step,
+    front_rate,
     response_rate,
     step_length,
     strength_by_velocity,
@@ -18,6 +25,7 @@ from armour.core.stepping import (
     time_to_end,
 )
 from tests.helpers.cases import armour
+from tests.helpers.runs import perforates
 
 STATE = State(Z=4e-3, L=0.018, V=600.0, W=100.0, h=0.5e-3)
 RATES = State(Z=400.0, L=-200.0, V=-2e7, W=3e6, h=100.0)
@@ -83,7 +91,9 @@ def test_the_response_in_fragmented_ceramic():
     inertia = 2.0 * p.rho_c * 600.0 + 2.5 * sqrt(Yc * p.rho_c)
     rigid = in_stage(Medium.FRAGMENTED, False, True, False)
     assert response_rate(STATE, RATES, rigid, p) == pytest.approx((inertia + damping) / (p.rho_p * 0.018))
-    expected = (inertia + 0.5 * damping) / (p.rho_p * 0.018) + (p.rho_c * 500.0 + 0.5 * damping) / areal
+    settling = damping * (1.0 / (p.rho_p * 0.018) + 1.0 / areal)
+    # 2.3e7 m/s^2 is the rate of V - W, 500 m/s.
+    expected = inertia / (p.rho_p * 0.018) + p.rho_c * 500.0 / areal + SETTLED * settling + 2.3e7 / 500.0
     assert response_rate(STATE, RATES, rigid._replace(moving=True), p) == pytest.approx(expected)
 
 
@@ -181,3 +191,39 @@ def test_without_deceleration_the_end_is_reached_at_the_velocity():
     assert time_to_end(y, k, JOINED, p) == pytest.approx((p.Hc0 + p.Hb - 8e-3) / 300.0)
     in_ceramic = JOINED._replace(medium=Medium.FRAGMENTED)
     assert time_to_end(y._replace(Z=4e-3), k, in_ceramic, p) == pytest.approx((p.Hc0 - 4e-3) / 300.0)
+
+
+@pytest.mark.parametrize("medium", Medium)
+@pytest.mark.parametrize("rising", [True, False])
+def test_the_response_of_the_penetration_velocity(medium: Medium, rising: bool):
+    """The derivative of U with time is that of the root (6), (10), (21) itself."""
+    p = armour()
+    s = in_stage(medium, True, True, medium != Medium.INTACT)
+    W = 0.0 if medium == Medium.INTACT else STATE.W
+    y = STATE._replace(V=900.0, W=W)
+    k = rates(y, s, p)
+    # The strength of fragments falls with V.
+    k = k._replace(V=-1e8 if rising == (medium == Medium.FRAGMENTED) else 1e8, W=0.0)
+    dt = 1e-12
+    change = (front_velocity(advance(y, k, dt), s, p) - front_velocity(advance(y, k, -dt), s, p)) / (2.0 * dt)
+    _, rho = medium_ahead(y, s, p)
+    bend = 2.0 * rho * change / (p.rho_p * y.V + rho * (2.0 * k.Z - y.W))
+    assert (bend > 0.0) == rising
+    expected = (BEND_RISING if rising else -BEND_FALLING) * bend
+    assert front_rate(y, k, s, p, strength_by_velocity(y, s, p)) == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("L0", "rho_p", "Yp", "Hc0", "rho_c", "Ec", "Yc0", "Hb", "rho_B", "YB", "tau", "shear_law"),
+    [
+        (0.0916, 2580.0, 2.39e9, 6.05e-3, 14700.0, 379e9, 5.69e9, 4.07e-3, 14200.0, 2.11e9, 406e6, CONOID),
+        (0.061, 3710.0, 3.22e9, 3.16e-3, 9980.0, 569e9, 3.85e9, 7.22e-3, 13400.0, 1.21e9, 151e6, PROJECTILE),
+        (0.0806, 3400.0, 1.53e9, 2.97e-3, 7020.0, 184e9, 2.08e9, 5.92e-3, 10500.0, 2.54e9, 62e6, CONOID),
+    ],
+)
+def test_soft_rods_that_dwell_on_hard_ceramics_have_the_limits_of_shorter_steps(**unusual: float):
+    """U rises from 0 to V just after dwell; these were 0.1, 0.03 and 0.02 m/s off."""
+    p = armour()._replace(D0=7e-3, **unusual)
+    limit = find_ballistic_limit(p, scan(20.0, 4000.0), 1e-5, 1.0, 0.0, 20_000).high
+    assert perforates(p, limit + 1e-3, 0.02)
+    assert not perforates(p, limit - 1e-3, 0.02)
