@@ -42,7 +42,7 @@ def bare_plates(count: int) -> list[Parameters]:
 
 
 def spread_designs(count: int, seed: int = 24) -> list[Parameters]:
-    """Return random armours with lengths, densities and strengths over a decade; a third are hard, against soft rods."""
+    """Return random armours of lengths, densities and strengths over a decade; a third of the rods are soft."""
     rng = np.random.default_rng(seed)
 
     def decade(least: float) -> float:
