@@ -5,9 +5,10 @@ from math import sqrt
 import numpy as np
 import pytest
 
+from armour.core import equations as eq
 from armour.core.bounds import least_energy, least_energy_of_plate, may_perforate
-from armour.core.stages import with_intact_strength
-from armour.core.state import Parameters
+from armour.core.stages import mass_ahead, medium_ahead, rates, select_stage, shear_force, with_intact_strength
+from armour.core.state import Medium, Parameters, State
 from tests.helpers.cases import armour
 from tests.helpers.runs import perforates, random_designs
 
@@ -116,3 +117,36 @@ def test_a_law_of_the_flow_stress_counts():
     weaker = with_intact_strength(p)
     assert weaker.Yc0 < p.Yc0
     assert fastest_without(p) == fastest_without(weaker) < fastest_without(p._replace(a_c=0.0))
+
+
+def test_the_kinetic_energy_falls_as_the_bound_on_it_says():
+    """The inequalities 2 and 3 of docs/design.md, "Bound on the energy", at random states in every kind of stage."""
+    rng = np.random.default_rng(5)
+    stages = set()
+    for _ in range(4000):
+        rho_p, Yp, rho_c, Yc0, rho_B, YB, tau = (
+            rng.uniform(1.0, 10.0, 7) * (2e3, 1e9, 1e3, 1e9, 1e3, 3e8, 5e7)
+        ).tolist()
+        p = armour()._replace(rho_p=rho_p, Yp=Yp, rho_c=rho_c, Yc0=Yc0, rho_B=rho_B, YB=YB, tau=tau)
+        medium = Medium(rng.integers(3))
+        Vi = sqrt(2.0 * Yp / rho_p)
+        V, W = (Vi * np.sort(rng.random(2))[::-1]).tolist()
+        W *= medium != Medium.INTACT and rng.random() < 0.8
+        h_s, h, Z = np.sort(rng.random(3)).tolist()
+        Z = p.Hc0 + Z * p.Hb if medium == Medium.PLATE else Z * p.Hc0
+        y = State(Z, p.L0 * float(rng.random()), V, W, h * p.Hc0)
+        if rng.random() < 0.1:
+            y = y._replace(W=V) if medium == Medium.PLATE else y
+        s = select_stage(medium, y, p, float(rng.uniform(V, Vi)), h_s * p.Hc0)
+        stages.add((medium, s.eroding, s.penetrated))
+        k = rates(y, s, p)
+        U, A0 = k.Z, eq.cross_section(p.D0)
+        Y, rho = medium_ahead(y, s, p)
+        m, f = mass_ahead(y, s, p) / A0, shear_force(y, s, p) / A0
+        of_projectile = p.rho_p * (k.L * y.V**2 / 2.0 + y.L * y.V * k.V)
+        of_target = -rho * (U - y.W) * y.W**2 / 2.0 + m * y.W * k.W
+        lost, rounding = -of_projectile - of_target, 1e-9 * p.rho_p * y.V**3
+        assert lost >= Y * (U - y.W) + f * y.W - rounding
+        if medium == Medium.FRAGMENTED:
+            assert lost >= U * min(p.Yc0 * (y.V / s.Vs1) ** 2, f / 3.0) - rounding
+    assert len(stages) == 10

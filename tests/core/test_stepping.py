@@ -1,16 +1,24 @@
 """The longest time step and its adaptation."""
 
 from math import sqrt
+from typing import Any
 
 import pytest
 
-from armour.core.stages import first_stage, rates
+from armour.core.equations import CONOID, PROJECTILE
+from armour.core.rk4 import advance
+from armour.core.search import find_ballistic_limit, scan
+from armour.core.stages import first_stage, front_velocity, medium_ahead, rates
 from armour.core.state import Medium, Parameters, Stage, State
 from armour.core.stepping import (
+    BEND_FALLING,
+    BEND_RISING,
     LONGEST_RESPONSE,
     ROUGH_RESPONSE,
     ROUGH_SLOWING,
+    SETTLED,
     default_time_step,
+    front_rate,
     response_rate,
     step_length,
     strength_by_velocity,
@@ -18,6 +26,7 @@ from armour.core.stepping import (
     time_to_end,
 )
 from tests.helpers.cases import armour
+from tests.helpers.runs import perforates
 
 STATE = State(Z=4e-3, L=0.018, V=600.0, W=100.0, h=0.5e-3)
 RATES = State(Z=400.0, L=-200.0, V=-2e7, W=3e6, h=100.0)
@@ -83,7 +92,9 @@ def test_the_response_in_fragmented_ceramic():
     inertia = 2.0 * p.rho_c * 600.0 + 2.5 * sqrt(Yc * p.rho_c)
     rigid = in_stage(Medium.FRAGMENTED, False, True, False)
     assert response_rate(STATE, RATES, rigid, p) == pytest.approx((inertia + damping) / (p.rho_p * 0.018))
-    expected = (inertia + 0.5 * damping) / (p.rho_p * 0.018) + (p.rho_c * 500.0 + 0.5 * damping) / areal
+    settling = damping * (1.0 / (p.rho_p * 0.018) + 1.0 / areal)
+    # 2.3e7 m/s^2 is the rate of V - W, 500 m/s.
+    expected = inertia / (p.rho_p * 0.018) + p.rho_c * 500.0 / areal + SETTLED * settling + 2.3e7 / 500.0
     assert response_rate(STATE, RATES, rigid._replace(moving=True), p) == pytest.approx(expected)
 
 
@@ -181,3 +192,42 @@ def test_without_deceleration_the_end_is_reached_at_the_velocity():
     assert time_to_end(y, k, JOINED, p) == pytest.approx((p.Hc0 + p.Hb - 8e-3) / 300.0)
     in_ceramic = JOINED._replace(medium=Medium.FRAGMENTED)
     assert time_to_end(y._replace(Z=4e-3), k, in_ceramic, p) == pytest.approx((p.Hc0 - 4e-3) / 300.0)
+
+
+@pytest.mark.parametrize("medium", Medium)
+@pytest.mark.parametrize("rising", [True, False])
+def test_the_response_of_the_penetration_velocity(medium: Medium, rising: bool):
+    """The derivative of U with time is that of the root (6), (10), (21) itself."""
+    p = armour()
+    s = in_stage(medium, True, True, medium != Medium.INTACT)
+    W = 0.0 if medium == Medium.INTACT else STATE.W
+    y = STATE._replace(V=900.0, W=W)
+    k = rates(y, s, p)
+    # The strength of fragments falls with V.
+    k = k._replace(V=-1e8 if rising == (medium == Medium.FRAGMENTED) else 1e8, W=0.0)
+    dt = 1e-12
+    change = (front_velocity(advance(y, k, dt), s, p) - front_velocity(advance(y, k, -dt), s, p)) / (2.0 * dt)
+    _, rho = medium_ahead(y, s, p)
+    bend = 2.0 * rho * change / (p.rho_p * y.V + rho * (2.0 * k.Z - y.W))
+    assert (bend > 0.0) == rising
+    expected = (BEND_RISING if rising else -BEND_FALLING) * bend
+    assert front_rate(y, k, s, p, strength_by_velocity(y, s, p)) == pytest.approx(expected, rel=1e-4)
+
+
+UNUSUAL = [
+    {"L0": 0.0916, "rho_p": 2580.0, "Yp": 2.39e9, "Hc0": 6.05e-3, "rho_c": 14700.0, "Ec": 379e9, "Yc0": 5.69e9,
+     "Hb": 4.07e-3, "rho_B": 14200.0, "YB": 2.11e9, "tau": 406e6, "shear_law": CONOID},
+    {"L0": 0.061, "rho_p": 3710.0, "Yp": 3.22e9, "Hc0": 3.16e-3, "rho_c": 9980.0, "Ec": 569e9, "Yc0": 3.85e9,
+     "Hb": 7.22e-3, "rho_B": 13400.0, "YB": 1.21e9, "tau": 151e6, "shear_law": PROJECTILE},
+    {"L0": 0.0806, "rho_p": 3400.0, "Yp": 1.53e9, "Hc0": 2.97e-3, "rho_c": 7020.0, "Ec": 184e9, "Yc0": 2.08e9,
+     "Hb": 5.92e-3, "rho_B": 10500.0, "YB": 2.54e9, "tau": 62e6, "shear_law": CONOID},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("unusual", UNUSUAL)
+def test_soft_rods_that_dwell_on_hard_ceramics_have_the_limits_of_shorter_steps(unusual: dict[str, Any]):
+    """U rises from 0 to V just after dwell; these were 0.1, 0.03 and 0.02 m/s off."""
+    p = armour()._replace(D0=7e-3, **unusual)
+    limit = find_ballistic_limit(p, scan(20.0, 4000.0), 1e-5, 1.0, 0.0, 20_000).high
+    assert perforates(p, limit + 1e-3, 0.02)
+    assert not perforates(p, limit - 1e-3, 0.02)

@@ -21,8 +21,9 @@ from armour.units import MM, US, G
 if TYPE_CHECKING:
     from armour.analysis.history import History
 
-# A run stops unresolved after this many steps; one with the default step takes some tens.
-MAX_STEPS = 500_000
+# A run stops unresolved after this many steps, in plain Python about a second; one with the default step takes some
+# tens.
+MAX_STEPS = 20_000
 # Least number of instants of a history per default time step.
 INSTANTS_PER_STEP = 4.0
 

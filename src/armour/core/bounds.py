@@ -2,7 +2,8 @@
 
 Let T be the kinetic energy of projectile and moving target per cross-section, J/m^2.  By the equations of motion it
 falls by at least ``Y`` for each metre that the target is penetrated, and by the shear force over the cross-section for
-each that it is displaced, as long as an eroding rod loses more than it transfers: V^2 <= 2 Yp/rho_p.
+each that it is displaced, as long as an eroding rod loses more than it transfers: V^2 <= 2 Yp/rho_p.  docs/design.md
+derives all this under "Bound on the energy".
 """
 
 from math import exp, log

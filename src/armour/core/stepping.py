@@ -11,6 +11,12 @@ LONGEST_RESPONSE = 0.23
 ROUGH_RESPONSE = 0.6
 # The latter grows by this where the velocity falls as 1/t.
 ROUGH_SLOWING = 4.0
+# Rates of response of a penetration velocity that rises and of one that falls, over the rate of D, see `front_rate`.
+BEND_RISING, BEND_FALLING = 1.15, 3.45
+# Part of the rate at which V - W settles that counts once it has.
+SETTLED = 0.35
+# Least V - W, as a part of V, the change of which counts.
+LEAST_SLIP = 0.01
 # Shortest step as a fraction of the characteristic time; its error is of the size of rounding.
 SHORTEST_CHANGE = 1e-3
 # Distance beyond the end of a medium to which a step of constant deceleration leads, as a fraction of its depth.
@@ -72,32 +78,42 @@ def response_rate(y: State, k: State, s: Stage, p: Parameters) -> float:
     """Return a bound on the rates of response of the motion, 1/s; a step must be short against its inverse.
 
     It is the sum of the rates of the projectile and of a moving target: by inertia, by erosion (the rod vanishes after
-    L/(V - U)), by strength, and by the shear force on the plate, which is that of a spring.
+    L/(V - U)), by strength, and by the shear force on the plate, which is that of a spring.  Where both sides yield, it
+    is at least the rate of the penetration velocity.
     """
     Y, rho = medium_ahead(y, s, p)
     damping = strength_by_velocity(y, s, p)
+    per_mass = eq.cross_section(p.D0) / mass_ahead(y, s, p) if s.moving else 0.0
     if s.eroding:
-        acting = damping / p.rho_p
-        projectile = (y.V - 2.0 * k.L + sqrt(p.Yp / p.rho_p) + acting) / y.L
+        rate = (y.V - 2.0 * k.L + sqrt(p.Yp / p.rho_p) + damping / p.rho_p) / y.L + per_mass * damping
     else:
-        projectile = (2.0 * rho * y.V + 2.5 * sqrt(Y * rho) + damping) / (p.rho_p * y.L)
-    if not s.moving:
-        return projectile
-    per_mass = eq.cross_section(p.D0) / mass_ahead(y, s, p)
-    if not s.penetrated:
-        return projectile + per_mass * p.rho_p * y.V
-    target = per_mass * (rho * (y.V - y.W) + damping)
-    if s.medium == Medium.PLATE:
-        target += sqrt(per_mass * (4.0 * p.tau / p.D0))
-    return projectile + target
+        strength = damping * (1.0 / (p.rho_p * y.L) + per_mass)
+        if s.moving and s.medium == Medium.FRAGMENTED:
+            # V - W settles at the rate `strength`: errors decay, and little changes once it has settled.
+            strength = SETTLED * strength + abs(k.V - k.W) / max(y.V - y.W, LEAST_SLIP * y.V)
+        rate = (2.0 * rho * y.V + 2.5 * sqrt(Y * rho)) / (p.rho_p * y.L) + strength
+    if s.moving:
+        rate += per_mass * (rho * (y.V - y.W) if s.penetrated else p.rho_p * y.V)
+    if s.moving and s.penetrated and s.medium == Medium.PLATE:
+        rate += sqrt(per_mass * (4.0 * p.tau / p.D0))
+    return max(rate, front_rate(y, k, s, p, damping)) if s.eroding and s.penetrated else rate
+
+
+def front_rate(y: State, k: State, s: Stage, p: Parameters, damping: float) -> float:
+    """Return the rate of response of the penetration velocity U where both sides yield, 1/s.
+
+    By the equal pressures (5), (8), (20), D U' = rho_p (2 V - U) V' + rho U W' - Y' with D = rho_p V + rho (2 U - W).
+    U is nearly linear in time while D is nearly constant: the rate is in proportion to that of D by U, 2 rho U'/D.
+    """
+    _, rho = medium_ahead(y, s, p)
+    D = p.rho_p * y.V + rho * (2.0 * k.Z - y.W)
+    rising = p.rho_p * (2.0 * y.V - k.Z) * k.V + rho * k.Z * k.W - damping * (k.V - k.W)
+    bend = 2.0 * rho * rising / (D * D)
+    return BEND_RISING * bend if bend > 0.0 else -BEND_FALLING * bend
 
 
 def strength_by_velocity(y: State, s: Stage, p: Parameters) -> float:
-    """Return the derivative of the strength of fragmented ceramic by velocity, Pa s/m (9); 0 in other media.
-
-    It is halved for a rigid projectile that moves what is ahead, as it then damps errors too.
-    """
+    """Return the derivative of the strength of fragmented ceramic by velocity, Pa s/m (9); 0 in other media."""
     if s.medium != Medium.FRAGMENTED or not s.penetrated:
         return 0.0
-    share = 1.0 if s.eroding or not s.moving else 0.5
-    return share * 2.0 * p.Yc0 * (y.V - y.W) / (s.Vs1 * s.Vs1)
+    return 2.0 * p.Yc0 * (y.V - y.W) / (s.Vs1 * s.Vs1)
