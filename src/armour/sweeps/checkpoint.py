@@ -151,7 +151,9 @@ class Store:
 
     def _check_free(self) -> None:
         """Check that a sweep made the folder; another process may be at work in it."""
-        if self._known_job() is None:
+        if self._known_job() is not None:
+            return
+        with suppress(FileNotFoundError):  # another process has just removed its own
             for path in self.folder.glob("*"):
                 if not (_PART.fullmatch(path.name) or (path.name == NAME and not path.lstat().st_size)):
                     message = f"holds files of something else, {path.name} for one; choose another output, or move them"
