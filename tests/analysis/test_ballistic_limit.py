@@ -91,7 +91,7 @@ def test_a_lowest_velocity_that_perforates_is_no_limit():
 
 
 def test_a_run_that_does_not_end_names_its_velocity(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.analysis.ballistic_limit.MAX_STEPS", 3)
+    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 3)
     with pytest.raises(InputError, match=r"the run at 333\.774 m/s"):
         ballistic_limit(scenario())
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from armour.analysis.evaluate import evaluate, evaluate_groups, groups_of
-from armour.analysis.impact import MAX_STEPS
 from armour.analysis.variants import concatenated, variants_of
 from armour.errors import InputError
 from armour.scenario.parameters import with_inputs
@@ -52,17 +51,17 @@ def test_results_do_not_depend_on_the_threads():
 
 
 def test_a_run_that_does_not_end_names_the_arrest_velocity(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 30)
+    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 30)
     with pytest.raises(InputError) as error:
         evaluate(scenario(velocity=600.0, ceramic_mm=30.0, solver={"arrest_velocity_m_s": 1e-9}), {}, ["outcome"])
     [problem] = error.value.problems
     assert problem.key == "solver.arrest_velocity_m_s"
-    assert problem.message == f"must let the run at 600 m/s end within {MAX_STEPS} steps, found 1e-09; raise it"
+    assert problem.message == "must let the run at 600 m/s end within 30 steps, found 1e-09; raise it"
 
 
 @pytest.mark.parametrize("name", ["outcome", "ballistic_limit_m_s"])
 def test_a_run_that_does_not_end_names_a_time_step_that_is_given(monkeypatch: pytest.MonkeyPatch, name: str):
-    monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 30)
+    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 30)
     with pytest.raises(InputError, match=r"solver\.time_step_us: must let the run at .* found 0\.01; raise it"):
         evaluate(scenario(solver={"time_step_us": 0.01}), {}, [name])
 

@@ -102,7 +102,7 @@ def test_plain_data_has_the_units_in_its_keys():
 
 
 def test_a_run_that_does_not_end_names_the_time_step_given(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.analysis.impact.MAX_STEPS", 10)
+    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 10)
     case = scenario(solver={"time_step_us": 0.25, "arrest_velocity_m_s": 1e-9})
     with pytest.raises(InputError) as error:
         simulate(case)
@@ -113,7 +113,7 @@ def test_a_run_that_does_not_end_names_the_time_step_given(monkeypatch: pytest.M
 
 
 def test_a_run_that_does_not_end_names_the_arrest_velocity(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.analysis.impact.MAX_STEPS", 50)
+    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 50)
     case = scenario(velocity=100.0, solver={"arrest_velocity_m_s": 1e-9})
     with pytest.raises(InputError) as error:
         simulate(case)
@@ -123,6 +123,6 @@ def test_a_run_that_does_not_end_names_the_arrest_velocity(monkeypatch: pytest.M
 
 
 def test_a_default_is_told_as_one(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.analysis.impact.MAX_STEPS", 5)
+    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 5)
     with pytest.raises(InputError, match="end within 5 steps, found 1, the default; raise it"):
         simulate(scenario())

@@ -124,7 +124,7 @@ def test_brackets_outside_the_range():
 
 
 def test_an_unresolved_search_names_its_velocity(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 3)
+    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 3)
     with pytest.raises(InputError, match=r"the run at 333\.774 m/s"):
         ballistic_limits(alone(case()))
 

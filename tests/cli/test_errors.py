@@ -1,6 +1,5 @@
 """Bad input ends in messages and exit code 2, whatever the command."""
 
-import sys
 from pathlib import Path
 
 import pytest
@@ -57,7 +56,7 @@ def test_wrong_usage(cli, args: list[str]):
 
 
 def test_the_longest_run_allowed_ends_in_a_message(cli, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(sys.modules["armour.analysis.impact"], "MAX_STEPS", 5)
+    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 5)
     [line] = cli.fails(2, "simulate", SCENARIOS / "wilkins.toml")
     assert "solver.arrest_velocity_m_s: must let the run at 800 m/s end" in line
 

@@ -276,7 +276,7 @@ def test_a_range_of_limits_above_the_threat_hides_no_lower_limit():
     "sections", [{}, {"design": {}}, {"threat": [{"projectile": "7.62 mm AP", "velocity_m_s": 9.0}]}]
 )
 def test_the_key_at_fault_of_runs_that_do_not_end(sections: dict[str, Any], monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 5)
+    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 5)
     of = case().replaced({"solver.arrest_velocity_m_s": 1e-9, **sections})
     with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run .* end"):
         optimise(of)

@@ -360,7 +360,7 @@ def test_limits_beyond_the_range_count_as_its_ends(tmp_path: Path, wilkins: Scen
 
 
 def test_a_run_that_does_not_end_names_the_key(monkeypatch: pytest.MonkeyPatch, wilkins: Scenario):
-    monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 5)
+    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 5)
     with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run"):
         calibrate(read_tests(TESTS, wilkins), wilkins)
 

@@ -91,6 +91,6 @@ def test_a_bare_plate():
 
 
 def test_a_run_that_does_not_end_names_the_key(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 5)
+    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 5)
     with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run"):
         sensitivity(scenario())

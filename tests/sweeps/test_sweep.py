@@ -241,7 +241,7 @@ def test_values_that_are_not_allowed_leave_nothing(tmp_path: Path, text: str, me
 
 
 def test_a_run_that_does_not_end_names_the_key(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.analysis.variants.MAX_STEPS", 5)
+    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 5)
     with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run at 700 m/s"):
         sweep(sweep_scenario(), sweep_grid("impact.velocity_m_s=700,800"), ["outcome"], tmp_path / "a.csv")
     assert list(tmp_path.iterdir()) == []

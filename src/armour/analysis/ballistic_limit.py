@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from armour.analysis.impact import MAX_STEPS, ImpactResult, impact_at, unresolved_error
+from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result
 from armour.core import search
@@ -145,7 +145,7 @@ def scan_points(scenario: Scenario) -> int:
 def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> tuple[tuple[Crossing, ...], int, bool]:
     """Return the changes of the outcome that the scan sees, the impacts computed, and whether the lowest perforates."""
     section, armour = scenario.ballistic_limit, scenario.core_armour()
-    solver = search.Solver(scenario.solver.arrest_velocity_m_s, scenario.solver.time_step, MAX_STEPS)
+    solver = search.Solver(scenario.solver.arrest_velocity_m_s, scenario.solver.time_step, scenario.solver.max_steps)
     velocities = search.scan(section.velocity_min_m_s, section.velocity_max_m_s, points)
     runs = 0
 

@@ -21,9 +21,6 @@ from armour.units import MM, US, G
 if TYPE_CHECKING:
     from armour.analysis.history import History
 
-# A run stops unresolved after this many steps, in plain Python about a second; one with the default step takes some
-# tens.
-MAX_STEPS = 20_000
 # Least number of instants of a history per default time step.
 INSTANTS_PER_STEP = 4.0
 
@@ -172,7 +169,7 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
 def run_impact(scenario: Scenario, armour: Parameters, velocity: float, trace: list[Instant] | None = None) -> Run:
     """Run the core with the settings of a scenario; the instants of the run are appended to the trace."""
     dt = time_step(scenario, armour, velocity)
-    end = run(armour, velocity, dt, scenario.solver.arrest_velocity_m_s, MAX_STEPS, trace)
+    end = run(armour, velocity, dt, scenario.solver.arrest_velocity_m_s, scenario.solver.max_steps, trace)
     if end.outcome == Outcome.UNRESOLVED:
         raise unresolved_error(scenario.solver, scenario.file, velocity)
     return end
@@ -186,7 +183,7 @@ def unresolved_error(solver: Solver, file: str, velocity: float) -> InputError:
         key, found, advice = "solver.arrest_velocity_m_s", f"{solver.arrest_velocity_m_s:g}", "raise it"
         if "arrest_velocity_m_s" not in solver.model_fields_set:
             found += ", the default"
-    message = f"must let the run at {velocity:g} m/s end within {MAX_STEPS} steps, found {found}; {advice}"
+    message = f"must let the run at {velocity:g} m/s end within {solver.max_steps} steps, found {found}; {advice}"
     return InputError([Problem(file, key, message)])
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from armour.analysis.impact import MAX_STEPS, unresolved_error
+from armour.analysis.impact import unresolved_error
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem
@@ -34,7 +34,9 @@ class Settings(NamedTuple):
 
     def options(self, threads: int | None = None) -> batch.SolverOptions:
         """Return the options of the engine."""
-        return batch.SolverOptions(self.solver.arrest_velocity_m_s, self.solver.time_step, MAX_STEPS, threads)
+        return batch.SolverOptions(
+            self.solver.arrest_velocity_m_s, self.solver.time_step, self.solver.max_steps, threads
+        )
 
 
 class Variants(NamedTuple):

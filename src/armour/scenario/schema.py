@@ -95,6 +95,11 @@ class Solver(Section):
         """Given time step, s; 0 if the core chooses it."""
         return 0.0 if self.time_step_us is None else self.time_step_us * US
 
+    @property
+    def max_steps(self) -> int:
+        """Steps after which a run stops unresolved: a second in plain Python; by default steps most take some tens."""
+        return 20_000 if self.time_step_us is None else 500_000
+
 
 class BallisticLimitSection(Section):
     """Range and tolerance of the search for the ballistic limit."""
