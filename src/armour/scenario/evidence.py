@@ -281,7 +281,7 @@ EVIDENCE = (
 
 
 def _covered(measure: Measure, *, bare: bool) -> DataRange:
-    """Return the range of a quantity over all armours with a ceramic, or bare ones, that the model was compared with."""
+    """Return the range of a quantity over all armours, bare ones or others, that the model was compared with."""
     of_all = [limits for evidence in EVIDENCE if evidence.bare == bare for limits in evidence.ranges()]
     ceramics = [limits for ceramic in CERAMICS for limits in (ceramic.strength, *ceramic.ranges())]
     found = [limits for limits in (*of_all, *ceramics) if limits.measure is measure]
