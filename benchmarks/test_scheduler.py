@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from distributed import Client, LocalCluster, wait
 
-from armour.scenario.loading import load_scenario
+from armour.scenario.scenario import load_scenario
 from armour.sweeps.cases import Axis, Grid
 from armour.sweeps.dask import on_cluster
 from armour.sweeps.sweep import Compute, Part, Question, Rows, in_process, sweep

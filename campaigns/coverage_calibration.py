@@ -21,9 +21,9 @@ from armour.analysis.progress import ignore_progress
 from armour.analysis.variants import Floats, Variants, variants_of
 from armour.core.equations import intact_strength
 from armour.engine.batch import fields
-from armour.scenario.loading import load_scenario
-from armour.scenario.parameters import BACKING, CERAMIC
+from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.sampling import quantiles
+from armour.scenario.scenario import load_scenario
 from armour.statistics import likelihood_fit
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, with_ceramic, with_law
 from armour.statistics.test_data import LIMIT, Measurement, Tests, read_tests

@@ -15,9 +15,9 @@ from armour.analysis.estimates import Estimate
 from armour.analysis.progress import portions
 from armour.analysis.uncertain_inputs import own_values, sampled, section_of
 from armour.analysis.variants import Floats, perforated
-from armour.scenario.loading import Scenario, load_scenario
-from armour.scenario.parameters import VELOCITY
+from armour.scenario.inputs import VELOCITY
 from armour.scenario.sampling import columns_of, points_of
+from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics.uncertainty import QUANTILES, SAMPLES_AT_A_TIME, sample_limits, uncertainty
 
 SHIPPED = Path(__file__).resolve().parent.parent / "scenarios" / "uncertain.toml"

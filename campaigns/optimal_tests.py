@@ -22,8 +22,8 @@ from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.progress import ignore_progress
 from armour.analysis.variants import Floats
 from armour.planning.plan_tests import plan_tests
-from armour.scenario.loading import Scenario, load_scenario
-from armour.scenario.parameters import BACKING, CERAMIC
+from armour.scenario.inputs import BACKING, CERAMIC
+from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics import likelihood_fit
 from armour.statistics.calibration import calibrate
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, with_ceramic, with_law

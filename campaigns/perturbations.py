@@ -14,10 +14,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
+from armour.scenario.inputs import INPUTS, ROLES
+from armour.scenario.keys import key_name
 from armour.scenario.library import Kind
-from armour.scenario.loading import Scenario
-from armour.scenario.messages import key_name
-from armour.scenario.parameters import FIELDS, ROLES, entry_of, name_of
+from armour.scenario.scenario import Scenario
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.validate import FAILED, paper_suite, validate
 
@@ -67,8 +67,8 @@ def perturbations(suite: Suite) -> Iterator[Perturbation]:
     for case in suite.cases:
         for scenario in scenarios(case):
             for role, kind in ROLES.items():
-                entry = entry_of(scenario, role)
-                keys = [name.partition(".")[2] for name in FIELDS if name.startswith(f"{role}.")]
+                entry = scenario.entry_of(role)
+                keys = [one.key for one in INPUTS.values() if one.section == role]
                 if entry is not None:
                     values.update({(kind, entry.name, key): entry[key] for key in keys if key in entry.values})
     for step in STEPS:
@@ -88,7 +88,7 @@ def outside(suite: Suite, perturbation: Perturbation) -> set[str]:
     using = {
         case.full_name
         for case in suite.cases
-        if any(name_of(scenario, role) == perturbation.entry for scenario in scenarios(case))
+        if any(scenario.name_of(role) == perturbation.entry for scenario in scenarios(case))
     }
     result = validate(replace(changed, cases=tuple(case for case in changed.cases if case.full_name in using)))
     failed = {check.case.full_name for check in result.checks if check.status in FAILED}

@@ -30,7 +30,7 @@ from armour.planning.procedures import bayesian, langlie, neyer, up_and_down
 from armour.planning.procedures.bayesian import Booleans
 from armour.planning.procedures.settings import ShotSettings
 from armour.planning.shot_plan import LIMITS_PROBABILITY, limits_of
-from armour.scenario.loading import load_scenario
+from armour.scenario.scenario import load_scenario
 from armour.statistics.firing_posterior import FiringPrior, posterior_of, prior_of
 from armour.statistics.v50 import Shots
 

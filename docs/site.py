@@ -21,9 +21,9 @@ from mkdocs.structure.files import File
 import armour
 from armour.reporting.markdown import markdown_table
 from armour.reporting.tables.library import entry_table
-from armour.scenario.loading import scenario_schema
+from armour.scenario.inputs import INPUTS
 from armour.scenario.meanings import MEANINGS
-from armour.scenario.parameters import FIELDS
+from armour.scenario.scenario import scenario_schema
 from armour.units import words_and_unit
 
 DOCS = Path(__file__).parent
@@ -68,8 +68,8 @@ def commands() -> str:
 def keys() -> str:
     """Return a table of all keys of a scenario: meaning, unit and symbol."""
     symbols: dict[str, list[str]] = {}
-    for name, target in FIELDS.items():
-        symbols.setdefault(name.split(".")[1], []).extend([target[0]] if target else [])
+    for one in INPUTS.values():
+        symbols.setdefault(one.key, []).extend([one.field] if one.field else [])
     rows = (
         f"| `{key}` | {meaning} | {words_and_unit(key)[1]} | {', '.join(symbols.get(key, []))} |"
         for key, meaning in sorted(MEANINGS.items())

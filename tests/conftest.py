@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
-from armour.scenario.loading import save_scenario
+from armour.scenario.scenario import save_scenario
 from tests.helpers.cases import scenario
 
 # CI uses the same examples in every run, so that only a change of the code can make it fail.

@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 
 import armour
 from armour.cli.app import app
-from armour.scenario.loading import scenario_schema
+from armour.scenario.scenario import scenario_schema
 
 LIST = Path(__file__).with_name("interface.json")
 # Commands whose JSON the list holds, with what they ask.

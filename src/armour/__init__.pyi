@@ -36,10 +36,10 @@ from .scenario.library import LibraryEntry as LibraryEntry
 from .scenario.library import Value as Value
 from .scenario.library import read_library as read_library
 from .scenario.library import shipped_library as shipped_library
-from .scenario.loading import Scenario as Scenario
-from .scenario.loading import load_scenario as load_scenario
-from .scenario.loading import parse_scenario as parse_scenario
-from .scenario.loading import save_scenario as save_scenario
+from .scenario.scenario import Scenario as Scenario
+from .scenario.scenario import load_scenario as load_scenario
+from .scenario.scenario import parse_scenario as parse_scenario
+from .scenario.scenario import save_scenario as save_scenario
 from .statistics.calibration import CalibrationResult as CalibrationResult
 from .statistics.calibration import LawFit as LawFit
 from .statistics.calibration import Residual as Residual

@@ -4,7 +4,7 @@ import pytest
 
 from armour.analysis.energy import energy_balance
 from armour.analysis.impact import simulate
-from armour.scenario.loading import Scenario, load_scenario
+from armour.scenario.scenario import Scenario, load_scenario
 from tests.helpers.cases import SCENARIOS, scenario
 
 NAMES = ["wilkins", "dwell", "bare_plate", "paper/fig10_20mm"]

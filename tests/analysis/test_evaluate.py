@@ -8,7 +8,6 @@ import pytest
 from armour.analysis.evaluate import evaluate, evaluate_groups, groups_of
 from armour.analysis.variants import concatenated, variants_of
 from armour.errors import InputError
-from armour.scenario.parameters import with_inputs
 from tests.helpers.cases import scenario
 
 NAMES = ["outcome", "residual_velocity_m_s", "ballistic_limit_m_s"]
@@ -24,7 +23,7 @@ def test_rows_of_inputs_are_scenarios_made_one_by_one():
     }
     found = evaluate(scenario(), columns, NAMES)
     for row in range(3):
-        made = with_inputs(scenario(), {name: float(values[row]) for name, values in columns.items()})
+        made = scenario().with_inputs({name: float(values[row]) for name, values in columns.items()})
         for name in NAMES:
             assert found[name][row] == evaluate(made, {}, [name])[name][0]
 

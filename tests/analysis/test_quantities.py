@@ -8,7 +8,7 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
 from armour.analysis.quantities import QUANTITIES, label_and_unit
-from armour.scenario.loading import Scenario
+from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario
 
 IMPACT = [

@@ -15,7 +15,7 @@ from armour.analysis.searches import (
 )
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated, variants_of, with_thicknesses
 from armour.errors import InputError, NoLimitError
-from armour.scenario.loading import Scenario
+from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario
 from tests.helpers.exotic import changing_designs, narrow_ranges, random_wide_designs
 

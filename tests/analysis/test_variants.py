@@ -8,8 +8,7 @@ import pytest
 from armour.analysis.variants import Variants, grid_of, variants_of
 from armour.engine import batch
 from armour.errors import InputError
-from armour.scenario.loading import Scenario
-from armour.scenario.parameters import inputs_of, with_inputs
+from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario
 
 WIDE = {
@@ -61,13 +60,13 @@ def test_areal_densities():
 @pytest.mark.parametrize("name", CASES)
 def test_a_row_is_the_scenario_with_its_values(name: str):
     case = scenario(**CASES[name])
-    own = inputs_of(case)
+    own = case.inputs()
     rng = np.random.default_rng(3)
     for names in (*([key] for key in own), list(own)):
         columns = {key: own[key] * rng.uniform(0.9, 1.1, 4) for key in names}
         found = variants_of(case, columns, 4)
         for i in range(4):
-            made = with_inputs(case, {key: float(values[i]) for key, values in columns.items()})
+            made = case.with_inputs({key: float(values[i]) for key, values in columns.items()})
             assert found.parameters[i] == pytest.approx(batch.packed([made.core_armour()])[0], rel=1e-14)
             assert found.velocities[i] == made.impact.velocity_m_s
 
@@ -75,7 +74,7 @@ def test_a_row_is_the_scenario_with_its_values(name: str):
 @pytest.mark.parametrize("name", CASES)
 def test_every_input_changes_the_row(name: str):
     case = scenario(**CASES[name])
-    for key, value in inputs_of(case).items():
+    for key, value in case.inputs().items():
         found = variants_of(case, {key: np.array([value, 1.01 * value])}, 2)
         assert (found.parameters[0] != found.parameters[1]).any() or found.velocities[0] != found.velocities[1], key
 
@@ -84,6 +83,6 @@ def test_the_back_plates_strengths_follow_its_yield_strength_whatever_the_cerami
     case = scenario(**CASES["25 mm"])
     columns = {"backing.dynamic_yield_strength_MPa": np.array([312.0]), "ceramic.flow_stress_GPa": np.array([6.0])}
     [row] = variants_of(case, columns, 1).parameters
-    made = with_inputs(case, {key: float(values[0]) for key, values in columns.items()}).core_armour()
+    made = case.with_inputs({key: float(values[0]) for key, values in columns.items()}).core_armour()
     assert row == pytest.approx(batch.packed([made])[0], rel=1e-14)
     assert pytest.approx(2.7 * 312e6) == made.YB

@@ -5,7 +5,7 @@ import pytest
 from armour.analysis.impact import simulate
 from armour.design.optimise import optimise
 from armour.errors import InputError
-from armour.scenario.loading import load_scenario
+from armour.scenario.scenario import load_scenario
 from tests.helpers.cases import CERAMICS, METALS, SCENARIOS, THREATS, catalogue
 
 

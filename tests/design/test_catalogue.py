@@ -11,7 +11,7 @@ from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.engine import batch
 from armour.errors import InputError, NoDesignError
-from armour.scenario import loading
+from armour.scenario import scenario as scenarios
 from tests.helpers.cases import CERAMICS, METALS, RANGE, THREATS, catalogue, scenario
 from tests.helpers.plain_designs import defeats, designs, posed
 
@@ -232,8 +232,8 @@ def test_the_rows_of_pairs_and_threats_are_those_of_their_scenarios(ceramic: str
 
 def test_no_scenario_is_made_for_a_material(monkeypatch: pytest.MonkeyPatch):
     """Each would validate the whole library."""
-    case, parsed = catalogue(), Mock(wraps=loading._made)
-    monkeypatch.setattr(loading, "_made", parsed)
+    case, parsed = catalogue(), Mock(wraps=scenarios._made)
+    monkeypatch.setattr(scenarios, "_made", parsed)
     found = catalogue_of(case)
     assert not parsed.called
     found.against(0, 0)

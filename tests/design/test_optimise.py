@@ -10,7 +10,7 @@ from armour.analysis.impact import simulate
 from armour.analysis.variants import Bools, Variants, perforated
 from armour.design.optimise import optimise
 from armour.errors import InputError, NoDesignError
-from armour.scenario.loading import Scenario, load_scenario
+from armour.scenario.scenario import Scenario, load_scenario
 from tests.helpers.cases import SCENARIOS, library, scenario, shipped_scenario
 from tests.helpers.exotic import narrow_ranges
 

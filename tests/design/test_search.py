@@ -18,7 +18,7 @@ from armour.design.optimise import Design, optimise
 from armour.design.requirement import Requirement
 from armour.design.search import distinct, undominated
 from armour.engine import batch
-from armour.scenario.loading import load_scenario
+from armour.scenario.scenario import load_scenario
 from tests.helpers.cases import SCENARIOS, THREATS, catalogue, scenario
 
 VARIANTS = Catalogue.variants

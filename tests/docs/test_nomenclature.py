@@ -7,8 +7,8 @@ from pathlib import Path
 
 from armour.core import equations
 from armour.core.state import Parameters, Stage, State
-from armour.scenario.loading import scenario_schema
 from armour.scenario.meanings import MEANINGS
+from armour.scenario.scenario import scenario_schema
 
 PAGE = (Path(__file__).parents[2] / "docs" / "nomenclature.md").read_text(encoding="utf-8")
 # Parameters of equations that are no symbols.

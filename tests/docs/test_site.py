@@ -53,7 +53,7 @@ def test_the_page_of_keys_has_every_section_and_its_links_lead_to_them(site):
 
 
 def armour_sections() -> set[str]:
-    from armour.scenario.loading import scenario_schema
+    from armour.scenario.scenario import scenario_schema
 
     return set(re.findall(r'"#/\$defs/(\w+)"', json.dumps(scenario_schema())))
 

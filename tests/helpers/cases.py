@@ -6,7 +6,7 @@ from typing import Any
 
 from armour.analysis.impact import run_impact
 from armour.core.state import Outcome, Parameters
-from armour.scenario.loading import Scenario, load_scenario, parse_scenario
+from armour.scenario.scenario import Scenario, load_scenario, parse_scenario
 from armour.sweeps.cases import Grid, axis_of
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"

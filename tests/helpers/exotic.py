@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from armour.scenario.loading import Scenario
+from armour.scenario.scenario import Scenario
 from tests.helpers.cases import library, scenario
 
 WIDE = {"velocity_min_m_s": 1.0, "velocity_max_m_s": 10000.0}

@@ -9,8 +9,7 @@ from armour.analysis.ballistic_limit import bisect
 from armour.core.search import scan
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
-from armour.scenario.loading import Scenario
-from armour.scenario.parameters import with_inputs
+from armour.scenario.scenario import Scenario
 
 CRITERIA = ["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
 
@@ -27,7 +26,7 @@ def posed(case: Scenario, ceramic: Any, backing: Any, hc: float, hb: float, proj
         }
     )
     densities = {"ceramic.density_kg_m3": ceramic.density_kg_m3, "backing.density_kg_m3": backing.density_kg_m3}
-    return with_inputs(own, {name: value for name, value in densities.items() if value is not None})
+    return own.with_inputs({name: value for name, value in densities.items() if value is not None})
 
 
 def perforates(armour: Parameters, *velocities: float) -> bool:

@@ -9,7 +9,7 @@ from armour.design.optimise import BestDesign, Design, DesignResult, Pair
 from armour.planning.plan_tests import PlannedTest, PlannedTests
 from armour.reporting.table import Table
 from armour.scenario.evidence import ModelError
-from armour.scenario.parameters import CERAMIC
+from armour.scenario.inputs import CERAMIC
 from armour.statistics.uncertainty import Influence, ProbabilityCurve, UncertaintyResult
 from tests.helpers.cases import scenario
 

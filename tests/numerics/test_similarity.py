@@ -6,7 +6,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import simulate
-from armour.scenario.loading import Scenario, parse_scenario
+from armour.scenario.scenario import Scenario, parse_scenario
 from tests.helpers.cases import data
 
 LAWS: list[dict[str, float]] = [

@@ -9,7 +9,7 @@ from armour.analysis.ballistic_limit import bisect
 from armour.core.state import Outcome, Parameters
 from armour.core.stepping import default_time_step
 from armour.engine import batch
-from armour.scenario.loading import load_scenario
+from armour.scenario.scenario import load_scenario
 from tests.helpers.cases import SCENARIOS
 from tests.helpers.runs import random_designs
 

@@ -10,8 +10,8 @@ from scipy.stats import norm
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.errors import InputError
 from armour.planning.plan_tests import PlannedTests, plan_tests
-from armour.scenario.loading import Scenario
-from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, with_inputs
+from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
+from armour.scenario.scenario import Scenario
 from armour.statistics.calibration import calibrate
 from armour.statistics.flow_stress_laws import FLOW_STRESS
 from armour.statistics.test_data import read_tests
@@ -32,7 +32,7 @@ def chosen(result: PlannedTests) -> list[tuple[float | str, ...]]:
 
 def limit(scenario: Scenario, **inputs: float) -> float:
     names = {"c": CERAMIC, "b": BACKING, "y": FLOW_STRESS}
-    changed = with_inputs(scenario, {names[name]: value for name, value in inputs.items()})
+    changed = scenario.with_inputs({names[name]: value for name, value in inputs.items()})
     return ballistic_limit(changed.replaced({"ballistic_limit.tolerance_m_s": 1e-7})).ballistic_limit_m_s
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from armour.design.optimise import Design, optimise
 from armour.errors import NoDesignError
-from armour.scenario.loading import Scenario
+from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario
 from tests.helpers.plain_designs import CRITERIA, defeats, designs, passes, posed, withstands_below
 

@@ -13,7 +13,7 @@ from armour.core.run import run
 from armour.core.state import Outcome, Parameters
 from armour.core.stepping import default_time_step
 from armour.errors import NoLimitError
-from armour.scenario.loading import parse_scenario
+from armour.scenario.scenario import parse_scenario
 from tests.helpers.cases import perforates
 
 PROJECTILES = {"7.62 mm AP": 6.5, "25 mm APDS": 14.25, "7.62 mm APM2": 6.25}

@@ -8,8 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from armour.errors import InputError
-from armour.scenario.loading import Scenario
-from armour.scenario.parameters import check_rows, inputs_of, with_inputs, wrong_rows
+from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario
 
 AP = "7.62 mm AP"
@@ -30,7 +29,7 @@ FACTORS = st.one_of(st.floats(0.9, 1.1), st.sampled_from((0.1, 0.2, 4.0, 10.0, 3
 @st.composite
 def rows(draw: st.DrawFn) -> tuple[Scenario, dict[str, np.ndarray[Any, np.dtype[np.float64]]]]:
     case = draw(st.sampled_from(SCENARIOS))
-    own = inputs_of(case)
+    own = case.inputs()
     names = draw(st.lists(st.sampled_from(list(own)), min_size=1, max_size=4, unique=True))
     count = draw(st.integers(1, 3))
     return case, {
@@ -46,7 +45,7 @@ def rows(draw: st.DrawFn) -> tuple[Scenario, dict[str, np.ndarray[Any, np.dtype[
 
 def accepted(case: Scenario, columns: dict[str, Any], row: int) -> bool:
     try:
-        with_inputs(case, {name: float(values[row]) for name, values in columns.items()})
+        case.with_inputs({name: float(values[row]) for name, values in columns.items()})
     except InputError:
         return False
     return True
@@ -65,9 +64,9 @@ def test_rows_are_accepted_as_scenarios_are(table: tuple[Scenario, dict[str, Any
     count = len(next(iter(columns.values())))
     each = [accepted(case, columns, row) for row in range(count)]
     for row in range(count):
-        assert each[row] == (not [*wrong_rows(case, {name: values[row : row + 1] for name, values in columns.items()})])
+        assert each[row] == (not [*case.wrong_rows({name: values[row : row + 1] for name, values in columns.items()})])
     if all(each):
-        check_rows(case, columns)
+        case.check_rows(columns)
     else:
         with pytest.raises(InputError, match=f"row {each.index(False) + 1}: "):
-            check_rows(case, columns)
+            case.check_rows(columns)

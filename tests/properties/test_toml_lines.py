@@ -9,8 +9,7 @@ import tomli_w
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from armour.scenario.messages import key_name
-from armour.scenario.toml_lines import line_of, lines_of, statements
+from armour.scenario.keys import key_name, line_of, lines_of, statements
 
 NAMES = st.text(st.characters(codec="ascii", exclude_characters="\n\r\x00"), min_size=1, max_size=6)
 SCALARS = st.integers(-9, 9) | st.booleans() | st.text(max_size=8) | st.floats(allow_nan=False, allow_infinity=False)

@@ -11,7 +11,7 @@ from armour.design.optimise import Pair
 from armour.reporting import charts
 from armour.reporting.chart import Band, Bars, Chart, Contours, Line, Map, Panel, Points, Rule, Series, Spans
 from armour.reporting.tables.impact import energy_table
-from armour.scenario.parameters import BACKING, CERAMIC
+from armour.scenario.inputs import BACKING, CERAMIC
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import Shots, v50

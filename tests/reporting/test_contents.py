@@ -8,7 +8,7 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.confidence import confidence
 from armour.design.optimise import optimise
 from armour.reporting.contents import Contents, contents_of
-from armour.scenario.loading import load_scenario
+from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
 from tests.helpers.cases import SCENARIOS, scenario
 from tests.helpers.exotic import changing_designs

@@ -13,7 +13,7 @@ from armour.reporting.report import Card, Report, Section
 from armour.reporting.scenario_report import scenario_report
 from armour.reporting.suite_report import suite_report
 from armour.reporting.table import Column, Table
-from armour.scenario.loading import load_scenario
+from armour.scenario.scenario import load_scenario
 from tests.helpers.cases import SCENARIOS, scenario
 from tests.helpers.results import OTHER, THREAT, design_result, uncertainty_result
 from tests.helpers.suites import TABLE, case, result

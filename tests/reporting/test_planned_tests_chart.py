@@ -11,7 +11,7 @@ from armour.reporting.chart import Contours, Line, Map, Points
 from armour.reporting.figures import plot
 from armour.reporting.planned_tests_chart import GAIN, planned_chart, velocities_in_words
 from armour.reporting.tables.planned_tests import form_table, plan_table, planned_tables, step_table
-from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY
+from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 from armour.statistics.test_data import read_tests
 from tests.helpers.cases import shipped_scenario
 

@@ -16,7 +16,7 @@ from armour.reporting.table import Column, Table
 from armour.reporting.tables.confidence import SAMPLED_ALONE
 from armour.reporting.tables.design import frontier_table
 from armour.scenario.evidence import ModelError
-from armour.scenario.loading import load_scenario
+from armour.scenario.scenario import load_scenario
 from tests.helpers.cases import RANGE, THREATS, scenario
 from tests.helpers.results import OTHER, THREAT, best_design, design_result, uncertainty_result
 

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from armour.reporting.words import in_words
-from armour.scenario.parameters import INPUTS
+from armour.scenario.inputs import INPUTS
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 from armour.core.state import Parameters
 from armour.engine import batch
 from armour.errors import InputError
-from armour.scenario.applicability import is_unusual, model_error, row_errors, row_limits, warnings_of
+from armour.scenario.applicability import is_unusual, row_errors, row_limits
 from armour.scenario.evidence import (
     BACKING_DENSITY,
     BACKING_RATIO,
@@ -25,7 +25,7 @@ from armour.scenario.evidence import (
     ModelError,
 )
 from armour.scenario.library import shipped_library
-from armour.scenario.loading import Scenario, load_scenario
+from armour.scenario.scenario import Scenario, load_scenario
 from armour.units import GPA, MM
 from armour.validation.suite import load_suite
 from armour.validation.validate import paper_suite
@@ -71,8 +71,8 @@ def test_the_velocities_are_those_of_the_published_cases():
 
 
 def test_no_warning_within_the_validated_range():
-    assert warnings_of(scenario(), 723.8) == ()
-    assert warnings_of(scenario(ceramic=None, ceramic_mm=0.0, backing_mm=20.0, projectile="7.62 mm APM2"), 600.0) == ()
+    assert scenario().warnings(723.8) == ()
+    assert scenario(ceramic=None, ceramic_mm=0.0, backing_mm=20.0, projectile="7.62 mm APM2").warnings(600.0) == ()
 
 
 STUB = {"projectile": {"stub": {"based_on": "7.62 mm AP", "penetrator_diameter_mm": 9.0}}}
@@ -122,25 +122,25 @@ LAW = {"ceramic": {"law": {"based_on": "AD85", "flow_stress_backing_exponent": 0
     ],
 )
 def test_what_is_unlike_the_tests_is_named(changes: dict[str, Any], velocity: float, starts: list[str]):
-    found = warnings_of(scenario(**changes), velocity)
+    found = scenario(**changes).warnings(velocity)
     assert len(found) == len(starts), found
     assert all(warning.startswith(start) for warning, start in zip(found, starts, strict=True)), found
 
 
 def test_the_error_is_that_of_tests_of_such_armours():
-    error = model_error(scenario())
+    error = scenario().model_error()
     assert error is not None
     assert (error.source, error.extrapolated) == (TILES.title, ())
-    thick = model_error(scenario(ceramic_mm=12.0, backing="5083-H3"))
+    thick = scenario(ceramic_mm=12.0, backing="5083-H3").model_error()
     assert thick is not None
     assert thick.extrapolated == (
         "ceramics 0.89 to 1.3 penetrator diameters thick",
         "back plates with a flow stress of 1 to 1.1 GPa",
     )
-    bare = model_error(scenario(ceramic=None, ceramic_mm=0.0, backing_mm=20.0, projectile="7.62 mm APM2"))
+    bare = scenario(ceramic=None, ceramic_mm=0.0, backing_mm=20.0, projectile="7.62 mm APM2").model_error()
     assert bare is not None
     assert bare.source.startswith("528 tests")
-    fragment = model_error(scenario(ceramic=None, ceramic_mm=0.0, backing_mm=20.0, projectile="20 mm FSP"))
+    fragment = scenario(ceramic=None, ceramic_mm=0.0, backing_mm=20.0, projectile="20 mm FSP").model_error()
     assert fragment is not None
     assert fragment.source.startswith("147 tests")
 
@@ -159,16 +159,16 @@ def test_the_error_is_that_of_tests_of_such_armours():
     ],
 )
 def test_no_error_where_nothing_was_tested(changes: dict[str, Any]):
-    assert model_error(scenario(**changes)) is None
+    assert scenario(**changes).model_error() is None
 
 
 def test_the_scenario_gives_the_error_or_excludes_it():
     given = scenario(ceramic="SiC", uncertainty={"model": {"scale_percent": 9.0, "source": "our tests"}})
-    error = model_error(given)
+    error = given.model_error()
     assert error is not None
     assert (error.mean_percent, error.scale_percent, error.source) == (0.0, 9.0, "our tests")
     assert error.quantile(0.975) == pytest.approx(0.09 * 1.959964, rel=1e-4)
-    assert model_error(scenario(uncertainty={"model": {"included": False}})) is None
+    assert scenario(uncertainty={"model": {"included": False}}).model_error() is None
 
 
 @pytest.mark.parametrize(
@@ -186,7 +186,7 @@ def test_wrong_errors(model: dict[str, Any], message: str):
 
 
 def test_the_probability_is_that_of_samples():
-    error = model_error(scenario())
+    error = scenario().model_error()
     assert error is not None
     samples = np.random.default_rng(1).standard_t(error.degrees_of_freedom, 400_000) * error.scale_percent / 100.0
     simulated = float(np.mean(889.0 * (1.0 + samples) > 850.0))
@@ -210,9 +210,9 @@ CASES = (
 def test_rows_are_judged_like_scenarios(case: Scenario):
     rows = batch.fields(batch.packed([case.core_armour()] * 2))
     velocities = np.full(2, case.impact.velocity_m_s)
-    words = [warning.rpartition(", found ")[0] for warning in warnings_of(case, case.impact.velocity_m_s)]
+    words = [warning.rpartition(", found ")[0] for warning in case.warnings(case.impact.velocity_m_s)]
     assert sorted(row_limits(rows, velocities)) == sorted((warning, 2) for warning in words)
-    error, found = model_error(case), row_errors(rows)
+    error, found = case.model_error(), row_errors(rows)
     for name in ("mean_percent", "scale_percent", "degrees_of_freedom"):
         expected = np.nan if error is None else getattr(error, name)
         assert np.array_equal(getattr(found, name), [expected] * 2, equal_nan=True)

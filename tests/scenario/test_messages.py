@@ -5,7 +5,8 @@ from typing import Any
 import pytest
 
 from armour.errors import InputError
-from armour.scenario.messages import PATH, check_sequence, check_types, describe, key_name
+from armour.scenario.keys import describe, key_name
+from armour.scenario.messages import PATH, check_sequence, check_types
 
 
 @pytest.mark.parametrize(

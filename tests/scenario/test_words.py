@@ -4,7 +4,7 @@ import pytest
 
 from armour import load_scenario
 from armour.scenario.schema import Threat
-from armour.scenario.words import ANY_VELOCITY, Varied, heading, subject
+from armour.scenario.words import ANY_VELOCITY, Varied, heading
 from tests.helpers.cases import scenario
 
 CERAMIC, BACKING, PROJECTILE = "armour.ceramic", "armour.backing", "impact.projectile"
@@ -13,9 +13,9 @@ THICK, PLATE = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 
 def test_the_armour_is_that_of_the_scenario_as_changed():
     changed = scenario().replaced({CERAMIC: "SiC", THICK: 8.00049, "impact.velocity_m_s": 850.5})
-    assert subject(changed) == "8 mm SiC on 6.35 mm 6061-T6 against 7.62 mm AP at 850.5 m/s"
-    assert subject(changed.replaced({THICK: 0.0})) == "6.35 mm 6061-T6 against 7.62 mm AP at 850.5 m/s"
-    assert subject(load_scenario("bare_plate"), ANY_VELOCITY) == "20 mm AA6082-T651 against 7.62 mm APM2"
+    assert changed.subject() == "8 mm SiC on 6.35 mm 6061-T6 against 7.62 mm AP at 850.5 m/s"
+    assert changed.replaced({THICK: 0.0}).subject() == "6.35 mm 6061-T6 against 7.62 mm AP at 850.5 m/s"
+    assert load_scenario("bare_plate").subject(ANY_VELOCITY) == "20 mm AA6082-T651 against 7.62 mm APM2"
 
 
 @pytest.mark.parametrize(
@@ -34,13 +34,13 @@ def test_the_armour_is_that_of_the_scenario_as_changed():
     ],
 )
 def test_what_varies_is_listed_or_left_out(varied: Varied, words: str):
-    assert subject(scenario(), varied) == words
+    assert scenario().subject(varied) == words
 
 
 def test_threats_are_in_place_of_the_impact():
     threats = [Threat(name=name, projectile="7.62 mm APM2", velocity_m_s=800.0) for name in ("a", "b", "c", "d")]
-    assert subject(scenario(), {}, threats[:1]).endswith(" against 7.62 mm APM2 at 800 m/s")
-    assert subject(scenario(), {}, threats).endswith("6061-T6 against 4 threats")
+    assert scenario().subject({}, threats[:1]).endswith(" against 7.62 mm APM2 at 800 m/s")
+    assert scenario().subject({}, threats).endswith("6061-T6 against 4 threats")
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,7 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
 from armour.errors import InputError
-from armour.scenario.loading import Scenario
-from armour.scenario.parameters import with_inputs
+from armour.scenario.scenario import Scenario
 from armour.statistics import calibration, likelihood_fit
 from armour.statistics.calibration import CalibrationResult, Residual, calibrate, left_out_errors, out_of_line
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, with_ceramic, with_law
@@ -42,7 +41,7 @@ def wilkins() -> Scenario:
 
 def limit(case: Scenario, **inputs: float) -> float:
     names = {"c": C, "b": B, "y": FLOW_STRESS, "tau": TAU}
-    changed = with_inputs(case, {names[name]: value for name, value in inputs.items()})
+    changed = case.with_inputs({names[name]: value for name, value in inputs.items()})
     return ballistic_limit(changed.replaced({"ballistic_limit.tolerance_m_s": 1e-6})).ballistic_limit_m_s
 
 
@@ -131,7 +130,7 @@ def test_the_law_of_the_scenario_is_kept_or_replaced(wilkins: Scenario):
 
 def test_limits_velocities_masses_and_bounds_together(tmp_path: Path, wilkins: Scenario):
     """Two parameters from every kind of measurement at once; the bounds are met and change nothing."""
-    truth = with_inputs(wilkins, {FLOW_STRESS: 4.6, TAU: 300.0})
+    truth = wilkins.with_inputs({FLOW_STRESS: 4.6, TAU: 300.0})
     shot = simulate(truth.replaced({V: 850.0}))
     rows = [
         f"a,5,8,,{limit(truth, c=5.0, b=8.0):.5f},,,,2,,",
@@ -264,7 +263,7 @@ def test_outcomes_count_by_their_likelihood(tmp_path: Path, wilkins: Scenario):
     limit, z = result.residuals[0].computed, (result.residuals[0].computed - 715.0) / 10.0
     assert (limit - 720.0) / 10.0 == pytest.approx(stats.norm.pdf(z) / stats.norm.cdf(z), abs=1e-4)
     low, high = interval(result.coefficients[0])
-    ends = [ballistic_limit(with_inputs(wilkins, {FLOW_STRESS: y})).ballistic_limit_m_s for y in (low, high)]
+    ends = [ballistic_limit(wilkins.with_inputs({FLOW_STRESS: y})).ballistic_limit_m_s for y in (low, high)]
 
     def lost(v: float) -> float:
         return ((v - 720.0) / 10.0) ** 2 - 2.0 * stats.norm.logcdf((v - 715.0) / 10.0)
@@ -337,7 +336,7 @@ def test_tests_that_identify_no_law(tmp_path: Path, wilkins: Scenario):
 
 def test_tests_of_other_materials(tmp_path: Path):
     """A parameter of the projectile from tests with two ceramics."""
-    truth = with_inputs(scenario(), {"projectile.penetrator_diameter_mm": 6.2})
+    truth = scenario().with_inputs({"projectile.penetrator_diameter_mm": 6.2})
     rows = []
     for ceramic, thickness in (("AD85", 6.0), ("AD85", 8.0), ("AD99.5", 6.0)):
         rows.append(f"{ceramic},{thickness},{limit(truth.replaced({'armour.ceramic': ceramic}), c=thickness):.5f}")

@@ -8,7 +8,7 @@ import pytest
 from armour.analysis.evaluate import evaluate
 from armour.errors import InputError, NoAnswerError
 from armour.scenario.library import read_library, shipped_library
-from armour.scenario.loading import Scenario, load_scenario
+from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics.calibration import calibrate
 from armour.statistics.fitted_library import library_text, save_fit, scenario_text
 from armour.statistics.flow_stress_laws import with_ceramic

@@ -8,7 +8,6 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import simulate
 from armour.design.optimise import optimise
 from armour.errors import InputError
-from armour.scenario.parameters import inputs_of, with_inputs
 from armour.statistics.sensitivity import CHANGE, LIMIT, OPTIMUM, RESIDUAL, sensitivity
 from tests.helpers.cases import scenario, shipped_scenario
 
@@ -32,14 +31,14 @@ def test_similar_cases_have_the_same_limit(changes: tuple[object, ...]):
 def test_elasticities_agree_with_changed_scenarios():
     case = shipped_scenario("wilkins")
     result = sensitivity(case)
-    own = inputs_of(case)
+    own = case.inputs()
     step = log((1.0 + CHANGE) / (1.0 - CHANGE))
     for item in result.inputs:
-        up, down = (with_inputs(case, {item.input: own[item.input] * (1.0 + s * CHANGE)}) for s in (1.0, -1.0))
+        up, down = (case.with_inputs({item.input: own[item.input] * (1.0 + s * CHANGE)}) for s in (1.0, -1.0))
         residual = log(simulate(up).residual_velocity_m_s / simulate(down).residual_velocity_m_s) / step
         assert item.elasticities[RESIDUAL] == pytest.approx(residual, abs=1e-9)
     strength = next(item for item in result.inputs if item.input == "ceramic.flow_stress_GPa")
-    up, down = (with_inputs(case, {strength.input: 5.2 * (1.0 + s * CHANGE)}) for s in (1.0, -1.0))
+    up, down = (case.with_inputs({strength.input: 5.2 * (1.0 + s * CHANGE)}) for s in (1.0, -1.0))
     limits = [ballistic_limit(c.replaced({"ballistic_limit.tolerance_m_s": 1e-7})) for c in (up, down)]
     assert strength.elasticities[LIMIT] == pytest.approx(
         log(limits[0].ballistic_limit_m_s / limits[1].ballistic_limit_m_s) / step, abs=1e-6

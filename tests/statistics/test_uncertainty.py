@@ -14,9 +14,8 @@ from armour.analysis.uncertain_inputs import Samples
 from armour.analysis.variants import Floats, Variants, perforated, variants_of
 from armour.errors import InputError, NoLimitError
 from armour.scenario.distributions import Uncertainty, correlation_matrix
-from armour.scenario.loading import Scenario
-from armour.scenario.parameters import with_inputs
 from armour.scenario.sampling import columns_of, points_of
+from armour.scenario.scenario import Scenario
 from armour.statistics import uncertainty as module
 from armour.statistics.sobol_indices import first_order_indices
 from armour.statistics.uncertainty import index_samples, probability_curve, quantile, sample_limits, uncertainty
@@ -83,7 +82,7 @@ def test_the_same_seed_gives_the_same_numbers():
 def test_the_limits_are_those_of_changed_scenarios(uncertain: Scenario):
     columns = independent_samples(5, 2)
     for i, found in enumerate(sample_limits(Samples(variants_of(uncertain, columns, 5), 1.0))):
-        changed = with_inputs(uncertain, {name: float(values[i]) for name, values in columns.items()})
+        changed = uncertain.with_inputs({name: float(values[i]) for name, values in columns.items()})
         assert found == pytest.approx(ballistic_limit(changed).ballistic_limit_m_s, abs=1e-9)
 
 

@@ -11,7 +11,7 @@ from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
 from armour.analysis.quantities import QUANTITIES
 from armour.errors import InputError
-from armour.scenario.loading import Scenario
+from armour.scenario.scenario import Scenario
 from armour.sweeps.cases import Cases
 from armour.sweeps.checkpoint import DamagedError, Store
 from armour.sweeps.columns import sweep as sweep_in_python

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from armour.scenario.applicability import model_error
 from armour.scenario.evidence import BACKING_RATIO, BACKING_STRENGTH, CERAMIC_RATIO, EVIDENCE, SLENDERNESS, Evidence
 from armour.scenario.library import shipped_library
 from armour.statistics.calibration import left_out_errors
@@ -64,7 +63,7 @@ def test_tiles_have_the_error_of_tests_left_out(law: Law, evidence: Evidence, ce
     # The mean does not differ from 0 by its standard error, and the scale is the root mean square.
     assert abs(np.mean(errors) - mean) < np.std(errors, ddof=1) / sqrt(13)
     assert np.sqrt(np.mean(np.square(errors))) == pytest.approx(scale, abs=0.05)
-    found = model_error(scenario(ceramic=ceramic))
+    found = scenario(ceramic=ceramic).model_error()
     assert found is not None
     assert found.source == evidence.title
 

@@ -5,7 +5,7 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import simulate
 from armour.errors import InputError
-from armour.scenario.loading import load_scenario
+from armour.scenario.scenario import load_scenario
 from armour.validation import figures
 from armour.validation.figures import Figure, compute_figure, paper_figures, parity, read_figures
 from tests.helpers.cases import scenario

@@ -6,7 +6,7 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.design.optimise import optimise
 from armour.reporting.markdown import markdown_report
 from armour.reporting.suite_report import suite_report
-from armour.scenario.loading import load_scenario
+from armour.scenario.scenario import load_scenario
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.validate import SuiteResult, paper_suite, validate
 from campaigns.perturbations import perturbations, scored, survivors

@@ -10,8 +10,8 @@ import pytest
 
 from armour.reporting.markdown import markdown_report
 from armour.reporting.suite_report import suite_report
+from armour.scenario.inputs import INPUTS
 from armour.scenario.library import shipped_library
-from armour.scenario.parameters import INPUTS, with_inputs
 from armour.validation.suite import Suite, load_suite
 from armour.validation.validate import Check, SuiteResult, result_of, validate
 from tests.helpers.cases import SCENARIOS
@@ -129,7 +129,7 @@ def test_a_change_of_the_limits_leaves_a_band(result: SuiteResult, factor: float
 def test_limits_agree_with_an_independent_method(result: SuiteResult, index: int):
     check = result.checks[index]
     inputs = {name: float(value) for name, value in check.case.cells.items() if name in INPUTS}
-    p = with_inputs(check.case.scenario, inputs).core_armour()
+    p = check.case.scenario.with_inputs(inputs).core_armour()
     assert p.tau == pytest.approx(0.7e6 * inputs["backing.dynamic_yield_strength_MPa"])
     assert pytest.approx(2.7e6 * inputs["backing.dynamic_yield_strength_MPa"]) == p.YB
     assert p.Yp == 2.35e9

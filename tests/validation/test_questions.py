@@ -5,7 +5,7 @@ import pytest
 from armour.analysis.evaluate import evaluate
 from armour.design.optimise import optimise
 from armour.errors import InputError, NoDesignError, NoLimitError
-from armour.scenario.loading import Scenario
+from armour.scenario.scenario import Scenario
 from armour.validation.questions import QUESTIONS, Asked, answer, check_answerable
 from tests.helpers.cases import scenario
 

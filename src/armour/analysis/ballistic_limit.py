@@ -9,11 +9,11 @@ from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result
 from armour.core import search
 from armour.errors import NoLimitError
-from armour.scenario.applicability import is_unusual, model_error, warnings_of
+from armour.scenario.applicability import is_unusual
 from armour.scenario.evidence import ModelError
-from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_types
-from armour.scenario.words import ANY_VELOCITY, subject
+from armour.scenario.scenario import Scenario
+from armour.scenario.words import ANY_VELOCITY
 
 # Number of intervals above the limit in a plotted curve.
 CURVE_POINTS = 60
@@ -116,7 +116,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
     if lowest_perforates or not crossings:
         above = not crossings and not lowest_perforates
         raise NoLimitError(_no_limit(crossings, lowest_perforates, points, low, high), above=above)
-    limit, error = crossings[0].bracket_m_s[1], model_error(scenario)
+    limit, error = crossings[0].bracket_m_s[1], scenario.model_error()
     return LimitResult(
         ballistic_limit_m_s=limit,
         bracket_m_s=crossings[0].bracket_m_s,
@@ -126,10 +126,10 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         crossings=crossings,
         scanned_velocities=points,
         scanned_range_m_s=(low, high),
-        warnings=warnings_of(scenario, limit, "ballistic_limit"),
+        warnings=scenario.warnings(limit, "ballistic_limit"),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
-    )._of(subject(scenario, ANY_VELOCITY), scenario=scenario)
+    )._of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
 
 def not_monotonic(limit: LimitResult) -> tuple[str, ...]:

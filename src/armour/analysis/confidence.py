@@ -7,11 +7,9 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result
 from armour.errors import NoLimitError
-from armour.scenario.applicability import is_excluded, model_error, warnings_of
 from armour.scenario.evidence import ModelError
-from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_types
-from armour.scenario.words import subject
+from armour.scenario.scenario import Scenario
 
 NO_TEST = "the model was compared with no test of such an armour"
 # Probability above which a lower bound is given as the probability.
@@ -78,13 +76,13 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
         found = without_limit(scenario, str(error), above=error.above)
     else:
         found = of_limit(scenario, limit, scenario.impact.velocity_m_s)
-    return found._of(subject(scenario), scenario=scenario)
+    return found._of(scenario.subject(), scenario=scenario)
 
 
 def without_limit(scenario: Scenario, reason: str, *, above: bool) -> ConfidenceResult:
     """Return the confidence in an armour whose limit is not in the range searched, for a reason, or is above it."""
-    error, velocity = model_error(scenario), scenario.impact.velocity_m_s
-    warnings = warnings_of(scenario, velocity)
+    error, velocity = scenario.model_error(), scenario.impact.velocity_m_s
+    warnings = scenario.warnings(velocity)
     if error is not None and above:
         least = float(error.probability_of_defeat(scenario.ballistic_limit.velocity_max_m_s, velocity))
         if least > SURE:
@@ -94,8 +92,8 @@ def without_limit(scenario: Scenario, reason: str, *, above: bool) -> Confidence
 
 def of_limit(scenario: Scenario, limit_m_s: float, velocity_m_s: float) -> ConfidenceResult:
     """Return the confidence that a scenario's armour defeats a velocity, given its ballistic limit by the model."""
-    error, warnings = model_error(scenario), warnings_of(scenario, velocity_m_s)
+    error, warnings = scenario.model_error(), scenario.warnings(velocity_m_s)
     if error is None:
-        return ConfidenceResult(None, limit_m_s, None, EXCLUDED if is_excluded(scenario) else NO_TEST, warnings)
+        return ConfidenceResult(None, limit_m_s, None, EXCLUDED if scenario.excludes_error() else NO_TEST, warnings)
     probability = float(error.probability_of_defeat(limit_m_s, velocity_m_s))
     return ConfidenceResult(probability, limit_m_s, error, warnings=warnings)

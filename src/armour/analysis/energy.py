@@ -10,7 +10,7 @@ from armour.core.rk4 import state_within
 from armour.core.run import Instant
 from armour.core.stages import rates, with_intact_strength
 from armour.core.state import Parameters, State
-from armour.scenario.loading import Scenario
+from armour.scenario.scenario import Scenario
 from armour.units import US
 
 

@@ -15,10 +15,10 @@ from armour.analysis.answers import COLUMNS, Answers
 from armour.analysis.quantities import QUANTITIES, reads_of
 from armour.analysis.variants import Floats, Ints, Variants, grid_of, outside_limits, variants_of
 from armour.errors import InputError, Problem, choices, refuse
-from armour.scenario.assignments import canonical
-from armour.scenario.loading import Scenario
-from armour.scenario.parameters import INPUTS, NAMES, Place, check_rows, in_row
+from armour.scenario.inputs import INPUTS, NAMES
+from armour.scenario.keys import canonical
 from armour.scenario.reach import check_known, check_reach
+from armour.scenario.scenario import Place, Scenario, in_row
 
 
 class Group(NamedTuple):
@@ -106,7 +106,7 @@ def scenarios_of(
     others = [key for key in columns if key not in INPUTS]
     inputs = {key: columns[key] for key in columns if key in INPUTS}
     if not others:
-        check_rows(scenario, inputs, place)
+        scenario.check_rows(inputs, place)
         yield np.arange(count), scenario
         return
     # Places in the sorted values, as these may be numbers in one column and names in another.
@@ -119,7 +119,7 @@ def scenarios_of(
         except InputError as error:
             raise InputError([place(row, problem) for problem in error.problems]) from None
         where = np.flatnonzero(which.reshape(-1) == index)
-        check_rows(made, {key: values[where] for key, values in inputs.items()}, partial(_placed, where, place))
+        made.check_rows({key: values[where] for key, values in inputs.items()}, partial(_placed, where, place))
         yield where, made
 
 

@@ -7,8 +7,8 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.closed_forms import Plates, florence_limit, florence_split
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.errors import NoLimitError, Problem
-from armour.scenario.loading import Scenario
-from armour.scenario.messages import key_name
+from armour.scenario.keys import key_name
+from armour.scenario.scenario import Scenario
 from armour.units import MM, MPA, G
 
 Body = Literal["penetrator", "whole projectile"]

@@ -11,11 +11,9 @@ from armour.core.equations import cross_section
 from armour.core.run import Instant, Run, run
 from armour.core.state import Outcome, Parameters
 from armour.errors import InputError, Problem
-from armour.scenario.applicability import warnings_of
-from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_types
+from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Solver
-from armour.scenario.words import subject
 from armour.units import MM, US, G
 
 if TYPE_CHECKING:
@@ -132,7 +130,7 @@ def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
         If the run does not end within the maximum number of steps.
     """
     check_types("simulate", scenario=(scenario, Scenario))
-    return impact_at(scenario, scenario.impact.velocity_m_s, history=history)._of(subject(scenario), scenario=scenario)
+    return impact_at(scenario, scenario.impact.velocity_m_s, history=history)._of(scenario.subject(), scenario=scenario)
 
 
 def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> ImpactResult:
@@ -161,7 +159,7 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
         time_step_us=time_step(scenario, armour, velocity) / US,
         stages=stage_records(trace, armour),
-        warnings=warnings_of(scenario, velocity),
+        warnings=scenario.warnings(velocity),
         history=recorded,
     )
 

@@ -6,10 +6,10 @@ from importlib import import_module
 from math import nan
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from armour.scenario.words import heading, subject
+from armour.scenario.words import heading
 
 if TYPE_CHECKING:
-    from armour.scenario.loading import Scenario
+    from armour.scenario.scenario import Scenario
 
 
 @dataclass(frozen=True, repr=False)
@@ -29,7 +29,7 @@ class Result:
     def _heading(self, scenario: "Scenario | None" = None) -> list[str]:
         """Return the first lines of every output; none for a result that is made by hand, without a scenario."""
         scenario = scenario or self._question.get("scenario")
-        computed = self._question.get("computed") or (subject(scenario) if scenario else "")
+        computed = self._question.get("computed") or (scenario.subject() if scenario else "")
         return heading(computed, scenario.title if scenario else "") if computed else []
 
     def to_dict(self) -> dict[str, Any]:

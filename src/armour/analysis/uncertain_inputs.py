@@ -5,12 +5,10 @@ from typing import Any, NamedTuple
 
 from armour.analysis.variants import Floats, Variants, variants_of
 from armour.errors import InputError, Problem, refuse
-from armour.scenario.applicability import model_error
 from armour.scenario.distributions import ErrorDistribution, Uncertainty
 from armour.scenario.evidence import ERROR, ModelError
-from armour.scenario.loading import Scenario
-from armour.scenario.parameters import check_names, inputs_of, wrong_rows
 from armour.scenario.sampling import truncation_problem
+from armour.scenario.scenario import Scenario
 
 # Error at which the distribution of the model's error ends, %: a ballistic limit is above 0.
 LEAST_ERROR_PERCENT = -99.0
@@ -25,7 +23,7 @@ class Samples(NamedTuple):
 
 def section_of(scenario: Scenario) -> Uncertainty:
     """Return the distributions of a scenario, with that of the error of the model where it is known."""
-    return section_at(scenario, inputs_of(scenario), model_error(scenario))
+    return section_at(scenario, scenario.inputs(), scenario.model_error())
 
 
 def section_at(scenario: Scenario, own: Mapping[str, float], error: ModelError | None) -> Uncertainty:
@@ -35,7 +33,7 @@ def section_at(scenario: Scenario, own: Mapping[str, float], error: ModelError |
         example = '{ distribution = "normal", standard_deviation_percent = 5 }'
         message = f"is missing and must be given: distributions of inputs, such as ceramic.flow_stress_GPa = {example}"
         raise InputError([Problem(scenario.file, "uncertainty", message)])
-    check_names(section.inputs(), scenario, scenario.file, "uncertainty")
+    scenario.check_names(section.inputs(), scenario.file, "uncertainty")
     problems = [
         Problem(scenario.file, f"uncertainty.{name}", lacking)
         for name, distribution in section.inputs().items()
@@ -55,7 +53,7 @@ def section_at(scenario: Scenario, own: Mapping[str, float], error: ModelError |
 
 def own_values(scenario: Scenario) -> dict[str, float]:
     """Return the scenario's own values of the inputs; the model's own error is 0."""
-    return {**inputs_of(scenario), ERROR: 0.0}
+    return {**scenario.inputs(), ERROR: 0.0}
 
 
 def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Samples:
@@ -66,7 +64,7 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Sa
     """
     problems = []
     inputs = {name: values for name, values in columns.items() if name != ERROR}
-    for name, _, found in wrong_rows(scenario, inputs):
+    for name, _, found in scenario.wrong_rows(inputs):
         message = f"must not reach values that are not allowed: {found[0].message}; give it a min or max"
         problems.append(Problem(scenario.file, f"uncertainty.{name}", message))
     refuse(problems)

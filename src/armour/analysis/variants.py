@@ -10,11 +10,11 @@ from armour.analysis.impact import unresolved_error
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem
-from armour.scenario.applicability import given_error, is_excluded, is_unusual, row_errors, row_limits
+from armour.scenario.applicability import is_unusual, row_errors, row_limits
 from armour.scenario.evidence import UNKNOWN, ModelError
+from armour.scenario.inputs import INPUTS, VELOCITY, YIELD
 from armour.scenario.library import DEFAULTS, ROD, length_mm
-from armour.scenario.loading import Scenario
-from armour.scenario.parameters import FIELDS, VELOCITY, YIELD, entry_of, inputs_of
+from armour.scenario.scenario import Scenario
 from armour.scenario.schema import BallisticLimitSection, Optimise, Solver
 from armour.units import MM
 
@@ -79,25 +79,24 @@ class Variants(NamedTuple):
 def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:
     """Return n variants of a scenario with values, (n,), of some of its named inputs.
 
-    Each row equals the scenario that `armour.scenario.parameters.with_inputs` makes of its values.
+    Each row equals the scenario that `Scenario.with_inputs` makes of its values.
     """
     rows = np.tile(batch.packed([scenario.core_armour()]), (count, 1))
     field = batch.fields(rows)
     for name, values in columns.items():
-        target = FIELDS[name]
-        if target is not None:
-            getattr(field, target[0])[:] = values * target[1]
+        if INPUTS[name].field:
+            getattr(field, INPUTS[name].field)[:] = values * INPUTS[name].factor
     rod = {key: f"projectile.{key}" for key in ROD}
     if any(name in columns for name in rod.values()):
-        own = inputs_of(scenario)
+        own = scenario.inputs()
         field.L0[:] = length_mm(*(columns.get(name, own[name]) for name in rod.values())) * MM
     if YIELD in columns:
-        entry = entry_of(scenario, "backing")
+        entry = scenario.entry_of("backing")
         assert entry is not None
         for key in entry.derived:
-            target = FIELDS[f"backing.{key}"]
-            if f"backing.{key}" not in columns and target is not None:
-                getattr(field, target[0])[:] = DEFAULTS[key][0] * columns[YIELD] * target[1]
+            if f"backing.{key}" not in columns:
+                target = INPUTS[f"backing.{key}"]
+                getattr(field, target.field)[:] = DEFAULTS[key][0] * columns[YIELD] * target.factor
     velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
     return Variants(rows, velocities, settings_of(scenario))
 
@@ -133,7 +132,7 @@ def grid_of(scenario: Scenario) -> Optimise:
 
 def settings_of(scenario: Scenario) -> Settings:
     """Return the settings of a scenario."""
-    error = UNKNOWN if is_excluded(scenario) else given_error(scenario)
+    error = UNKNOWN if scenario.excludes_error() else scenario.given_error()
     return Settings(scenario.file, scenario.solver, scenario.ballistic_limit, scenario.optimise, error)
 
 

@@ -62,7 +62,7 @@ def entries() -> list[str]:
 
 def inputs() -> list[str]:
     """Return the names of inputs."""
-    from armour.scenario.parameters import INPUTS
+    from armour.scenario.inputs import INPUTS
 
     return list(INPUTS)
 
@@ -76,7 +76,7 @@ def quantities(incomplete: str) -> list[str]:
 
 def numbers(incomplete: str) -> list[str]:
     """Return the keys that a sweep can vary, each with a sign of equality."""
-    from armour.scenario.parameters import NAMES
+    from armour.scenario.inputs import NAMES
 
     if "=" in incomplete:
         return []
@@ -85,9 +85,9 @@ def numbers(incomplete: str) -> list[str]:
 
 def assignments(incomplete: str) -> list[str]:
     """Return inputs and keys, each with a sign of equality or, after it, the words that the key can have."""
+    from armour.scenario.inputs import INPUTS, NAMES, ROLES
     from armour.scenario.library import shipped_library
-    from armour.scenario.loading import Scenario
-    from armour.scenario.parameters import INPUTS, NAMES, ROLES
+    from armour.scenario.scenario import Scenario
 
     key, equal, _ = incomplete.partition("=")
     if equal:
@@ -102,7 +102,7 @@ def assignments(incomplete: str) -> list[str]:
 
 def _keys(model: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Yield the dotted keys of a section and of those within it with types, but for lists and tables of any name."""
-    from armour.scenario.messages import model_in
+    from armour.scenario.sections import model_in
 
     for name, field in model.model_fields.items():
         inner = model_in(field.annotation)

@@ -44,7 +44,7 @@ def report(
     One self-contained file with the answer, its uncertainty, charts (in HTML) and the sources of all values.
     """
     from armour.reporting.report_file import ENDINGS, report_text
-    from armour.scenario.loading import scenario_file
+    from armour.scenario.scenario import scenario_file
 
     check_outputs(output, force=force)
     refuse(wrong_ending(output, ENDINGS))
@@ -76,7 +76,7 @@ def _scenario_report(source: Path, changes: list[str], command: str, *, as_is: b
 
 def _suite_report(source: Path, changes: list[str], command: str) -> "Report":
     from armour.reporting.suite_report import suite_report
-    from armour.scenario.assignments import changes_of
+    from armour.scenario.changes import changes_of
     from armour.validation.suite import load_suite
     from armour.validation.validate import validate
 

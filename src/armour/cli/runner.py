@@ -30,7 +30,7 @@ from armour.files import (
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
-    from armour.scenario.loading import Scenario
+    from armour.scenario.scenario import Scenario
 
 NO_ANSWER = 1
 WRONG_INPUT = 2
@@ -92,10 +92,10 @@ def read_scenario(
     computes, in words.  A wrong value of an option is a problem of the
     command line, whatever the file holds.
     """
-    from armour.scenario.assignments import changes_of
-    from armour.scenario.loading import parse_changed, parse_scenario, scenario_file
-    from armour.scenario.parameters import VELOCITY
+    from armour.scenario.changes import changes_of
+    from armour.scenario.inputs import VELOCITY
     from armour.scenario.reach import check_read, check_used, read_of
+    from armour.scenario.scenario import parse_changed, parse_scenario, scenario_file
 
     changes = changes_of(assignments or ())
     options = {key: f"--set {key}" for key in changes}
@@ -132,7 +132,7 @@ def read_scenario(
 
 def _blamed(problem: Problem, options: Mapping[str, str], file: str) -> Problem:
     """Return a problem that the file alone does not have with the option that sets its key, or one below it."""
-    from armour.scenario.toml_lines import upwards
+    from armour.scenario.keys import upwards
 
     for key, option in sorted(options.items(), reverse=True):
         if problem.file == file and (key in upwards(problem.key) or problem.key in upwards(key)):
@@ -201,12 +201,9 @@ def _encoded(content: str | bytes) -> bytes:
 
 def warnings_of(scenario: "Scenario", warnings: Iterable[str], *, of_threats: bool = False) -> list[str]:
     """Return the warnings on a scenario as lines for standard error, with those on parts that an answer ignores."""
-    from armour.scenario.applicability import unused_threats
-    from armour.scenario.loading import replaced_entries
-
-    unused = () if of_threats else unused_threats(scenario)
+    unused = () if of_threats else scenario.unused_threats()
     found = dict.fromkeys((*unused, *warnings))
-    return [*replaced_entries(scenario), *(f"warning: {scenario.file}: {warning}" for warning in found)]
+    return [*scenario.replaced_entries(), *(f"warning: {scenario.file}: {warning}" for warning in found)]
 
 
 @contextmanager
@@ -290,7 +287,7 @@ class Reporting(_Helpful, TyperGroup):
 
 def _located(problems: Sequence[Problem]) -> list[str]:
     """Return the messages of the first problems, with the lines of TOML files where their keys are."""
-    from armour.scenario.toml_lines import line_of
+    from armour.scenario.keys import line_of
 
     shown, more = problems[:MAX_PROBLEMS], len(problems) - MAX_PROBLEMS
     files = {problem.file for problem in shown if problem.key and problem.file.endswith(".toml")}
@@ -304,7 +301,7 @@ def _located(problems: Sequence[Problem]) -> list[str]:
 
 def _lines(file: str) -> dict[str, int]:
     """Return the lines of the keys of a TOML file; none where it cannot be read."""
-    from armour.scenario.toml_lines import lines_of
+    from armour.scenario.keys import lines_of
 
     try:
         return lines_of(read_text(Path(file)))

@@ -33,7 +33,6 @@ def simulate(
     from armour.reporting.table import csv_text
     from armour.reporting.tables.confidence import SAMPLED_ALONE
     from armour.reporting.tables.impact import history_table, impact_tables
-    from armour.scenario import applicability
 
     check_outputs(csv=history, plot=plot, force=force)
     reads = ("impact", "armour", "ballistic_limit", "uncertainty.model")
@@ -45,7 +44,7 @@ def simulate(
         count(1)
         sure = confidence.confidence(loaded, on_progress=count)
     limit = sure.ballistic_limit_m_s
-    of_limit = () if limit is None else applicability.warnings_of(loaded, limit, "ballistic_limit")
+    of_limit = () if limit is None else loaded.warnings(limit, "ballistic_limit")
     warnings = tuple(dict.fromkeys((*result.warnings, *of_limit)))
     distributed = loaded.uncertainty is not None and bool(loaded.uncertainty.inputs())
     alone = [f"{SAMPLED_ALONE}: armour uncertainty"] if sure.model_error is None and distributed else []
@@ -71,7 +70,6 @@ def ballistic_limit(
     """Find the ballistic limit."""
     from armour.analysis import ballistic_limit as analysis
     from armour.reporting.tables.impact import limit_tables
-    from armour.scenario.applicability import is_excluded
 
     check_outputs(plot=plot, force=force)
     loaded = read_scenario(scenario, changes, LIMIT, what="the ballistic limit")
@@ -86,7 +84,7 @@ def ballistic_limit(
 
     respond(
         result.to_dict(),
-        [*limit_tables(result, excluded=is_excluded(loaded))],
+        [*limit_tables(result, excluded=loaded.excludes_error())],
         as_json=as_json,
         of=result._heading(),
         plot=plot,
@@ -150,7 +148,6 @@ def optimise(
     from armour.design import optimise as design
     from armour.reporting.table import csv_text
     from armour.reporting.tables.design import design_tables, frontier_table, pareto_table, required_margins
-    from armour.scenario.applicability import is_excluded
     from armour.scenario.reach import DESIGNS
 
     check_outputs(csv=csv, plot=plot, force=force)
@@ -162,7 +159,7 @@ def optimise(
         result = design.optimise(loaded, refine=refine, on_progress=count)
     respond(
         result.to_dict(),
-        design_tables(result, required_margins(loaded), excluded=is_excluded(loaded)),
+        design_tables(result, required_margins(loaded), excluded=loaded.excludes_error()),
         as_json=as_json,
         of=result._heading(),
         files=[(csv, lambda: csv_text(pareto_table(result) if result.pareto else frontier_table(result)))],
@@ -221,7 +218,6 @@ def uncertainty(
 ) -> None:
     """Propagate input uncertainty to the outcome and the ballistic limit."""
     from armour.reporting.tables.statistics import uncertainty_tables
-    from armour.scenario.applicability import is_excluded
     from armour.statistics import uncertainty as statistics
 
     check_outputs(plot=plot, force=force)
@@ -236,7 +232,7 @@ def uncertainty(
         result = statistics.uncertainty(loaded, on_progress=count)
     respond(
         result.to_dict(),
-        [*uncertainty_tables(result, excluded=is_excluded(loaded))],
+        [*uncertainty_tables(result, excluded=loaded.excludes_error())],
         as_json=as_json,
         of=result._heading(),
         plot=plot,

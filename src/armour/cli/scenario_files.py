@@ -53,6 +53,6 @@ def schema() -> None:
 
     Editors complete and check scenario files with it.
     """
-    from armour.scenario.loading import scenario_schema
+    from armour.scenario.scenario import scenario_schema
 
     show_json(scenario_schema())

@@ -56,7 +56,7 @@ def validate(
     from armour.reporting.junit import suite_junit
     from armour.reporting.markdown import markdown_report
     from armour.reporting.suite_report import suite_report
-    from armour.scenario.assignments import changes_of
+    from armour.scenario.changes import changes_of
     from armour.validation.suite import load_suite
     from armour.validation.update import kept_by_update
 

@@ -12,10 +12,9 @@ from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, set
 from armour.core.state import Parameters
 from armour.engine import batch
 from armour.errors import Problem, refuse
-from armour.scenario.applicability import is_excluded
+from armour.scenario.inputs import INPUTS, ROLES, VELOCITY, fields_of, inputs_of_entry
 from armour.scenario.library import penetrator_length_mm
-from armour.scenario.loading import Scenario
-from armour.scenario.parameters import INPUTS, ROLES, VELOCITY, fields_of, inputs_of_entry, with_inputs
+from armour.scenario.scenario import Scenario
 from armour.scenario.schema import (
     MAX_DESIGNS,
     SHEAR_LAWS,
@@ -143,7 +142,7 @@ class Catalogue:
     def unknown_errors(self, candidates: Candidates) -> Bools:
         """Return whether a probability is bounded and the error of the model is not known, (designs, threats)."""
         unknown = np.zeros((len(candidates.pair), len(self.threats)), dtype=bool)
-        if not is_excluded(self.scenario):
+        if not self.scenario.excludes_error():
             for i in np.flatnonzero(self.bounds < NO_BOUND).tolist():
                 unknown[:, i] = np.isnan(self._at_threat(candidates, i).errors.scale_percent)
         return unknown
@@ -250,7 +249,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
                     "must have a step where a probability is bounded and [uncertainty] has distributions to sample"
                 )
                 problems.append(Problem(scenario.file, f"design.{key}[{i}].thickness_mm", message))
-    if bounded and not uncertain and is_excluded(scenario):
+    if bounded and not uncertain and scenario.excludes_error():
         message = "must be true where a probability is bounded and no input has a distribution, found false"
         problems.append(Problem(scenario.file, "uncertainty.model.included", message))
     if COST in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None:
@@ -367,4 +366,4 @@ def _scenario_of(scenario: Scenario, ceramic: CeramicLayer, backing: BackingLaye
         changes["armour.ceramic"] = ceramic.material
     densities = {"ceramic.density_kg_m3": ceramic.density_kg_m3, "backing.density_kg_m3": backing.density_kg_m3}
     given = {name: value for name, value in densities.items() if value is not None}
-    return with_inputs(scenario.replaced(changes), given)
+    return scenario.replaced(changes).with_inputs(given)

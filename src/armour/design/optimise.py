@@ -16,13 +16,13 @@ from armour.design.catalogue import MARGIN, Catalogue, catalogue_of
 from armour.design.requirement import Requirement
 from armour.design.search import Search
 from armour.errors import NoDesignError, Problem, refuse
-from armour.scenario.applicability import VELOCITY, armour_warnings, error_on_tests, given_error, is_excluded
+from armour.scenario.applicability import armour_warnings, error_on_tests
 from armour.scenario.evidence import ROD_DENSITY, ROD_STRENGTH, SLENDERNESS, ModelError
-from armour.scenario.loading import Scenario
+from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
 from armour.scenario.messages import check_types
-from armour.scenario.parameters import BACKING, CERAMIC, NAMES
+from armour.scenario.scenario import Scenario
 from armour.scenario.schema import DesignSection
-from armour.scenario.words import Varied, subject
+from armour.scenario.words import Varied
 
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
@@ -419,9 +419,9 @@ def _of_defeat(search: Search, place: int, sampled: "dict[str, Estimate]") -> di
 def _model_error(search: Search, place: int, threat: int) -> ModelError | None:
     """Return the error of the model for a design against a threat."""
     scenario = search.catalogue.scenario
-    if is_excluded(scenario):
+    if scenario.excludes_error():
         return None
-    return given_error(scenario) or error_on_tests(_armour(search, place, threat))
+    return scenario.given_error() or error_on_tests(_armour(search, place, threat))
 
 
 def _armour(search: Search, place: int, threat: int) -> Parameters:
@@ -543,7 +543,7 @@ def _subject(catalogue: Catalogue) -> str:
         BACKING: (),
     }
     wanted = SUPERLATIVES[catalogue.section.minimise].capitalize()
-    return f"{wanted} {subject(catalogue.scenario, varied, catalogue.scenario.threat)}"
+    return f"{wanted} {catalogue.scenario.subject(varied, catalogue.scenario.threat)}"
 
 
 def _why_none_of(search: Search, pair: int) -> str:

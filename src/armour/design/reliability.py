@@ -12,11 +12,11 @@ from armour.analysis.uncertain_inputs import own_values, sampled, section_at, se
 from armour.analysis.variants import perforated
 from armour.design.catalogue import NO_BOUND, Candidates, Catalogue
 from armour.errors import Problem, refuse
-from armour.scenario.applicability import error_on_tests, given_error, is_excluded
+from armour.scenario.applicability import error_on_tests
 from armour.scenario.distributions import MAX_SAMPLES, ErrorDistribution, Uncertainty
-from armour.scenario.loading import Scenario
-from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY
+from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 from armour.scenario.sampling import columns_of, points_of
+from armour.scenario.scenario import Scenario
 from armour.units import MM
 
 # Samples of a design after which it is first checked whether it can still pass.
@@ -64,8 +64,8 @@ class Reliability:
         takes to see that the bound is exceeded.
         """
         armour = scenario.core_armour()._replace(Hc0=ceramic_mm * MM, Hb=backing_mm * MM)
-        error = None if is_excluded(scenario) else given_error(scenario) or error_on_tests(armour)
-        if error is None and not is_excluded(scenario):
+        error = None if scenario.excludes_error() else scenario.given_error() or error_on_tests(armour)
+        if error is None and not scenario.excludes_error():
             return None
         own = own_values(scenario)
         layers = {CERAMIC: ceramic_mm, BACKING: backing_mm} if CERAMIC in own else {BACKING: backing_mm}

@@ -21,10 +21,10 @@ from armour.analysis.variants import Floats, Ints
 from armour.errors import MAX_PROBLEMS, InputError, Problem, choices, refuse
 from armour.planning import optimal_design
 from armour.planning.optimal_design import Task
-from armour.scenario.assignments import canonical
-from armour.scenario.loading import Scenario
+from armour.scenario.inputs import INPUTS, NAMES, VELOCITY
+from armour.scenario.keys import canonical
 from armour.scenario.messages import PATH, check_sequence, check_types
-from armour.scenario.parameters import INPUTS, NAMES, VELOCITY, check_names, name_of
+from armour.scenario.scenario import Scenario
 from armour.statistics.calibration import under_law
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, law_of
 from armour.statistics.likelihood_fit import (
@@ -346,7 +346,7 @@ def _check_settings(
     elif law is not None and FLOW_STRESS not in fit:
         problems.append(("law", f"must not be given where {FLOW_STRESS} is not fitted"))
     refuse(Problem("plan_tests", key, message) for key, message in problems)
-    check_names([name for name in fit if law is None or name == FLOW_STRESS], scenario, "plan_tests", "fit")
+    scenario.check_names([name for name in fit if law is None or name == FLOW_STRESS], "plan_tests", "fit")
 
 
 @contextmanager
@@ -510,11 +510,11 @@ def _given_scatter(tests: Tests) -> float | None:
 def _check_materials(found: Sequence[tuple[str, Scenario]], first: Scenario, names: Sequence[str]) -> None:
     """Check that scenarios, of files, have the materials whose properties are fitted."""
     refuse(
-        Problem(file, key, f"must be that of the candidates, {name_of(first, role)}, as it is fitted, found {name}")
+        Problem(file, key, f"must be that of the candidates, {first.name_of(role)}, as it is fitted, found {name}")
         for role, key in NAMES.items()
         if any(fitted.startswith(f"{role}.") for fitted in names)
         for file, scenario in found
-        if (name := name_of(scenario, role)) != name_of(first, role)
+        if (name := scenario.name_of(role)) != first.name_of(role)
     )
 
 

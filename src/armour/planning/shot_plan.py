@@ -17,9 +17,10 @@ from armour.planning.procedures import bayesian, langlie, neyer, up_and_down
 from armour.planning.procedures.settings import ShotSettings
 from armour.planning.procedures.stopping import recommended_fit
 from armour.scenario.evidence import ModelError
-from armour.scenario.loading import Scenario
-from armour.scenario.messages import Section, check_types, validated
-from armour.scenario.words import ANY_VELOCITY, subject
+from armour.scenario.messages import check_types
+from armour.scenario.scenario import Scenario
+from armour.scenario.sections import Section, validated
+from armour.scenario.words import ANY_VELOCITY
 from armour.statistics.firing_posterior import (
     SCATTER_FACTOR,
     SCATTER_PERCENT,
@@ -339,7 +340,7 @@ def plan_shots(
             *([f"the simulation stopped after {MAX_SIMULATED} shots without an end"] if simulate and aim else ()),
             *limit.warnings,
         ),
-    )._of(subject(scenario, ANY_VELOCITY), scenario=scenario)
+    )._of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
 
 def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:

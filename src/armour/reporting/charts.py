@@ -40,8 +40,8 @@ from armour.reporting.tables.impact import AREAL_DENSITY, STAGES, energy_table
 from armour.reporting.tables.statistics import deviation_percent
 from armour.reporting.text import interval, percent
 from armour.reporting.words import words_of
-from armour.scenario.messages import TINY
-from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY
+from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
+from armour.scenario.sections import TINY
 from armour.units import MM
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from armour.analysis.energy import EnergyBalance
     from armour.analysis.impact import ImpactResult
     from armour.design.optimise import Design, DesignResult
-    from armour.scenario.loading import Scenario
+    from armour.scenario.scenario import Scenario
     from armour.statistics.calibration import CalibrationResult, Residual
     from armour.statistics.sensitivity import SensitivityResult
     from armour.statistics.uncertainty import UncertaintyResult

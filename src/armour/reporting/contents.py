@@ -11,10 +11,9 @@ from armour.analysis.impact import ImpactResult, simulate
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import NoLimitError
-from armour.scenario.applicability import is_excluded, model_error
+from armour.scenario.inputs import BACKING, CERAMIC, ROLES, VELOCITY
 from armour.scenario.library import LibraryEntry
-from armour.scenario.loading import Scenario
-from armour.scenario.parameters import BACKING, CERAMIC, ROLES, VELOCITY, entry_of, inputs_of, with_inputs
+from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Threat
 from armour.statistics.sensitivity import SensitivityResult, sensitivity
 from armour.statistics.uncertainty import UncertaintyResult, probability_of_perforation, uncertainty
@@ -97,7 +96,7 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         energy=energy_balance(answer, impact),
         sensitivity=sensitivity(answer, on_progress=on_part),
         uncertainty=uncertainty(answer, on_progress=on_part) if sampled and not misplaced[place] else None,
-        entries=tuple(entry for role in ROLES if (entry := entry_of(answer, role)) is not None),
+        entries=tuple(entry for role in ROLES if (entry := answer.entry_of(role)) is not None),
         warnings=(
             *(impact.warnings if design is None else design.warnings),
             *(() if limit is None else not_monotonic(limit)),
@@ -149,7 +148,7 @@ def _passed(design: DesignResult, threat: Threat) -> AgainstThreat:
 
 def _sampled(found: AgainstThreat, scenario: Scenario, on_part: OnProgress) -> AgainstThreat:
     """Return an armour against a threat with the probability of the distributions, if the model's error is in them."""
-    if model_error(scenario) is None and not is_excluded(scenario):
+    if scenario.model_error() is None and not scenario.excludes_error():
         return found
     perforation = probability_of_perforation(scenario, on_progress=on_part)
     return found._replace(probability_of_defeat=1.0 - perforation.value, sampled=True)
@@ -168,16 +167,16 @@ def _with_best(scenario: Scenario, result: DesignResult) -> Scenario:
         changes["armour.ceramic"] = best.ceramic
         densities["ceramic.density_kg_m3"] = best.ceramic_density_kg_m3
     answer = scenario.replaced(changes)
-    own = inputs_of(answer)
+    own = answer.inputs()
     different = {name: value for name, value in densities.items() if value != own[name]}
-    return with_inputs(answer, different) if different else answer
+    return answer.with_inputs(different) if different else answer
 
 
 def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[str, ...]:
     """Return a warning for each distribution that is about another value than the answer's."""
     if scenario.uncertainty is None:
         return ()
-    own, found = inputs_of(scenario), inputs_of(answer)
+    own, found = scenario.inputs(), answer.inputs()
     return tuple(
         f"uncertainty.{name}: is given for another value than {found[name]:g}, that of the armour and threat reported; "
         "the report has no sampled probability of perforation"

@@ -13,7 +13,6 @@ from armour.reporting.chart import Chart
 from armour.reporting.planned_shots_chart import shot_plan_chart
 from armour.reporting.planned_tests_chart import planned_chart
 from armour.reporting.plots import draw
-from armour.scenario.parameters import inputs_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from armour.analysis.ballistic_limit import LimitResult
     from armour.analysis.impact import ImpactResult
     from armour.analysis.results import Result
-    from armour.scenario.loading import Scenario
+    from armour.scenario.scenario import Scenario
     from armour.statistics.uncertainty import UncertaintyResult
     from armour.statistics.v50 import FiringResult, Shots
     from armour.sweeps.columns import SweepResult
@@ -89,7 +88,7 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
 def _same(scenario: "Scenario", other: "Scenario") -> bool:
     """Return whether two scenarios give the same results."""
     first, second = (item.model_dump(exclude=TEXTS | {"library"}) for item in (scenario, other))
-    return first == second and inputs_of(scenario) == inputs_of(other)
+    return first == second and scenario.inputs() == other.inputs()
 
 
 def _missing(key: str, message: str) -> InputError:

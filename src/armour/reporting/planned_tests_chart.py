@@ -8,7 +8,7 @@ import numpy as np
 
 from armour.reporting.chart import INK, VERMILION, Axis, Chart, Contours, Line, Map, Panel, Points, Series
 from armour.reporting.charts import quantity_axis
-from armour.scenario.parameters import BACKING, CERAMIC, INPUTS, VELOCITY
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
 
 if TYPE_CHECKING:
     from armour.planning.plan_tests import PlannedTests

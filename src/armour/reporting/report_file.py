@@ -8,7 +8,7 @@ from armour.analysis.progress import OnProgress, ignore_progress
 from armour.errors import refuse
 from armour.files import unwritable, write_atomic, wrong_ending
 from armour.reporting.report import Report
-from armour.scenario.loading import Scenario
+from armour.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
     from armour.validation.validate import SuiteResult

@@ -27,9 +27,8 @@ from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT, energ
 from armour.reporting.tables.library import entry_table
 from armour.reporting.tables.statistics import elasticity_table, estimate_table
 from armour.reporting.words import in_words
-from armour.scenario.applicability import is_excluded
-from armour.scenario.parameters import INPUTS
-from armour.scenario.words import subject, title_beside
+from armour.scenario.inputs import INPUTS
+from armour.scenario.words import title_beside
 from armour.units import MM
 
 
@@ -56,7 +55,7 @@ def scenario_report(contents: Contents, command: str) -> Report:
 
 def _subject(contents: Contents) -> str:
     """Return the armour that is reported, with its threats."""
-    return subject(contents.answer, threats=contents.scenario.threat)
+    return contents.answer.subject(threats=contents.scenario.threat)
 
 
 def _question(contents: Contents) -> str:
@@ -153,7 +152,7 @@ def _reliability(contents: Contents) -> Card:
     subject, sure, sampled = DEFEAT.label.capitalize(), contents.confidence, contents.uncertainty
     if len(contents.threats) > 1:
         subject = f"{subject} that governs, {contents.governing}"
-    if sampled is None or (sampled.model_error is None and not is_excluded(contents.scenario)):
+    if sampled is None or (sampled.model_error is None and not contents.scenario.excludes_error()):
         note = sure.reason or (from_tests(sure.model_error) if sure.model_error else "")
         if sampled is not None and sure.probability_of_defeat is None:
             note = f"{note}; {SAMPLED_ALONE}"

@@ -2,8 +2,8 @@
 
 from armour.analysis.quantities import label_and_unit
 from armour.reporting.text import spelt
-from armour.scenario.assignments import parts_of
-from armour.scenario.parameters import ROLES
+from armour.scenario.inputs import ROLES
+from armour.scenario.keys import parts_of
 
 
 def words_of(name: str) -> tuple[str, str]:

@@ -1,17 +1,12 @@
 """Applicability of the model: where an armour lies outside what was tested, and the error of its ballistic limit."""
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 from armour.core.state import Parameters
 from armour.scenario.evidence import CERAMICS, COVERED, EVIDENCE, LAW_MEASURES, Evidence, ModelError
+from armour.scenario.inputs import VELOCITY
 
-if TYPE_CHECKING:
-    from armour.scenario.loading import Scenario
-
-VELOCITY = "impact.velocity_m_s"
-# Degrees of freedom from which Student's t distribution is as good as normal.
-NORMAL = 1e6
 # Factor by which a quantity of an unusual armour lies outside of all that the model was compared with.
 FAR = 2.0
 
@@ -25,19 +20,6 @@ class Limit(NamedTuple):
     value: Any = None  # number or array, (n,); None where the name of the ceramic tells it
 
 
-def model_error(scenario: "Scenario") -> ModelError | None:
-    """Return the error of the ballistic limit: that of [uncertainty.model], or of the tests of such armours.
-
-    None if it is not included there, or if no such armour was tested.
-    """
-    if is_excluded(scenario):
-        return None
-    given = given_error(scenario)
-    if given is not None:
-        return given
-    return error_on_tests(scenario.core_armour())
-
-
 def error_on_tests(armour: Parameters) -> ModelError | None:
     """Return the error of the ballistic limit on tests of such armours; None if there are none."""
     evidence = closest(armour)
@@ -45,21 +27,6 @@ def error_on_tests(armour: Parameters) -> ModelError | None:
         return None
     extrapolated = tuple(str(limits) for limits in evidence.measured if limits.fails(armour))
     return ModelError(*evidence.error, evidence.title, extrapolated)
-
-
-def given_error(scenario: "Scenario") -> ModelError | None:
-    """Return the error that [uncertainty.model] gives; None if it gives none."""
-    section = None if scenario.uncertainty is None else scenario.uncertainty.model
-    if section is None or section.scale_percent is None:
-        return None
-    source = section.source or f"uncertainty.model of {scenario.file}"
-    return ModelError(section.mean_percent, section.scale_percent, section.degrees_of_freedom or NORMAL, source)
-
-
-def is_excluded(scenario: "Scenario") -> bool:
-    """Return whether a scenario says not to include the error of the model."""
-    section = None if scenario.uncertainty is None else scenario.uncertainty.model
-    return section is not None and not section.included
 
 
 def closest(armour: Parameters) -> Evidence:
@@ -83,27 +50,13 @@ def is_unusual(armour: Parameters) -> Any:
     return found
 
 
-def unused_threats(scenario: "Scenario") -> tuple[str, ...]:
-    """Return a warning, for a result of the section ``impact``, where the scenario has threats of its own."""
-    if not scenario.threat:
-        return ()
-    impact = scenario.impact
-    against = f"the {impact.projectile} at {impact.velocity_m_s:g} m/s of [impact]"
-    return (f"threat: is not used: the results are against {against}; a report has the probability of every threat",)
-
-
-def warnings_of(scenario: "Scenario", velocity: float, key: str = VELOCITY) -> tuple[str, ...]:
-    """Return the ways in which a scenario is unlike what the model was compared with, as "key: what, value found".
-
-    `velocity` is the impact velocity, m/s, or the ballistic limit, whose key is then given.
-    """
-    return armour_warnings(scenario.core_armour(), scenario.armour.ceramic, velocity, {VELOCITY: key})
-
-
 def armour_warnings(
     armour: Parameters, ceramic: str | None, velocity: float, keys: Mapping[str, str]
 ) -> tuple[str, ...]:
-    """Return the warnings of `warnings_of` on an armour, given the name of its ceramic and keys in place of others."""
+    """Return the ways in which an armour is unlike what the model was compared with, as "key: what, value found".
+
+    `ceramic` is the name of its ceramic, and `keys` are keys to name in place of others.
+    """
     outside = (limit for limit in limits_of(closest(armour), armour, velocity) if limit.outside)
     return tuple(
         f"{keys.get(limit.key, limit.key)}: {limit.words}, found {_found(ceramic, limit)}" for limit in outside

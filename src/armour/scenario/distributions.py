@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from armour.scenario.evidence import ERROR
-from armour.scenario.messages import Section, above
+from armour.scenario.sections import Section, above
 
 # Wide bounds that keep the arithmetic from overflowing.
 Number = Annotated[float, Field(ge=-1e9, le=1e9)]

@@ -17,17 +17,9 @@ from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, mode
 
 from armour.errors import InputError, Problem, refuse, suggestion
 from armour.files import read_toml, shipped
-from armour.scenario.messages import (
-    NOT_TINY,
-    NUMBER,
-    PATH,
-    NumberOrText,
-    Section,
-    check_types,
-    describe,
-    key_name,
-    validated,
-)
+from armour.scenario.keys import describe, key_name
+from armour.scenario.messages import PATH, check_types
+from armour.scenario.sections import NOT_TINY, NUMBER, NumberOrText, Section, validated
 from armour.units import GPA, MM, MPA, G
 
 Status = Literal["measured", "nominal", "fitted", "assumed"]

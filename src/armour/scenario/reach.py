@@ -8,14 +8,12 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from armour.errors import Problem, choices, refuse, suggestion
-from armour.scenario.assignments import Parts, leaves, parts_of
+from armour.scenario.inputs import CERAMIC, INPUTS, NAMES, ROLES
+from armour.scenario.keys import key_name, leaves, parts_of, upwards
 from armour.scenario.library import UNUSED, Kind
-from armour.scenario.messages import key_name
-from armour.scenario.parameters import CERAMIC, INPUTS, NAMES, ROLES, bases_of, inputs_of, name_of
-from armour.scenario.toml_lines import upwards
 
 if TYPE_CHECKING:
-    from armour.scenario.loading import Scenario
+    from armour.scenario.scenario import Scenario
 
 # What every computation reads.
 ALWAYS = ("model", "solver")
@@ -38,7 +36,7 @@ def check_known(scenario: "Scenario", keys: Iterable[str], file: str) -> None:
 
     `file` says where the keys come from.
     """
-    known = list(inputs_of(scenario))
+    known = list(scenario.inputs())
     problems = []
     for key in keys:
         section, *rest = parts_of(key)
@@ -101,10 +99,10 @@ def check_reach(
     bare = scenario.armour.ceramic_thickness_mm == 0.0 and CERAMIC not in keys and "optimise" not in reads
     for key in keys:
         section, *rest = parts_of(key)
-        name = key if key in INPUTS else _input_of(scenario, (*rest,)) if section == "library" else ""
+        name = key if key in INPUTS else scenario.input_of((*rest,)) if section == "library" else ""
         counts = name.split(".")[0] in ROLES or not read.isdisjoint(upwards(key))
         if not counts and not (closed_forms and {*rest} & {*UNUSED}):
-            used = ", ".join(f'{role} "{name_of(scenario, role)}"' for role in ROLES if name_of(scenario, role))
+            used = ", ".join(f'{role} "{scenario.name_of(role)}"' for role in ROLES if scenario.name_of(role))
             hint = f"; the scenario has the {used}" if section == "library" else ""
             problems.append(Problem(file, key, NO_EFFECT.format(what) + hint))
         elif name.startswith("ceramic.") and bare:
@@ -112,31 +110,6 @@ def check_reach(
         elif name and given.setdefault(name, key) != key:
             problems.append(Problem(file, key, f"must not be given with {given[name]}, which sets the same"))
     refuse(problems)
-
-
-def check_not_twice(scenario: "Scenario", inputs: Iterable[str], keys: Iterable[Parts]) -> None:
-    """Check that none of the keys that change sets the value of an input that changes, too."""
-    givers = {_input_of(scenario, key[1:]): key_name(key) for key in keys if key[0] == "library"}
-    refuse(
-        Problem(scenario.file, name, f"must not be given with {givers[name]}, which sets the same")
-        for name in inputs
-        if name in givers
-    )
-
-
-def _input_of(scenario: "Scenario", parts: Parts) -> str:
-    """Return the input that takes its value from a key of the section [library]; "" if none."""
-    inputs = inputs_of(scenario)
-    for role, kind in ROLES.items():
-        name = name_of(scenario, role)
-        if name is None or parts[:1] != (kind,) or len(parts) < 3 or f"{role}.{parts[2]}" not in inputs:
-            continue
-        chain = bases_of(scenario, kind, name)
-        own = getattr(scenario.library, kind)
-        givers = [base for base in chain if base in own and getattr(own[base], parts[2]) is not None]
-        if givers[:1] == [parts[1]]:
-            return f"{role}.{parts[2]}"
-    return ""
 
 
 def check_used(
@@ -157,10 +130,10 @@ def check_used(
 
 def _entries_of(scenario: "Scenario") -> Iterator[tuple[str, str]]:
     """Yield kind and name of the entries that a scenario names, and of those that they are based on."""
-    named: list[tuple[Kind, str | None]] = [(kind, name_of(scenario, role)) for role, kind in ROLES.items()]
+    named: list[tuple[Kind, str | None]] = [(kind, scenario.name_of(role)) for role, kind in ROLES.items()]
     named += [("projectile", threat.projectile) for threat in scenario.threat]
     if scenario.design is not None:
         named += [("ceramic", layer.material) for layer in scenario.design.ceramic]
         named += [("metal", layer.material) for layer in scenario.design.backing]
     for kind, name in named:
-        yield from ((kind, base) for base in bases_of(scenario, kind, name or ""))
+        yield from ((kind, base) for base in scenario.bases_of(kind, name or ""))

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo, 
 from armour.core import equations
 from armour.errors import suggestion
 from armour.scenario.library import Kind, LibraryTables
-from armour.scenario.messages import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
+from armour.scenario.sections import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
 from armour.units import US
 
 # Greatest numbers of values on an axis and of designs on a grid; more are most likely a mistake.

@@ -1,13 +1,9 @@
 """What is computed, in words: the armour and the rounds, the first line of every answer, chart and report."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
-from armour.scenario.parameters import BACKING, CERAMIC, NAMES, VELOCITY
-from armour.scenario.schema import ArmourSection, Threat
-
-if TYPE_CHECKING:
-    from armour.scenario.loading import Scenario
+from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
+from armour.scenario.schema import ArmourSection, Impact, Threat
 
 # Values by key of a scenario, in place of its own: names that are listed, and numbers that are left out.
 Varied = Mapping[str, Sequence[object]]
@@ -17,25 +13,18 @@ ANY_VELOCITY: Varied = {VELOCITY: ()}
 MAX_LISTED = 3
 
 
-def subject(scenario: "Scenario", varied: Varied | None = None, threats: Sequence[Threat] = ()) -> str:
-    """Return armour and round, such as "6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s".
-
-    Threats are named in place of the scenario's impact.
-    """
-    varied = varied or {}
-    rounds = _names(varied.get(NAMES["projectile"], [scenario.impact.projectile]), "different rounds")
-    if VELOCITY not in varied:
-        rounds = f"{rounds} at {scenario.impact.velocity_m_s:g} m/s"
-    if threats:
-        rounds = " and ".join(f"{threat.projectile} at {threat.velocity_m_s:g} m/s" for threat in threats)
+def rounds(impact: Impact, varied: Varied, threats: Sequence[Threat]) -> str:
+    """Return round and velocity, such as "7.62 mm AP at 800 m/s", of threats or, without any, of an impact."""
     if len(threats) > MAX_LISTED:
-        rounds = f"{len(threats)} threats"
-    return f"{layers(scenario.armour, varied)} against {rounds}"
+        return f"{len(threats)} threats"
+    if threats:
+        return " and ".join(f"{threat.projectile} at {threat.velocity_m_s:g} m/s" for threat in threats)
+    names = _names(varied.get(NAMES["projectile"], [impact.projectile]), "different rounds")
+    return names if VELOCITY in varied else f"{names} at {impact.velocity_m_s:g} m/s"
 
 
-def layers(armour: ArmourSection, varied: Varied | None = None) -> str:
+def layers(armour: ArmourSection, varied: Varied) -> str:
     """Return thicknesses and names of the layers, such as "6.35 mm AD85 on 6.35 mm 6061-T6"."""
-    varied = varied or {}
     ceramic = _names(varied.get(NAMES["ceramic"], [armour.ceramic]), "ceramic")
     plate = _names(varied.get(NAMES["backing"], [armour.backing]), "metal")
     if BACKING not in varied:

@@ -14,8 +14,8 @@ from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import TableResult, by_column
 from armour.analysis.variants import Bools, Floats, outside_limits, variants_of
 from armour.errors import InputError, Problem, choices
-from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_sequence, check_types
+from armour.scenario.scenario import Scenario
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, law_of, with_law
 from armour.statistics.likelihood_fit import MIN_P_VALUE, Coefficient, Fit, enough, fit_inputs, intervals, without
 from armour.statistics.test_data import LIMIT, Tests, common_of, subject_of

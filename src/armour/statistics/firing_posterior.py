@@ -19,9 +19,8 @@ from scipy.special import log_ndtr, ndtr, ndtri
 from armour.analysis.confidence import EXCLUDED, NO_TEST
 from armour.analysis.variants import Floats
 from armour.errors import InputError, Problem
-from armour.scenario.applicability import is_excluded, model_error
 from armour.scenario.evidence import ModelError
-from armour.scenario.loading import Scenario
+from armour.scenario.scenario import Scenario
 
 # Median of the prior of the scatter, per cent of V50, and the factor of one standard deviation of its logarithm.
 SCATTER_PERCENT, SCATTER_FACTOR = 2.0, 2.0
@@ -171,13 +170,13 @@ def prior_of(
     scatter_factor: float = SCATTER_FACTOR,
 ) -> FiringPrior | None:
     """Return the prior of V50 of an armour, given its limit by the model; None where its error is not known."""
-    error = model_error(scenario)
+    error = scenario.model_error()
     return None if error is None else FiringPrior(limit_m_s, error, scatter_percent, scatter_factor)
 
 
 def no_prior(scenario: Scenario, way_out: str = "") -> InputError:
     """Return the error of a question that needs a prior of a scenario that has none."""
-    reason = EXCLUDED if is_excluded(scenario) else NO_TEST
+    reason = EXCLUDED if scenario.excludes_error() else NO_TEST
     message = f"must give scale_percent for a prior: {reason}{way_out}"
     return InputError([Problem(scenario.file, "uncertainty.model", message)])
 

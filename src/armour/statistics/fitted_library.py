@@ -9,10 +9,10 @@ from typing import Any
 
 from armour.errors import InputError, NoAnswerError, Problem
 from armour.files import parse_toml, written
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW, LibraryEntry, library_toml, shipped_library
-from armour.scenario.loading import Scenario, parse_scenario
 from armour.scenario.messages import PATH, check_types
-from armour.scenario.parameters import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY, entry_of, name_of
+from armour.scenario.scenario import Scenario, parse_scenario
 from armour.statistics.calibration import CalibrationResult, left_out_errors
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS
 from armour.statistics.test_data import LIMIT, MEASURED, OUTCOME, Tests
@@ -132,7 +132,7 @@ def _entries(result: CalibrationResult, tests: Tests) -> tuple[dict[str, Any], d
         if coefficient.estimate is None:
             raise NoAnswerError(f"nothing to write: {coefficient.name} is not identified: {coefficient.reason}")
         role, key = coefficient.name.split(".")
-        entry = entry_of(tests.groups[0].scenario, role)
+        entry = tests.groups[0].scenario.entry_of(role)
         assert entry is not None
         source = f"armour calibrate, {len(tests.names)} tests of {Path(tests.file).name}"
         if coefficient.name == FLOW_STRESS or key in FLOW_STRESS_LAW:
@@ -167,7 +167,7 @@ def _test_table(tests: Tests, test: int, role: str) -> dict[str, float | str]:
     """Return the inputs and measurements of a test, without the name of the calibrated entry."""
     scenario = next(group.scenario for group in tests.groups if test in group.where)
     cells = tests.cells[test]
-    names = {key: name_of(scenario, other) for other, key in NAMES.items() if other != role}
+    names = {key: scenario.name_of(other) for other, key in NAMES.items() if other != role}
     found: dict[str, float | str] = {key: name for key, name in names.items() if name is not None}
     found[CERAMIC] = scenario.armour.ceramic_thickness_mm
     found[BACKING] = scenario.armour.backing_thickness_mm

@@ -2,10 +2,9 @@
 
 from typing import Any, Literal
 
+from armour.scenario.keys import key_name
 from armour.scenario.library import FLOW_STRESS_LAW
-from armour.scenario.loading import Scenario
-from armour.scenario.messages import key_name
-from armour.scenario.parameters import entry_of
+from armour.scenario.scenario import Scenario
 
 FLOW_STRESS = "ceramic.flow_stress_GPa"
 
@@ -34,7 +33,7 @@ def with_law(scenario: Scenario, law: Law) -> Scenario:
 
 def with_ceramic(scenario: Scenario, values: dict[str, float]) -> Scenario:
     """Return the scenario with other values of its ceramic, by key, which its entry may lack."""
-    entry = entry_of(scenario, "ceramic")
+    entry = scenario.entry_of("ceramic")
     assert entry is not None
     table: dict[str, Any] = dict(values)
     if entry.name not in scenario.library.ceramic:
@@ -43,5 +42,5 @@ def with_ceramic(scenario: Scenario, values: dict[str, float]) -> Scenario:
 
 
 def _value(scenario: Scenario, key: str) -> float:
-    entry = entry_of(scenario, "ceramic")
+    entry = scenario.entry_of("ceramic")
     return entry[key] if entry is not None and key in entry.values else 0.0

@@ -17,9 +17,9 @@ from armour.analysis.progress import OnProgress
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, Variants, perforated, variants_of
 from armour.errors import InputError, Problem, refuse
+from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW
-from armour.scenario.loading import Scenario
-from armour.scenario.parameters import BACKING, CERAMIC, NAMES, VELOCITY, check_names, inputs_of, name_of
+from armour.scenario.scenario import Scenario
 from armour.statistics.prior import NO_PRIOR, Prior, prior_of
 from armour.statistics.test_data import LIMIT, MASS, RESIDUAL, Tests
 
@@ -216,7 +216,7 @@ def likelihood_of(
     """Return the likelihood of inputs, which must be such as can be fitted to tests, with or without their prior."""
     _check(tests, scenario, inputs)
     first = tests.groups[0].scenario
-    own = inputs_of(first)
+    own = first.inputs()
     of_law = np.array([name.partition(".")[2] in FLOW_STRESS_LAW for name in inputs])
     units = np.array([1.0 if law else own[name] for name, law in zip(inputs, of_law, strict=True)])
     return Likelihood(
@@ -459,7 +459,7 @@ def without(fit: Fit, kept: Bools) -> Floats:
 
 def _check(tests: Tests, scenario: Scenario, inputs: Sequence[str]) -> None:
     """Check that the inputs can be fitted to the tests."""
-    check_names(inputs, scenario, "calibrate", "fit")
+    scenario.check_names(inputs, "calibrate", "fit")
     problems = []
     for name in inputs:
         if any(name in group.columns for group in tests.groups):
@@ -469,7 +469,7 @@ def _check(tests: Tests, scenario: Scenario, inputs: Sequence[str]) -> None:
                 Problem("calibrate", "fit", f'must be a property of a material or projectile, found "{name}"')
             )
     for role, key in NAMES.items():
-        names = {name_of(group.scenario, role) for group in tests.groups}
+        names = {group.scenario.name_of(role) for group in tests.groups}
         if len(names) > 1 and any(name.startswith(role + ".") for name in inputs):
             message = (
                 f"must be the same in all tests where the {role} is fitted, found {', '.join(sorted(map(str, names)))}"

@@ -8,9 +8,8 @@ import numpy as np
 from armour.analysis.variants import Bools, Floats, Ints
 from armour.errors import InputError, Problem, refuse
 from armour.scenario.distributions import Uncertainty, correlation_matrix
-from armour.scenario.loading import Scenario
-from armour.scenario.parameters import inputs_of
 from armour.scenario.sampling import centre_and_width
+from armour.scenario.scenario import Scenario
 
 
 class Prior(NamedTuple):
@@ -51,7 +50,7 @@ NO_PRIOR = Prior(np.empty(0, dtype=int), np.empty(0, dtype=bool), np.empty(0), n
 
 def prior_of(scenario: Scenario, names: Sequence[str], units: Floats) -> Prior:
     """Return the distributions that a scenario has of fitted inputs, which must be at least one."""
-    section, own = scenario.uncertainty or Uncertainty(), inputs_of(scenario)
+    section, own = scenario.uncertainty or Uncertainty(), scenario.inputs()
     known = {name: found for name, found in section.inputs().items() if name in names}
     if not known:
         message = f"is missing and must be given for a prior: the distribution of {' or '.join(names)}"

@@ -14,11 +14,9 @@ from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Floats, Variants, concatenated, grid_of, variants_of
 from armour.design.free import least_areal_densities, searches_of
 from armour.errors import NoAnswerError
-from armour.scenario.applicability import warnings_of
-from armour.scenario.loading import Scenario
+from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 from armour.scenario.messages import check_types
-from armour.scenario.parameters import BACKING, CERAMIC, VELOCITY, inputs_of
-from armour.scenario.words import subject
+from armour.scenario.scenario import Scenario
 
 # Relative change of an input in either direction.
 CHANGE = 0.005
@@ -99,7 +97,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         If the scenario has a grid with a ceramic thickness, but no ceramic, or a run does not end.
     """
     check_types("sensitivity", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
-    own = {name: value for name, value in inputs_of(scenario).items() if value != 0.0}
+    own = {name: value for name, value in scenario.inputs().items() if value != 0.0}
     # Each change makes variants of its own, as values derived from one input must not be fixed by the others.
     changed = [
         variants_of(scenario, {name: np.array([value * (1.0 + CHANGE), value * (1.0 - CHANGE)])}, 2)
@@ -126,8 +124,8 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     return SensitivityResult(
         answers={answer: _number(values[0]) for answer, values in answers.items()},
         inputs=tuple(sorted(inputs, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
-        warnings=warnings_of(scenario, scenario.impact.velocity_m_s),
-    )._of(subject(scenario), scenario=scenario)
+        warnings=scenario.warnings(scenario.impact.velocity_m_s),
+    )._of(scenario.subject(), scenario=scenario)
 
 
 def _answers(scenario: Scenario, variants: Variants, on_progress: OnProgress) -> dict[str, Floats]:

@@ -10,10 +10,10 @@ import numpy as np
 from armour.analysis.variants import Floats, Ints
 from armour.csv_files import CsvRow, Rows, in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem
-from armour.scenario.loading import Scenario
+from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
 from armour.scenario.messages import check_sequence, check_types
-from armour.scenario.parameters import INPUTS, NAMES, ROLES, VELOCITY, check_rows, inputs_of, name_of, with_inputs
-from armour.scenario.words import ANY_VELOCITY, subject
+from armour.scenario.scenario import Scenario
+from armour.scenario.words import ANY_VELOCITY
 from armour.statistics.v50 import RESULTS
 
 LIMIT, RESIDUAL, MASS, OUTCOME = "ballistic_limit_m_s", "residual_velocity_m_s", "residual_mass_g", "outcome"
@@ -48,7 +48,7 @@ class MaterialGroup(NamedTuple):
 
     def column(self, name: str) -> Floats:
         """Return the values of an input; 0 where the scenario does not have it."""
-        own = inputs_of(self.scenario).get(name, 0.0)
+        own = self.scenario.inputs().get(name, 0.0)
         return self.columns.get(name, np.full(len(self.where), own))
 
 
@@ -88,15 +88,15 @@ class Tests(NamedTuple):
 
 def subject_of(tests: Tests) -> str:
     """Return the materials and rounds of tests, such as "Tests of AD85 on 6061-T6 against 7.62 mm AP"."""
-    names = {key: [name_of(group.scenario, role) for group in tests.groups] for role, key in NAMES.items()}
+    names = {key: [group.scenario.name_of(role) for group in tests.groups] for role, key in NAMES.items()}
     inputs = dict.fromkeys((key for group in tests.groups for key in group.columns), ())
-    return f"Tests of {subject(tests.scenario, {**ANY_VELOCITY, **names, **inputs})}"
+    return f"Tests of {tests.scenario.subject({**ANY_VELOCITY, **names, **inputs})}"
 
 
 def common_of(scenario: Scenario) -> dict[str, object]:
     """Return what tests can have in common: sections of a scenario, and the values that it takes from the library."""
     sections = ("impact", "armour", "model", "solver", "ballistic_limit")
-    values = {name: value for name, value in inputs_of(scenario).items() if name.split(".")[0] in ROLES}
+    values = {name: value for name, value in scenario.inputs().items() if name.split(".")[0] in ROLES}
     return {**{name: getattr(scenario, name) for name in sections}, "values of the library": values}
 
 
@@ -208,9 +208,9 @@ def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[list
         given = [name for name in INPUTS if any(name in rows[i].numbers for i in where)]
         try:
             changed = scenario.replaced(dict(names))
-            own = inputs_of(changed)
+            own = changed.inputs()
             columns = {name: np.array([rows[i].numbers.get(name, own.get(name, 0.0)) for i in where]) for name in given}
-            check_rows(changed, columns)
+            changed.check_rows(columns)
             groups.append(MaterialGroup(changed, np.array(where), columns))
         except InputError:
             problems += [problem for i in where for problem in _not_allowed(rows[i], scenario, file)]
@@ -221,7 +221,7 @@ def _not_allowed(row: CsvRow, scenario: Scenario, file: str) -> list[Problem]:
     """Return the names and values in a row that the scenario does not allow."""
     try:
         values = {name: row.numbers[name] for name in INPUTS if name in row.numbers}
-        with_inputs(scenario.replaced(_names(row)), values)
+        scenario.replaced(_names(row)).with_inputs(values)
     except InputError as error:
         return [Problem(file, row.place, f"{problem.key}: {problem.message}") for problem in error.problems]
     return []

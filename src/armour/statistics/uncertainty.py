@@ -14,14 +14,12 @@ from armour.analysis.searches import ballistic_limits
 from armour.analysis.uncertain_inputs import Samples, own_values, sampled, section_of
 from armour.analysis.variants import Bools, Floats, Variants, perforated
 from armour.errors import NoLimitError
-from armour.scenario.applicability import is_excluded, model_error, unused_threats, warnings_of
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.evidence import ModelError
-from armour.scenario.loading import Scenario
+from armour.scenario.inputs import VELOCITY
 from armour.scenario.messages import check_types
-from armour.scenario.parameters import VELOCITY, inputs_of
 from armour.scenario.sampling import REPLICATES, columns_of, moved_mean, points_of, quantiles
-from armour.scenario.words import subject
+from armour.scenario.scenario import Scenario
 from armour.statistics.sobol_indices import first_order_indices, total_indices
 
 # Quantiles of the ballistic limit.
@@ -183,13 +181,13 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         curve=probability_curve(limits),
         inputs=influences(scenario, points, limits, lambda count: on_progress(count, total)),
         warnings=(
-            *_misplaced(section, inputs_of(scenario)),
+            *_misplaced(section, scenario.inputs()),
             *_unknown(scenario),
-            *unused_threats(scenario),
-            *warnings_of(scenario, deterministic, "ballistic_limit"),
+            *scenario.unused_threats(),
+            *scenario.warnings(deterministic, "ballistic_limit"),
         ),
-        model_error=model_error(scenario),
-    )._of(subject(scenario), scenario=scenario)
+        model_error=scenario.model_error(),
+    )._of(scenario.subject(), scenario=scenario)
 
 
 def probability_of_perforation(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> Estimate:
@@ -215,7 +213,7 @@ def _misplaced(section: Uncertainty, own: Mapping[str, float]) -> Iterator[str]:
 
 def _unknown(scenario: Scenario) -> tuple[str, ...]:
     """Return a warning where the error of the model is not known."""
-    if model_error(scenario) is not None or is_excluded(scenario):
+    if scenario.model_error() is not None or scenario.excludes_error():
         return ()
     return ("uncertainty.model: the error of the model is not known for such an armour, and not included",)
 

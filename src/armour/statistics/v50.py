@@ -18,9 +18,10 @@ from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import TableResult, by_column
 from armour.csv_files import in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem, refuse, suggestion
-from armour.scenario.loading import Scenario
-from armour.scenario.messages import PATH, Section, check_types, validated
-from armour.scenario.words import ANY_VELOCITY, subject
+from armour.scenario.messages import PATH, check_types
+from armour.scenario.scenario import Scenario
+from armour.scenario.sections import Section, validated
+from armour.scenario.words import ANY_VELOCITY
 from armour.statistics.firing_posterior import (
     FiringEstimate,
     contradictions,
@@ -293,7 +294,7 @@ def v50(
     )
     computed = f"V50 of the shots in {Path(shots.file).name}"
     if scenario is not None:
-        computed += f": {subject(scenario, ANY_VELOCITY)}"
+        computed += f": {scenario.subject(ANY_VELOCITY)}"
     return FiringResult(
         shots=len(shots.complete),
         complete=len(complete),

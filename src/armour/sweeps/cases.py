@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 from armour.csv_files import check_header, in_line_order, number, read_csv, wrong_width
 from armour.errors import InputError, Problem, choices, refuse
 from armour.files import csv_value
-from armour.scenario.assignments import parts_of
-from armour.scenario.loading import Scenario
-from armour.scenario.messages import key_name
-from armour.scenario.parameters import INPUTS, NAMES, ROLES
+from armour.scenario.inputs import INPUTS, NAMES, ROLES
+from armour.scenario.keys import key_name, parts_of
+from armour.scenario.scenario import Scenario
 from armour.scenario.schema import MAX_VALUES, Range, omission
 
 # More rows than a sweep can compute in years.

@@ -19,20 +19,13 @@ from armour.analysis.quantities import reads_of
 from armour.analysis.results import TableResult, same_columns
 from armour.errors import InputError, Problem, choices
 from armour.files import reason
-from armour.scenario.loading import Scenario
-from armour.scenario.messages import (
-    NOT_TINY,
-    PATH,
-    Section,
-    above,
-    check_sequence,
-    check_types,
-    describe,
-    validated,
-)
-from armour.scenario.parameters import NAMES
+from armour.scenario.inputs import NAMES
+from armour.scenario.keys import describe
+from armour.scenario.messages import PATH, check_sequence, check_types
+from armour.scenario.scenario import Scenario
 from armour.scenario.schema import MAX_VALUES
-from armour.scenario.words import ANY_VELOCITY, subject
+from armour.scenario.sections import NOT_TINY, Section, above, validated
+from armour.scenario.words import ANY_VELOCITY
 from armour.sweeps import sweep as in_chunks
 from armour.sweeps.cases import Axis, Cases, Grid, range_axis
 from armour.sweeps.tables import read_table
@@ -250,4 +243,4 @@ def subject_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[st
     """Return the armours and rounds of a sweep, such as "AD85 on 6.35 mm 6061-T6 against 7.62 mm AP"."""
     axes = source.axes if isinstance(source, Grid) else ()
     varied = {**dict.fromkeys(source.keys, ()), **{axis.key: axis.values for axis in axes}}
-    return subject(scenario, varied if "impact" in reads_of(quantities) else {**ANY_VELOCITY, **varied})
+    return scenario.subject(varied if "impact" in reads_of(quantities) else {**ANY_VELOCITY, **varied})

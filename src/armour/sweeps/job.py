@@ -7,8 +7,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 import armour
-from armour.scenario.loading import Scenario
-from armour.scenario.parameters import ROLES, entry_of, inputs_of
+from armour.scenario.inputs import ROLES
+from armour.scenario.scenario import Scenario
 from armour.sweeps.cases import Cases, Grid
 
 # What a job depends on, by name, each as text.
@@ -29,11 +29,11 @@ def program() -> str:
 
 def job_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> Job:
     """Return the job of a sweep."""
-    entries = [entry_of(scenario, role) for role in ROLES]
+    entries = [scenario.entry_of(role) for role in ROLES]
     return {
         "version": armour.__version__,
         "program": program(),
-        "scenario": sha256(repr((scenario, inputs_of(scenario), entries)).encode()).hexdigest(),
+        "scenario": sha256(repr((scenario, scenario.inputs(), entries)).encode()).hexdigest(),
         "quantities": ",".join(quantities),
         "rows": source.digest,
     }

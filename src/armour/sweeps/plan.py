@@ -8,7 +8,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 from armour.analysis.evaluate import evaluate_groups, groups_of
-from armour.scenario.loading import Scenario
+from armour.scenario.scenario import Scenario
 from armour.sweeps.cases import Cases, Grid
 from armour.sweeps.tables import encoded
 

@@ -14,8 +14,7 @@ from armour.analysis.evaluate import check_keys, check_quantities, evaluate_grou
 from armour.analysis.progress import ignore_progress
 from armour.analysis.quantities import QUANTITIES
 from armour.errors import InputError, Problem, refuse
-from armour.scenario.applicability import is_excluded
-from armour.scenario.loading import Scenario
+from armour.scenario.scenario import Scenario
 from armour.sweeps.cases import BLOCK, Cases, Grid, hash_of
 from armour.sweeps.checkpoint import RESUME, Chunk, DamagedError, Store
 from armour.sweeps.job import job_of
@@ -177,7 +176,9 @@ def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -
 
 def unanswered(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
     """Return a warning where a quantity needs the error of the model, which the scenario excludes."""
-    needing = [name for name in quantities if "uncertainty.model" in QUANTITIES[name].reads and is_excluded(scenario)]
+    needing = [
+        name for name in quantities if "uncertainty.model" in QUANTITIES[name].reads and scenario.excludes_error()
+    ]
     return [f"{name}: has no value where uncertainty.model.included is false" for name in needing]
 
 

@@ -17,11 +17,11 @@ from armour.analysis.impact import ImpactResult
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import TableResult
 from armour.errors import NoAnswerError, refuse
+from armour.scenario.inputs import ROLES
 from armour.scenario.library import LibraryEntry
-from armour.scenario.loading import Scenario
 from armour.scenario.messages import check_types
-from armour.scenario.parameters import ROLES, entry_of, name_of
-from armour.scenario.words import ANY_VELOCITY, subject
+from armour.scenario.scenario import Scenario
+from armour.scenario.words import ANY_VELOCITY
 from armour.validation.rivals import Error, areal_densities, measured_limits
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.validate import paper_suite, validate
@@ -171,7 +171,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
         rules=tuple(_rule(cases, p, scenario.areal_density_kg_m2()) for p in (1.0, None)) if own else (),
         errors=_errors() if own else (),
         florence_missing=tuple(problem.key for problem in missing),
-    )._of(subject(scenario, ANY_VELOCITY), scenario=scenario)
+    )._of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
 
 @cache
@@ -186,12 +186,12 @@ def _errors() -> tuple[Error, ...]:
 
 
 def _materials(scenario: Scenario) -> list[LibraryEntry | None]:
-    return [entry_of(scenario, role) for role in ROLES]
+    return [scenario.entry_of(role) for role in ROLES]
 
 
 def _words(cases: Sequence[Case]) -> str:
     """Return number, round, materials and areal densities of tests."""
-    projectile, ceramic, backing = (name_of(cases[0].scenario, role) for role in ROLES)
+    projectile, ceramic, backing = (cases[0].scenario.name_of(role) for role in ROLES)
     densities = areal_densities(cases)
     between = f"{densities.min():.1f} to {densities.max():.1f} kg/m²"
     return f"{len(cases)} tests of {projectile} on {ceramic} and {backing}, {between} ({TESTS})"

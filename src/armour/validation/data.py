@@ -10,8 +10,9 @@ from pydantic import BeforeValidator, Field
 
 from armour.csv_files import number
 from armour.errors import InputError, Problem
-from armour.scenario.loading import Scenario
-from armour.scenario.messages import Section, describe
+from armour.scenario.keys import describe
+from armour.scenario.scenario import Scenario
+from armour.scenario.sections import Section
 from armour.statistics.test_data import read_tests
 
 Cells = Mapping[str, float | str]

@@ -10,9 +10,9 @@ from pydantic import Field, field_validator
 from armour.analysis.evaluate import evaluate
 from armour.analysis.quantities import QUANTITIES
 from armour.files import shipped
-from armour.scenario.loading import load_scenario
-from armour.scenario.messages import Section
+from armour.scenario.scenario import load_scenario
 from armour.scenario.schema import Range
+from armour.scenario.sections import Section
 from armour.validation.suite import load_suite, read_sections
 from armour.validation.validate import SuiteResult, validate
 

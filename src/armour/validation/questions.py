@@ -11,8 +11,8 @@ from armour.analysis.quantities import QUANTITIES
 from armour.analysis.variants import Floats, Variants, grid_of
 from armour.design.optimise import BestDesign, optimise
 from armour.errors import InputError, NoDesignError, Problem
-from armour.scenario.loading import Scenario
 from armour.scenario.reach import DESIGNS
+from armour.scenario.scenario import Scenario
 
 
 class Asked:

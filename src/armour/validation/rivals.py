@@ -8,8 +8,7 @@ import numpy as np
 from armour.analysis.closed_forms import fit_areal_density_rule
 from armour.analysis.florence import BODIES, bodies_of, florence_ballistic_limit, missing_for_florence
 from armour.analysis.variants import Floats
-from armour.scenario.messages import TINY
-from armour.scenario.parameters import inputs_of, name_of
+from armour.scenario.sections import TINY
 from armour.statistics.flow_stress_laws import FLOW_STRESS
 from armour.statistics.test_data import LIMIT, MaterialGroup, Measurement, Tests
 from armour.validation.suite import Case
@@ -81,7 +80,7 @@ def _florence(case: Case) -> Mapping[str, float]:
 
 def _fitted_before(case: Case) -> str:
     """Return what the flow stress of a case's ceramic was fitted to, by its source; empty if it was not fitted."""
-    name = name_of(case.scenario, "ceramic")
+    name = case.scenario.name_of("ceramic")
     value = case.scenario.entry("ceramic", name).values["flow_stress_GPa"] if name else None
     return f"flow stress of {name}: {value.source}" if value is not None and value.status == "fitted" else ""
 
@@ -91,7 +90,7 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
     # Imported here for scipy, which a suite without rivals does not need.
     from armour.statistics.calibration import calibrate
 
-    name, scenario = name_of(cases[0].scenario, "ceramic"), cases[0].scenario
+    name, scenario = cases[0].scenario.name_of("ceramic"), cases[0].scenario
     if name is None:
         return
     # The rows of a table differ in numbers only: in inputs, or in settings.
@@ -121,7 +120,7 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
 
 def _together(cases: Sequence[Case], where: Sequence[int]) -> MaterialGroup:
     """Return cases that differ in inputs only, but for the flow stress of the ceramic, as a group of tests."""
-    own = [inputs_of(cases[place].scenario) for place in where]
+    own = [cases[place].scenario.inputs() for place in where]
     columns = {name: np.array([values[name] for values in own]) for name in own[0] if name != FLOW_STRESS}
     return MaterialGroup(cases[where[0]].scenario, np.array(where), columns)
 

@@ -12,10 +12,11 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from armour.errors import MAX_PROBLEMS, InputError, Problem, refuse, suggestion
 from armour.files import exists, read_toml, shipped, shipped_files, suite_file
-from armour.scenario.assignments import canonical, leaves, parts_of
-from armour.scenario.loading import Scenario, parse_changed
-from armour.scenario.messages import PATH, Section, SectionT, check_types, describe, key_name, validated
+from armour.scenario.keys import canonical, describe, key_name, leaves, parts_of
+from armour.scenario.messages import PATH, check_types
 from armour.scenario.reach import check_reach, check_read, check_used, read_of
+from armour.scenario.scenario import Scenario, parse_changed
+from armour.scenario.sections import Section, SectionT, validated
 from armour.statistics.test_data import MEASURED
 from armour.units import words_and_unit
 from armour.validation.data import Cells, GroupSection, Percent, Where, selected

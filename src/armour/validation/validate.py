@@ -13,8 +13,9 @@ from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.results import TableResult, by_column
 from armour.errors import NoAnswerError
 from armour.files import shipped_suites
-from armour.scenario.messages import TINY, check_types
-from armour.scenario.parameters import INPUTS, NAMES, entry_of, inputs_of, name_of
+from armour.scenario.inputs import INPUTS, NAMES
+from armour.scenario.messages import check_types
+from armour.scenario.sections import TINY
 from armour.validation.data import GroupSection, meets
 from armour.validation.questions import Asked, answer
 from armour.validation.rivals import Error, errors_of
@@ -271,11 +272,11 @@ def _asked(case: Case, known: dict[str, Asked]) -> Asked:
 
 def _calibrated_to(case: Case) -> str:
     """Return which value of the case's materials was calibrated to this test; empty where none was."""
-    names = {key: name_of(case.scenario, role) for role, key in NAMES.items()}
+    names = {key: case.scenario.name_of(role) for role, key in NAMES.items()}
     own = case.expected if case.measured is None else case.measured
-    known: Mapping[str, object] = {**inputs_of(case.scenario), **names, **case.cells, case.quantity: own}
+    known: Mapping[str, object] = {**case.scenario.inputs(), **names, **case.cells, case.quantity: own}
     for role in NAMES:
-        entry = entry_of(case.scenario, role)
+        entry = case.scenario.entry_of(role)
         if entry is None:
             continue
         for key, value in entry.values.items():

@@ -12,7 +12,7 @@ from armour.reporting.text import interval, number, percent
 
 if TYPE_CHECKING:
     from armour.design.optimise import BestDesign, DesignResult
-    from armour.scenario.loading import Scenario
+    from armour.scenario.scenario import Scenario
 
 # Probability of defeat below which the notes say how to ask for more.
 LOW = 0.75

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from armour.reporting.table import Cell, Column, Table, column_of, record
 from armour.reporting.text import percent
 from armour.reporting.words import words_of
-from armour.scenario.parameters import INPUTS, VELOCITY
+from armour.scenario.inputs import INPUTS, VELOCITY
 from armour.statistics.test_data import LIMIT, MEASURED, OUTCOME, Tests
 from armour.units import words_and_unit
 

@@ -9,8 +9,8 @@ import pytest
 
 from armour.core.equations import CONOID
 from armour.errors import InputError, Problem
-from armour.scenario.assignments import changed
-from armour.scenario.loading import Scenario, load_scenario, parse_scenario, save_scenario
+from armour.scenario.changes import changed
+from armour.scenario.scenario import Scenario, load_scenario, parse_scenario, save_scenario
 from armour.scenario.schema import Range
 from tests.helpers.cases import SCENARIOS, catalogue, data, scenario
 

@@ -2,57 +2,17 @@
 
 import json
 import re
-import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from typing import Any
 
 from armour.errors import InputError, Problem, refuse, suggestion
 from armour.files import parse_toml
-from armour.scenario.messages import describe, key_name
-from armour.scenario.parameters import INPUTS, NAMES
+from armour.scenario.inputs import INPUTS, NAMES
+from armour.scenario.keys import Parts, describe, key_name, leaves, not_a_key, parts_of
 
-Parts = tuple[str, ...]
 # A list of tables, whose keys cannot be set one by one.
 THREATS = 'threat=[{ projectile = "7.62 mm AP", velocity_m_s = 850.0, margin_m_s = 20.0 }]'
-# More parts than any key of a scenario has; deeper tables exhaust the stack.
-MAX_PARTS = 20
-
-
-def parts_of(key: str) -> Parts:
-    """Return the parts of a dotted key as TOML reads it; raise a ValueError if it is not one."""
-    parts: Parts = ()
-    if not isinstance(key, str):
-        raise ValueError(key)
-    if re.fullmatch(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*", key):
-        parts = tuple(key.split("."))
-    else:
-        # A key, and nothing else, can stand both in the header of a table and before a value.
-        tomllib.loads(f"{key} = 0")
-        table = tomllib.loads(f"[{key}]")
-        while table:
-            [(name, table)] = table.items()
-            parts = (*parts, name)
-    if len(parts) > MAX_PARTS:
-        raise ValueError(key)
-    return parts
-
-
-def canonical(keys: Iterable[str], file: str) -> list[str]:
-    """Return keys in one spelling; they must be keys as in TOML, and differ from each other."""
-    found: list[str] = []
-    problems = []
-    for key in keys:
-        try:
-            name = key_name(parts_of(key))
-        except ValueError:
-            problems.append(_not_a_key(file, key))
-            continue
-        if name in found:
-            problems.append(Problem(file, name, "must be given once, found it twice"))
-        found.append(name)
-    refuse(problems)
-    return found
 
 
 def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = "scenario") -> dict[str, Any]:
@@ -67,7 +27,7 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = 
         try:
             parts = parts_of(key)
         except ValueError:
-            problems.append(_not_a_key(file, key))
+            problems.append(not_a_key(file, key))
             continue
         for leaf, found in leaves(value, parts):
             if isinstance(found, Mapping) and isinstance(_at(result, leaf), Mapping):
@@ -85,15 +45,6 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = 
                 problems.append(Problem(file, key_name(above), message))
     refuse(dict.fromkeys(problems))
     return result
-
-
-def leaves(value: object, parts: Parts = ()) -> Iterator[tuple[Parts, object]]:
-    """Yield the keys of a value and of the tables within it that hold no further tables, with their values."""
-    if isinstance(value, Mapping) and value:
-        for name, inner in value.items():
-            yield from leaves(inner, (*parts, name))
-    elif parts:
-        yield parts, value
 
 
 def _at(data: Any, parts: Parts) -> Any:
@@ -135,14 +86,7 @@ def _hint(data: Mapping[str, Any], parts: Parts, length: int) -> str:
     """Return a hint at the key that is meant by one that goes below the value at its first parts."""
     roles = [role for role, key in NAMES.items() if key == key_name(parts[:length])]
     known = [key_name(leaf) for leaf, _ in leaves(data)]
-    return suggestion(key_name([*roles, *parts[length:]] if roles else parts), INPUTS if roles else known)
-
-
-def _not_a_key(file: str, key: str) -> Problem:
-    example = 'armour.ceramic_thickness_mm or library.projectile."7.62 mm AP"'
-    return Problem(
-        file, "", f"must be a key of the scenario as TOML writes it, such as {example}, found {describe(key)}"
-    )
+    return suggestion(key_name([*roles, *parts[length:]] if roles else parts), list(INPUTS) if roles else known)
 
 
 def changes_of(assignments: Iterable[str]) -> dict[str, Any]:

@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
-from armour.scenario import toml_lines
-from armour.scenario.toml_lines import line_of, lines_of
+from armour.scenario import keys
+from armour.scenario.keys import line_of, lines_of
 
 TEXT = """# a comment
 title = "x [not.a.table]"
@@ -71,7 +71,7 @@ def test_a_long_statement_is_parsed_once(monkeypatch: pytest.MonkeyPatch):
         parsed.append(len(text))
         return tomllib.loads(text)
 
-    monkeypatch.setattr(toml_lines, "tomllib", SimpleNamespace(loads=loads, TOMLDecodeError=tomllib.TOMLDecodeError))
+    monkeypatch.setattr(keys, "tomllib", SimpleNamespace(loads=loads, TOMLDecodeError=tomllib.TOMLDecodeError))
     text = "[[table]]\nrows = [\n" + "  [1.0, 2.0],\n" * 300 + "]\nname = 'x'\n"
     assert lines_of(text)["table[0].name"] == 304
     assert sum(parsed) == len(text) + 1

@@ -1,32 +1,48 @@
 """Scenarios: reading, validation and conversion to the core's parameters."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
+from functools import cache
+from operator import ge, gt, itemgetter, le, lt
 from os import PathLike
 from os.path import relpath
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import tomli_w
 from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
-from armour.errors import InputError, Problem, refuse, suggestion
+from armour.errors import InputError, Problem, choices, refuse, suggestion
 from armour.files import exists, located, read_toml, shipped_files, shipped_suites, write_atomic
-from armour.scenario.assignments import Parts, changed, leaves, parts_of
+from armour.scenario.applicability import armour_warnings, error_on_tests
+from armour.scenario.changes import changed
 from armour.scenario.distributions import Uncertainty
+from armour.scenario.evidence import ModelError
+from armour.scenario.inputs import (
+    BACKING,
+    CERAMIC,
+    INPUTS,
+    NAMES,
+    ROLES,
+    VELOCITY,
+    fields_of,
+    inputs_of_entry,
+)
+from armour.scenario.keys import Parts, key_name, leaves, parts_of
 from armour.scenario.library import (
     KINDS,
+    ROD,
+    Entry,
     Kind,
     Library,
     LibraryEntry,
+    is_rod,
     penetrator_length_mm,
     read_library,
     shipped_library,
 )
-from armour.scenario.messages import NUMBER, PATH, Items, Section, check_types, key_name, problems_of
-from armour.scenario.parameters import ROLES, entry_of, fields_of, inputs_of, with_inputs
-from armour.scenario.reach import check_not_twice
+from armour.scenario.messages import PATH, check_types
 from armour.scenario.schema import (
     SHEAR_LAWS,
     ArmourSection,
@@ -40,8 +56,22 @@ from armour.scenario.schema import (
     Solver,
     Threat,
 )
-from armour.scenario.words import heading, layers, subject
-from armour.units import MM
+from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, Section, model_in, problems_of
+from armour.scenario.words import Varied, heading, layers, rounds
+from armour.units import MM, missing_unit
+
+if TYPE_CHECKING:
+    from armour.scenario.sampling import Floats
+
+# Completes a problem in the row of an index.
+Place = Callable[[int, Problem], Problem]
+# Degrees of freedom from which Student's t distribution is as good as normal.
+NORMAL = 1e6
+
+
+def in_row(row: int, problem: Problem) -> Problem:
+    """Return a problem with the number of its row, from 1."""
+    return problem._replace(key=f"row {row + 1}: {problem.key}")
 
 
 class _Source(NamedTuple):
@@ -98,9 +128,85 @@ class Scenario(Section):
         """Return an entry of the scenario's library; if there is none, an InputError suggests the closest name."""
         return self._entries.entry(kind, name)
 
+    def name_of(self, role: str) -> str | None:
+        """Return the name of the library entry in a role; None if the scenario names no ceramic."""
+        section, key = NAMES[role].split(".")
+        name: str | None = getattr(getattr(self, section), key)
+        return name
+
+    def entry_of(self, role: str) -> LibraryEntry | None:
+        """Return the library entry in a role; None if the scenario names no ceramic."""
+        name = self.name_of(role)
+        return None if name is None else self.entry(ROLES[role], name)
+
+    def inputs(self) -> dict[str, float]:
+        """Return the values of the inputs that the scenario has, by name.
+
+        A bare plate has no inputs of the ceramic.  The coefficients of a law of its flow stress are inputs only if its
+        entry has them, and the yield strength only if other properties of the metal are derived from it.
+        """
+        found = {VELOCITY: self.impact.velocity_m_s}
+        if self.armour.ceramic is not None:
+            found[CERAMIC] = self.armour.ceramic_thickness_mm
+        found[BACKING] = self.armour.backing_thickness_mm
+        for role in ROLES:
+            entry = self.entry_of(role)
+            if entry is not None:
+                found |= inputs_of_entry(role, entry)
+        return found
+
+    def check_names(self, names: Iterable[str], file: str, key: str = "") -> None:
+        """Check that names are inputs of the scenario; `file` and `key`, by default the name, say where they are."""
+        known = list(self.inputs())
+        problems = []
+        for name in names:
+            if name not in known:
+                named = f'; did you mean "{NAMES[name]}"?' if name in NAMES else ""
+                hint = named or missing_unit(name, known) or choices(name, known)
+                problems.append(Problem(file, key or name, f'must name an input of the scenario, found "{name}"{hint}'))
+        refuse(problems)
+
+    def with_inputs(self, values: Mapping[str, float]) -> "Scenario":
+        """Return the scenario with other values of inputs, validated again."""
+        self.check_names(values, self.file)
+        changes: dict[str, Any] = {}
+        for name, value in values.items():
+            entry = self.entry_of(INPUTS[name].section) if INPUTS[name].kind else None
+            if entry is None:
+                changes[name] = value
+                continue
+            changes[key_name(["library", entry.kind, entry.name, INPUTS[name].key])] = value
+            if entry.name not in getattr(self.library, entry.kind):
+                changes[key_name(["library", entry.kind, entry.name, "based_on"])] = entry.name
+        return self.replaced(changes)
+
+    def bases_of(self, kind: Kind, name: str) -> list[str]:
+        """Return an entry and those that it is based on, one on the next, up to the first from outside the self."""
+        own: Mapping[str, Entry] = getattr(self.library, kind)
+        chain: dict[str, None] = {}
+        base: str | None = name
+        while base is not None and base not in chain:
+            chain[base] = None
+            base = own[base].based_on if base in own else None
+        return list(chain)
+
+    def input_of(self, parts: Parts) -> str:
+        """Return the input that takes its value from a key of the section [library]; "" if none."""
+        inputs = self.inputs()
+        for role, kind in ROLES.items():
+            name = self.name_of(role)
+            if name is None or parts[:1] != (kind,) or len(parts) < 3 or f"{role}.{parts[2]}" not in inputs:
+                continue
+            chain = self.bases_of(kind, name)
+            own = getattr(self.library, kind)
+            givers = [base for base in chain if base in own and getattr(own[base], parts[2]) is not None]
+            if givers[:1] == [parts[1]]:
+                return f"{role}.{parts[2]}"
+        return ""
+
     def core_armour(self) -> Parameters:
         """Return projectile and armour as parameters of the core, SI units."""
-        fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(inputs_of(self))
+        fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self.inputs())
         fields["L0"] = penetrator_length_mm(self.entry("projectile", self.impact.projectile)) * MM
         fields["shear_law"] = SHEAR_LAWS[self.model.shear_perimeter]
         return Parameters(**fields)
@@ -112,10 +218,17 @@ class Scenario(Section):
 
     def armour_words(self) -> str:
         """Return thicknesses and names of the layers, such as "6.35 mm AD85 on 6.35 mm 6061-T6"."""
-        return layers(self.armour)
+        return layers(self.armour, {})
+
+    def subject(self, varied: Varied | None = None, threats: Sequence[Threat] = ()) -> str:
+        """Return armour and round, such as "6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s".
+
+        Threats are named in place of the scenario's impact.
+        """
+        return f"{layers(self.armour, varied or {})} against {rounds(self.impact, varied or {}, threats)}"
 
     def __repr__(self) -> str:
-        return f"<Scenario: {'; '.join(heading(subject(self), self.title))}>"
+        return f"<Scenario: {'; '.join(heading(self.subject(), self.title))}>"
 
     __str__ = __repr__
 
@@ -147,6 +260,102 @@ class Scenario(Section):
             files = [relpath(self._source.folder / file, folder) for file in self.library.files]
             data["library"] = {**data["library"], "files": files}
         return tomli_w.dumps(data)
+
+    def check_rows(self, columns: Mapping[str, "Floats"], place: Place = in_row) -> None:
+        """Check that the scenario allows every row of values of inputs, (n,) each.
+
+        `place` completes the problem that `with_inputs` finds in a row, given the index of the row.
+        """
+        found: dict[str, Problem] = {}
+        for _, row, problems in sorted(self.wrong_rows(columns), key=itemgetter(1)):
+            for problem in problems:
+                found.setdefault(problem.key, place(row, problem))
+        refuse(found.values())
+
+    def wrong_rows(self, columns: Mapping[str, "Floats"]) -> Iterator[tuple[str, int, Sequence[Problem]]]:
+        """Yield the first row that breaks each condition on inputs: one of their names, and the row with its problems.
+
+        The rows that are left are those that `with_inputs` accepts.
+        """
+        # Imported here because a scenario without rows does not need numpy.
+        import numpy as np
+
+        self.check_names(columns, self.file)
+        found = []
+        with np.errstate(all="ignore"):
+            for name, values in columns.items():
+                for compare, bound in _bounds(name):
+                    # A comparison with a NaN is false.
+                    found.append((name, compare(values, bound)))
+            for rod in self._rods(columns):
+                name = next(f"projectile.{key}" for key in reversed(ROD) if f"projectile.{key}" in columns)
+                found.append((name, is_rod(*rod)))
+        for name, allowed in found:
+            if not np.all(allowed):
+                row = int(np.argmin(allowed))
+                try:
+                    self.with_inputs({key: float(values[row]) for key, values in columns.items()})
+                except InputError as error:
+                    yield name, row, error.problems
+
+    def _rods(self, columns: Mapping[str, "Floats"]) -> Iterator[list[Any]]:
+        """Yield the values of ROD, numbers or columns, of the projectiles whose length the columns change.
+
+        These are the scenario's own and those of its section [library] that are based on it.
+        """
+        name = self.impact.projectile
+        own = self.library.projectile
+        for other in dict.fromkeys((name, *own)):
+            chain = self.bases_of("projectile", other)
+            if name not in chain:
+                continue
+            between = [own[base] for base in chain[: chain.index(name)]]
+            follows = [all(getattr(entry, key) is None for entry in between) for key in ROD]
+            if any(f"projectile.{key}" in columns for key, free in zip(ROD, follows, strict=True) if free):
+                entry = self.entry("projectile", other)
+                yield [
+                    columns.get(f"projectile.{key}", entry[key]) if free else entry[key]
+                    for key, free in zip(ROD, follows, strict=True)
+                ]
+
+    def excludes_error(self) -> bool:
+        """Return whether the scenario says not to include the error of the model."""
+        section = None if self.uncertainty is None else self.uncertainty.model
+        return section is not None and not section.included
+
+    def given_error(self) -> ModelError | None:
+        """Return the error that [uncertainty.model] gives; None if it gives none."""
+        section = None if self.uncertainty is None else self.uncertainty.model
+        if section is None or section.scale_percent is None:
+            return None
+        source = section.source or f"uncertainty.model of {self.file}"
+        return ModelError(section.mean_percent, section.scale_percent, section.degrees_of_freedom or NORMAL, source)
+
+    def model_error(self) -> ModelError | None:
+        """Return the error of the ballistic limit: that of [uncertainty.model], or of the tests of such armours.
+
+        None if it is not included there, or if no such armour was tested.
+        """
+        return None if self.excludes_error() else self.given_error() or error_on_tests(self.core_armour())
+
+    def warnings(self, velocity: float, key: str = VELOCITY) -> tuple[str, ...]:
+        """Return the ways in which the scenario is unlike what the model was compared with: "key: what, value found".
+
+        `velocity` is the impact velocity, m/s, or the ballistic limit, whose key is then given.
+        """
+        return armour_warnings(self.core_armour(), self.armour.ceramic, velocity, {VELOCITY: key})
+
+    def unused_threats(self) -> tuple[str, ...]:
+        """Return a warning, for a result of the section ``impact``, where the scenario has threats of its own."""
+        if not self.threat:
+            return ()
+        against = f"the {self.impact.projectile} at {self.impact.velocity_m_s:g} m/s of [impact]"
+        unused = f"is not used: the results are against {against}; a report has the probability of every threat"
+        return (f"threat: {unused}",)
+
+    def replaced_entries(self) -> list[str]:
+        """Return a note for each entry that replaces one of its name, on which it is not based."""
+        return [f"note: {note}" for note in self._entries.notes]
 
 
 def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | None = None) -> Scenario:
@@ -268,18 +477,28 @@ def parse_changed(
     made = _made(_Source(deepcopy(dict(data)), file, folder, set_by_hand))
     if not inputs:
         return made
-    check_not_twice(made, inputs, others)
+    _check_not_twice(made, inputs, others)
     try:
-        return with_inputs(made, inputs)
+        return made.with_inputs(inputs)
     except InputError as error:
         raise InputError([_told_of(made, inputs, problem._replace(file=file)) for problem in error.problems]) from None
+
+
+def _check_not_twice(scenario: Scenario, inputs: Iterable[str], keys: Iterable[Parts]) -> None:
+    """Check that none of the keys that change sets the value of an input that changes, too."""
+    givers = {scenario.input_of(key[1:]): key_name(key) for key in keys if key[0] == "library"}
+    refuse(
+        Problem(scenario.file, name, f"must not be given with {givers[name]}, which sets the same")
+        for name in inputs
+        if name in givers
+    )
 
 
 def _told_of(scenario: Scenario, inputs: Iterable[str], problem: Problem) -> Problem:
     """Return a problem in an entry of the scenario as one with the input that sets its key or, if none, another one."""
     table, _, key = problem.key.rpartition(".")
     for role in ROLES:
-        entry = entry_of(scenario, role)
+        entry = scenario.entry_of(role)
         own = [name for name in inputs if name.startswith(f"{role}.")]
         if own and entry is not None and table == key_name(["library", entry.kind, entry.name]):
             return problem._replace(key=f"{role}.{key}" if f"{role}.{key}" in own else own[0])
@@ -311,6 +530,26 @@ def _based(
     return changed(data, bases, file)
 
 
+# Comparisons by their names in pydantic.
+_COMPARISONS: dict[str, Callable[[Any, float], Any]] = {"gt": gt, "ge": ge, "lt": lt, "le": le}
+
+
+@cache
+def _bounds(name: str) -> tuple[tuple[Callable[[Any, float], Any], float], ...]:
+    """Return the bounds of an input that its section states, as comparisons with numbers."""
+    one = INPUTS[name]
+    model: Any = KINDS[one.kind] if one.kind else model_in(Scenario.model_fields[one.section].annotation)
+    field = model.model_fields[one.key]
+    inner = model_in(field.annotation)
+    stated = field.metadata if inner is None else inner.model_fields[NUMBER].metadata
+    bounds = [(compare, getattr(m, word)) for m in stated for word, compare in _COMPARISONS.items() if hasattr(m, word)]
+    return (*bounds, (_is_not_tiny, TINY)) if NOT_TINY in stated else tuple(bounds)
+
+
+def _is_not_tiny(values: Any, tiny: float) -> Any:
+    return (values == 0.0) | (abs(values) >= tiny)
+
+
 def scenario_schema() -> dict[str, Any]:
     """Return the JSON Schema of a scenario file, with the meaning of each key, for editors.
 
@@ -324,11 +563,6 @@ def scenario_schema() -> dict[str, Any]:
         for key, content in section.get("properties", {}).items():
             content["description"] = MEANINGS[key]
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "armour scenario"}
-
-
-def replaced_entries(scenario: Scenario) -> list[str]:
-    """Return a note for each entry that replaces one of its name, on which it is not based."""
-    return [f"note: {note}" for note in scenario._entries.notes]
 
 
 def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[Problem]]:

@@ -4,7 +4,8 @@ from typing import Any
 import pytest
 
 from armour.errors import InputError
-from armour.scenario.assignments import THREATS, canonical, changed, changes_of, parts_of
+from armour.scenario.changes import THREATS, changed, changes_of
+from armour.scenario.keys import canonical, parts_of
 from tests.helpers.cases import data, scenario
 
 

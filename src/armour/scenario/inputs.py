@@ -1,0 +1,81 @@
+"""Inputs: the numbers of a scenario that results depend on, by name.
+
+A name is either a key of the scenario, such as "armour.ceramic_thickness_mm", or a role and a key of the library, such
+as "ceramic.flow_stress_GPa": a property of the scenario's ceramic, independent of the entry's name.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from armour.scenario.library import Kind, LibraryEntry
+from armour.units import GPA, MM, MPA
+
+# Kinds of library entry by role in the scenario.
+ROLES: dict[str, Kind] = {"projectile": "projectile", "ceramic": "ceramic", "backing": "metal"}
+# Keys of the scenario that name its library entries, by role.
+NAMES = {"projectile": "impact.projectile", "ceramic": "armour.ceramic", "backing": "armour.backing"}
+
+
+class Input(NamedTuple):
+    """An input: its name, the parameter of the core that it sets, "" for none or several, and the unit's factor."""
+
+    name: str
+    field: str = ""
+    factor: float = 1.0
+
+    @property
+    def section(self) -> str:
+        """Section of the scenario, or role of the library entry."""
+        return self.name.split(".")[0]
+
+    @property
+    def key(self) -> str:
+        """Key in the section or in the entry."""
+        return self.name.split(".")[1]
+
+    @property
+    def kind(self) -> Kind | None:
+        """Kind of library entry that holds the input; None for one of the scenario's own sections."""
+        return ROLES.get(self.section)
+
+
+VELOCITY = "impact.velocity_m_s"
+CERAMIC, BACKING = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
+YIELD = "backing.dynamic_yield_strength_MPa"
+
+_ALL = (
+    Input(VELOCITY),
+    Input(CERAMIC, "Hc0", MM),
+    Input(BACKING, "Hb", MM),
+    Input("projectile.penetrator_diameter_mm", "D0", MM),
+    Input("projectile.penetrator_mass_g"),
+    Input("projectile.density_kg_m3", "rho_p"),
+    Input("projectile.flow_stress_GPa", "Yp", GPA),
+    Input("ceramic.density_kg_m3", "rho_c"),
+    Input("ceramic.youngs_modulus_GPa", "Ec", GPA),
+    Input("ceramic.flow_stress_GPa", "Yc0", GPA),
+    Input("ceramic.flow_stress_backing_exponent", "n_B"),
+    Input("ceramic.flow_stress_product_exponent", "n_cB"),
+    Input("ceramic.flow_stress_ceramic_slope", "a_c"),
+    Input("ceramic.flow_stress_backing_slope", "a_B"),
+    Input("backing.density_kg_m3", "rho_B"),
+    Input(YIELD),
+    Input("backing.flow_stress_GPa", "YB", GPA),
+    Input("backing.shear_strength_MPa", "tau", MPA),
+)
+# Every input by name.
+INPUTS = {one.name: one for one in _ALL}
+
+
+def inputs_of_entry(role: str, entry: LibraryEntry) -> dict[str, float]:
+    """Return the values of the inputs that an entry of the library gives in a role, by name."""
+    return {
+        name: entry[one.key]
+        for name, one in INPUTS.items()
+        if one.section == role and one.key in entry.values and (name != YIELD or entry.derived)
+    }
+
+
+def fields_of(inputs: Mapping[str, float]) -> dict[str, float]:
+    """Return the parameters of the core that inputs set, by field, SI units."""
+    return {INPUTS[name].field: value * INPUTS[name].factor for name, value in inputs.items() if INPUTS[name].field}

@@ -1,0 +1,177 @@
+"""Keys and values of TOML files: their spelling, their parts, their words and their lines in a file."""
+
+import json
+import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from armour.errors import Problem, refuse
+from armour.files import MAX_INTEGER
+
+Parts = tuple[str, ...]
+# More parts than any key of a scenario has; deeper tables exhaust the stack.
+MAX_PARTS = 20
+# Keys and, of lists, indices.
+_Place = tuple[str | int, ...]
+# What decides where a statement ends: texts and comments as wholes, brackets and ends of lines.
+_TOKEN = re.compile(
+    r"""
+    "{3} [^"\\]* (?: (?: \\. | "(?!"") ) [^"\\]* )* "{3,5} | '{3} .*? '{3,5} | "{3} | '{3}
+    | " [^"\\\n]* (?: \\[^\n] [^"\\\n]* )* "? | ' [^'\n]* '? | \#[^\n]* | [\[\]{}\n]
+    """,
+    re.DOTALL | re.VERBOSE,
+)
+
+
+def key_name(parts: Sequence[str | int]) -> str:
+    """Return a dotted key as written in TOML, from keys and indices of lists, which are in brackets."""
+    name = ""
+    for part in parts:
+        if isinstance(part, int):
+            name += f"[{part}]"
+        else:
+            bare = re.fullmatch(r"[A-Za-z0-9_-]+", part)
+            name += f".{part}" if bare else f".{json.dumps(part, ensure_ascii=False)}"
+    return name.lstrip(".")
+
+
+def parts_of(key: str) -> Parts:
+    """Return the parts of a dotted key as TOML reads it; raise a ValueError if it is not one."""
+    parts: Parts = ()
+    if not isinstance(key, str):
+        raise ValueError(key)
+    if re.fullmatch(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*", key):
+        parts = tuple(key.split("."))
+    else:
+        # A key, and nothing else, can stand both in the header of a table and before a value.
+        tomllib.loads(f"{key} = 0")
+        table = tomllib.loads(f"[{key}]")
+        while table:
+            [(name, table)] = table.items()
+            parts = (*parts, name)
+    if len(parts) > MAX_PARTS:
+        raise ValueError(key)
+    return parts
+
+
+def canonical(keys: Iterable[str], file: str) -> list[str]:
+    """Return keys in one spelling; they must be keys as in TOML, and differ from each other."""
+    found: list[str] = []
+    problems = []
+    for key in keys:
+        try:
+            name = key_name(parts_of(key))
+        except ValueError:
+            problems.append(not_a_key(file, key))
+            continue
+        if name in found:
+            problems.append(Problem(file, name, "must be given once, found it twice"))
+        found.append(name)
+    refuse(problems)
+    return found
+
+
+def leaves(value: object, parts: Parts = ()) -> Iterator[tuple[Parts, object]]:
+    """Yield the keys of a value and of the tables within it that hold no further tables, with their values."""
+    if isinstance(value, Mapping) and value:
+        for name, inner in value.items():
+            yield from leaves(inner, (*parts, name))
+    elif parts:
+        yield parts, value
+
+
+def not_a_key(file: str, key: str) -> Problem:
+    """Return the problem that a text is no key."""
+    example = 'armour.ceramic_thickness_mm or library.projectile."7.62 mm AP"'
+    return Problem(
+        file, "", f"must be a key of the scenario as TOML writes it, such as {example}, found {describe(key)}"
+    )
+
+
+def describe(value: object) -> str:
+    """Return a found value in words, such as "a table" or 'the text "x"'."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, Mapping):
+        return "a table"
+    if isinstance(value, list):
+        return "a list"
+    if isinstance(value, int) and abs(value) >= MAX_INTEGER:
+        return "a whole number of more than 64 bits"
+    text = str(value)
+    text = text if len(text) <= 40 else f"{text[:37]}..."
+    return f'the text "{text}"' if isinstance(value, str) else text
+
+
+def lines_of(text: str) -> dict[str, int]:
+    """Return the line numbers, from 1, of every key and table of a TOML text, up to a syntax error.
+
+    The text is parsed statement by statement, each once.
+    """
+    found: dict[str, int] = {}
+    counts: dict[str, int] = {}
+    table: _Place = ()
+    for start, statement in statements(text):
+        try:
+            data = tomllib.loads(statement)
+            parts = _header(data, counts) if statement.lstrip().startswith("[") else ()
+            keys = [parts] if parts else list(_keys(data, table))
+        except (tomllib.TOMLDecodeError, RecursionError):
+            break
+        table = parts or table
+        for key in keys:
+            found.setdefault(key_name(key), start)
+    return found
+
+
+def statements(text: str) -> Iterator[tuple[int, str]]:
+    """Yield the statements of a TOML text, each with its first line; they end where a line does, outside brackets."""
+    text += "\n"
+    start, line, depth = 0, 1, 0
+    for match in _TOKEN.finditer(text):
+        token = match[0]
+        if token in ("[", "{"):
+            depth += 1
+        elif token in ("]", "}"):
+            depth -= 1
+        elif token in ('"""', "'''"):
+            return  # a text without an end
+        elif token == "\n" and depth <= 0:
+            statement = text[start : match.end()]
+            yield line, statement
+            start, line, depth = match.end(), line + statement.count("\n"), 0
+
+
+def line_of(key: str, lines: Mapping[str, int]) -> int | None:
+    """Return the line of a key or, if the file does not hold it, of the innermost table that would; None if neither."""
+    return next((lines[part] for part in upwards(key) if part in lines), None)
+
+
+def upwards(key: str) -> list[str]:
+    """Return a key and those of the tables and lists that hold it, innermost first."""
+    ends = [len(key), *(match.start() for match in re.finditer(r"[.\[]", key))]
+    return [key[:end] for end in sorted(ends, reverse=True)]
+
+
+def _header(data: Any, counts: dict[str, int]) -> _Place:
+    """Return the key of the table that a header opens; for an array of tables, of its next element."""
+    parts: _Place = ()
+    while data:
+        [(name, data)] = data.items()
+        parts = (*parts, name)
+        if isinstance(data, list):
+            counts[key_name(parts)] = counts.get(key_name(parts), 0) + 1
+            data = data[0]
+        if key_name(parts) in counts:
+            parts = (*parts, counts[key_name(parts)] - 1)
+    return parts
+
+
+def _keys(value: Any, parts: _Place) -> Iterator[_Place]:
+    """Yield the key of a value and the keys within it."""
+    if parts:
+        yield parts
+    children = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for name, child in children:
+        yield from _keys(child, (*parts, name))

@@ -1,0 +1,142 @@
+"""Base class and types of the sections of a file, and error messages for what pydantic finds wrong in them."""
+
+from collections.abc import Sequence
+from typing import Annotated, Any, TypeVar, get_origin
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, ValidationInfo
+
+from armour.errors import InputError, Problem, choices
+from armour.scenario.keys import describe, key_name
+
+# Key of the number where a file may give a number or a table.
+NUMBER = "value"
+# Least positive number: a smaller one is a mistake, and what is divided by it may overflow.
+TINY = 1e-9
+# Tags of the members of unions.
+TAGS = NUMBER_TAG, TEXT_TAG, LIST_TAG, RANGE_TAG, FREE_TAG = ("<number>", "<text>", "<list>", "<range>", "<free>")
+NumberOrText = Annotated[
+    Annotated[float, Tag(NUMBER_TAG)] | Annotated[str, Tag(TEXT_TAG)],
+    Discriminator(lambda value: TEXT_TAG if isinstance(value, str) else NUMBER_TAG),
+]
+
+
+SectionT = TypeVar("SectionT", bound="Section")
+Item = TypeVar("Item")
+# A list of a file, which becomes a tuple.
+Items = Annotated[tuple[Item, ...], Field(strict=False)]
+
+
+class Section(BaseModel):
+    """Base class of the tables of a file: immutable, without unknown keys, strictly typed, with finite numbers."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True)
+
+
+def above(key: str, *, or_equal: bool = False) -> AfterValidator:
+    """Return a validator of a number, which must be above the number of an earlier key of its table."""
+
+    def check(value: float | None, info: ValidationInfo) -> float | None:
+        low = info.data.get(key)
+        if value is not None and low is not None and (value < low or (value == low and not or_equal)):
+            must = f"must be {'at least' if or_equal else 'above'} {key}"
+            raise ValueError(f"{must}, which is {low:g}, found {value:g}")
+        return value
+
+    return AfterValidator(check)
+
+
+def _not_tiny(value: float) -> float:
+    if 0.0 < abs(value) < TINY:
+        raise ValueError(f"must be at least {TINY:g}, found {value:g}")
+    return value
+
+
+NOT_TINY = AfterValidator(_not_tiny)
+
+
+# Requirements by type of pydantic's error.
+_REQUIREMENTS = {
+    "greater_than": "must be greater than {gt:g}",
+    "greater_than_equal": "must be at least {ge:g}",
+    "less_than": "must be less than {lt:g}",
+    "less_than_equal": "must be at most {le:g}",
+    "finite_number": "must be a finite number",
+    "float_type": "must be a number",
+    "float_parsing": "must be a number",
+    "int_type": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "string_type": "must be a text in quotes",
+    "string_too_short": "must not be empty",
+    "too_short": "must list at least {min_length} values",
+    "too_long": "must list at most {max_length} values",
+    "list_type": "must be a list",
+    "tuple_type": "must be a list",
+    "dict_type": "must be a table",
+    "model_type": "must be a table",
+    "model_attributes_type": "must be a table",
+    "literal_error": "must be {expected}",
+}
+
+
+def problems_of(error: ValidationError, model: type[Section], file: str) -> list[Problem]:
+    """Convert pydantic's errors in a file, validated against a model, to problems."""
+    problems = []
+    for detail in error.errors():
+        # pydantic adds the tag of a union's member.
+        parts = [part for part in detail["loc"] if part not in TAGS]
+        if parts[-1:] == [NUMBER] and detail["type"] != "extra_forbidden":
+            parts.pop()
+        context = detail.get("ctx", {})
+        if "expected" in context:
+            context["expected"] = context["expected"].replace("'", '"')
+        if detail["type"] == "extra_forbidden":
+            known = _known_keys(model, parts[:-1])
+            message = "unknown key" + (choices(str(parts[-1]), known) if known else "")
+        elif detail["type"] == "missing":
+            message = "is missing and must be given"
+        elif detail["type"] == "value_error":
+            message = str(context["error"])
+        else:
+            empty = detail["type"] == "too_short" and context["min_length"] == 1
+            must = _REQUIREMENTS.get("string_too_short" if empty else detail["type"])
+            must = must.format(**context) if must else detail["msg"].replace("Input should", "must")
+            found = describe(detail["input"]) if empty else context.get("actual_length", describe(detail["input"]))
+            message = f"{must}, found {found}"
+        problems.append(Problem(file, key_name(parts), message))
+    return problems
+
+
+def validated(model: type[SectionT], data: object, file: str) -> SectionT:
+    """Return data as the sections of a model; raise an InputError with every mistake."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise InputError(problems_of(error, model, file)) from None
+
+
+def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:
+    """Return the keys that the model knows in the table at the given parts of a key."""
+    free_name = False
+    for part in parts:
+        if isinstance(part, int):
+            continue
+        if free_name:
+            free_name = False
+        elif model is not None and part in model.model_fields:
+            annotation = model.model_fields[str(part)].annotation
+            free_name = get_origin(annotation) is dict
+            model = model_in(annotation)
+        else:
+            return []
+    return list(model.model_fields) if model is not None else []
+
+
+def model_in(annotation: Any) -> Any:
+    """Return the model within an annotation such as ``Model | None`` or ``dict[str, Model]``."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    for inner in getattr(annotation, "__args__", ()):
+        found = model_in(inner)
+        if found is not None:
+            return found
+    return None
