@@ -80,7 +80,8 @@ def perforates(rows: batch.Floats, velocities: batch.Floats) -> NDArray[np.bool_
         part = slice(i, i + 1)
         step = PART * stepping.default_time_step(Parameters(*row), float(velocities[i]))
         prepared["impacts"](rows[part], velocities[part], (1.0, step, MAX_STEPS), counts[part], ends[part])
-    return counts[:, 0] == Outcome.PERFORATED
+    perforated: NDArray[np.bool_] = counts[:, 0] == Outcome.PERFORATED
+    return perforated
 
 
 def errors(rows: batch.Floats, limits: batch.Floats, pool: ProcessPoolExecutor) -> batch.Floats:

@@ -128,7 +128,7 @@ def test_the_kinetic_energy_falls_as_the_bound_on_it_says():
             rng.uniform(1.0, 10.0, 7) * (2e3, 1e9, 1e3, 1e9, 1e3, 3e8, 5e7)
         ).tolist()
         p = armour()._replace(rho_p=rho_p, Yp=Yp, rho_c=rho_c, Yc0=Yc0, rho_B=rho_B, YB=YB, tau=tau)
-        medium = Medium(rng.integers(3))
+        medium = Medium(int(rng.integers(3)))
         Vi = sqrt(2.0 * Yp / rho_p)
         V, W = (Vi * np.sort(rng.random(2))[::-1]).tolist()
         W *= medium != Medium.INTACT and rng.random() < 0.8
