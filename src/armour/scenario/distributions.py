@@ -1,12 +1,13 @@
 """The section [uncertainty] of a scenario: distributions of uncertain inputs, their correlations and the sampling."""
 
 from collections.abc import Sequence
-from math import inf
-from typing import Annotated, Literal
+from math import comb, inf
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
+from pydantic import Field, PrivateAttr, ValidationInfo, create_model, field_validator, model_validator
 
 from armour.scenario.evidence import ERROR
+from armour.scenario.inputs import INPUTS
 from armour.scenario.sections import Section, above
 
 # Wide bounds that keep the arithmetic from overflowing.
@@ -16,8 +17,8 @@ Width = Annotated[float, Field(ge=1e-9, le=1e9)]
 MAX_SAMPLES = 2**22
 # Fewer for a Latin hypercube, which needs three times the memory.
 MAX_HYPERCUBE = 2**21
-# Each two of the 18 inputs once.
-MAX_CORRELATIONS = 153
+# Each two inputs once.
+MAX_CORRELATIONS = comb(len(INPUTS), 2)
 # Fewer samples give no confidence interval for the 5 % quantile.
 MIN_SAMPLES = 128
 
@@ -78,47 +79,18 @@ class ErrorDistribution(Distribution):
     degrees_of_freedom: float
 
 
-class ImpactUncertainty(Section):
-    """Distributions of the impact's inputs."""
-
-    velocity_m_s: Distribution | None = None
-
-
-class ArmourUncertainty(Section):
-    """Distributions of the thicknesses."""
-
-    ceramic_thickness_mm: Distribution | None = None
-    backing_thickness_mm: Distribution | None = None
+def _distributions(section: str, of: str) -> type[Section]:
+    """Return the section with a distribution for each input of a section of the scenario, or of a role."""
+    keys: dict[str, Any] = {one.key: (Distribution | None, None) for one in INPUTS.values() if one.section == section}
+    name = f"{section.capitalize()}Uncertainty"
+    return create_model(name, __base__=Section, __doc__=f"Distributions of {of}.", __module__=__name__, **keys)
 
 
-class ProjectileUncertainty(Section):
-    """Distributions of the projectile's properties."""
-
-    penetrator_diameter_mm: Distribution | None = None
-    penetrator_mass_g: Distribution | None = None
-    density_kg_m3: Distribution | None = None
-    flow_stress_GPa: Distribution | None = None
-
-
-class CeramicUncertainty(Section):
-    """Distributions of the ceramic's properties."""
-
-    density_kg_m3: Distribution | None = None
-    youngs_modulus_GPa: Distribution | None = None
-    flow_stress_GPa: Distribution | None = None
-    flow_stress_backing_exponent: Distribution | None = None
-    flow_stress_product_exponent: Distribution | None = None
-    flow_stress_ceramic_slope: Distribution | None = None
-    flow_stress_backing_slope: Distribution | None = None
-
-
-class BackingUncertainty(Section):
-    """Distributions of the back plate's properties."""
-
-    density_kg_m3: Distribution | None = None
-    dynamic_yield_strength_MPa: Distribution | None = None
-    flow_stress_GPa: Distribution | None = None
-    shear_strength_MPa: Distribution | None = None
+ImpactUncertainty = _distributions("impact", "the impact's inputs")
+ArmourUncertainty = _distributions("armour", "the thicknesses")
+ProjectileUncertainty = _distributions("projectile", "the projectile's properties")
+CeramicUncertainty = _distributions("ceramic", "the ceramic's properties")
+BackingUncertainty = _distributions("backing", "the back plate's properties")
 
 
 class Correlation(Section):
@@ -153,11 +125,11 @@ class Uncertainty(Section):
     method: Literal["sobol", "latin hypercube"] = "sobol"
     samples: Annotated[int, Field(ge=MIN_SAMPLES, le=MAX_SAMPLES)] = 4096
     seed: Annotated[int, Field(ge=0)] = 1
-    impact: ImpactUncertainty = ImpactUncertainty()
-    armour: ArmourUncertainty = ArmourUncertainty()
-    projectile: ProjectileUncertainty = ProjectileUncertainty()
-    ceramic: CeramicUncertainty = CeramicUncertainty()
-    backing: BackingUncertainty = BackingUncertainty()
+    impact: ImpactUncertainty = ImpactUncertainty()  # type: ignore[valid-type]
+    armour: ArmourUncertainty = ArmourUncertainty()  # type: ignore[valid-type]
+    projectile: ProjectileUncertainty = ProjectileUncertainty()  # type: ignore[valid-type]
+    ceramic: CeramicUncertainty = CeramicUncertainty()  # type: ignore[valid-type]
+    backing: BackingUncertainty = BackingUncertainty()  # type: ignore[valid-type]
     correlation: Annotated[list[Correlation], Field(max_length=MAX_CORRELATIONS)] = []
     model: ModelSection | None = None
 
@@ -171,13 +143,8 @@ class Uncertainty(Section):
 
     def inputs(self) -> dict[str, Distribution]:
         """Return the distributions by name of input, such as "ceramic.flow_stress_GPa"."""
-        found = {}
-        for role in ("impact", "armour", "projectile", "ceramic", "backing"):
-            section = getattr(self, role)
-            for key in type(section).model_fields:
-                distribution = getattr(section, key)
-                if distribution is not None:
-                    found[f"{role}.{key}"] = distribution
+        of_all = {name: getattr(getattr(self, one.section), one.key) for name, one in INPUTS.items()}
+        found = {name: distribution for name, distribution in of_all.items() if distribution is not None}
         return found if self._error is None else {**found, ERROR: self._error}
 
     @field_validator("samples")

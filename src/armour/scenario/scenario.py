@@ -20,7 +20,6 @@ from armour.scenario.changes import changed
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.evidence import ModelError
 from armour.scenario.inputs import (
-    BACKING,
     CERAMIC,
     INPUTS,
     NAMES,
@@ -145,10 +144,11 @@ class Scenario(Section):
         A bare plate has no inputs of the ceramic.  The coefficients of a law of its flow stress are inputs only if its
         entry has them, and the yield strength only if other properties of the metal are derived from it.
         """
-        found = {VELOCITY: self.impact.velocity_m_s}
-        if self.armour.ceramic is not None:
-            found[CERAMIC] = self.armour.ceramic_thickness_mm
-        found[BACKING] = self.armour.backing_thickness_mm
+        found: dict[str, float] = {
+            name: getattr(getattr(self, one.section), one.key)
+            for name, one in INPUTS.items()
+            if one.kind is None and (name != CERAMIC or self.armour.ceramic is not None)
+        }
         for role in ROLES:
             entry = self.entry_of(role)
             if entry is not None:
