@@ -18,8 +18,7 @@ from armour.analysis.variants import Bools, Floats, Variants, perforated, settin
 from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
 from armour.core.state import Parameters
 from armour.engine import batch
-from armour.scenario.applicability import FAR, is_unusual
-from armour.scenario.evidence import COVERED
+from armour.scenario.evidence import FAR, covered, is_unusual
 from tests.helpers.exotic import WIDE, random_wide_designs
 
 LOW, HIGH = WIDE.values()  # m/s
@@ -46,7 +45,7 @@ def nearly_unusual_designs(count: int, like: Variants) -> Variants:
     rng = np.random.default_rng(11)
     of = {
         limits.measure.key: np.exp(rng.uniform(np.log(limits.low / FAR), np.log(limits.high * FAR), count))
-        for limits in COVERED[False]
+        for limits in covered(bare=False)
     }
     D0, strength = 6.5e-3, of["backing.flow_stress_GPa"] * 1e9
     zero = np.zeros(count)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from armour.scenario.evidence import BACKING_RATIO, BACKING_STRENGTH, CERAMIC_RATIO, EVIDENCE, SLENDERNESS, Evidence
+from armour.scenario.evidence import MEASURES, Evidence, shipped_evidence
 from armour.scenario.library import shipped_library
 from armour.statistics.calibration import left_out_errors
 from armour.statistics.flow_stress_laws import Law
@@ -17,7 +17,11 @@ from armour.validation.validate import SuiteResult, validate
 from tests.helpers.cases import TESTS, scenario
 from tests.helpers.fits import wilkins_fit
 
-TILES, BACKING_LAW, PRODUCT_LAW, *_PLATES = EVIDENCE
+CERAMIC_RATIO = MEASURES["ceramic_thickness_ratio"]
+BACKING_RATIO = MEASURES["backing_thickness_ratio"]
+BACKING_STRENGTH = MEASURES["backing_strength_GPa"]
+SLENDERNESS = MEASURES["rod_length_ratio"]
+TILES, BACKING_LAW, PRODUCT_LAW, *_PLATES = shipped_evidence()
 CORES_ON_ALUMINIUM, CORES_ON_STEEL, FRAGMENTS_ON_ALUMINIUM, FRAGMENTS_ON_STEEL = _PLATES
 Cells = Mapping[str, Any]
 

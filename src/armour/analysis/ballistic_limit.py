@@ -9,8 +9,7 @@ from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result
 from armour.core import search
 from armour.errors import NoLimitError
-from armour.scenario.applicability import is_unusual
-from armour.scenario.evidence import ModelError
+from armour.scenario.evidence import ModelError, is_unusual
 from armour.scenario.messages import check_types
 from armour.scenario.scenario import Scenario
 from armour.scenario.words import ANY_VELOCITY

@@ -10,8 +10,7 @@ from armour.analysis.impact import unresolved_error
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem
-from armour.scenario.applicability import is_unusual, row_errors, row_limits
-from armour.scenario.evidence import UNKNOWN, ModelError
+from armour.scenario.evidence import UNKNOWN, ModelError, is_unusual, row_errors, row_limits
 from armour.scenario.inputs import INPUTS, VELOCITY, YIELD
 from armour.scenario.library import DEFAULTS, ROD, length_mm
 from armour.scenario.scenario import Scenario

@@ -16,8 +16,7 @@ from armour.design.catalogue import MARGIN, Catalogue, catalogue_of
 from armour.design.requirement import Requirement
 from armour.design.search import Search
 from armour.errors import NoDesignError, Problem, refuse
-from armour.scenario.applicability import armour_warnings, error_on_tests
-from armour.scenario.evidence import ROD_DENSITY, ROD_STRENGTH, SLENDERNESS, ModelError
+from armour.scenario.evidence import MEASURES, ModelError, armour_warnings, error_on_tests
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
 from armour.scenario.messages import check_types
 from armour.scenario.scenario import Scenario
@@ -304,7 +303,7 @@ def _outside(search: Search, place: int) -> list[str]:
     ceramic = catalogue.offers[search.candidates.pair[place]].ceramic.material or None
     found: list[str] = []
     for i, threat in enumerate(catalogue.threats):
-        keys = {measure.key: f"threat[{i}].projectile" for measure in (SLENDERNESS, ROD_DENSITY, ROD_STRENGTH)}
+        keys = {of.key: f"threat[{i}].projectile" for name, of in MEASURES.items() if name.startswith("rod_")}
         keys = {VELOCITY: f"threat[{i}].velocity_m_s", **keys} if catalogue.scenario.threat else {}
         found += armour_warnings(_armour(search, place, i), ceramic, threat.velocity_m_s, keys)
     return list(dict.fromkeys(found))

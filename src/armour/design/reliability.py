@@ -12,8 +12,8 @@ from armour.analysis.uncertain_inputs import own_values, sampled, section_at, se
 from armour.analysis.variants import perforated
 from armour.design.catalogue import NO_BOUND, Candidates, Catalogue
 from armour.errors import Problem, refuse
-from armour.scenario.applicability import error_on_tests
 from armour.scenario.distributions import MAX_SAMPLES, ErrorDistribution, Uncertainty
+from armour.scenario.evidence import error_on_tests
 from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 from armour.scenario.sampling import columns_of, points_of
 from armour.scenario.scenario import Scenario

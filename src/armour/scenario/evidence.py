@@ -1,16 +1,21 @@
-"""Evidence: the tests that the model was compared with, their ranges, and the error of the ballistic limit on them.
+"""Evidence: what the model was compared with, where an armour is unlike that, and the error of its ballistic limit."""
 
-The errors follow from the shipped suites and tests; `tests/validation/test_evidence.py` derives them again.
-"""
-
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from math import inf, nan
 from typing import Any, NamedTuple
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem
+from armour.files import read_toml, shipped
+from armour.scenario.inputs import VELOCITY
 from armour.units import GPA
+
+# Factor by which a quantity of an unusual armour lies outside of all that the model was compared with.
+FAR = 2.0
+# Relative differences of density and Young's modulus up to which a ceramic is the same.
+SAME_DENSITY, SAME_MODULUS = 0.02, 0.05
 
 
 @dataclass(frozen=True)
@@ -95,29 +100,28 @@ class Measure(NamedTuple):
     of: Callable[[Parameters], Any]  # value of one armour, or array of many
 
 
-CERAMIC_RATIO = Measure("armour.ceramic_thickness_mm", "ceramics", "penetrator diameters thick", lambda p: p.Hc0 / p.D0)
-CERAMIC_DENSITY = Measure("ceramic.density_kg_m3", "ceramics of", "kg/m³", lambda p: p.rho_c)
-CERAMIC_MODULUS = Measure("ceramic.youngs_modulus_GPa", "ceramics with a modulus of", "GPa", lambda p: p.Ec / GPA)
-CERAMIC_STRENGTH = Measure("ceramic.flow_stress_GPa", "a flow stress of", "GPa", lambda p: p.Yc0 / GPA)
-BACKING_RATIO = Measure(
-    "armour.backing_thickness_mm", "back plates", "penetrator diameters thick", lambda p: p.Hb / p.D0
-)
-BACKING_DENSITY = Measure("backing.density_kg_m3", "back plates of", "kg/m³", lambda p: p.rho_B)
-BACKING_STRENGTH = Measure("backing.flow_stress_GPa", "back plates with a flow stress of", "GPa", lambda p: p.YB / GPA)
-SLENDERNESS = Measure("impact.projectile", "penetrators", "diameters long", lambda p: p.L0 / p.D0)
-ROD_DENSITY = Measure("projectile.density_kg_m3", "penetrators of", "kg/m³", lambda p: p.rho_p)
-ROD_STRENGTH = Measure("projectile.flow_stress_GPa", "penetrators with a flow stress of", "GPa", lambda p: p.Yp / GPA)
-BACKING_EXPONENT = Measure("ceramic.flow_stress_backing_exponent", "an exponent of", "", lambda p: p.n_B)
-PRODUCT_EXPONENT = Measure("ceramic.flow_stress_product_exponent", "an exponent of", "", lambda p: p.n_cB)
-SLOPES = Measure("ceramic.flow_stress_ceramic_slope", "slopes of", "", lambda p: abs(p.a_c) + abs(p.a_B))
-LAW_MEASURES = BACKING_EXPONENT, PRODUCT_EXPONENT, SLOPES
-CERAMIC_MEASURES = (CERAMIC_DENSITY, CERAMIC_MODULUS, CERAMIC_STRENGTH, *LAW_MEASURES)
-# In these an armour may be unusual, see `armour.scenario.applicability.is_unusual`.
-OF_CERAMIC = CERAMIC_RATIO, CERAMIC_DENSITY, CERAMIC_STRENGTH
-OF_ALL = BACKING_RATIO, BACKING_DENSITY, BACKING_STRENGTH, SLENDERNESS, ROD_DENSITY, ROD_STRENGTH
-
-# Relative differences of density and Young's modulus up to which a ceramic is the same.
-SAME_DENSITY, SAME_MODULUS = 0.02, 0.05
+_DIAMETERS = "penetrator diameters thick"
+MEASURES = {
+    "ceramic_thickness_ratio": Measure("armour.ceramic_thickness_mm", "ceramics", _DIAMETERS, lambda p: p.Hc0 / p.D0),
+    "ceramic_density_kg_m3": Measure("ceramic.density_kg_m3", "ceramics of", "kg/m³", lambda p: p.rho_c),
+    "ceramic_modulus_GPa": Measure(
+        "ceramic.youngs_modulus_GPa", "ceramics with a modulus of", "GPa", lambda p: p.Ec / GPA
+    ),
+    "ceramic_strength_GPa": Measure("ceramic.flow_stress_GPa", "a flow stress of", "GPa", lambda p: p.Yc0 / GPA),
+    "backing_thickness_ratio": Measure("armour.backing_thickness_mm", "back plates", _DIAMETERS, lambda p: p.Hb / p.D0),
+    "backing_density_kg_m3": Measure("backing.density_kg_m3", "back plates of", "kg/m³", lambda p: p.rho_B),
+    "backing_strength_GPa": Measure(
+        "backing.flow_stress_GPa", "back plates with a flow stress of", "GPa", lambda p: p.YB / GPA
+    ),
+    "rod_length_ratio": Measure("impact.projectile", "penetrators", "diameters long", lambda p: p.L0 / p.D0),
+    "rod_density_kg_m3": Measure("projectile.density_kg_m3", "penetrators of", "kg/m³", lambda p: p.rho_p),
+    "rod_strength_GPa": Measure(
+        "projectile.flow_stress_GPa", "penetrators with a flow stress of", "GPa", lambda p: p.Yp / GPA
+    ),
+    "backing_exponent": Measure("ceramic.flow_stress_backing_exponent", "an exponent of", "", lambda p: p.n_B),
+    "product_exponent": Measure("ceramic.flow_stress_product_exponent", "an exponent of", "", lambda p: p.n_cB),
+    "slopes": Measure("ceramic.flow_stress_ceramic_slope", "slopes of", "", lambda p: abs(p.a_c) + abs(p.a_B)),
+}
 
 
 class DataRange(NamedTuple):
@@ -140,18 +144,9 @@ class TestedCeramic(NamedTuple):
     """A ceramic that the model was compared with results of."""
 
     name: str
-    density_kg_m3: float
-    youngs_modulus_GPa: float
+    kind: tuple[DataRange, ...]  # densities and Young's moduli of such a ceramic
     strength: DataRange  # flow stresses that were compared
     measured: bool  # else results of the paper's program only
-
-    def ranges(self) -> tuple[DataRange, DataRange]:
-        """Return the ranges of density and Young's modulus of such a ceramic."""
-        density, modulus = self.density_kg_m3, self.youngs_modulus_GPa
-        return (
-            DataRange(CERAMIC_DENSITY, density * (1.0 - SAME_DENSITY), density * (1.0 + SAME_DENSITY)),
-            DataRange(CERAMIC_MODULUS, modulus * (1.0 - SAME_MODULUS), modulus * (1.0 + SAME_MODULUS)),
-        )
 
 
 class Evidence(NamedTuple):
@@ -162,134 +157,200 @@ class Evidence(NamedTuple):
 
     title: str
     bare: bool  # whether the armours are plates without a ceramic
-    kind: tuple[DataRange, ...]
+    law: tuple[DataRange, ...]  # of the ceramic's flow stress
+    kind: tuple[DataRange, ...]  # of armour and penetrator, the ceramic and its law included
     measured: tuple[DataRange, ...]  # ranges of the tests
+    ranges: tuple[DataRange, ...]  # outside them, but for the ceramic, an armour is like none that was compared
     velocities_m_s: tuple[float, float]
     error: tuple[float, float, float]  # mean and scale, per cent, and degrees of freedom
-    computed: tuple[DataRange, ...] = ()  # ranges of tests and results of the paper's program, where wider
-
-    def ranges(self) -> tuple[DataRange, ...]:
-        """Return the ranges outside which the armour is like none that the model was compared with, each measure once.
-
-        The ranges of the ceramic are not among them: see CERAMICS.
-        """
-        within = self.computed or self.measured
-        given = {limits.measure for limits in within}
-        kind = (limits for limits in self.kind if limits.measure not in (*given, *CERAMIC_MEASURES))
-        return (*kind, *within)
 
 
-CERAMICS = (
-    TestedCeramic("AD85", 3430.0, 267.0, DataRange(CERAMIC_STRENGTH, 4.8, 5.6), measured=True),
-    TestedCeramic("AD99.5", 3840.0, 350.0, DataRange(CERAMIC_STRENGTH, 5.7, 6.2), measured=False),
-    TestedCeramic("Al-N", 3420.0, 300.0, DataRange(CERAMIC_STRENGTH, 6.7, 8.0), measured=False),
-)
-
-_STEEL_ROD = DataRange(ROD_DENSITY, 7700.0, 8000.0)
-_ROD = DataRange(ROD_DENSITY, 7700.0, 15000.0)
-_CORE, _FRAGMENT = DataRange(SLENDERNESS, 2.0, 5.0), DataRange(SLENDERNESS, 0.9, 1.3)
-_ALUMINIUM = DataRange(BACKING_DENSITY, 2600.0, 2900.0)
-_STEEL = DataRange(BACKING_DENSITY, 7700.0, 8000.0)
-_FLOW_STRESS = DataRange(ROD_STRENGTH, 2.3, 2.4)
-AD85 = CERAMICS[0]
+def _ranges(data: Mapping[str, tuple[float, float]]) -> tuple[DataRange, ...]:
+    return tuple(DataRange(MEASURES[name], *ends) for name, ends in data.items())
 
 
-_WILKINS = (
-    DataRange(CERAMIC_RATIO, 0.89, 1.3),
-    DataRange(BACKING_RATIO, 0.66, 1.5),
-    DataRange(BACKING_STRENGTH, 1.0, 1.1),
-    DataRange(SLENDERNESS, 3.2, 3.3),
-    _FLOW_STRESS,
-)
-_WILKINS_AND_PAPER = (
-    DataRange(CERAMIC_RATIO, 0.61, 4.1),
-    DataRange(BACKING_RATIO, 0.66, 3.0),
-    DataRange(BACKING_STRENGTH, 0.9, 1.6),
-    DataRange(SLENDERNESS, 3.2, 5.4),
-    _FLOW_STRESS,
-)
-_Ends = tuple[float, float]
-_Error = tuple[float, float, float]
+@cache
+def _data() -> dict[str, Any]:
+    return read_toml(shipped("configs") / "evidence.toml")
 
 
-def _tiles(
-    law: str, backing: _Ends, product: _Ends, velocities_m_s: _Ends, error: _Error, computed: tuple[DataRange, ...] = ()
-) -> Evidence:
-    """Return the evidence of Wilkins' tests for AD85 by a law of its flow stress with exponents in some ranges."""
-    exponents = DataRange(BACKING_EXPONENT, *backing), DataRange(PRODUCT_EXPONENT, *product)
-    kind = (*AD85.ranges(), AD85.strength, *exponents, DataRange(SLOPES, 0.0, 0.0), _ALUMINIUM, _STEEL_ROD, _CORE)
-    title = f"13 tests of AD85 on 6061-T6 against the 7.62 mm AP (Wilkins){law}"
-    return Evidence(title, False, kind, _WILKINS, velocities_m_s, error, computed)
+@cache
+def tested_ceramics() -> dict[str, TestedCeramic]:
+    """Return the ceramics that the model was compared with results of, by name."""
+    found = {}
+    for data in _data()["ceramic"]:
+        density, modulus = data["density_kg_m3"], data["youngs_modulus_GPa"]
+        kind = {
+            "ceramic_density_kg_m3": (density * (1.0 - SAME_DENSITY), density * (1.0 + SAME_DENSITY)),
+            "ceramic_modulus_GPa": (modulus * (1.0 - SAME_MODULUS), modulus * (1.0 + SAME_MODULUS)),
+        }
+        [strength] = _ranges({"ceramic_strength_GPa": data["flow_stress_GPa"]})
+        found[data["name"]] = TestedCeramic(data["name"], _ranges(kind), strength, data["measured"])
+    return found
 
 
-def _plates(
-    title: str,
-    kind: tuple[DataRange, ...],
-    ratios: _Ends,
-    strengths_GPa: _Ends,
-    velocities_m_s: _Ends,
-    error: _Error,
-    *slenderness: float,
-) -> Evidence:
-    """Return the evidence of tests of bare plates, by ends of the ranges; fragments have no range of slenderness."""
-    measured = [DataRange(BACKING_RATIO, *ratios), DataRange(BACKING_STRENGTH, *strengths_GPa)]
-    if slenderness:
-        measured.append(DataRange(SLENDERNESS, *slenderness))
-    return Evidence(title, True, kind, (*measured, _FLOW_STRESS), velocities_m_s, error)
+@cache
+def shipped_evidence() -> tuple[Evidence, ...]:
+    """Return the tests that the model was compared with."""
+    found = []
+    for data in _data()["tests"]:
+        law, kind = _ranges(data.get("law", {})), data["kind"]
+        tested = tested_ceramics().get(data.get("ceramic", ""))
+        ceramic = () if tested is None else (*tested.kind, tested.strength)
+        within = data.get("computed", data["measured"])
+        found.append(
+            Evidence(
+                title=data["title"],
+                bare=tested is None,
+                law=law,
+                kind=(*ceramic, *law, *_ranges(kind)),
+                measured=_ranges(data["measured"]),
+                ranges=_ranges({name: ends for name, ends in kind.items() if name not in within} | within),
+                velocities_m_s=tuple(data["velocities_m_s"]),
+                error=tuple(data["error"][key] for key in ("mean_percent", "scale_percent", "degrees_of_freedom")),
+            )
+        )
+    return tuple(found)
 
 
-_NONE = 0.0, 0.0
-EVIDENCE = (
-    _tiles("", _NONE, _NONE, (620.0, 1300.0), (0.0, 7.0, 12.0), _WILKINS_AND_PAPER),
-    _tiles(", backing law", (0.1, 0.55), _NONE, (620.0, 910.0), (0.0, 5.4, 11.0)),
-    _tiles(", product law", _NONE, (0.1, 0.55), (620.0, 910.0), (0.0, 4.9, 11.0)),
-    _plates(
-        "528 tests of armour-piercing cores on 24 aluminium alloys",
-        (_ALUMINIUM, _ROD, _CORE),
-        (1.6, 9.7),
-        (0.18, 1.5),
-        (340.0, 1200.0),
-        (-3.1, 7.6, 23.0),
-        *(2.4, 3.6),
-    ),
-    _plates(
-        "39 tests of armour-piercing steel cores on 12 steels",
-        (_STEEL, _STEEL_ROD, _CORE),
-        (0.93, 2.4),
-        (2.2, 5.1),
-        (460.0, 930.0),
-        (-10.3, 11.6, 11.0),
-        *(3.2, 3.6),
-    ),
-    _plates(
-        "147 tests of fragment simulators on 14 aluminium alloys",
-        (_ALUMINIUM, _STEEL_ROD, _FRAGMENT),
-        (0.32, 2.8),
-        (0.68, 1.5),
-        (160.0, 1500.0),
-        (-1.1, 17.0, 13.0),
-    ),
-    _plates(
-        "12 tests of fragment simulators on 7 steels",
-        (_STEEL, _STEEL_ROD, _FRAGMENT),
-        (0.8, 0.99),
-        (2.4, 4.1),
-        (700.0, 950.0),
-        (-8.2, 17.5, 6.0),
-    ),
-)
+@cache
+def covered(*, bare: bool) -> tuple[DataRange, ...]:
+    """Return the ranges over all armours with a ceramic, or bare ones, that the model was compared with."""
+    ranges: dict[Measure, list[DataRange]] = {}
+    ceramics = [] if bare else [limits for c in tested_ceramics().values() for limits in (c.kind[0], c.strength)]
+    tests = [limits for evidence in shipped_evidence() if evidence.bare == bare for limits in evidence.ranges]
+    for limits in (*ceramics, *tests):
+        ranges.setdefault(limits.measure, []).append(limits)
+    return tuple(
+        DataRange(measure, min(one.low for one in of), max(one.high for one in of)) for measure, of in ranges.items()
+    )
 
 
-def _covered(measure: Measure, *, bare: bool) -> DataRange:
-    """Return the range of a quantity over all armours, bare ones or others, that the model was compared with."""
-    of_all = [limits for evidence in EVIDENCE if evidence.bare == bare for limits in evidence.ranges()]
-    ceramics = [limits for ceramic in CERAMICS for limits in (ceramic.strength, *ceramic.ranges())]
-    found = [limits for limits in (*of_all, *ceramics) if limits.measure is measure]
-    return DataRange(measure, min(limits.low for limits in found), max(limits.high for limits in found))
+class Limit(NamedTuple):
+    """A respect in which an armour, or each of n, may lie outside what the model was compared with."""
+
+    key: str
+    words: str  # what the model was compared with
+    outside: Any  # bool or array of bool, (n,)
+    value: Any = None  # number or array, (n,); None where the name of the ceramic tells it
 
 
-# Ranges over all that the model was compared with, by whether the armour is bare.
-COVERED = {
-    False: tuple(_covered(measure, bare=False) for measure in (*OF_CERAMIC, *OF_ALL)),
-    True: tuple(_covered(measure, bare=True) for measure in OF_ALL),
-}
+def error_on_tests(armour: Parameters) -> ModelError | None:
+    """Return the error of the ballistic limit on tests of such armours; None if there are none."""
+    evidence = closest(armour)
+    if any(limits.fails(armour) for limits in evidence.kind):
+        return None
+    extrapolated = tuple(str(limits) for limits in evidence.measured if limits.fails(armour))
+    return ModelError(*evidence.error, evidence.title, extrapolated)
+
+
+def closest(armour: Parameters) -> Evidence:
+    """Return the evidence whose kind of armour and penetrator an armour differs from in the fewest respects."""
+    known = [evidence for evidence in shipped_evidence() if evidence.bare == (armour.Hc0 == 0.0)]
+    return min(known, key=lambda evidence: sum(bool(limits.fails(armour)) for limits in evidence.kind))
+
+
+def is_unusual(armour: Parameters) -> Any:
+    """Return whether an armour, or each of n, is far from all of its kind that the model was compared with.
+
+    A strength, a density, the slenderness or a thickness over the diameter is then outside by more than a factor of
+    two, and the outcome may change more than once with the velocity or a thickness.  A NaN is not outside.
+    """
+    found = False
+    for bare in (False, True):
+        for limits in covered(bare=bare):
+            value = limits.measure.of(armour)
+            outside = (value < limits.low / FAR) | (value > limits.high * FAR)
+            found = found | (outside & ((armour.Hc0 == 0.0) == bare))
+    return found
+
+
+def armour_warnings(
+    armour: Parameters, ceramic: str | None, velocity: float, keys: Mapping[str, str]
+) -> tuple[str, ...]:
+    """Return the ways in which an armour is unlike what the model was compared with, as "key: what, value found".
+
+    `ceramic` is the name of its ceramic, and `keys` are keys to name in place of others.
+    """
+    outside = (limit for limit in limits_of(closest(armour), armour, velocity) if limit.outside)
+    return tuple(
+        f"{keys.get(limit.key, limit.key)}: {limit.words}, found {_found(ceramic, limit)}" for limit in outside
+    )
+
+
+def _found(ceramic: str | None, limit: Limit) -> str:
+    if limit.value is None:
+        return f'"{ceramic}"'
+    return f"{limit.value:.0f}" if limit.value >= 100.0 else f"{limit.value:.3g}"
+
+
+def limits_of(evidence: Evidence, armour: Parameters, velocity: Any) -> Iterator[Limit]:
+    """Give the limits of some evidence, and whether an armour and a velocity, or each of many, lie outside them.
+
+    The velocity is None where none is to be compared.
+    """
+    if velocity is not None:
+        low, high = evidence.velocities_m_s
+        words = f"the model was compared with results at {low:g} to {high:g} m/s"
+        yield Limit(VELOCITY, words, (velocity < low) | (velocity > high), velocity)
+    if not evidence.bare:
+        yield from _of_ceramic(evidence, armour)
+    for limits in evidence.ranges:
+        words = f"the model was compared with results for {limits}"
+        yield Limit(limits.measure.key, words, limits.fails(armour), limits.measure.of(armour))
+
+
+def _of_ceramic(evidence: Evidence, armour: Parameters) -> Iterator[Limit]:
+    """Give the limits of the ceramics that were tested, or that the paper's program computed."""
+    ceramics = tested_ceramics().values()
+    untested = unknown = True
+    for ceramic in ceramics:
+        density, modulus = ceramic.kind
+        different = density.fails(armour) | modulus.fails(armour)
+        unknown = unknown & different
+        if ceramic.measured:
+            untested = untested & different
+        words = f"the model was compared with results of {ceramic.name} with {ceramic.strength}"
+        measure = ceramic.strength.measure
+        yield Limit(measure.key, words, ceramic.strength.fails(armour) & (different ^ True), measure.of(armour))
+    other = False
+    for limits in evidence.law:
+        other = other | limits.fails(armour)
+    yield Limit("armour.ceramic", "the model was compared with no test by such a law of the flow stress", other)
+    names = ", ".join(ceramic.name for ceramic in ceramics)
+    yield Limit("armour.ceramic", f"the model was compared with results of {names} only", unknown)
+    words = "the model was compared with results of the paper's program for such a ceramic, with no test"
+    yield Limit("armour.ceramic", words, untested ^ unknown)
+
+
+def row_errors(armour: Any) -> ModelError:
+    """Return the errors of n armours from tests of such armours, (n,) each; NaN where unknown."""
+    # Imported here because a scenario without rows does not need numpy.
+    import numpy as np
+
+    found = np.full((3, len(armour.Hc0)), np.nan)
+    for evidence in shipped_evidence():
+        of_kind = evidence.bare == (armour.Hc0 == 0.0)
+        for limits in evidence.kind:
+            of_kind &= ~limits.fails(armour)
+        found[:, of_kind] = np.array(evidence.error)[:, None]
+    return ModelError(*found)
+
+
+def row_limits(armour: Any, velocities: Any) -> Iterator[tuple[str, int]]:
+    """Yield the limits, as "key: words", that some of n armours lie outside of, and how many do.
+
+    The parameters of the armours are arrays, (n,), as are velocities, which are None where none are to be compared.
+    """
+    import numpy as np
+
+    fails = [sum(limits.fails(armour).astype(int) for limits in evidence.kind) for evidence in shipped_evidence()]
+    other = [1000 * (evidence.bare != (armour.Hc0 == 0.0)) for evidence in shipped_evidence()]
+    nearest = (np.array(fails) + np.array(other)).argmin(axis=0)
+    for index in np.unique(nearest):
+        where = nearest == index
+        some = Parameters(*(values[where] for values in armour))
+        for limit in limits_of(shipped_evidence()[index], some, None if velocities is None else velocities[where]):
+            count = int(np.count_nonzero(limit.outside))
+            if count:
+                yield f"{limit.key}: {limit.words}", count

@@ -123,6 +123,8 @@ class Metal(Entry):
 
 Kind = Literal["projectile", "ceramic", "metal"]
 KINDS: dict[Kind, type[Entry]] = {"projectile": Projectile, "ceramic": Ceramic, "metal": Metal}
+# Files of the shipped library.
+FILES = ("ceramics", "metals", "projectiles", "tested_plates")
 # Keys that the model does not use: data of the whole projectile, and properties for the closed forms.
 UNUSED = ("caliber_mm", "projectile_mass_g", "ultimate_tensile_strength_MPa", "strain_to_fracture")
 # Coefficients of the law of a ceramic's flow stress, see `armour.core.equations.intact_strength`; 0 where absent.
@@ -400,6 +402,6 @@ def library_toml(tables: Mapping[str, Any]) -> str:
 def shipped_library() -> Library:
     """Return the library that is shipped with the package."""
     library = Library()
-    for path in sorted(shipped("configs").glob("*.toml")):
-        library = library.extended(read_toml(path), file="")
+    for name in FILES:
+        library = library.extended(read_toml(shipped("configs") / f"{name}.toml"), file="")
     return library

@@ -15,10 +15,9 @@ from pydantic import PrivateAttr, ValidationError
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem, choices, refuse, suggestion
 from armour.files import exists, located, read_toml, shipped_files, shipped_suites, write_atomic
-from armour.scenario.applicability import armour_warnings, error_on_tests
 from armour.scenario.changes import changed
 from armour.scenario.distributions import Uncertainty
-from armour.scenario.evidence import ModelError
+from armour.scenario.evidence import ModelError, armour_warnings, error_on_tests
 from armour.scenario.inputs import (
     CERAMIC,
     INPUTS,

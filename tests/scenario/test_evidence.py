@@ -9,21 +9,7 @@ import pytest
 from armour.core.state import Parameters
 from armour.engine import batch
 from armour.errors import InputError
-from armour.scenario.applicability import is_unusual, row_errors, row_limits
-from armour.scenario.evidence import (
-    BACKING_DENSITY,
-    BACKING_RATIO,
-    BACKING_STRENGTH,
-    CERAMIC_DENSITY,
-    CERAMIC_RATIO,
-    CERAMIC_STRENGTH,
-    EVIDENCE,
-    ROD_DENSITY,
-    ROD_STRENGTH,
-    SLENDERNESS,
-    Measure,
-    ModelError,
-)
+from armour.scenario.evidence import MEASURES, Measure, ModelError, is_unusual, row_errors, row_limits, shipped_evidence
 from armour.scenario.library import shipped_library
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.units import GPA, MM
@@ -31,7 +17,16 @@ from armour.validation.suite import load_suite
 from armour.validation.validate import paper_suite
 from tests.helpers.cases import SCENARIOS, scenario
 
-TILES = EVIDENCE[0]
+CERAMIC_RATIO = MEASURES["ceramic_thickness_ratio"]
+CERAMIC_DENSITY = MEASURES["ceramic_density_kg_m3"]
+CERAMIC_STRENGTH = MEASURES["ceramic_strength_GPa"]
+BACKING_RATIO = MEASURES["backing_thickness_ratio"]
+BACKING_DENSITY = MEASURES["backing_density_kg_m3"]
+BACKING_STRENGTH = MEASURES["backing_strength_GPa"]
+SLENDERNESS = MEASURES["rod_length_ratio"]
+ROD_DENSITY = MEASURES["rod_density_kg_m3"]
+ROD_STRENGTH = MEASURES["rod_strength_GPa"]
+TILES = shipped_evidence()[0]
 
 
 @cache
@@ -57,7 +52,7 @@ def covered() -> dict[str, list[float]]:
 
 @pytest.mark.parametrize("measure", [CERAMIC_RATIO, BACKING_RATIO, SLENDERNESS], ids=lambda measure: measure.words)
 def test_the_ranges_are_those_of_the_published_cases(measure: Measure):
-    [data] = [limits for limits in TILES.computed if limits.measure == measure]
+    [data] = [limits for limits in TILES.ranges if limits.measure == measure]
     values = covered()[measure.key]
     assert data.low <= min(values) <= 1.04 * data.low
     assert 0.96 * data.high <= max(values) <= data.high
