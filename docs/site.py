@@ -19,12 +19,12 @@ from markdown.extensions.toc import slugify
 from mkdocs.structure.files import File
 
 import armour
+from armour.analysis.quantities import label_and_unit
 from armour.reporting.markdown import markdown_table
-from armour.reporting.tables.library import entry_table
+from armour.reporting.views.library import entry_table
 from armour.scenario.inputs import INPUTS
 from armour.scenario.meanings import MEANINGS
 from armour.scenario.scenario import scenario_schema
-from armour.units import words_and_unit
 
 DOCS = Path(__file__).parent
 # Pages of the site whose text is kept elsewhere in the repository.
@@ -71,7 +71,7 @@ def keys() -> str:
     for one in INPUTS.values():
         symbols.setdefault(one.key, []).extend([one.field] if one.field else [])
     rows = (
-        f"| `{key}` | {meaning} | {words_and_unit(key)[1]} | {', '.join(symbols.get(key, []))} |"
+        f"| `{key}` | {meaning} | {label_and_unit(key)[1]} | {', '.join(symbols.get(key, []))} |"
         for key, meaning in sorted(MEANINGS.items())
     )
     return "\n".join(["| key | meaning | unit | symbol |", "|---|---|---|---|", *rows])

@@ -21,7 +21,7 @@ def __getattr__(name: str) -> object:
     from armour.analysis.results import Result
 
     # A notebook shows a result as its tables, which belong to a layer above the results: the layers meet here.
-    Result._in_html = lambda result: import_module("armour.reporting.notebook").in_html(result)
+    Result._in_html = lambda result: import_module("armour.reporting.show").in_html(result)
     get, listed, names = lazy_loader.attach_stub(__name__, __file__)
     globals().update(__getattr__=get, __dir__=listed, __all__=names)
     return names if name == "__all__" else get(name)

@@ -28,8 +28,8 @@ from .planning.plan_tests import PlannedTests as PlannedTests
 from .planning.plan_tests import plan_tests as plan_tests
 from .planning.shot_plan import ShotPlan as ShotPlan
 from .planning.shot_plan import plan_shots as plan_shots
-from .reporting.figures import plot as plot
-from .reporting.report_file import report as report
+from .reporting.show import plot as plot
+from .reporting.show import report as report
 from .scenario.evidence import ModelError as ModelError
 from .scenario.library import Library as Library
 from .scenario.library import LibraryEntry as LibraryEntry

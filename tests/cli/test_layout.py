@@ -11,8 +11,8 @@ from armour.analysis.confidence import confidence
 from armour.analysis.impact import simulate
 from armour.cli.layout import rendered
 from armour.reporting.table import Column, Table, record
-from armour.reporting.tables.impact import impact_tables
-from armour.reporting.tables.library import library_tables
+from armour.reporting.views import impact as impact_view
+from armour.reporting.views.library import library_tables
 from armour.scenario.library import shipped_library
 from tests.helpers.cases import scenario
 
@@ -30,7 +30,10 @@ def words(lines: list[str]) -> list[str]:
 
 @pytest.fixture(scope="module")
 def tables() -> list[Table]:
-    items = [*impact_tables(simulate(scenario()), confidence(scenario())), *library_tables(shipped_library())]
+    items = [
+        *impact_view.tables(simulate(scenario())._of(confidence=confidence(scenario()))),
+        *library_tables(shipped_library()),
+    ]
     return [item for item in items if isinstance(item, Table)]
 
 

@@ -8,9 +8,33 @@ from armour.analysis.ballistic_limit import ballistic_limit, curve_velocities, r
 from armour.analysis.energy import EnergyBalance, StageEnergy
 from armour.analysis.impact import simulate
 from armour.design.optimise import Pair
-from armour.reporting import charts
-from armour.reporting.chart import Band, Bars, Chart, Contours, Line, Map, Panel, Points, Rule, Series, Spans
-from armour.reporting.tables.impact import energy_table
+from armour.errors import InputError
+from armour.reporting.chart import (
+    Band,
+    Bars,
+    Chart,
+    Contours,
+    Line,
+    Map,
+    Panel,
+    Points,
+    Rule,
+    Series,
+    Spans,
+    quantity_axis,
+)
+from armour.reporting.views import ballistic_limit as limit_view
+from armour.reporting.views import calibration as calibration_view
+from armour.reporting.views import comparison as comparison_view
+from armour.reporting.views import design as design_view
+from armour.reporting.views import figure as figure_view
+from armour.reporting.views import impact as impact_view
+from armour.reporting.views import sensitivity as sensitivity_view
+from armour.reporting.views import suite as suite_view
+from armour.reporting.views import sweep as sweep_view
+from armour.reporting.views import uncertainty as uncertainty_view
+from armour.reporting.views import v50 as v50_view
+from armour.reporting.views.impact import energy_table
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
@@ -65,12 +89,12 @@ def assert_matched(chart: Chart) -> None:
     ],
 )
 def test_an_axis_is_in_words_with_its_unit(name: str, heading: str):
-    assert charts.quantity_axis(name).heading == heading
+    assert quantity_axis(name).heading == heading
 
 
 def test_an_impact():
     found = impact()
-    chart = charts.impact_chart(found)
+    chart = impact_view.chart(found)
     assert chart.title == f"Impact: perforated at 800 m/s, residual velocity {found.residual_velocity_m_s:.1f} m/s"
     time = "time since impact, µs"
     assert headings(chart) == [(time, "velocity, m/s"), (time, "rod length, mm"), (time, "depth, bulge, mm")]
@@ -86,23 +110,23 @@ def test_an_impact():
 
 def test_an_impact_that_is_drawn_in_part_says_so():
     dwell = simulate(shipped_scenario("dwell"), history=True)
-    chart = charts.impact_chart(dwell)
+    chart = impact_view.chart(dwell)
     assert chart.panels[0].x.limits is not None
     shown = chart.panels[0].x.limits[1]
     assert shown < dwell.duration_us
     assert chart.note.startswith(f"Drawn up to {shown:.3g} µs of {dwell.duration_us:.3g} µs. Stages: ")
     whole = simulate(scenario(velocity=900.0), history=True)
-    assert charts.impact_chart(whole).note.startswith("Stages: ")
+    assert impact_view.chart(whole).note.startswith("Stages: ")
 
 
 def test_an_impact_without_its_history():
-    with pytest.raises(ValueError, match="history=True"):
-        charts.impact_chart(simulate(scenario()))
+    with pytest.raises(InputError, match="history=True"):
+        impact_view.chart(simulate(scenario()))
 
 
 def test_a_long_tail_is_left_out():
     slow = simulate(scenario(ceramic_mm=12.0, velocity=300.0), history=True)
-    chart = charts.impact_chart(slow)
+    chart = impact_view.chart(slow)
     assert chart.title == "Impact: defeated at 300 m/s"
     assert chart.panels[0].x.text(12.3456) == "12.35 µs"
     assert chart.panels[2].y.text(0.0018156) == "0.00 mm"
@@ -116,7 +140,7 @@ def test_a_long_tail_is_left_out():
 def test_a_ballistic_limit():
     limit = ballistic_limit(scenario())
     velocities = curve_velocities(limit, scenario())
-    chart = charts.limit_chart(limit, residual_velocity_curve(scenario(), velocities))
+    chart = limit_view.limit_chart(limit, residual_velocity_curve(scenario(), velocities))
     [panel] = chart.panels
     assert labels(panel) == ["no armour", "projectile", "plug", f"ballistic limit {WILKINS_LIMIT:.1f} m/s"]
     assert some(panel, Line)[1].y[0] == 0.0
@@ -125,7 +149,7 @@ def test_a_ballistic_limit():
 
 def test_designs_of_a_pair():
     found = design_result(refined=True)
-    chart = charts.design_chart(found)
+    chart = design_view.chart(found)
     areal, required = chart.panels
     x = "back plate thickness, mm"
     assert headings(chart) == [(x, "areal density, kg/m²"), (x, "required ceramic thickness, mm")]
@@ -150,17 +174,17 @@ def test_designs_of_a_pair():
     ],
 )
 def test_what_is_minimised_is_drawn(minimised: str, heading: str, values: list[float], best: str):
-    first, _ = charts.frontier_chart(replace(design_result(), minimised=minimised)).panels
+    first, _ = design_view.frontier_chart(replace(design_result(), minimised=minimised)).panels
     assert first.y.heading == heading
     assert some(first, Line)[0].y == values
     assert labels(first)[-1] == f"best: 8 on 6 mm, {best}"
 
 
-@pytest.mark.parametrize(("count", "marked"), [(6, 6), (charts.MAX_PAIRS + 5, charts.MAX_PAIRS + 1)])
+@pytest.mark.parametrize(("count", "marked"), [(6, 6), (design_view.MAX_PAIRS + 5, design_view.MAX_PAIRS + 1)])
 def test_every_pair_is_marked_up_to_a_limit(count: int, marked: int):
     found = design_result()
     others = [Pair(f"C{i}", "6061-T6", best_design(), 1.0 + i, f"{1 + i} % heavier") for i in range(count - 1)]
-    chart = charts.frontier_chart(replace(found, pairs=(*found.pairs, *others)))
+    chart = design_view.frontier_chart(replace(found, pairs=(*found.pairs, *others)))
     first, _ = chart.panels
     looks = {(item.colour, item.marker) for item in first.series[:-1] if isinstance(item, Line | Points)}
     assert len(looks) == marked
@@ -171,7 +195,7 @@ def test_every_pair_is_marked_up_to_a_limit(count: int, marked: int):
 
 
 def test_designs_of_several_pairs_against_several_threats():
-    chart = charts.design_chart(design_result(threats=(THREAT, OTHER), pareto=True))
+    chart = design_view.chart(design_result(threats=(THREAT, OTHER), pareto=True))
     areal, _, front = chart.panels
     assert "AD99.5 on 6061-T6: 10.1 % heavier" in labels(areal)
     assert not any("Al-N" in label for label in labels(*chart.panels))
@@ -189,12 +213,12 @@ def test_designs_of_several_pairs_against_several_threats():
 
 def test_the_least_ceramic_of_a_range_is_noted():
     words = "Where the ceramic is 7 mm, the least of its range, less may be required."
-    assert charts.frontier_chart(replace(design_result(), ceramic_min_mm=7.0)).note == words
-    assert charts.frontier_chart(replace(design_result(), ceramic_min_mm=6.0)).note == ""
+    assert design_view.frontier_chart(replace(design_result(), ceramic_min_mm=7.0)).note == words
+    assert design_view.frontier_chart(replace(design_result(), ceramic_min_mm=6.0)).note == ""
 
 
 def test_a_pareto_front_of_its_own_names_its_pairs():
-    [panel] = charts.pareto_chart(design_result(pareto=True)).panels
+    [panel] = design_view.pareto_chart(design_result(pareto=True)).panels
     assert labels(panel) == ["Pareto front", "AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"]
     [front] = some(panel, Line)
     assert (front.x, front.y) == ([43.6, 48.0], [100.0, 80.0])
@@ -202,7 +226,7 @@ def test_a_pareto_front_of_its_own_names_its_pairs():
 
 def test_a_front_of_three_criteria_is_no_line():
     found = replace(design_result(pareto=True), criteria=("areal_density_kg_m2", "cost_per_m2", "thickness_mm"))
-    [panel] = charts.pareto_chart(found).panels
+    [panel] = design_view.pareto_chart(found).panels
     assert some(panel, Line) == []
 
 
@@ -217,7 +241,7 @@ def figure() -> Figure:
 
 
 def test_a_figure_of_the_paper():
-    chart = charts.figure_chart([figure()])
+    chart = figure_view.chart([figure()])
     [panel] = chart.panels
     assert labels(panel) == ["A", "B", "L", "printed", "another"]
     assert (panel.x.heading, panel.y.heading) == ("each, mm", "residual velocity, m/s")
@@ -231,12 +255,12 @@ def test_a_figure_of_the_paper():
 
 
 def test_panels_of_a_figure_share_a_legend():
-    first, second = charts.figure_chart([figure(), figure()]).panels
+    first, second = figure_view.chart([figure(), figure()]).panels
     assert (labels(first), labels(second)) == (["A", "B", "L", "printed", "another"], [])
 
 
 def test_parity_of_the_tables_of_a_suite(folder):
-    chart = charts.parity_chart(result(folder, TABLE + case("own", 700.0, "band = 100.0")))
+    chart = suite_view.chart(result(folder, TABLE + case("own", 700.0, "band = 100.0")))
     [panel] = chart.panels
     [points] = some(panel, Points)
     assert headings(chart) == [("expected ballistic limit, m/s", "computed ballistic limit, m/s")]
@@ -250,21 +274,21 @@ def test_parity_of_the_tables_of_a_suite(folder):
 
 
 def test_parity_has_lines_at_the_band_that_all_cases_have(folder):
-    chart = charts.parity_chart(result(folder, case("a", 700.0, "band = 35.0") + case("b", 800.0, "band = 40.0")))
+    chart = suite_view.chart(result(folder, case("a", 700.0, "band = 35.0") + case("b", 800.0, "band = 40.0")))
     assert labels(*chart.panels) == ["cases", "agreement", "± 5 %"]
     assert chart.note == ""
 
 
 def test_parity_of_a_suite_without_tables(folder):
-    chart = charts.parity_chart(result(folder, case("own", 700.0, "band = 100.0")))
+    chart = suite_view.chart(result(folder, case("own", 700.0, "band = 100.0")))
     assert labels(*chart.panels)[0] == "cases"
     outcome = 'scenario = "wilkins.toml"\nquantity = "outcome"\nexpected = "perforated"'
-    assert charts.parity_chart(result(folder, f'[[case]]\nname = "o"\n{outcome}\n')).panels == ()
+    assert suite_view.chart(result(folder, f'[[case]]\nname = "o"\n{outcome}\n')).panels == ()
 
 
 def test_a_comparison():
     found = compare(scenario())
-    [panel] = charts.comparison_chart(found).panels
+    [panel] = comparison_view.chart(found).panels
     assert labels(panel)[0] == f"this model: ballistic limit {WILKINS_LIMIT:.1f} m/s"
     assert len(some(panel, Line)) == 1 + len(found.fits)
     assert [rule.at for rule in some(panel, Rule)] == [florence.ballistic_limit_m_s for florence in found.florence]
@@ -280,7 +304,7 @@ def calibrated(count: int = 3) -> CalibrationResult:
 
 
 def test_a_calibration():
-    chart = charts.calibration_chart(calibrated())
+    chart = calibration_view.chart(calibrated())
     parity, deviations = chart.panels
     assert chart.title == "Calibration to t.csv"
     assert (parity.x.heading, parity.y.heading) == ("measured ballistic limit, m/s", "computed ballistic limit, m/s")
@@ -296,10 +320,10 @@ def test_a_calibration():
 
 def test_a_calibration_to_tests_with_uncertainties_has_error_bars():
     found = calibrated()
-    assert charts.calibration_chart(found).note == ""
+    assert calibration_view.chart(found).note == ""
     first, *others = found.residuals
     known = replace(found, residuals=(replace(first, uncertainty=30.0), *others))
-    chart = charts.calibration_chart(known)
+    chart = calibration_view.chart(known)
     parity = chart.panels[0]
     tests, bound = some(parity, Points)
     assert tests.x_ends == ((670.0, 730.0), (710.0, 710.0), (720.0, 720.0))
@@ -312,14 +336,14 @@ def test_a_calibration_to_tests_with_uncertainties_has_error_bars():
 
 def test_a_calibration_to_outcomes_alone_has_no_deviations():
     found = calibrated()
-    chart = charts.calibration_chart(replace(found, residuals=tuple(r for r in found.residuals if r.bound)))
+    chart = calibration_view.chart(replace(found, residuals=tuple(r for r in found.residuals if r.bound)))
     [parity] = chart.panels
     assert labels(parity) == ["defeated at", "agreement"]
 
 
 def test_a_calibration_to_many_tests_shows_the_largest_deviations():
-    _, deviations = charts.calibration_chart(calibrated(60)).panels
-    assert len(deviations.y.categories) == charts.MAX_ROWS
+    _, deviations = calibration_view.chart(calibrated(60)).panels
+    assert len(deviations.y.categories) == calibration_view.MAX_ROWS
     assert deviations.title == "Deviation of the ballistic limit, the 40 largest of 60"
     assert deviations.y.categories[0] == "test 59"
 
@@ -337,7 +361,7 @@ def test_a_sensitivity_is_ordered_by_the_largest_elasticity_of_any_answer():
             item(BACKING, None, None),
         ),
     )
-    chart = charts.sensitivity_chart(found)
+    chart = sensitivity_view.chart(found)
     [panel] = chart.panels
     assert panel.y.categories == ("impact velocity", "ceramic thickness", "ceramic flow stress")
     assert labels(panel) == ["ballistic limit", "least areal density"]
@@ -353,7 +377,7 @@ SHOTS = Shots(VELOCITIES, (False, False, True, False, True, True), "folder/shots
 
 def test_a_v50():
     found = v50(SHOTS, scenario())
-    chart = charts.v50_chart(SHOTS, found)
+    chart = v50_view.chart(found._of(shots=SHOTS))
     [panel] = chart.panels
     assert f"this model: ballistic limit {WILKINS_LIMIT:.1f} m/s" in labels(panel)
     assert [item.text[0] for item in some(panel, Points)][:2] == [
@@ -371,7 +395,7 @@ def test_a_v50():
 
 def test_a_v50_without_a_recommended_curve_has_no_band():
     found = replace(v50(SHOTS), recommended=None)
-    [panel] = charts.v50_chart(SHOTS, found).panels
+    [panel] = v50_view.chart(found._of(shots=SHOTS)).panels
     assert not some(panel, Band)
     assert some(panel, Line)[0].label.startswith(f"{found.fits[0].curve}, {found.fits[0].method}: V50")
 
@@ -379,7 +403,7 @@ def test_a_v50_without_a_recommended_curve_has_no_band():
 def test_a_v50_far_from_the_shots_is_outside_the_axis():
     found = v50(SHOTS)
     far = replace(found.fits[0], v50_m_s=2000.0, v50_interval_m_s=(None, None))
-    [panel] = charts.v50_chart(SHOTS, replace(found, fits=(far,), recommended=None)).panels
+    [panel] = v50_view.chart(replace(found, fits=(far,), recommended=None)._of(shots=SHOTS)).panels
     assert panel.x.limits is not None
     assert panel.x.limits[1] < 2000.0
     assert len(some(panel, Points)) == 2
@@ -389,7 +413,7 @@ def test_the_interval_of_a_v50_is_a_bar_where_it_has_an_end():
     velocities = (700.0, 710.0, 714.0, 718.0, 720.0, 722.0, 726.0, 730.0, 735.0, 740.0)
     complete = tuple(velocity in (714.0, 722.0) or velocity > 725.0 for velocity in velocities)
     shots = Shots(velocities, complete, "shots.csv")
-    chart = charts.v50_chart(shots, v50(shots))
+    chart = v50_view.chart(v50(shots))
     assert chart.note.startswith("The bar at one half is the 95 % interval of V50, ")
     [bar] = [item for item in some(chart.panels[0], Points) if item.x_ends]
     [(low, high)] = bar.x_ends
@@ -398,7 +422,7 @@ def test_the_interval_of_a_v50_is_a_bar_where_it_has_an_end():
 
 def test_the_posterior_of_a_v50_is_drawn():
     found = v50(SHOTS, shipped_scenario("wilkins"), prior=True)
-    chart = charts.v50_chart(SHOTS, found)
+    chart = v50_view.chart(found._of(shots=SHOTS))
     [panel] = chart.panels
     assert found.posterior is not None
     [bar] = [item for item in some(panel, Points) if "posterior" in item.label]
@@ -411,7 +435,7 @@ def test_the_posterior_of_a_v50_is_drawn():
 def test_a_limit_outside_the_axis_of_a_v50_is_in_the_note_and_not_in_the_legend():
     thick = scenario(ceramic_mm=9.0)
     found = v50(SHOTS, thick)
-    chart = charts.v50_chart(SHOTS, found)
+    chart = v50_view.chart(found._of(shots=SHOTS))
     [panel] = chart.panels
     assert panel.x.limits is not None
     assert found.model_ballistic_limit_m_s is not None
@@ -422,7 +446,7 @@ def test_a_limit_outside_the_axis_of_a_v50_is_in_the_note_and_not_in_the_legend(
 
 def test_an_uncertainty():
     found = uncertainty_result()
-    chart = charts.uncertainty_chart(found, scenario(velocity=700.0))
+    chart = uncertainty_view.chart(found._of(scenario=scenario(velocity=700.0)))
     curve, swings = chart.panels
     assert "at 700 m/s: 0.210, 0.200 to 0.220 by sampling" in labels(curve)
     assert swings.y.categories == ("ceramic flow stress", "penetrator mass")
@@ -436,7 +460,7 @@ def test_an_uncertainty():
 
 def test_an_energy_balance():
     energy = EnergyBalance(100.0, (StageEnergy("i", 20.0, 30.0), StageEnergy("iii.4", 0.0, 40.0)), 10.0)
-    chart = charts.energy_chart(energy)
+    chart = impact_view.energy_chart(energy)
     [panel] = chart.panels
     assert chart.note.startswith("Stages: i, intact ceramic, penetrated, rod erodes; iii.4, plate carried along")
     assert panel.y.categories == ("1. stage i", "2. stage iii.4", "remaining")
@@ -455,7 +479,7 @@ def table(*keys: str) -> dict[str, Any]:
 
 def test_a_sweep_over_one_key():
     columns = {CERAMIC: np.array([4.0, 6.0]), "ballistic_limit_m_s": np.array([500.0, np.nan])}
-    chart = charts.sweep_chart(columns, [CERAMIC], "ballistic_limit_m_s", scenario())
+    chart = sweep_view.sweep_chart(columns, [CERAMIC], "ballistic_limit_m_s", scenario())
     [panel] = chart.panels
     assert chart.title == "Ballistic limit over ceramic thickness"
     assert (panel.x.heading, panel.y.heading) == ("ceramic thickness, mm", "ballistic limit, m/s")
@@ -468,7 +492,7 @@ def test_a_sweep_over_one_key():
 @pytest.mark.parametrize("values", [[4.0], [10.0, 4.0, 6.0]])
 def test_the_rows_of_a_sweep_are_marked_and_in_order(values: list[float]):
     columns = {CERAMIC: np.array(values), "ballistic_limit_m_s": 100.0 * np.array(values)}
-    [panel] = charts.sweep_chart(columns, [CERAMIC], "ballistic_limit_m_s", scenario()).panels
+    [panel] = sweep_view.sweep_chart(columns, [CERAMIC], "ballistic_limit_m_s", scenario()).panels
     [line] = some(panel, Line)
     assert list(line.x) == sorted(values)
     assert list(line.y) == [100.0 * value for value in sorted(values)]
@@ -478,23 +502,23 @@ def test_the_rows_of_a_sweep_are_marked_and_in_order(values: list[float]):
 def test_a_sweep_over_names_has_bars_and_one_over_names_and_numbers_curves():
     names, limits = ["AD85", "AD85", "Al-N", "Al-N"], np.array([5.0, 7.0, 6.0, np.nan])
     columns = {"armour.ceramic": np.array(names), CERAMIC: np.array([4.0, 6.0] * 2), "ballistic_limit_m_s": limits}
-    [panel] = charts.sweep_chart(columns, ["armour.ceramic", CERAMIC], "ballistic_limit_m_s", scenario()).panels
+    [panel] = sweep_view.sweep_chart(columns, ["armour.ceramic", CERAMIC], "ballistic_limit_m_s", scenario()).panels
     assert {line.label: list(line.y) for line in some(panel, Line)} == {"AD85": [5.0, 7.0], "Al-N": [6.0, None]}
     columns["armour.backing"] = np.array(["a", "b"] * 2)
     for keys, ends in (
         (["armour.ceramic", "armour.backing"], {"a": [5.0, 6.0], "b": [7.0, None]}),
         (["armour.backing", "armour.ceramic"], {"AD85": [5.0, 7.0], "Al-N": [6.0, None]}),
     ):
-        [panel] = charts.sweep_chart(columns, keys, "ballistic_limit_m_s", scenario()).panels
+        [panel] = sweep_view.sweep_chart(columns, keys, "ballistic_limit_m_s", scenario()).panels
         assert {bars.label: list(bars.ends) for bars in some(panel, Bars)} == ends
     first = {key: values[::2] for key, values in columns.items()}
-    [panel] = charts.sweep_chart(first, ["armour.ceramic"], "ballistic_limit_m_s", scenario()).panels
+    [panel] = sweep_view.sweep_chart(first, ["armour.ceramic"], "ballistic_limit_m_s", scenario()).panels
     assert (panel.y.categories, list(some(panel, Bars)[0].ends)) == (("AD85", "Al-N"), [5.0, 6.0])
 
 
 @pytest.mark.parametrize("keys", [(CERAMIC, BACKING), (BACKING, CERAMIC)])
 def test_a_sweep_over_both_thicknesses(keys: tuple[str, str]):
-    chart = charts.sweep_chart(table(*keys), keys, "ballistic_limit_m_s", scenario())
+    chart = sweep_view.sweep_chart(table(*keys), keys, "ballistic_limit_m_s", scenario())
     [panel] = chart.panels
     [colours] = some(panel, Map)
     assert colours.z == [[405.0, 605.0, 805.0], [407.0, 607.0, 807.0]]
@@ -503,13 +527,13 @@ def test_a_sweep_over_both_thicknesses(keys: tuple[str, str]):
     assert areal.z[0][0] == pytest.approx(scenario().replaced(thickness).areal_density_kg_m2())
     assert limits.label == "lines of equal ballistic limit, m/s"
     assert areal.label == "lines of equal areal density, kg/m²"
-    first, second = (charts.quantity_axis(key).label.removesuffix(" thickness") for key in keys)
+    first, second = (quantity_axis(key).label.removesuffix(" thickness") for key in keys)
     assert chart.title == f"Ballistic limit over {first} and {second} thickness"
 
 
 def test_a_sweep_over_other_keys_has_no_areal_densities():
     keys = ("ceramic.flow_stress_GPa", CERAMIC)
-    chart = charts.sweep_chart(table(*keys), keys, "ballistic_limit_m_s", scenario())
+    chart = sweep_view.sweep_chart(table(*keys), keys, "ballistic_limit_m_s", scenario())
     assert headings(chart) == [("ceramic flow stress, GPa", "ceramic thickness, mm")]
     assert len(some(chart.panels[0], Contours)) == 1
     assert chart.title == "Ballistic limit over ceramic flow stress and ceramic thickness"
@@ -518,26 +542,26 @@ def test_a_sweep_over_other_keys_has_no_areal_densities():
 def test_a_sweep_of_equal_answers_has_no_lines_of_equal_answers():
     x, y = (column.ravel() for column in np.meshgrid([4.0, 6.0], [5.0, 7.0]))
     columns = {"impact.velocity_m_s": x, BACKING: y, "ballistic_limit_m_s": np.full(4, 700.0)}
-    chart = charts.sweep_chart(columns, ["impact.velocity_m_s", BACKING], "ballistic_limit_m_s", scenario())
+    chart = sweep_view.sweep_chart(columns, ["impact.velocity_m_s", BACKING], "ballistic_limit_m_s", scenario())
     assert len(some(chart.panels[0], Map)) == 1
     assert some(chart.panels[0], Contours) == []
 
 
 def test_words_that_both_keys_end_in_stand_once():
     keys = ("ceramic.flow_stress_GPa", "backing.flow_stress_GPa")
-    chart = charts.sweep_chart(table(*keys), keys, "ballistic_limit_m_s", scenario())
+    chart = sweep_view.sweep_chart(table(*keys), keys, "ballistic_limit_m_s", scenario())
     assert chart.title == "Ballistic limit over ceramic and back plate flow stress"
 
 
 def test_a_key_of_a_library_entry_names_it():
     keys = ["library.ceramic.Mine.flow_stress_GPa"]
     columns = {keys[0]: np.array([4.0, 6.0]), "residual_velocity_m_s": np.array([500.0, 300.0])}
-    [panel] = charts.sweep_chart(columns, keys, "residual_velocity_m_s", scenario()).panels
+    [panel] = sweep_view.sweep_chart(columns, keys, "residual_velocity_m_s", scenario()).panels
     assert panel.x.heading == "Mine flow stress, GPa"
 
 
 def test_series_differ_in_more_than_colour():
-    series: tuple[Series, ...] = charts.figure_chart([figure()]).panels[0].series
+    series: tuple[Series, ...] = figure_view.chart([figure()]).panels[0].series
     looks = [item.style for item in series if isinstance(item, Line)]
     assert len(set(looks)) == len(looks)
 
@@ -547,6 +571,6 @@ def test_a_front_over_three_criteria_says_what_is_not_drawn():
     front = tuple(replace(design, margin_m_s=5.0) for design in design_result(pareto=True).pareto)
     found = replace(design_result(pareto=True), criteria=criteria, pareto=front)
     note = "A design of the front that another one beats in both criteria drawn is better in margin."
-    assert note in charts.pareto_chart(found).note
-    assert note in charts.design_chart(found).note
-    assert note not in charts.pareto_chart(replace(found, criteria=criteria[:2])).note
+    assert note in design_view.pareto_chart(found).note
+    assert note in design_view.chart(found).note
+    assert note not in design_view.pareto_chart(replace(found, criteria=criteria[:2])).note

@@ -11,8 +11,8 @@ from armour.reporting.contents import Contents, contents_of
 from armour.reporting.html import html_report
 from armour.reporting.report import Card, Report, Section
 from armour.reporting.scenario_report import scenario_report
-from armour.reporting.suite_report import suite_report
 from armour.reporting.table import Column, Table
+from armour.reporting.views import suite as suite_view
 from armour.scenario.scenario import load_scenario
 from tests.helpers.cases import SCENARIOS, scenario
 from tests.helpers.results import OTHER, THREAT, design_result, uncertainty_result
@@ -96,7 +96,7 @@ def test_a_design_and_an_uncertainty_are_shown():
     several = replace(
         contents("wilkins"),
         design=design_result(threats=(THREAT, OTHER), pareto=True),
-        uncertainty=uncertainty_result(),
+        uncertainty=uncertainty_result()._of(scenario=scenario()),
     )
     found = headings(page(several))
     for heading in ("Pareto front", "Probability of perforation", "Pairs of materials", "Margins against the threats"):
@@ -174,7 +174,7 @@ def test_names_of_materials_are_text():
 
 def test_a_suite(folder):
     outcome = result(folder, TABLE + case("own", 700.0, "band = 100.0"))
-    content = html_report(suite_report(outcome, "armour report s.toml"))
+    content = html_report(suite_view.report(outcome, "armour report s.toml"))
     assert "3 of 4 within their bands" in content
     assert content.count('class="chart"') == 1
     assert "computed ballistic limit, m/s" in content
@@ -185,5 +185,5 @@ def test_a_suite(folder):
 
 def test_a_suite_without_numbers_has_no_chart(folder):
     outcome = 'scenario = "wilkins.toml"\nquantity = "outcome"\nexpected = "perforated"'
-    content = html_report(suite_report(result(folder, f'[[case]]\nname = "o"\n{outcome}\n')))
+    content = html_report(suite_view.report(result(folder, f'[[case]]\nname = "o"\n{outcome}\n')))
     assert 'class="chart"' not in content

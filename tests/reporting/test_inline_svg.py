@@ -5,10 +5,11 @@ from xml.etree import ElementTree
 
 import pytest
 
-from armour.reporting import charts
 from armour.reporting.chart import BLUE, INK, SOFT, VERMILION, Axis, Bars, Chart, Line, Panel, Points, Spans
 from armour.reporting.inline_svg import MAX_POINTS, inline_svg
 from armour.reporting.plots import draw
+from armour.reporting.views import design as design_view
+from armour.reporting.views import impact as impact_view
 from tests.helpers.results import design_result, impact
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -70,13 +71,13 @@ def test_gaps_have_no_point():
 
 
 def test_colours_follow_the_theme():
-    content = inline_svg(charts.impact_chart(impact()), "c")
+    content = inline_svg(impact_view.chart(impact()), "c")
     assert not [colour for colour in (INK, SOFT, BLUE) if colour in content]
     assert {"var(--ink)", "var(--soft)", "var(--blue)"} <= set(re.findall(r"var\(--[a-z]+\)", content))
 
 
 def test_identifiers_of_two_charts_differ_and_refer_to_each_other():
-    chart = charts.impact_chart(impact())
+    chart = impact_view.chart(impact())
     first, second = (inline_svg(chart, name) for name in ("a", "b"))
     ids = [set(re.findall(r' id="([^"]*)"', content)) for content in (first, second)]
     assert ids[0]
@@ -87,13 +88,13 @@ def test_identifiers_of_two_charts_differ_and_refer_to_each_other():
 
 
 def test_the_same_chart_is_the_same_svg():
-    chart = charts.design_chart(design_result(pareto=True))
+    chart = design_view.chart(design_result(pareto=True))
     assert inline_svg(chart, "c") == inline_svg(chart, "c")
 
 
 @pytest.mark.parametrize("name", ["<!--<script>", "</svg><script>alert(1)</script>", "a\x08\x00\u2028b", "url(#x)"])
 def test_names_are_text(name: str):
-    chart = charts.frontier_chart(design_result(ceramic=name))
+    chart = design_view.frontier_chart(design_result(ceramic=name))
     content = inline_svg(chart, "c")
     assert "<script" not in content
     assert "<!--" not in content

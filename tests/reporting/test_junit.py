@@ -2,7 +2,7 @@ import re
 from pathlib import Path
 from xml.etree import ElementTree
 
-from armour.reporting.junit import suite_junit
+from armour.reporting.views.suite import junit
 from tests.helpers.suites import TABLE, case, result
 
 
@@ -13,7 +13,7 @@ def test_every_case_and_table_is_a_test_case(folder: Path):
         + case("none", 724.0, "band = 1.0\nset.ballistic_limit.velocity_min_m_s = 1000.0")
         + case("slip", 1.0, 'not_scored = "a slip"')
     )
-    suite = ElementTree.fromstring(suite_junit(result(folder, 'title = "A | suite"\n' + text + TABLE), 1.25))
+    suite = ElementTree.fromstring(junit(result(folder, 'title = "A | suite"\n' + text + TABLE), 1.25))
     found = (suite.get("name"), suite.get("tests"), suite.get("failures"), suite.get("skipped"))
     assert found == ("A | suite", "7", "3", "1")
     assert suite.get("time") == "1.250"
@@ -34,6 +34,6 @@ def test_every_case_and_table_is_a_test_case(folder: Path):
 
 
 def test_control_characters_leave_it_well_formed(folder: Path):
-    xml = suite_junit(result(folder, 'title = "a\\u001b[31m"\n' + case("b\\u0007", 725.0, "band = 1.0")), 0.0)
+    xml = junit(result(folder, 'title = "a\\u001b[31m"\n' + case("b\\u0007", 725.0, "band = 1.0")), 0.0)
     suite = ElementTree.fromstring(xml)
     assert (suite.get("name"), suite[0].get("name")) == ("a\\x1b[31m", "b\\x07")

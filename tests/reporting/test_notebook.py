@@ -8,7 +8,8 @@ import pytest
 
 from armour.analysis.confidence import confidence
 from armour.analysis.results import TableResult
-from armour.reporting import notebook
+from armour.reporting.show import in_html
+from armour.reporting.views.registry import VIEWS
 from tests.helpers.cases import scenario
 from tests.helpers.results import impact
 from tests.reporting.test_figures import results
@@ -16,9 +17,9 @@ from tests.reporting.test_figures import results
 
 def test_every_result_has_its_tables_and_its_line(folder: Path):
     found = [result for result, _ in results(folder).values()] + [confidence(scenario())]
-    assert {type(result).__name__ for result in found} == notebook.TABLES.keys()
+    assert {type(result).__name__ for result in found} == VIEWS.keys()
     for result in found:
-        html = notebook.in_html(result)
+        html = in_html(result)
         assert html is not None
         assert html.count("<table") >= 1
         assert "\n" not in repr(result)
@@ -46,7 +47,7 @@ def test_rows_are_columns_of_equal_lengths(folder: Path, monkeypatch: pytest.Mon
 
 
 def test_the_tables_are_those_of_the_command():
-    html = notebook.in_html(impact())
+    html = in_html(impact())
     assert html is not None
     assert '<th scope="row">residual velocity</th><td>277.38\N{NO-BREAK SPACE}m/s</td>' in html
     assert "fragmented ceramic, penetrated; rod erodes" in html
@@ -55,4 +56,4 @@ def test_the_tables_are_those_of_the_command():
 def test_a_history_has_no_tables():
     history = impact().history
     assert history is not None
-    assert notebook.in_html(history) is None
+    assert in_html(history) is None

@@ -8,9 +8,16 @@ import pytest
 
 from armour.planning.plan_tests import PlannedTests, ScatterSource, plan_tests
 from armour.reporting.chart import Contours, Line, Map, Points
-from armour.reporting.figures import plot
-from armour.reporting.planned_tests_chart import GAIN, planned_chart, velocities_in_words
-from armour.reporting.tables.planned_tests import form_table, plan_table, planned_tables, step_table
+from armour.reporting.show import plot
+from armour.reporting.views.planned_tests import (
+    GAIN,
+    chart,
+    form_table,
+    plan_table,
+    step_table,
+    tables,
+    velocities_in_words,
+)
 from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 from armour.statistics.test_data import read_tests
 from tests.helpers.cases import shipped_scenario
@@ -24,7 +31,7 @@ def result() -> PlannedTests:
 
 
 def test_a_map_with_the_number_of_tests_of_each_armour(result: PlannedTests):
-    [panel] = planned_chart(result).panels
+    [panel] = chart(result).panels
     assert (panel.x.heading, panel.y.heading) == ("ceramic thickness, mm", "back plate thickness, mm")
     assert isinstance(panel.series[0], Map)
     assert panel.series[0].heading == GAIN
@@ -35,14 +42,14 @@ def test_a_map_with_the_number_of_tests_of_each_armour(result: PlannedTests):
 
 def test_equal_gains_have_no_lines_of_equal_gain(result: PlannedTests):
     equal = replace(result, sensitivities=(1.0,) * len(result.sensitivities))
-    [panel] = planned_chart(equal).panels
+    [panel] = chart(equal).panels
     assert not any(isinstance(series, Contours) for series in panel.series)
-    assert any(isinstance(series, Contours) for series in planned_chart(result).panels[0].series)
+    assert any(isinstance(series, Contours) for series in chart(result).panels[0].series)
 
 
 def test_a_curve_over_one_input(result: PlannedTests):
     one = replace(result, candidates={CERAMIC: result.candidates[CERAMIC], BACKING: (4.0,) * 6})
-    [panel] = planned_chart(one).panels
+    [panel] = chart(one).panels
     assert isinstance(panel.series[0], Line)
     assert len(panel.series[0].x) == 3
 
@@ -50,11 +57,11 @@ def test_a_curve_over_one_input(result: PlannedTests):
 def test_candidates_that_are_no_grid(result: PlannedTests):
     few = {key: values[:3] + values[5:] for key, values in result.candidates.items()}
     some = replace(result, candidates=few, sensitivities=result.sensitivities[:3] + result.sensitivities[5:])
-    assert planned_chart(some).panels[0].series[0].label == "candidates"
+    assert chart(some).panels[0].series[0].label == "candidates"
 
 
 def test_tests_that_do_not_determine_the_inputs(result: PlannedTests):
-    assert "no gain" in planned_chart(replace(result, sensitivities=())).note
+    assert "no gain" in chart(replace(result, sensitivities=())).note
     assert "none: too few tests" in plan_table(replace(result, efficiency=None)).rows[0]
     lacking = replace(result, efficiency=None, not_identified=("ceramic.flow_stress_GPa",))
     assert "none: the candidates do not determine the inputs" in plan_table(lacking).rows[0]
@@ -85,7 +92,7 @@ def test_the_steps(result: PlannedTests):
     assert table.headings()[4:6] == ["total cost", "± ceramic flow stress, GPa"]
     assert [row[4] for row in table.rows] == [10.0, 20.0, 30.0, 40.0, 50.0]
     assert table.rows[0][5] is None
-    assert len(planned_tables(result)) == 3
+    assert len(tables(result)) == 3
 
 
 def test_the_form_has_uncertainties_where_the_scatter_is_given(result: PlannedTests):
@@ -103,16 +110,16 @@ def test_planned_shots_have_their_velocities():
     assert [row[-1] for row in form_table(shots, None).rows] == pytest.approx(
         [0.03 * float(step.inputs[VELOCITY]) for step in shots.planned[1:]], abs=0.05
     )
-    chart = planned_chart(shots)
+    drawn = chart(shots)
     slow, fast = sorted(step.inputs[VELOCITY] for step in shots.planned[1:])
-    assert chart.note.endswith(f"The planned shots are at {slow:g} and {fast:g} m/s.")
-    texts = [text for item in chart.panels[0].series if isinstance(item, Points) for text in item.text]
+    assert drawn.note.endswith(f"The planned shots are at {slow:g} and {fast:g} m/s.")
+    texts = [text for item in drawn.panels[0].series if isinstance(item, Points) for text in item.text]
     assert sorted(texts) == [f"at {slow:g} m/s", f"at {fast:g} m/s"]
 
 
 def test_the_unit_of_a_slope_is_given(result: PlannedTests):
     linear = replace(result, values={"ceramic.flow_stress_ceramic_slope": 0.0})
-    assert "per projectile diameter" in str(planned_tables(linear)[-1])
+    assert "per projectile diameter" in str(tables(linear)[-1])
 
 
 @pytest.mark.parametrize(

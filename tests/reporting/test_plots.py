@@ -9,9 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.contour import ContourSet
 from matplotlib.transforms import Bbox
 
-from armour.reporting import charts
 from armour.reporting.chart import Axis, Bars, Chart, Contours, Line, Map, Panel, Points, Rule, printable_chart
 from armour.reporting.plots import METADATA, draw, rendered
+from armour.reporting.views import design as design_view
+from armour.reporting.views import impact as impact_view
+from armour.reporting.views import uncertainty as uncertainty_view
 from tests.helpers.cases import scenario
 from tests.helpers.results import OTHER, THREAT, design_result, impact, uncertainty_result
 
@@ -26,9 +28,9 @@ def one(*series, **panel) -> Chart:
 
 
 CHARTS = {
-    "impact": lambda: charts.impact_chart(impact()),
-    "design": lambda: charts.design_chart(design_result(threats=(THREAT, OTHER), pareto=True)),
-    "uncertainty": lambda: charts.uncertainty_chart(uncertainty_result(), scenario(velocity=700.0)),
+    "impact": lambda: impact_view.chart(impact()),
+    "design": lambda: design_view.chart(design_result(threats=(THREAT, OTHER), pareto=True)),
+    "uncertainty": lambda: uncertainty_view.chart(uncertainty_result()._of(scenario=scenario(velocity=700.0))),
     "map": lambda: one(Map(*GRID, VALUES, "speed, m/s"), Contours(*GRID, VALUES)),
     "bars": lambda: one(
         Bars([0.0, 0.0], [1.0, None], slot=0, slots=2, label="one"),
@@ -120,7 +122,7 @@ def test_categories_are_rows_of_bars_with_the_first_on_top():
 
 
 def test_panels_share_an_x_axis():
-    upper, _, lower = draw(charts.impact_chart(impact())).axes
+    upper, _, lower = draw(impact_view.chart(impact())).axes
     lower.set_xlim(0.0, 7.0)
     assert upper.get_xlim() == (0.0, 7.0)
     assert upper.get_xlabel() == ""
@@ -131,7 +133,7 @@ def stage_names(axes: Axes) -> list[str]:
 
 
 def test_stages_are_named_where_there_is_room():
-    chart = charts.impact_chart(impact())
+    chart = impact_view.chart(impact())
     assert stage_names(draw(chart).axes[0]) == [stage.stage for stage in impact().stages]
     narrow = stage_names(draw(chart, 1.5).axes[0])
     assert 0 < len(narrow) < len(impact().stages)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from armour.errors import InputError
-from armour.reporting.report_file import report
+from armour.reporting.show import report
 from tests.helpers.cases import scenario
 from tests.helpers.suites import case, result
 

@@ -13,8 +13,8 @@ from armour.reporting.markdown import markdown_report
 from armour.reporting.report import Report, filled
 from armour.reporting.scenario_report import scenario_report
 from armour.reporting.table import Column, Table
-from armour.reporting.tables.confidence import SAMPLED_ALONE
-from armour.reporting.tables.design import frontier_table
+from armour.reporting.views.confidence import SAMPLED_ALONE
+from armour.reporting.views.design import frontier_table
 from armour.scenario.evidence import ModelError
 from armour.scenario.scenario import load_scenario
 from tests.helpers.cases import RANGE, THREATS, scenario
@@ -141,7 +141,7 @@ def test_the_armour_is_said_to_be_the_best_design_or_the_scenarios_own():
 
 
 def test_the_answer_with_distributions():
-    sampled = uncertainty_result()
+    sampled = uncertainty_result()._of(scenario=scenario())
     error = wilkins().confidence.model_error
     found = statements(replace(wilkins(), uncertainty=replace(sampled, model_error=error)))
     statement, detail = found["Probability of defeating the threat"]
@@ -186,7 +186,9 @@ def test_sections_follow_the_results():
         "Origin",
     ]
     full = replace(
-        wilkins(), design=design_result(threats=(THREAT, OTHER), pareto=True), uncertainty=uncertainty_result()
+        wilkins(),
+        design=design_result(threats=(THREAT, OTHER), pareto=True),
+        uncertainty=uncertainty_result()._of(scenario=scenario()),
     )
     assert headings(full)[1:5] == ["Best design", "Margins against the threats", "Pairs of materials", "Pareto front"]
     assert "Results under uncertain inputs" in headings(full)
@@ -199,7 +201,9 @@ def test_charts_follow_the_results():
 
     last = ["Sensitivity to the inputs", "Where the projectile's energy went", "Impact"]
     assert titles(wilkins()) == last
-    full = replace(wilkins(), design=design_result(pareto=True), uncertainty=uncertainty_result())
+    full = replace(
+        wilkins(), design=design_result(pareto=True), uncertainty=uncertainty_result()._of(scenario=scenario())
+    )
     first = ["Required ceramic for each back plate", "Pareto front", "Probability of perforation"]
     assert titles(full) == [*first, *last]
 

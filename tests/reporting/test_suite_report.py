@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from armour.reporting.markdown import markdown_report
-from armour.reporting.suite_report import suite_report
+from armour.reporting.views import suite as suite_view
 from armour.validation.validate import SuiteResult
 from tests.helpers.suites import TABLE, case, result
 
@@ -22,7 +22,7 @@ def outcome(folder: Path) -> SuiteResult:
 
 
 def test_a_suite(outcome: SuiteResult):
-    text = markdown_report(suite_report(outcome))
+    text = markdown_report(suite_view.report(outcome))
     assert text.startswith("# A \\| suite\n")
     assert ": 3 of 6 within their bands, 2 outside, 1 no answer; 1 shown but not scored.\n" in text
     assert "| out | 725 | 723.8 | -1.2 | -0.17 | 1 | outside |" in text
@@ -33,21 +33,21 @@ def test_a_suite(outcome: SuiteResult):
 
 
 def test_tables_have_as_many_cells_as_columns(outcome: SuiteResult):
-    for block in markdown_report(suite_report(outcome)).split("\n\n"):
+    for block in markdown_report(suite_view.report(outcome)).split("\n\n"):
         lines = [line.replace("\\|", "") for line in block.splitlines() if line.startswith("|")]
         assert len({line.count("|") for line in lines}) <= 1
 
 
 def test_a_report_made_by_a_command_says_so(outcome: SuiteResult):
-    *_, origin = suite_report(outcome, "armour report s.toml").sections
+    *_, origin = suite_view.report(outcome, "armour report s.toml").sections
     assert (origin.heading, origin.code) == ("Origin", "armour report s.toml")
-    assert "Origin" not in [section.heading for section in suite_report(outcome).sections]
+    assert "Origin" not in [section.heading for section in suite_view.report(outcome).sections]
 
 
 def test_a_table_has_its_source(outcome: SuiteResult, folder: Path):
     sourced = result(folder, TABLE + 'source = "table 3"\nreason = "as printed"\n')
-    table, *_ = suite_report(sourced).sections
+    table, *_ = suite_view.report(sourced).sections
     assert (table.heading, table.paragraphs) == ("T", ("Table 3; band: as printed.",))
-    found = {section.heading: section for section in suite_report(outcome).sections}
+    found = {section.heading: section for section in suite_view.report(outcome).sections}
     assert found["Cases"].paragraphs == ()
     assert found["Tables as a whole"].tables[0].headings()[0] == "table"

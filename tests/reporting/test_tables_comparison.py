@@ -1,4 +1,4 @@
-from armour.reporting.tables.comparison import comparison_table, fit_table
+from armour.reporting.views.comparison import comparison_table, fit_table
 from armour.validation.comparison import compare
 from tests.helpers.cases import scenario
 

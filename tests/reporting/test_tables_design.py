@@ -1,11 +1,11 @@
 from dataclasses import replace
+from typing import Any
 
 from armour.analysis.estimates import Estimate
 from armour.design.optimise import DesignResult, Pair
 from armour.reporting.table import Table, csv_text
-from armour.reporting.tables.design import (
+from armour.reporting.views.design import (
     best_table,
-    design_tables,
     frontier_table,
     left_out,
     margin_notes,
@@ -13,15 +13,16 @@ from armour.reporting.tables.design import (
     pair_table,
     pareto_table,
     required_margins,
+    tables,
 )
 from armour.scenario.evidence import ModelError
-from tests.helpers.cases import THREATS, catalogue
+from tests.helpers.cases import THREATS, catalogue, scenario
 from tests.helpers.results import OTHER, THREAT, best_design, design, design_result, quantities
 
 
 def kinds(result: DesignResult) -> list[str]:
     """First heading or title of every table."""
-    return [item.title or item.headings()[0] for item in design_tables(result, {}) if isinstance(item, Table)]
+    return [item.title or item.headings()[0] for item in tables(result) if isinstance(item, Table)]
 
 
 def test_the_best_design_is_a_record():
@@ -138,13 +139,14 @@ def test_the_note_gives_the_probability_without_a_margin():
 
 
 def test_the_note_on_the_error_says_whether_it_is_not_known_or_not_included():
-    for excluded, ending in (
-        (None, ", or not included"),
-        (False, "for such an armour"),
-        (True, "uncertainty.model says"),
-    ):
-        found = replace(design_result(), best=replace(best_design(), model_error=None))
-        notes = [item for item in design_tables(found, {}, excluded=excluded) if isinstance(item, str)]
+    given: list[tuple[dict[str, Any], str]] = [
+        ({}, ", or not included"),
+        ({"scenario": scenario()}, "for such an armour"),
+        ({"scenario": scenario(uncertainty={"model": {"included": False}})}, "uncertainty.model says"),
+    ]
+    for question, ending in given:
+        found = replace(design_result(), best=replace(best_design(), model_error=None))._of(**question)
+        notes = [item for item in tables(found) if isinstance(item, str)]
         assert notes[-1].endswith(ending)
 
 

@@ -8,16 +8,8 @@ from armour.analysis.impact import simulate
 from armour.core.stages import stage_name
 from armour.core.state import Medium, Stage
 from armour.reporting.table import csv_text
-from armour.reporting.tables.impact import (
-    STAGES,
-    crossing_table,
-    energy_table,
-    history_table,
-    impact_table,
-    limit_table,
-    limit_tables,
-    stage_table,
-)
+from armour.reporting.views.ballistic_limit import crossing_table, limit_table, tables
+from armour.reporting.views.impact import STAGES, energy_table, history_table, impact_table, stage_table
 from tests.helpers.cases import scenario
 from tests.helpers.results import quantities
 
@@ -94,7 +86,7 @@ def test_a_limit():
 def test_crossings_are_listed_where_there_are_several():
     scanned = "33 velocities from 20 to 4000 m/s were scanned; "
     error = "the error of the model is not known for such an armour, or not included"
-    assert limit_tables(limit(ONE))[1:] == [scanned + "all above the ballistic limit perforate", error]
+    assert tables(limit(ONE))[1:] == [scanned + "all above the ballistic limit perforate", error]
     changes = scanned + "the outcome changes 3 times"
-    assert limit_tables(limit(THREE))[1:] == [changes, crossing_table(limit(THREE)), error]
+    assert tables(limit(THREE))[1:] == [changes, crossing_table(limit(THREE)), error]
     assert crossing_table(limit(THREE)).rows[1] == (900.0, 900.01, "defeated")

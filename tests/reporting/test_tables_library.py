@@ -1,6 +1,6 @@
 from armour.cli.layout import rendered
 from armour.reporting.table import Table
-from armour.reporting.tables.library import entry_table, entry_tables, library_table, library_tables
+from armour.reporting.views.library import entry_table, entry_tables, library_table, library_tables
 from armour.scenario.library import KINDS, shipped_library
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from armour.planning.shot_plan import plan_shots
 from armour.reporting.table import Table
-from armour.reporting.tables.planned_shots import share_note, shot_plan_tables
+from armour.reporting.views.planned_shots import share_note, tables
 from armour.statistics.v50 import Shots
 from tests.helpers.cases import scenario
 from tests.helpers.results import quantities
@@ -14,7 +14,7 @@ SHOTS = Shots((700.0, 720.0), (False, True))
 
 def test_a_plan():
     plan = replace(plan_shots(scenario(), SHOTS), expected_shots=None)
-    first, reason, before_and_after, _error, _scatter, share, shots = shot_plan_tables(plan)
+    first, reason, before_and_after, _error, _scatter, share, shots = tables(plan)
     assert isinstance(first, Table)
     assert quantities(first)["further shots expected"] == "more than 100"
     assert str(reason).startswith("reason: expected to narrow")
@@ -27,7 +27,7 @@ def test_a_plan():
 
 def test_a_requirement_and_an_end():
     plan = plan_shots(scenario(), SHOTS, requirement_m_s=550.0, requirement_fraction=0.05)
-    [first, *_] = shot_plan_tables(plan)
+    [first, *_] = tables(plan)
     assert isinstance(first, Table)
     found = quantities(first)
     assert found["required of the velocity at which 5 % perforate, m/s"] == "550"
@@ -37,7 +37,7 @@ def test_a_requirement_and_an_end():
 def test_without_a_prior():
     unknown = scenario(uncertainty={"model": {"included": False}})
     shots = Shots((700.0, 720.0, 760.0, 710.0, 740.0), (False, True, True, False, False))
-    [first, *_] = shot_plan_tables(plan_shots(unknown, shots, procedure="up-and-down"))
+    [first, *_] = tables(plan_shots(unknown, shots, procedure="up-and-down"))
     assert isinstance(first, Table)
     found = quantities(first)
     assert found["V50 by the recommended curve, m/s"].startswith("7")
@@ -48,12 +48,12 @@ def test_what_ended_the_firing_is_shown():
     shots = Shots(
         (720.0, 730.0, 731.0, 740.0, 741.0, 742.25), (False, False, True, False, True, True), names=["A1"] * 6
     )
-    first, *_, listed = shot_plan_tables(plan_shots(scenario(), shots, procedure="up-and-down"))
+    first, *_, listed = tables(plan_shots(scenario(), shots, procedure="up-and-down"))
     assert isinstance(first, Table)
     assert isinstance(listed, Table)
     assert quantities(first)["V50 by the mean of MIL-STD-662F, m/s"] == "734.0"
     assert listed.texts()[-1] == ["A1", "742.25", "complete"]
-    alone = shot_plan_tables(plan_shots(scenario(), requirement_m_s=620.0))
+    alone = tables(plan_shots(scenario(), requirement_m_s=620.0))
     assert "by the prior alone: no shot was fired" in alone
 
 
@@ -64,5 +64,5 @@ def test_parts_of_the_prior():
 
 
 def test_no_part_is_given_where_the_shots_contradict_the_prior():
-    found = shot_plan_tables(plan_shots(scenario(), Shots((300.0, 1500.0), (True, False))))
+    found = tables(plan_shots(scenario(), Shots((300.0, 1500.0), (True, False))))
     assert not any("of the precision of V50" in item for item in found if isinstance(item, str))

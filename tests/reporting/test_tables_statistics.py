@@ -4,25 +4,14 @@ import pytest
 
 from armour.analysis.estimates import Estimate
 from armour.reporting.table import Table
-from armour.reporting.tables.confidence import SAMPLED_ALONE
-from armour.reporting.tables.statistics import (
-    INDEX_NOTE,
-    SAMPLING_NOTE,
-    calibration_table,
-    calibration_tables,
-    coefficient_table,
-    correlation_table,
-    curve_table,
-    elasticity_table,
-    estimate_table,
-    index_table,
-    residual_table,
-    sensitivity_table,
-    uncertainty_table,
-    uncertainty_tables,
-    v50_table,
-    v50_tables,
-)
+from armour.reporting.views import calibration as calibration_view
+from armour.reporting.views import uncertainty as uncertainty_view
+from armour.reporting.views import v50 as v50_view
+from armour.reporting.views.calibration import calibration_table, coefficient_table, correlation_table, residual_table
+from armour.reporting.views.confidence import SAMPLED_ALONE
+from armour.reporting.views.sensitivity import elasticity_table, sensitivity_table
+from armour.reporting.views.uncertainty import INDEX_NOTE, SAMPLING_NOTE, estimate_table, index_table, uncertainty_table
+from armour.reporting.views.v50 import curve_table, v50_table
 from armour.statistics.calibration import CalibrationResult, LawFit, Residual
 from armour.statistics.likelihood_fit import Coefficient
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
@@ -35,7 +24,7 @@ def test_a_velocity_below_zero_is_said_not_to_be_given():
     low = v50(Shots((60.0, 160.0, 230.0, 270.0, 280.0), (False, True, True, True, True)), pairs=1, span_m_s=100.0)
     assert low.recommended is not None
     assert low.recommended.v05_m_s is None
-    assert any(isinstance(item, str) and item.startswith("V05 has no estimate") for item in v50_tables(low))
+    assert any(isinstance(item, str) and item.startswith("V05 has no estimate") for item in v50_view.tables(low))
 
 
 @pytest.fixture
@@ -70,12 +59,12 @@ def test_a_calibration(calibration: CalibrationResult):
     assert (found["mean error, %"], found["mean leave-one-out error"]) == ("2.00", "too few tests")
     assert (found["p value"], found["intervals widened by"], found["AICc"]) == ("0.03", "1.80", "too few tests")
     assert (found["chi-squared"], found["starting points that reach this solution"]) == ("3.25", "2 of 3")
-    assert len(calibration_tables(calibration)) == 4
+    assert len(calibration_view.tables(calibration)) == 4
 
 
 def test_laws(calibration: CalibrationResult):
     laws = (LawFit("constant", 1, 5.05, 5.47, 142.82), LawFit("linear", 3, 3.46, None, None))
-    tables = calibration_tables(replace(calibration, laws=laws))
+    tables = calibration_view.tables(replace(calibration, laws=laws))
     assert isinstance(tables[0], Table)
     assert tables[0].texts() == [
         ["constant", "1", "5.05", "5.47", "142.8"],
@@ -134,11 +123,11 @@ def test_firing_results():
         ("probit", "maximum"),
         ("logit", "maximum"),
     ]
-    assert any("leaves it to the specification" in item for item in v50_tables(mixed) if isinstance(item, str))
+    assert any("leaves it to the specification" in item for item in v50_view.tables(mixed) if isinstance(item, str))
     apart = v50(Shots((700.0, 710.0, 760.0, 770.0), (False, False, True, True)))
     assert quantities(v50_table(apart))["V50, mean"].startswith("none: too few shots")
-    assert any("any V50 between them is as likely" in item for item in v50_tables(apart) if isinstance(item, str))
-    [recommended] = [item for item in v50_tables(apart) if isinstance(item, Table) and item.title]
+    assert any("any V50 between them is as likely" in item for item in v50_view.tables(apart) if isinstance(item, str))
+    [recommended] = [item for item in v50_view.tables(apart) if isinstance(item, Table) and item.title]
     assert recommended.title == "recommended: probit, penalised likelihood"
     assert [row[0] for row in recommended.rows] == ["V50", "V05", "V95", "scale"]
 
@@ -147,7 +136,7 @@ def test_a_mean_of_no_usual_rule_and_shots_without_a_rising_curve():
     shots = Shots((700.0, 740.0, 770.0, 780.0, 750.0), (False, False, False, False, True))
     found = v50(shots, pairs=1, span_m_s=30.0)
     assert "V50, mean, m/s" in {column.heading for column in v50_table(found).columns}
-    notes = [item for item in v50_tables(found) if isinstance(item, str)]
+    notes = [item for item in v50_view.tables(found) if isinstance(item, str)]
     assert "none that is usual with MIL-STD-662F" in notes[0]
     assert notes[1].startswith("no curve is recommended")
 
@@ -180,10 +169,10 @@ def test_indices(uncertainty: UncertaintyResult):
         ["ceramic flow stress, GPa", "0.972", "0.890 to 1.054", "0.974", "0.914 to 1.037", "678.0", "769.1"],
         ["penetrator mass, g", "0.020", "0.010 to 0.030", "", "", "700.0", "740.0"],
     ]
-    *_, error, alone, note = uncertainty_tables(uncertainty)
+    *_, error, alone, note = uncertainty_view.tables(uncertainty)
     assert alone == SAMPLED_ALONE
-    assert SAMPLING_NOTE in uncertainty_tables(uncertainty)
-    assert INDEX_NOTE in uncertainty_tables(uncertainty)
+    assert SAMPLING_NOTE in uncertainty_view.tables(uncertainty)
+    assert INDEX_NOTE in uncertainty_view.tables(uncertainty)
     assert error == "the error of the model is not known for such an armour, or not included"
     assert isinstance(note, str)
     assert "their sum may exceed 1; total indices are not given" in note

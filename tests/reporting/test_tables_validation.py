@@ -4,10 +4,10 @@ from typing import Any
 import pytest
 
 from armour.reporting.table import Table, csv_text
-from armour.reporting.tables.validation import (
+from armour.reporting.views.figure import figure_table
+from armour.reporting.views.suite import (
     check_groups,
     check_table,
-    figure_table,
     note_rows,
     parity_table,
     suite_tables,

@@ -1,7 +1,7 @@
 import pytest
 
 from armour.files import printable
-from armour.reporting.text import interval, percent, spelt, unbroken, wrapped
+from armour.reporting.text import interval, percent, unbroken, wrapped
 
 
 @pytest.mark.parametrize(
@@ -26,12 +26,6 @@ def test_intervals():
     assert interval((1.0, None), "g") == "from 1"
     assert interval((None, None), "g") == "not bounded"
     assert interval((9000.0, 12345.6), ".1f") == "9000.0 to 12,345.6"
-
-
-def test_words_of_keys_are_spelt_as_people_read_them():
-    assert spelt("backing thickness") == "back plate thickness"
-    assert spelt("youngs modulus") == "Young's modulus"
-    assert spelt("flow stress") == "flow stress"
 
 
 def test_parts_are_in_per_cent():

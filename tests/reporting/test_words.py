@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from armour.reporting.words import in_words
+from armour.reporting.table import in_words
 from armour.scenario.inputs import INPUTS
 
 

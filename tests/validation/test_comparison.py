@@ -8,7 +8,7 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.closed_forms import residual_velocity
 from armour.analysis.florence import florence_ballistic_limit
 from armour.errors import InputError, NoAnswerError
-from armour.reporting.tables.comparison import rule_note
+from armour.reporting.views.comparison import rule_note
 from armour.validation.comparison import Comparison, compare
 from tests.helpers.cases import scenario
 

@@ -6,8 +6,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.errors import InputError
-from armour.reporting.junit import suite_junit
-from armour.reporting.tables.validation import suite_tables
+from armour.reporting.views.suite import junit, suite_tables
 from armour.validation.data import Condition
 from armour.validation.suite import load_suite
 from armour.validation.update import updates_of
@@ -77,7 +76,7 @@ def test_rows_and_groups_are_summarised(found: SuiteResult):
 
 
 def test_ci_is_told_of_groups_and_not_of_rows(found: SuiteResult):
-    text = suite_junit(found, 0.0).decode()
+    text = junit(found, 0.0).decode()
     assert (text.count("<testcase"), text.count("<failure")) == (2, 1)
     assert "mean band +0 ± 1 %" in text
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from armour.analysis.answers import COLUMNS, Answers
+from armour.analysis.answers import Answers
 from armour.analysis.quantities import QUANTITIES, reads_of
 from armour.analysis.variants import Floats, Ints, Variants, grid_of, outside_limits, variants_of
 from armour.errors import InputError, Problem, choices, refuse
@@ -134,7 +134,9 @@ def evaluate_groups(
     """Evaluate quantities for groups of rows, see `evaluate`; return them, and warnings with their numbers of rows."""
     answers = [Answers(group.variants, threads) for group in groups]
     order = np.argsort(np.concatenate([group.where for group in groups]), kind="stable")
-    columns = {name: np.concatenate([COLUMNS[name](answer) for answer in answers])[order] for name in quantities}
+    columns = {
+        name: np.concatenate([QUANTITIES[name].compute(answer) for answer in answers])[order] for name in quantities
+    }
     warnings: Counter[str] = Counter()
     for answer in answers:
         warnings.update(dict(outside_limits(answer.variants, velocities="impact" in reads_of(quantities))))

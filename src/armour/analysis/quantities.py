@@ -1,17 +1,23 @@
-"""Quantities that can be computed for a scenario, by name; `armour.analysis.answers` computes them."""
+"""Quantities that can be computed for a scenario, by name, and the words of quantities, inputs and keys.
 
-from collections.abc import Iterable
-from typing import NamedTuple
+The help of the command line lists them, so that nothing is imported here that takes long; `armour.analysis.answers`
+computes what they are made of.
+"""
+
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple
 
 from armour.scenario.evidence import ERROR
-from armour.units import words_and_unit
+from armour.units import MM, US, words_and_unit
 
-DEFEAT = "probability of defeating the threat"
 # What the quantities on the grid are.
 REQUIRED = (
     "the least thickness in its range of [optimise] that defeats the impact with the scenario's other layer (total: "
     "both in proportion; areal density: of that ceramic on the scenario's back plate); none where no thickness does"
 )
+# What a quantity depends on besides projectile, armour, model and solver, see `armour.scenario.reach`.
+IMPACT, LIMIT, GRID = ("impact",), ("ballistic_limit",), ("impact", "optimise")
+DEFEAT = ("impact", "ballistic_limit", "uncertainty.model")
 
 
 class Quantity(NamedTuple):
@@ -19,48 +25,83 @@ class Quantity(NamedTuple):
 
     label: str
     unit: str
-    on_grid: bool = False  # needs the range of thicknesses of the section ``optimise``
+    spec: str  # format specification in tables
+    reads: tuple[str, ...]
+    compute: Callable[[Any], Any]  # its column, of `armour.analysis.answers.Answers`
+    least: str = ""  # the layer whose least thickness it is, or follows from
 
     @property
-    def reads(self) -> tuple[str, ...]:
-        """What it depends on besides projectile, armour, model and solver, see `armour.scenario.reach`."""
-        if self.label == "areal density":
-            return ()
-        if self.label == "ballistic limit":
-            return ("ballistic_limit",)
-        if self.label == DEFEAT:
-            return ("impact", "ballistic_limit", "uncertainty.model")
-        return ("impact", "optimise") if self.on_grid else ("impact",)
+    def on_grid(self) -> bool:
+        """Whether it needs the range of thicknesses of the section ``optimise``."""
+        return "optimise" in self.reads
 
 
 QUANTITIES: dict[str, Quantity] = {
-    "outcome": Quantity("outcome", ""),
-    "residual_velocity_m_s": Quantity("residual velocity", "m/s"),
-    "residual_mass_g": Quantity("residual mass", "g"),
-    "residual_length_mm": Quantity("residual length", "mm"),
-    "velocity_lost_percent": Quantity("velocity lost", "%"),
-    "mass_lost_percent": Quantity("mass lost", "%"),
-    "penetration_depth_mm": Quantity("penetration depth", "mm"),
-    "bulge_height_mm": Quantity("bulge height", "mm"),
-    "plug_velocity_m_s": Quantity("plug velocity", "m/s"),
-    "duration_us": Quantity("duration", "µs"),
-    "areal_density_kg_m2": Quantity("areal density", "kg/m²"),
-    "ballistic_limit_m_s": Quantity("ballistic limit", "m/s"),
-    "probability_of_defeat": Quantity(DEFEAT, ""),
-    "required_ceramic_thickness_mm": Quantity("required ceramic thickness", "mm", on_grid=True),
-    "required_backing_thickness_mm": Quantity("required back plate thickness", "mm", on_grid=True),
-    "required_total_thickness_mm": Quantity("required thickness of both layers in proportion", "mm", on_grid=True),
-    "required_areal_density_kg_m2": Quantity("areal density with the required ceramic", "kg/m²", on_grid=True),
+    "outcome": Quantity("outcome", "", "", IMPACT, lambda a: a.outcomes),
+    "residual_velocity_m_s": Quantity("residual velocity", "m/s", ".2f", IMPACT, lambda a: a.residual_velocities),
+    "residual_mass_g": Quantity("residual mass", "g", ".3f", IMPACT, lambda a: a.residual_masses),
+    "residual_length_mm": Quantity("residual length", "mm", ".3f", IMPACT, lambda a: a.impacts.L / MM),
+    "velocity_lost_percent": Quantity("velocity lost", "%", ".2f", IMPACT, lambda a: a.velocities_lost),
+    "mass_lost_percent": Quantity("mass lost", "%", ".2f", IMPACT, lambda a: a.masses_lost),
+    "penetration_depth_mm": Quantity("penetration depth", "mm", ".3f", IMPACT, lambda a: a.impacts.Z / MM),
+    "bulge_height_mm": Quantity("bulge height", "mm", ".3f", IMPACT, lambda a: a.impacts.h / MM),
+    "plug_velocity_m_s": Quantity("plug velocity", "m/s", ".2f", IMPACT, lambda a: a.plug_velocities),
+    "duration_us": Quantity("duration", "µs", ".2f", IMPACT, lambda a: a.impacts.t / US),
+    "areal_density_kg_m2": Quantity("areal density", "kg/m²", ".2f", (), lambda a: a.variants.areal_densities_kg_m2),
+    "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", ".2f", LIMIT, lambda a: a.ballistic_limits),
+    "probability_of_defeat": Quantity(
+        "probability of defeating the threat", "", ".3f", DEFEAT, lambda a: a.probabilities_of_defeat
+    ),
+    "required_ceramic_thickness_mm": Quantity(
+        "required ceramic thickness", "mm", ".3f", GRID, lambda a: a.with_least_ceramic.ceramics_mm, "ceramic"
+    ),
+    "required_backing_thickness_mm": Quantity(
+        "required back plate thickness", "mm", ".3f", GRID, lambda a: a.with_least_backing.backings_mm, "back plate"
+    ),
+    "required_total_thickness_mm": Quantity(
+        "required thickness of both layers in proportion", "mm", ".3f", GRID, lambda a: a.least("armour").mm, "armour"
+    ),
+    "required_areal_density_kg_m2": Quantity(
+        "areal density with the required ceramic",
+        "kg/m²",
+        ".2f",
+        GRID,
+        lambda a: a.with_least_ceramic.areal_densities_kg_m2,
+        "ceramic",
+    ),
 }
+
+# Words of keys that people read in another spelling.
+SPELLING = {"backing": "back plate", "caliber": "calibre", "m2": "m²", "youngs": "Young's"}
 
 
 def reads_of(names: Iterable[str]) -> set[str]:
-    """Return what any of some quantities depends on, see `Quantity.reads`."""
+    """Return what any of some quantities depends on, see `Quantity`."""
     return {read for name in names for read in QUANTITIES[name].reads}
 
 
 def label_and_unit(name: str) -> tuple[str, str]:
-    """Return the label and the unit of a quantity, or of a key or an input of a scenario, by its name."""
+    """Return the label and the unit of a quantity, an input, a key of a scenario or an attribute of a result."""
     if name in QUANTITIES:
         return QUANTITIES[name].label, QUANTITIES[name].unit
-    return ("error of the model", "%") if name == ERROR else words_and_unit(name)
+    if name == ERROR:
+        return "error of the model", "%"
+    words, unit = words_and_unit(name)
+    words = _spelt(words)
+    if "." in name:
+        # Imported here, as they take long to load.
+        from armour.scenario.inputs import ROLES
+        from armour.scenario.keys import parts_of
+
+        *sections, _ = parts_of(name)
+        if len(sections) > 1:
+            # A value of the library has the name of its entry.
+            words = f"{sections[-1]} {words}"
+        elif {*sections} & {"impact", *ROLES} and not words.startswith(("penetrator", "projectile")):
+            words = f"{_spelt(sections[0])} {words}"
+    return words, unit
+
+
+def _spelt(words: str) -> str:
+    """Return the words of a key as people read them: "backing thickness" as "back plate thickness"."""
+    return " ".join(SPELLING.get(word, word) for word in words.split(" "))

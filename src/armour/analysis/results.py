@@ -4,12 +4,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from importlib import import_module
 from math import nan
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from armour.scenario.words import heading
-
-if TYPE_CHECKING:
-    from armour.scenario.scenario import Scenario
 
 
 @dataclass(frozen=True, repr=False)
@@ -21,14 +18,15 @@ class Result:
     # What was computed, in words, and its scenario or shots, for a figure; no field, so that it is no part of the data.
     _question: ClassVar[Mapping[str, Any]] = {}
 
-    def _of(self, computed: str, **question: Any) -> Self:
-        """Note what was computed, in words, and the scenario or the shots of the result."""
-        vars(self)["_question"] = {"computed": computed, **question}
+    def _of(self, computed: str | None = None, **question: Any) -> Self:
+        """Note what was computed, in words, and the scenario, the shots or what else a view shows."""
+        words = {} if computed is None else {"computed": computed}
+        vars(self)["_question"] = {**self._question, **words, **question}
         return self
 
-    def _heading(self, scenario: "Scenario | None" = None) -> list[str]:
+    def _heading(self) -> list[str]:
         """Return the first lines of every output; none for a result that is made by hand, without a scenario."""
-        scenario = scenario or self._question.get("scenario")
+        scenario = self._question.get("scenario")
         computed = self._question.get("computed") or (scenario.subject() if scenario else "")
         return heading(computed, scenario.title if scenario else "") if computed else []
 

@@ -67,7 +67,7 @@ def calibrate(
     loaded = read_scenario(scenario, changes, reads)
     file = table_file(tests)
     # Imported here, as what they need takes long to load.
-    from armour.reporting.tables.statistics import calibration_tables
+    from armour.reporting.views import calibration as view
     from armour.statistics import calibration
     from armour.statistics.fitted_library import library_text, scenario_text
     from armour.statistics.flow_stress_laws import FLOW_STRESS
@@ -79,7 +79,7 @@ def calibrate(
         result = calibration.calibrate(read, loaded, fit or [FLOW_STRESS], law, prior=prior, on_progress=count)
     respond(
         result.to_dict(),
-        calibration_tables(result),
+        view.tables(result),
         as_json=as_json,
         of=result._heading(),
         files=[
@@ -87,6 +87,6 @@ def calibrate(
             (fitted, lambda: None if fitted is None else scenario_text(result, read, loaded, fitted)),
         ],
         plot=plot,
-        chart=lambda charts: charts.calibration_chart(result),
+        chart=lambda: view.chart(result),
         warnings=[f"warning: {tests}: {warning}" for warning in result.warnings],
     )

@@ -26,9 +26,9 @@ def figures(
 
     These are figs. 3 to 14 and the parity of table 3 and of bare plates; the values are written as CSV beside each.
     """
-    from armour.reporting import charts, plots
+    from armour.reporting import plots
     from armour.reporting.table import csv_text
-    from armour.reporting.tables.validation import figure_table, parity_table
+    from armour.reporting.views import figure, suite
     from armour.validation.figures import PARITIES, compute_figure, paper_figures, parity, read_figures
 
     path = paper_figures()
@@ -46,10 +46,10 @@ def figures(
             for name in chosen:
                 if name in PARITIES:
                     result = parity(name)
-                    table, chart = parity_table(result), charts.parity_chart(result)
+                    table, chart = suite.parity_table(result), suite.chart(result)
                 else:
                     figures = [compute_figure(section, path.parent) for section in panels[name]]
-                    table, chart = figure_table(figures), charts.figure_chart(figures)
+                    table, chart = figure.figure_table(figures), figure.chart(figures)
                 drawn = plots.rendered(chart, f".{image}")
                 write({folder / f"{name}.csv": csv_text(table), folder / f"{name}.{image}": drawn})
                 count(1)

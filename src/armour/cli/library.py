@@ -17,7 +17,7 @@ def list_library(ctx: typer.Context, as_json: AsJson = False) -> None:
     """List materials and projectiles."""
     if ctx.invoked_subcommand is not None:
         return
-    from armour.reporting.tables.library import library_tables
+    from armour.reporting.views.library import library_tables
     from armour.scenario.library import shipped_library
 
     library = shipped_library()
@@ -31,7 +31,7 @@ def show(
     as_json: AsJson = False,
 ) -> None:
     """Show an entry with the source of every value."""
-    from armour.reporting.tables.library import entry_tables
+    from armour.reporting.views.library import entry_tables
     from armour.scenario.library import shipped_library
 
     try:

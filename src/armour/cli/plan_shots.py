@@ -98,8 +98,7 @@ def plan_of_shots(
     """Plan the next shot of a V50 firing, given the shots so far."""
     from armour.planning.shot_plan import ABSURD_FACTOR, plan_shots
     from armour.planning.shot_table import added, locked, with_shot
-    from armour.reporting.planned_shots_chart import shot_plan_chart
-    from armour.reporting.tables.planned_shots import shot_plan_tables
+    from armour.reporting.views import planned_shots as view
     from armour.statistics.v50 import RESULTS, Shots, read_shots
 
     updated = table if result is not None else None
@@ -163,12 +162,12 @@ def plan_of_shots(
             )
         respond(
             plan.to_dict(),
-            shot_plan_tables(plan),
+            view.tables(plan),
             as_json=as_json,
             of=plan._heading(),
             files=[(updated, lambda: content)],
             plot=plot,
-            chart=lambda _charts: shot_plan_chart(plan),
+            chart=lambda: view.chart(plan),
             warnings=warnings_of(loaded, (*far, *plan.warnings)),
             read=read,
         )

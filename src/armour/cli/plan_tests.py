@@ -89,9 +89,8 @@ def plan_of_tests(
 ) -> None:
     """Choose the armours whose tests tell most of model inputs, or of the limit of a design."""
     from armour.planning.plan_tests import plan_tests, weighted_by
-    from armour.reporting.planned_tests_chart import planned_chart
     from armour.reporting.table import csv_text
-    from armour.reporting.tables.planned_tests import form_table, planned_tables
+    from armour.reporting.views import planned_tests as view
     from armour.statistics.flow_stress_laws import FLOW_STRESS
     from armour.statistics.test_data import read_tests
 
@@ -123,12 +122,12 @@ def plan_of_tests(
         read = weighted_by(read, scatter_percent / 100.0)
     respond(
         result.to_dict(),
-        planned_tables(result),
+        view.tables(result),
         as_json=as_json,
         of=result._heading(),
-        files=[(csv, lambda: csv_text(form_table(result, read)))],
+        files=[(csv, lambda: csv_text(view.form_table(result, read)))],
         plot=plot,
-        chart=lambda _charts: planned_chart(result),
+        chart=lambda: view.chart(result),
         warnings=[f"warning: {loaded.file}: {warning}" for warning in result.warnings],
     )
 

@@ -43,11 +43,11 @@ def report(
 
     One self-contained file with the answer, its uncertainty, charts (in HTML) and the sources of all values.
     """
-    from armour.reporting.report_file import ENDINGS, report_text
+    from armour.reporting.show import REPORT_ENDINGS, report_text
     from armour.scenario.scenario import scenario_file
 
     check_outputs(output, force=force)
-    refuse(wrong_ending(output, ENDINGS))
+    refuse(wrong_ending(output, REPORT_ENDINGS))
     options = ["--as-is"] * as_is + [word for change in changes or () for word in ("--set", change)]
     command = shlex.join(["armour", "report", str(source), "--output", str(output), *options])
     if str(source) != "-":
@@ -75,7 +75,7 @@ def _scenario_report(source: Path, changes: list[str], command: str, *, as_is: b
 
 
 def _suite_report(source: Path, changes: list[str], command: str) -> "Report":
-    from armour.reporting.suite_report import suite_report
+    from armour.reporting.views.suite import report as suite_report
     from armour.scenario.changes import changes_of
     from armour.validation.suite import load_suite
     from armour.validation.validate import validate

@@ -150,22 +150,22 @@ def respond(
     of: Sequence[str] = (),
     files: Iterable[tuple[Path | None, Callable[[], str | bytes | None]]] = (),
     plot: Path | None = None,
-    chart: Callable[[Any], Any] | None = None,
+    chart: Callable[[], Any] | None = None,
     warnings: Iterable[str] = (),
     read: Mapping[Path, bytes | None] | None = None,
 ) -> None:
     """Write the files that are asked for, show an answer as tables or JSON, and warn.
 
     ``files`` are paths with functions that make the contents, or None where there is nothing to write.  ``chart`` makes
-    the chart for ``plot`` by the functions of `armour.reporting.charts`, which it is given.  ``of`` are the lines above
+    the chart for ``plot``.  ``of`` are the lines above
     tables and chart that say what was computed.  A file that no longer has the content that was ``read`` is not
     written.
     """
 
     def drawn() -> bytes | None:
-        from armour.reporting import charts, plots
+        from armour.reporting import plots
 
-        return None if plot is None or chart is None else plots.rendered(chart(charts).headed(of), plot.suffix.lower())
+        return None if plot is None or chart is None else plots.rendered(chart().headed(of), plot.suffix.lower())
 
     contents: dict[Path, bytes] = {}
     failed: ArmourError | None = None

@@ -1,7 +1,7 @@
 """Commands that answer a question about a scenario."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from armour.cli.console import progress
 from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, number, option, probability
@@ -30,9 +30,7 @@ def simulate(
 ) -> None:
     """Simulate one impact."""
     from armour.analysis import confidence, impact
-    from armour.reporting.table import csv_text
-    from armour.reporting.tables.confidence import SAMPLED_ALONE
-    from armour.reporting.tables.impact import history_table, impact_tables
+    from armour.reporting.views import impact as view
 
     check_outputs(csv=history, plot=plot, force=force)
     reads = ("impact", "armour", "ballistic_limit", "uncertainty.model")
@@ -43,19 +41,18 @@ def simulate(
         result = impact.simulate(loaded, history=history is not None or plot is not None)
         count(1)
         sure = confidence.confidence(loaded, on_progress=count)
+    result._of(confidence=sure)
     limit = sure.ballistic_limit_m_s
     of_limit = () if limit is None else loaded.warnings(limit, "ballistic_limit")
     warnings = tuple(dict.fromkeys((*result.warnings, *of_limit)))
-    distributed = loaded.uncertainty is not None and bool(loaded.uncertainty.inputs())
-    alone = [f"{SAMPLED_ALONE}: armour uncertainty"] if sure.model_error is None and distributed else []
     respond(
         {**result.to_dict(), "warnings": list(warnings), "confidence": sure.to_dict()},
-        [*impact_tables(result, sure), *alone],
+        view.tables(result),
         as_json=as_json,
         of=result._heading(),
-        files=[(history, lambda: None if result.history is None else csv_text(history_table(result.history)))],
+        files=[(history, lambda: view.csv(result))],
         plot=plot,
-        chart=lambda charts: charts.impact_chart(result),
+        chart=lambda: view.chart(result),
         warnings=warnings_of(loaded, warnings),
     )
 
@@ -69,26 +66,19 @@ def ballistic_limit(
 ) -> None:
     """Find the ballistic limit."""
     from armour.analysis import ballistic_limit as analysis
-    from armour.reporting.tables.impact import limit_tables
+    from armour.reporting.views import ballistic_limit as view
 
     check_outputs(plot=plot, force=force)
     loaded = read_scenario(scenario, changes, LIMIT, what="the ballistic limit")
     with progress("impacts", first="searching") as count:
         result = analysis.ballistic_limit(loaded, on_progress=count)
-
-    def chart(charts: Any) -> Any:
-        velocities = analysis.curve_velocities(result, loaded)
-        with progress("impacts", len(velocities)) as count:
-            curve = analysis.residual_velocity_curve(loaded, velocities, count)
-        return charts.limit_chart(result, curve)
-
     respond(
         result.to_dict(),
-        [*limit_tables(result, excluded=loaded.excludes_error())],
+        view.tables(result),
         as_json=as_json,
         of=result._heading(),
         plot=plot,
-        chart=chart,
+        chart=lambda: view.chart(result),
         warnings=warnings_of(loaded, (*analysis.not_monotonic(result), *result.warnings)),
     )
 
@@ -102,7 +92,7 @@ def compare(
 ) -> None:
     """Compare the model with closed-form formulas."""
     from armour.analysis.ballistic_limit import not_monotonic
-    from armour.reporting.tables.comparison import comparison_tables
+    from armour.reporting.views import comparison as view
     from armour.validation import comparison
 
     check_outputs(plot=plot, force=force)
@@ -111,11 +101,11 @@ def compare(
         result = comparison.compare(loaded, on_progress=count)
     respond(
         result.to_dict(),
-        [*comparison_tables(result)],
+        view.tables(result),
         as_json=as_json,
         of=result._heading(),
         plot=plot,
-        chart=lambda charts: charts.comparison_chart(result),
+        chart=lambda: view.chart(result),
         warnings=warnings_of(loaded, (*not_monotonic(result.limit), *result.limit.warnings)),
     )
 
@@ -146,8 +136,7 @@ def optimise(
     The scenario may have several threats, a catalogue of materials, and another quantity to minimise.
     """
     from armour.design import optimise as design
-    from armour.reporting.table import csv_text
-    from armour.reporting.tables.design import design_tables, frontier_table, pareto_table, required_margins
+    from armour.reporting.views import design as view
     from armour.scenario.reach import DESIGNS
 
     check_outputs(csv=csv, plot=plot, force=force)
@@ -159,12 +148,12 @@ def optimise(
         result = design.optimise(loaded, refine=refine, on_progress=count)
     respond(
         result.to_dict(),
-        design_tables(result, required_margins(loaded), excluded=loaded.excludes_error()),
+        view.tables(result),
         as_json=as_json,
         of=result._heading(),
-        files=[(csv, lambda: csv_text(pareto_table(result) if result.pareto else frontier_table(result)))],
+        files=[(csv, lambda: view.csv(result))],
         plot=plot,
-        chart=lambda charts: charts.design_chart(result),
+        chart=lambda: view.chart(result),
         warnings=warnings_of(loaded, result.warnings, of_threats=True),
     )
 
@@ -181,7 +170,7 @@ def sensitivity(
     The effects are elasticities: the change of ballistic limit, residual velocity and least areal density, in per cent,
     when an input grows by 1 %.
     """
-    from armour.reporting.tables.statistics import sensitivity_tables
+    from armour.reporting.views import sensitivity as view
     from armour.statistics import sensitivity as statistics
 
     check_outputs(plot=plot, force=force)
@@ -191,11 +180,11 @@ def sensitivity(
         result = statistics.sensitivity(loaded, on_progress=count)
     respond(
         result.to_dict(),
-        [*sensitivity_tables(result)],
+        view.tables(result),
         as_json=as_json,
         of=result._heading(),
         plot=plot,
-        chart=lambda charts: charts.sensitivity_chart(result),
+        chart=lambda: view.chart(result),
         warnings=warnings_of(loaded, result.warnings),
     )
 
@@ -217,7 +206,7 @@ def uncertainty(
     as_json: AsJson = False,
 ) -> None:
     """Propagate input uncertainty to the outcome and the ballistic limit."""
-    from armour.reporting.tables.statistics import uncertainty_tables
+    from armour.reporting.views import uncertainty as view
     from armour.statistics import uncertainty as statistics
 
     check_outputs(plot=plot, force=force)
@@ -232,10 +221,10 @@ def uncertainty(
         result = statistics.uncertainty(loaded, on_progress=count)
     respond(
         result.to_dict(),
-        [*uncertainty_tables(result, excluded=loaded.excludes_error())],
+        view.tables(result),
         as_json=as_json,
         of=result._heading(),
         plot=plot,
-        chart=lambda charts: charts.uncertainty_chart(result, loaded),
+        chart=lambda: view.chart(result),
         warnings=warnings_of(loaded, result.warnings),
     )

@@ -29,7 +29,7 @@ def init(
 ) -> None:
     """Write a scenario, a suite or a table of tests to start from."""
     if names:
-        from armour.reporting.tables.library import shipped_tables
+        from armour.reporting.views.library import shipped_tables
 
         show(*shipped_tables())
         return

@@ -69,6 +69,7 @@ def sweep(
     as_json: AsJson = False,
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
+    from armour.reporting.views.sweep import sweep_chart
     from armour.scenario.words import heading
     from armour.sweeps import sweep as sweeps
     from armour.sweeps.checkpoint import parts_of
@@ -109,7 +110,7 @@ def sweep(
         as_json=as_json,
         of=heading(subject_of(loaded, source, names), loaded.title),
         plot=plot,
-        chart=lambda charts: charts.sweep_chart(read_table(output), source.keys, names[0], loaded),
+        chart=lambda: sweep_chart(read_table(output), source.keys, names[0], loaded),
     )
 
 

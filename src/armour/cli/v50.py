@@ -72,7 +72,7 @@ def v50(
     check_outputs(plot=plot, force=force)
     file = table_file(shots)
     # Imported here, as what they need takes long to load.
-    from armour.reporting.tables.statistics import v50_tables
+    from armour.reporting.views import v50 as view
     from armour.statistics import v50 as statistics
 
     read = statistics.read_shots(file, one_kind=prior)
@@ -86,10 +86,10 @@ def v50(
         )
     respond(
         result.to_dict(),
-        v50_tables(result),
+        view.tables(result),
         as_json=as_json,
         of=result._heading(),
         plot=plot,
-        chart=lambda charts: charts.v50_chart(read, result),
+        chart=lambda: view.chart(result),
         warnings=[] if loaded is None else warnings_of(loaded, result.warnings),
     )

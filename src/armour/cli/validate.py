@@ -15,7 +15,6 @@ from armour.errors import Problem, refuse
 from armour.files import suite_file
 
 if TYPE_CHECKING:
-    from armour.reporting.table import Table
     from armour.validation.suite import Suite
     from armour.validation.validate import Check, SuiteResult
 
@@ -53,9 +52,8 @@ def validate(
     Exits with 3 where a value lies outside its band. With --update, the tables have the values before the update, and
     only values that it keeps count.
     """
-    from armour.reporting.junit import suite_junit
     from armour.reporting.markdown import markdown_report
-    from armour.reporting.suite_report import suite_report
+    from armour.reporting.views import suite as view
     from armour.scenario.changes import changes_of
     from armour.validation.suite import load_suite
     from armour.validation.update import kept_by_update
@@ -75,12 +73,12 @@ def validate(
     seconds = perf_counter() - start
     respond(
         result.to_dict(),
-        _tables(result),
+        view.tables(result),
         as_json=as_json,
         title="values before the update" if update else "",
         files=[
-            (markdown, lambda: markdown_report(suite_report(result))),
-            (junit, lambda: suite_junit(result, seconds)),
+            (markdown, lambda: markdown_report(view.report(result))),
+            (junit, lambda: view.junit(result, seconds)),
             (updated, lambda: _updated(chosen.file, result)),
         ],
     )
@@ -101,6 +99,7 @@ def _check_update(suite: Path | None, changes: Sequence[str] | None) -> None:
 
 def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":
     """Compute the cases; where this is interrupted, show those that are done."""
+    from armour.reporting.views import suite as view
     from armour.validation.validate import result_of
     from armour.validation.validate import validate as run_suite
 
@@ -115,21 +114,13 @@ def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":
             return run_suite(suite, on_check=on_check)
     except KeyboardInterrupt:
         if done and not quiet:
-            show(*_tables(result_of(suite, done)))
+            show(*view.tables(result_of(suite, done)))
         raise
-
-
-def _tables(result: "SuiteResult") -> "list[Table | str]":
-    from armour.reporting.tables.validation import group_notes, note_rows, suite_tables, verdict
-
-    notes = note_rows([check for check in result.checks if check.status != "within" and not check.in_group])
-    notes += group_notes(result)
-    return [*suite_tables(result), "", *(f"{name}: {note}" for name, note in notes), verdict(result)]
 
 
 def _updated(suite: Path, result: "SuiteResult") -> bytes | None:
     """Return the suite with computed values, which are listed on standard error; None where nothing changes."""
-    from armour.reporting.tables.validation import update_table
+    from armour.reporting.views.suite import update_table
     from armour.validation.update import kept_by_update, updated_file, updates_of
 
     if kept := kept_by_update(result).checks:

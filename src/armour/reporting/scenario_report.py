@@ -5,13 +5,17 @@ from dataclasses import replace
 
 from armour import __version__
 from armour.design.optimise import SUPERLATIVES
-from armour.reporting import charts
 from armour.reporting.chart import Chart
 from armour.reporting.contents import AgainstThreat, Contents, asks_for_design
 from armour.reporting.report import Card, CrossSection, Report, Section, filled, origin_section
-from armour.reporting.table import Column, Table, listing
-from armour.reporting.tables.confidence import DEFEAT, SAMPLED_ALONE, chance, extrapolation, from_tests
-from armour.reporting.tables.design import (
+from armour.reporting.table import Column, Table, in_words, listing
+from armour.reporting.views import design as designs
+from armour.reporting.views import impact as impacts
+from armour.reporting.views import sensitivity, uncertainty
+from armour.reporting.views.confidence import DEFEAT, SAMPLED_ALONE, chance, extrapolation, from_tests
+from armour.reporting.views.design import (
+    AREAL_DENSITY,
+    BALLISTIC_LIMIT,
     COST,
     MARGIN,
     REQUIRED,
@@ -23,10 +27,8 @@ from armour.reporting.tables.design import (
     pareto_table,
     required_margins,
 )
-from armour.reporting.tables.impact import AREAL_DENSITY, BALLISTIC_LIMIT, energy_table, stage_table
-from armour.reporting.tables.library import entry_table
-from armour.reporting.tables.statistics import elasticity_table, estimate_table
-from armour.reporting.words import in_words
+from armour.reporting.views.impact import energy_table, stage_table
+from armour.reporting.views.library import entry_table
 from armour.scenario.inputs import INPUTS
 from armour.scenario.words import title_beside
 from armour.units import MM
@@ -214,8 +216,8 @@ def _tables(contents: Contents) -> Iterator[tuple[str, Table]]:
         yield "Margins against the threats", _margins(contents)
     yield "Stages of the impact", stage_table(contents.impact)
     if contents.uncertainty is not None:
-        yield "Results under uncertain inputs", estimate_table(contents.uncertainty)
-    yield "Sensitivity to the inputs", elasticity_table(contents.sensitivity)
+        yield "Results under uncertain inputs", uncertainty.estimate_table(contents.uncertainty)
+    yield "Sensitivity to the inputs", sensitivity.elasticity_table(contents.sensitivity)
     for entry in contents.entries:
         yield f"{entry.kind.capitalize()}: {entry.name}", _in_words(entry_table(entry))
 
@@ -250,15 +252,15 @@ def _in_words(table: Table) -> Table:
 
 def _charts(contents: Contents) -> Iterator[Chart]:
     if contents.design is not None:
-        yield charts.frontier_chart(contents.design)
+        yield designs.frontier_chart(contents.design)
         if contents.design.pareto:
-            yield charts.pareto_chart(contents.design)
+            yield designs.pareto_chart(contents.design)
     if contents.uncertainty is not None:
-        yield charts.uncertainty_chart(contents.uncertainty, contents.answer)
-    yield charts.sensitivity_chart(contents.sensitivity)
+        yield uncertainty.chart(contents.uncertainty)
+    yield sensitivity.chart(contents.sensitivity)
     # The low chart before the high one, so that the first printed page has room for it.
-    yield charts.energy_chart(contents.energy)
-    yield charts.impact_chart(contents.impact)
+    yield impacts.energy_chart(contents.energy)
+    yield impacts.chart(contents.impact)
 
 
 def _cross_section(contents: Contents) -> CrossSection:

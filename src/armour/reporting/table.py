@@ -7,9 +7,9 @@ from io import StringIO
 from math import isfinite
 from typing import Any
 
+from armour.analysis.quantities import QUANTITIES, label_and_unit
 from armour.files import csv_cell
-from armour.reporting.text import number, spelt
-from armour.units import words_and_unit
+from armour.reporting.text import number, percent
 
 Cell = float | int | str | None
 
@@ -63,9 +63,19 @@ class Table:
 
 
 def column_of(key: str, spec: str = "", label: str = "", *, prose: bool = False) -> Column:
-    """Return the column of an attribute or key, with label, unless given, and unit from its name."""
-    words, unit = words_and_unit(key)
-    return Column(label or spelt(words), unit, spec, prose, key)
+    """Return the column of a quantity, an input, a key or an attribute, with label and format unless given."""
+    words, unit = label_and_unit(key)
+    return Column(label or words, unit, spec or (QUANTITIES[key].spec if key in QUANTITIES else ""), prose, key)
+
+
+def in_words(name: str) -> str:
+    """Return label and unit of a quantity, an input or a key, such as "ceramic flow stress, GPa"."""
+    return column_of(name).heading
+
+
+def between(result: Any, unit: str = "", of: str = "", *, prose: bool = False) -> Column:
+    """Return the column of intervals at the confidence level of a result."""
+    return Column(f"{percent(result.confidence)} interval{of}", unit, prose=prose)
 
 
 def listing(items: Iterable[Any], *sources: Source, title: str = "") -> Table:

@@ -7,15 +7,8 @@ from textwrap import wrap
 from armour.files import printable
 from armour.units import ENDINGS
 
-# Words of keys that people read in another spelling.
-SPELLING = {"backing": "back plate", "caliber": "calibre", "m2": "m²", "youngs": "Young's"}
 # The space between a number and its unit.
 BEFORE_UNIT = re.compile(rf"(?<=\d) (?=({'|'.join(map(re.escape, [*ENDINGS.values(), 'J']))})(?![\w/]))")
-
-
-def spelt(words: str) -> str:
-    """Return the words of a key as people read them: "backing thickness" as "back plate thickness"."""
-    return " ".join(SPELLING.get(word, word) for word in words.split(" "))
 
 
 def printable_lines(text: str) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection
 from functools import cached_property, partial
 from typing import NamedTuple
 
-from armour.analysis.answers import COLUMNS, Answers
+from armour.analysis.answers import Answers
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import groups_of
 from armour.analysis.quantities import QUANTITIES
@@ -51,7 +51,7 @@ class Question(NamedTuple):
 
 
 def _quantity(name: str, asked: Asked) -> float | str:
-    value: float | str = COLUMNS[name](asked.answers)[0].item()
+    value: float | str = QUANTITIES[name].compute(asked.answers)[0].item()
     return value
 
 

@@ -10,6 +10,7 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
+from armour.analysis.quantities import label_and_unit
 from armour.errors import MAX_PROBLEMS, InputError, Problem, refuse, suggestion
 from armour.files import exists, read_toml, shipped, shipped_files, suite_file
 from armour.scenario.keys import canonical, describe, key_name, leaves, parts_of
@@ -230,7 +231,7 @@ class Case:
     @property
     def unit(self) -> str:
         """Unit of the expected value."""
-        return words_and_unit(self.quantity)[1] if self.measured is None else "%"
+        return label_and_unit(self.quantity)[1] if self.measured is None else "%"
 
     def compared(self, value: float | str) -> float | str:
         """Return a value of the quantity as what the expected value is: the value, or its relative difference."""

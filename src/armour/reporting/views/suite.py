@@ -1,19 +1,24 @@
-"""Tables of a suite of cases and of the paper's figures."""
+"""A suite of cases."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import floor, log10
 from typing import TYPE_CHECKING
+from xml.etree import ElementTree
 
-from armour.analysis.quantities import QUANTITIES
+from armour import __version__
+from armour.files import printable
+from armour.reporting.chart import COLUMN_INCHES, Chart, agreement_panel, grouped
+from armour.reporting.report import Report, Section, filled, origin_section
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import number
+from armour.scenario.sections import TINY
 
 if TYPE_CHECKING:
-    from armour.validation.figures import Figure
     from armour.validation.rivals import Error
     from armour.validation.suite import Case
     from armour.validation.update import Update
-    from armour.validation.validate import Check, SuiteResult, TableSummary
+    from armour.validation.validate import Check, Status, SuiteResult, TableSummary
 
 
 def check_groups(result: "SuiteResult") -> dict[str, list["Check"]]:
@@ -169,6 +174,13 @@ def suite_tables(result: "SuiteResult") -> list[Table]:
     return found
 
 
+def tables(result: "SuiteResult") -> list[Table | str]:
+    """Return the tables of a suite, why cases are outside their bands or not scored, and the outcome in a line."""
+    notes = note_rows([check for check in result.checks if check.status != "within" and not check.in_group])
+    notes += group_notes(result)
+    return [*suite_tables(result), "", *(f"{name}: {note}" for name, note in notes), verdict(result)]
+
+
 def update_table(updates: Sequence["Update"]) -> Table:
     """Return the expected values that an update changes."""
     return listing(
@@ -176,24 +188,6 @@ def update_table(updates: Sequence["Update"]) -> Table:
         (Column("case", prose=True), lambda update: update.case.full_name),
         (Column("expected", spec=".10g"), lambda update: update.case.expected),
         (Column("computed", spec=".10g"), lambda update: update.expected),
-    )
-
-
-def figure_table(panels: Sequence["Figure"]) -> Table:
-    """Return the curves of a figure, a column each; its panels, of equally many points, side by side."""
-    quantities = {quantity.label for quantity in QUANTITIES.values()}
-    columns: dict[str, Sequence[float | None]] = {}
-    for panel in panels:
-        y_label = panel.section.y_label
-        columns[panel.section.x_label] = panel.x
-        for curve in panel.curves:
-            # The label of a curve may name its quantity, or what the curve differs in.
-            named = curve.label.rpartition(", ")[2] in quantities
-            columns[f"{curve.label}, {y_label.rpartition(', ')[2]}" if named else f"{curve.label}: {y_label}"] = (
-                curve.values
-            )
-    return Table(
-        tuple(Column(label, spec="g", key=label) for label in columns), tuple(zip(*columns.values(), strict=True))
     )
 
 
@@ -207,3 +201,92 @@ def parity_table(result: "SuiteResult") -> Table:
         (column_of("expected", "g"), lambda check: check.case.expected),
         column_of("computed", "g"),
     )
+
+
+# Cases that the chart of a suite does not show.
+LEFT_OUT = "of no table, of outcomes, of relative differences and without an answer"
+
+
+def chart(result: "SuiteResult") -> Chart:
+    """Describe computed over expected values of a suite's tables, or else of its cases, a panel for each quantity."""
+    numbers = [check for check in result.checks if check.deviation is not None and check.case.measured is None]
+    checks = [check for check in numbers if check.case.group] or numbers
+    panels = []
+    for quantity, same in grouped(checks, lambda check: check.case.quantity).items():
+        groups = {
+            group or "cases": [
+                (check.case.name, "expected", check.case.expected, check.computed, 0.0) for check in found
+            ]
+            for group, found in grouped(same, lambda check: check.case.group).items()
+        }
+        # A band that all have in common, as a part of the expected values; else a tenth.
+        bands = {round((c.case.band or 0.0) / abs(c.case.expected), 4) for c in same if abs(c.case.expected) > TINY}
+        [part] = bands if len(bands) == 1 else [0.0]
+        panels.append(agreement_panel(quantity, "expected", groups, part or 0.1))
+    left_out = len(result.checks) - len(checks)
+    note = f"{left_out} of {len(result.checks)} cases are not shown: those {LEFT_OUT}." if left_out else ""
+    return Chart("", tuple(panels), note, width=COLUMN_INCHES)
+
+
+def report(result: "SuiteResult", command: str = "") -> Report:
+    """Report the outcome of a suite: verdict, tables, and the reasons for the bands; with a command, its origin."""
+    sources = {name: _source(checks) for name, checks in check_groups(result).items()}
+    sections = [
+        Section(table.title[:1].upper() + table.title[1:], sources.get(table.title, ()), tables=(filled(table),))
+        for table in suite_tables(result)
+    ]
+    own = [check for check in result.checks if check.status != "not scored" and not check.case.group]
+    unscored = [check for check in result.checks if check.status == "not scored" and not check.in_group]
+    for heading, checks in (("Reasons for the bands", own), ("Shown but not scored", unscored)):
+        if notes := note_rows(checks):
+            sections.append(Section(heading, notes=tuple(notes)))
+    if command:
+        sections.append(origin_section(command))
+    return Report(
+        title=result.title or result.file,
+        lead=f"armour {__version__}: {verdict(result)}. {result.description}".strip(),
+        sections=tuple(sections),
+        charts=(replace(chart(result), title="Computed and expected values"),),
+        passed=result.passed,
+    )
+
+
+def _source(checks: "list[Check]") -> tuple[str, ...]:
+    """Return source and reason of a table, which all its rows share."""
+    case = checks[0].case
+    parts = [text for text in (case.source, f"band: {case.reason}" if case.reason else "") if text]
+    text = "; ".join(parts) + "."
+    return (text[:1].upper() + text[1:],) if case.group and parts else ()
+
+
+def junit(result: "SuiteResult", seconds: float) -> bytes:
+    """Format the outcome of a suite: a test case for every case, and for every table that is held to a band.
+
+    The time in seconds is that of all cases, most of which are computed together.
+    """
+    suite = ElementTree.Element("testsuite", name=printable(result.title or result.file), time=f"{seconds:.3f}")
+    for check in result.checks:
+        if check.in_group:
+            continue
+        message = check.message or check.case.not_scored
+        if check.status == "outside":
+            message = failure(check)
+        _add(suite, check.case.group or "cases", check.case.name, check.status, message)
+    for summary in result.summaries:
+        if summary.status != "not scored":
+            _add(suite, summary.name, summary.group or "RMS", summary.status, held_to(summary))
+    suite.set("tests", str(len(suite)))
+    suite.set("failures", str(len(suite.findall("testcase/failure"))))
+    suite.set("skipped", str(len(suite.findall("testcase/skipped"))))
+    ElementTree.indent(suite)
+    return bytes(ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True))
+
+
+def _add(suite: ElementTree.Element, group: str, name: str, status: "Status", message: str) -> None:
+    from armour.validation.validate import FAILED
+
+    case = ElementTree.SubElement(suite, "testcase", classname=printable(group), name=printable(name))
+    if status in FAILED:
+        ElementTree.SubElement(case, "failure", message=printable(message))
+    elif status == "not scored":
+        ElementTree.SubElement(case, "skipped", message=printable(message))

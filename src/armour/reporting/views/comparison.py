@@ -1,10 +1,21 @@
-"""Tables of a comparison with closed-form formulas."""
+"""A comparison with closed-form formulas."""
 
 from typing import TYPE_CHECKING
 
+from armour.analysis.closed_forms import residual_velocity
+from armour.reporting.chart import (
+    COLOURS,
+    ORANGE,
+    PURPLE,
+    STYLES,
+    Chart,
+    Line,
+    Series,
+    residual_velocity_panel,
+    velocity_rule,
+)
 from armour.reporting.table import Column, Table, column_of, listing, record
-from armour.reporting.tables.impact import AREAL_DENSITY
-from armour.reporting.tables.validation import error_table
+from armour.reporting.views.suite import error_table
 
 if TYPE_CHECKING:
     from armour.validation.comparison import Comparison
@@ -55,11 +66,11 @@ def fit_table(result: "Comparison") -> Table:
     )
 
 
-def comparison_tables(result: "Comparison") -> list[Table | str]:
+def tables(result: "Comparison") -> list[Table | str]:
     """Return all tables of a comparison."""
     low, high = result.fitted_m_s
     return [
-        record(result, AREAL_DENSITY),
+        record(result, column_of("areal_density_kg_m2")),
         comparison_table(result),
         *([f"Florence's limit: none, without {', '.join(result.florence_missing)}"] if result.florence_missing else []),
         rule_note(result),
@@ -67,3 +78,19 @@ def comparison_tables(result: "Comparison") -> list[Table | str]:
         fit_table(result),
         f"fitted to the model's residual velocities from {low:.1f} to {high:.1f} m/s",
     ]
+
+
+def chart(result: "Comparison") -> Chart:
+    """Describe the residual velocity by the model and by fits to it, with Florence's ballistic limits."""
+    found = result.limit.ballistic_limit_m_s
+    impact = [impact.impact_velocity_m_s for impact in result.curve]
+    residual = [impact.residual_velocity_m_s for impact in result.curve]
+    series: list[Series] = [Line(impact, residual, label=f"this model: ballistic limit {found:.1f} m/s")]
+    for fit, colour, style in zip(result.fits, COLOURS[1:], STYLES[1:], strict=False):
+        fitted = [residual_velocity(velocity, found, fit.ratio, fit.exponent) for velocity in impact]
+        label = f"{fit.name}: ratio {fit.ratio:.3f}, exponent {fit.exponent:.2f}"
+        series.append(Line(impact, fitted, style, label=label, colour=colour))
+    for florence, colour, style in zip(result.florence, (ORANGE, PURPLE), (":", "--"), strict=False):
+        label = f"Florence, {florence.projectile}: ballistic limit"
+        series.append(velocity_rule(label, florence.ballistic_limit_m_s, colour, style))
+    return Chart("", (residual_velocity_panel(series),))

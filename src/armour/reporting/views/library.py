@@ -1,4 +1,4 @@
-"""Tables of the library of projectiles and materials."""
+"""The library of projectiles and materials, and what is shipped."""
 
 from typing import TYPE_CHECKING
 
@@ -8,6 +8,7 @@ from armour.scenario.library import OPTIONAL
 
 if TYPE_CHECKING:
     from armour.scenario.library import Kind, Library, LibraryEntry
+
 
 # Shipped tables of tests, which have no title, and what they are for.
 TESTS = {

@@ -1,17 +1,24 @@
-"""Column and notes of the probability that an armour defeats its threat."""
+"""The probability that an armour defeats its threat."""
 
 from typing import TYPE_CHECKING
 
-from armour.reporting.table import Column
+from armour.reporting.table import Column, Table, column_of, record
 
 if TYPE_CHECKING:
     from armour.analysis.confidence import ConfidenceResult
+    from armour.analysis.results import Result
     from armour.scenario.evidence import ModelError
+
 
 DEFEAT = Column("probability of defeating the threat", prose=True)
 
+
 UNKNOWN = "the error of the model is not known for such an armour"
+
+
 EXCLUDED = "the error of the model is not included, as uncertainty.model says"
+
+
 # What distributions tell where the error of the model is not known.
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 
@@ -25,10 +32,11 @@ def chance(probability: float | None) -> str:
     return "above 99.5 %" if probability > 0.995 else f"{100.0 * probability:.0f} %"
 
 
-def error_note(error: "ModelError | None", *, excluded: bool | None = None) -> str:
-    """Return what the error of the model is and rests on, in a sentence; `excluded` is None where not known."""
+def error_note(result: "Result", error: "ModelError | None") -> str:
+    """Return what the error of the model is and rests on, in a sentence, for a result."""
     if error is None:
-        return f"{UNKNOWN}, or not included" if excluded is None else EXCLUDED if excluded else UNKNOWN
+        scenario = result._question.get("scenario")
+        return f"{UNKNOWN}, or not included" if scenario is None else EXCLUDED if scenario.excludes_error() else UNKNOWN
     return "; ".join([from_tests(error), *extrapolation(error)])
 
 
@@ -47,4 +55,17 @@ def confidence_note(result: "ConfidenceResult") -> str:
     """Return what the probability rests on, or why it is not known."""
     if result.model_error is None or result.probability_of_defeat is None:
         return f"the probability of defeating the threat is not known: {result.reason}"
-    return error_note(result.model_error)
+    return error_note(result, result.model_error)
+
+
+BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
+
+
+def confidence_table(result: "ConfidenceResult") -> Table:
+    """Return the ballistic limit and the probability that it exceeds the impact velocity."""
+    return record(result, BALLISTIC_LIMIT, (DEFEAT, chance(result.probability_of_defeat)))
+
+
+def tables(result: "ConfidenceResult") -> list[Table | str]:
+    """Return the probability, and what it rests on."""
+    return [confidence_table(result), confidence_note(result)]

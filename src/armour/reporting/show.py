@@ -1,0 +1,146 @@
+"""Results as figures, as reports and in notebooks."""
+
+from copy import copy
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from armour.analysis.progress import OnProgress, ignore_progress
+from armour.errors import InputError, Problem, refuse
+from armour.files import unwritable, write_atomic, wrong_ending
+from armour.reporting.views.registry import view_of
+from armour.scenario.scenario import Scenario
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from armour.analysis.results import Result
+    from armour.reporting.report import Report
+    from armour.statistics.v50 import Shots
+    from armour.validation.validate import SuiteResult
+
+# Texts of a scenario that no result depends on.
+TEXTS = {"title", "author", "project", "date"}
+REPORT_ENDINGS = (".html", ".md")
+
+
+def plot(
+    result: "Result", scenario: "Scenario | None" = None, *, shots: "Shots | None" = None, title: str | None = None
+) -> "Figure":
+    """Draw a result as its command does with ``--plot``.
+
+    A notebook shows the figure; ``savefig`` writes it to a file.
+
+    Parameters
+    ----------
+    result : ImpactResult, LimitResult, Comparison, DesignResult, SensitivityResult, UncertaintyResult, \
+CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepResult
+        An impact must have its history, and a sweep one or two keys.
+    scenario : Scenario, optional
+        Scenario of the result, perhaps with another title.  Only a result that is made by hand needs it.
+    shots : Shots, optional
+        Shots of a V50.  Only a result that is made by hand needs them.
+    title : str, optional
+        In place of the chart's own.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    InputError
+        If the result cannot be drawn, or not without what is missing, or the scenario or the shots are of another one.
+
+    Examples
+    --------
+    >>> import armour
+    >>> scenario = armour.load_scenario("wilkins")
+    >>> figure = armour.plot(armour.simulate(scenario, history=True))
+    >>> figure.savefig("impact.png")
+    """
+    from armour.reporting.plots import draw
+
+    view = view_of(result)
+    if not hasattr(view, "chart"):
+        raise _wrong("result", f"must be one that has a chart, found {type(result).__name__}")
+    own = result._question
+    if scenario is not None and "scenario" in own and not _same(scenario, own["scenario"]):
+        raise _wrong("scenario", "must be the scenario of the result, found another; it can be left out")
+    if shots is not None and shots != own.get("shots", shots):
+        raise _wrong("shots", "must be the shots of the result, found others; they can be left out")
+    given: dict[str, Any] = {"scenario": scenario, "shots": shots}
+    result = copy(result)._of(**{key: value for key, value in given.items() if value is not None})
+    chart = view.chart(result)
+    return draw(chart.headed(result._heading()) if title is None else replace(chart, title=title))
+
+
+def _same(scenario: Scenario, other: Scenario) -> bool:
+    """Return whether two scenarios give the same results."""
+    first, second = (item.model_dump(exclude=TEXTS | {"library"}) for item in (scenario, other))
+    return first == second and scenario.inputs() == other.inputs()
+
+
+def _wrong(key: str, message: str) -> InputError:
+    return InputError([Problem("plot", key, message)])
+
+
+def in_html(result: "Result") -> str | None:
+    """Return the tables of a result as HTML, for a notebook; None where it has none."""
+    from armour.reporting.html import html_tables
+
+    if (view := view_of(result)) is None:
+        return None
+    warnings = (f"warning: {warning}" for warning in getattr(result, "warnings", ()))
+    return html_tables([*result._heading(), *view.tables(result), *warnings])
+
+
+def report(
+    subject: "Scenario | SuiteResult",
+    path: str | PathLike[str],
+    *,
+    as_is: bool = False,
+    on_progress: OnProgress = ignore_progress,
+) -> None:
+    """Write a report on a scenario, or on the result of a suite.
+
+    Parameters
+    ----------
+    subject : Scenario or SuiteResult
+        The report on a scenario has its answer, with uncertainty, sensitivity and the sources of all values.
+    path : path-like
+        File to write: one self-contained .html file with charts, or .md for Markdown without them.
+    as_is : bool, default False
+        Whether to report on the scenario's own armour, also where the scenario asks for a design.
+    on_progress : callable, optional
+        Called with the number of armours computed since the last call, and None, as their total is not known.
+
+    Raises
+    ------
+    InputError
+        If the file has another ending or cannot be written, or the scenario cannot be computed.
+    NoAnswerError
+        If the question of the scenario has no answer.
+    """
+    from armour.reporting.contents import contents_of
+    from armour.reporting.scenario_report import scenario_report
+    from armour.reporting.views import suite
+
+    path = Path(path)
+    refuse(wrong_ending(path, REPORT_ENDINGS) or unwritable(path))
+    if isinstance(subject, Scenario):
+        option = ", as_is=True" if as_is else ""
+        contents = contents_of(subject, on_progress, as_is=as_is)
+        made = scenario_report(contents, f'armour.report(scenario, "{path}"{option})')
+    else:
+        made = suite.report(subject, f'armour.report(result, "{path}")')
+    write_atomic(path, report_text(made, path).encode(errors="backslashreplace"))
+
+
+def report_text(made: "Report", path: Path) -> str:
+    """Return a report in the format of a file, HTML or Markdown."""
+    from armour.reporting.html import html_report
+    from armour.reporting.markdown import markdown_report
+
+    return markdown_report(made) if path.suffix.lower() == ".md" else html_report(made)

@@ -1,0 +1,74 @@
+"""A ballistic limit."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from armour.analysis.ballistic_limit import curve_velocities, residual_velocity_curve
+from armour.reporting.chart import GREEN, INK, VERMILION, Chart, Line, needed, residual_velocity_panel, velocity_rule
+from armour.reporting.table import Column, Table, column_of, listing, record
+from armour.reporting.text import interval
+from armour.reporting.views.confidence import error_note
+
+if TYPE_CHECKING:
+    from armour.analysis.ballistic_limit import LimitResult
+    from armour.analysis.impact import ImpactResult
+
+
+def limit_table(result: "LimitResult") -> Table:
+    """Return a ballistic limit, quantity by quantity."""
+    return record(
+        result,
+        column_of("ballistic_limit_m_s"),
+        (Column("defeated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[0]),
+        (Column("perforated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[1]),
+        (Column("95 % interval, with the error of the model", "m/s"), _interval(result)),
+        column_of("runs", "d"),
+        column_of("areal_density_kg_m2"),
+    )
+
+
+def _interval(result: "LimitResult") -> str | None:
+    return None if result.interval_m_s is None else interval(result.interval_m_s, ".0f")
+
+
+def crossing_table(result: "LimitResult") -> Table:
+    """Return every change of the outcome with the velocity."""
+    return listing(
+        result.crossings,
+        (Column("below", "m/s", ".4f"), lambda crossing: crossing.bracket_m_s[0]),
+        (Column("above", "m/s", ".4f"), lambda crossing: crossing.bracket_m_s[1]),
+        column_of("above", label="outcome above"),
+    )
+
+
+def tables(result: "LimitResult") -> list[Table | str]:
+    """Return all tables of a ballistic limit, and what was looked at; the changes of the outcome only where several."""
+    low, high = result.scanned_range_m_s
+    scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
+    error = error_note(result, result.model_error)
+    if result.monotonic:
+        return [limit_table(result), f"{scanned}; all above the ballistic limit perforate", error]
+    return [
+        limit_table(result),
+        f"{scanned}; the outcome changes {len(result.crossings)} times",
+        crossing_table(result),
+        error,
+    ]
+
+
+def limit_chart(limit: "LimitResult", curve: Sequence["ImpactResult"]) -> Chart:
+    """Describe the residual velocity over impact velocity, in the order of the curve, with the ballistic limit."""
+    impact = [result.impact_velocity_m_s for result in curve]
+    series = (
+        Line(impact, impact, ":", 1.0, label="no armour", colour=INK),
+        Line(impact, [result.residual_velocity_m_s for result in curve], label="projectile"),
+        Line(impact, [result.plug_velocity_m_s for result in curve], "--", label="plug", colour=GREEN),
+        velocity_rule("ballistic limit", limit.ballistic_limit_m_s, VERMILION),
+    )
+    return Chart("", (residual_velocity_panel(series, limits=(impact[0], impact[-1])),))
+
+
+def chart(result: "LimitResult") -> Chart:
+    """Describe the residual velocity over impact velocity, which is computed here, with the ballistic limit."""
+    scenario = needed(result, "scenario")
+    return limit_chart(result, residual_velocity_curve(scenario, curve_velocities(result, scenario)))

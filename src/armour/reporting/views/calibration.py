@@ -1,0 +1,182 @@
+"""A calibration."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from armour.analysis.quantities import label_and_unit
+from armour.reporting.chart import (
+    Axis,
+    Chart,
+    Panel,
+    agreement_panel,
+    bars_panel,
+    grouped,
+    quantity_axis,
+)
+from armour.reporting.table import Cell, Column, Source, Table, between, column_of, in_words, listing, record
+from armour.reporting.text import interval
+
+if TYPE_CHECKING:
+    from armour.statistics.calibration import CalibrationResult, Residual
+
+
+def calibration_table(result: "CalibrationResult") -> Table:
+    """Return the quality of a fit to tests."""
+    uncertainties, prior = result.weights == "uncertainties", _has_prior(result)
+    return record(
+        result,
+        (Column("tests", spec="d"), len({residual.test for residual in result.residuals})),
+        (Column("deviations relative to"), "uncertainties of the tests" if uncertainties else "measured values"),
+        (Column("law of the ceramic's flow stress"), result.law or None),
+        _error("mean error", result.mean_error_percent),
+        _error("mean leave-one-out error", result.left_out_error_percent),
+        *([] if prior else [(Column("AICc", spec=".1f"), "too few tests" if result.aicc is None else result.aicc)]),
+        column_of("degrees_of_freedom", ".4g"),
+        *_agreement(result),
+        (Column("starting points that reach this solution"), f"{result.starts_agreeing} of {result.starts}"),
+    )
+
+
+def _agreement(result: "CalibrationResult") -> list[Source]:
+    """Return how well the uncertainties of the tests, if they have them, explain the deviations."""
+    if result.weights != "uncertainties":
+        return []
+    found: list[Source] = [column_of("chi_squared", ".2f", "chi-squared")]
+    if result.p_value is not None:
+        found.append((Column("p value", spec=".2g"), result.p_value))
+    if result.widened_by > 1.0:
+        found.append((Column("intervals widened by", spec=".2f"), result.widened_by))
+    return found
+
+
+def _error(label: str, value: float | None) -> Source:
+    return (Column(label), "too few tests") if value is None else (Column(label, "%", ".2f"), value)
+
+
+def _has_prior(result: "CalibrationResult") -> bool:
+    return any(coefficient.prior_share is not None for coefficient in result.coefficients)
+
+
+def coefficient_table(result: "CalibrationResult") -> Table:
+    """Return the fitted coefficients with their intervals, or the reason why one is not identified."""
+    share = Column("part of the prior", "%", ".0f"), lambda c: None if c.prior_share is None else 100.0 * c.prior_share
+    return listing(
+        result.coefficients,
+        (Column("coefficient", prose=True), lambda c: in_words(c.name)),
+        (Column("estimate", spec=".4g"), lambda c: "not identified" if c.estimate is None else c.estimate),
+        (between(result, prose=True), lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason)))),
+        *([share] if _has_prior(result) else []),
+    )
+
+
+PRIOR_NOTE = (
+    "the part of the prior is its part of the precision, 1 over the variance: at 0 % the tests alone give the "
+    "estimate, at 100 % they tell nothing"
+)
+
+
+def law_table(result: "CalibrationResult") -> Table:
+    """Return the laws that were compared."""
+    few = "too few tests"
+    without = "none with a prior" if _has_prior(result) else few
+    return listing(
+        result.laws,
+        column_of("law"),
+        column_of("coefficients", "d"),
+        (
+            Column("mean error", "%", ".2f"),
+            lambda law: few if law.mean_error_percent is None else law.mean_error_percent,
+        ),
+        (
+            Column("mean leave-one-out error", "%", ".2f"),
+            lambda law: few if law.left_out_error_percent is None else law.left_out_error_percent,
+        ),
+        (Column("AICc", spec=".1f"), lambda law: without if law.aicc is None else law.aicc),
+    )
+
+
+def correlation_table(result: "CalibrationResult") -> Table:
+    """Return the correlations of the coefficients, which are numbered in the heading."""
+    names = [
+        f"{number} {in_words(coefficient.name)}" for number, coefficient in enumerate(result.coefficients, start=1)
+    ]
+    numbers = (Column(name.partition(" ")[0], spec="+.3f") for name in names)
+    rows: list[tuple[Cell, ...]] = [(name, *values) for name, values in zip(names, result.correlation, strict=True)]
+    return Table((Column("correlation", prose=True), *numbers), tuple(rows))
+
+
+def residual_table(result: "CalibrationResult") -> Table:
+    """Return measured and computed values, test by test; one-sided tests have a bound and no deviation."""
+    bounds = any(residual.bound for residual in result.residuals)
+    return listing(
+        result.residuals,
+        column_of("test", prose=True),
+        (Column("quantity", prose=True), lambda r: label_and_unit(r.quantity)[0]),
+        *([column_of("bound")] if bounds else []),
+        (Column("unit"), lambda r: label_and_unit(r.quantity)[1]),
+        column_of("measured", "g"),
+        column_of("computed", ".2f"),
+        (Column("deviation", "%", "+.2f"), lambda r: None if r.bound else deviation_percent(r.computed, r.measured)),
+        (
+            Column("leave-one-out deviation", "%", "+.2f"),
+            lambda r: None if r.bound else deviation_percent(r.left_out, r.measured),
+        ),
+        *([(Column("bound met"), lambda r: "" if not r.bound else "yes" if r.met else "no")] if bounds else []),
+    )
+
+
+def deviation_percent(value: float | None, measured: float) -> float | None:
+    """Return the deviation of a value from the measured one, per cent."""
+    return None if value is None else 100.0 * (value / measured - 1.0)
+
+
+def tables(result: "CalibrationResult") -> list[Table | str]:
+    """Return all tables of a calibration."""
+    found: list[Table | str] = [law_table(result)] if result.laws else []
+    found += [calibration_table(result), coefficient_table(result)]
+    found += [PRIOR_NOTE] if _has_prior(result) else []
+    if len(result.coefficients) > 1:
+        found.append(correlation_table(result))
+    return [*found, residual_table(result)]
+
+
+# Rows of bars.
+MAX_ROWS = 40
+
+
+def chart(result: "CalibrationResult") -> Chart:
+    """Describe computed over measured values, and the deviations test by test, fitted and left out."""
+    words = {"": "measured", "at least": "defeated at", "at most": "perforated at"}
+    panels = []
+    for quantity, residuals in grouped(result.residuals, lambda residual: residual.quantity).items():
+        by_bound = grouped(residuals, lambda residual: residual.bound)
+        groups = {
+            words[bound] if bound else "tests": [
+                (residual.test, words[bound], residual.measured, residual.computed, residual.uncertainty or 0.0)
+                for residual in by_bound[bound]
+            ]
+            for bound in words
+            if bound in by_bound
+        }
+        panels.append(agreement_panel(quantity, "measured", groups))
+        if "" in by_bound:
+            panels.append(_deviation_panel(quantity, by_bound[""]))
+    given = any(residual.uncertainty for residual in result.residuals)
+    note = "Error bars are one standard deviation of the measured value to either side." if given else ""
+    return Chart(f"Calibration to {Path(result.tests).name}", tuple(panels), note)
+
+
+def _deviation_panel(quantity: str, residuals: Sequence["Residual"]) -> Panel:
+    """Describe deviations from measured values as bars; of many tests those with the largest."""
+    title = f"Deviation of the {quantity_axis(quantity).label}"
+    shown = list(residuals)
+    if len(shown) > MAX_ROWS:
+        shown = sorted(shown, key=lambda r: -abs(deviation_percent(r.computed, r.measured) or 0.0))[:MAX_ROWS]
+        title += f", the {MAX_ROWS} largest of {len(residuals)}"
+    values = {
+        "fitted": [deviation_percent(residual.computed, residual.measured) for residual in shown],
+        "leave-one-out": [deviation_percent(residual.left_out, residual.measured) for residual in shown],
+    }
+    x, names = Axis("deviation", "%", spec="+.2f"), tuple(residual.test for residual in shown)
+    return bars_panel(x, names, values, title)

@@ -1,0 +1,243 @@
+"""Planned tests among their candidates."""
+
+import re
+from collections import Counter
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from armour.analysis.quantities import label_and_unit
+from armour.reporting.chart import (
+    INK,
+    VERMILION,
+    Axis,
+    Chart,
+    Contours,
+    Line,
+    Map,
+    Panel,
+    Points,
+    Series,
+    quantity_axis,
+)
+from armour.reporting.table import Cell, Column, Table, column_of, record
+from armour.reporting.text import percent
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
+from armour.statistics.test_data import LIMIT, MEASURED, OUTCOME, Tests
+
+if TYPE_CHECKING:
+    from armour.planning.plan_tests import PlannedTest, PlannedTests
+
+
+CRITERIA = {
+    "D": "D, the smallest confidence region of the fitted inputs",
+    "I": "I, the least mean variance of the limits of the designs",
+}
+
+
+SOURCES = {
+    "given": "given",
+    "uncertainties": "from the uncertainties of the tests made before",
+    "residuals": "estimated from the residuals of the tests made before",
+}
+
+
+PLANNED = re.compile(r"planned (\d+)")
+
+
+NOTE = (
+    "± is the half-width of the interval to expect once the test has been made, with those before it; for a limit it "
+    "is that of the limit by the model, without the model's own error"
+)
+
+
+SLOPES = "a slope is the relative change of the flow stress per projectile diameter of the layer's thickness"
+
+
+def plan_table(result: "PlannedTests") -> Table:
+    """Return what the tests are planned for."""
+    of = "ballistic limit" if result.measure == "limit" else "impact velocity"
+    why = "the candidates do not determine the inputs" if result.not_identified else "too few tests"
+    efficient = f"none: {why}" if result.efficiency is None else f"at least {percent_of(result.efficiency)}"
+    return record(
+        result,
+        (Column("criterion"), CRITERIA[result.criterion]),
+        (Column("candidates", spec="d"), len(next(iter(result.candidates.values())))),
+        (
+            Column("measured"),
+            "ballistic limit" if result.measure == "limit" else "outcome of one shot, defeated or perforated",
+        ),
+        (
+            Column("scatter of a test"),
+            f"{result.scatter_percent:.3g} % of the {of}, {SOURCES[result.scatter_source]}",
+        ),
+        (Column("tests made before"), result.tests or None),
+        (Column("law of the ceramic's flow stress"), result.law or None),
+        *((Column(*label_and_unit(name), ".4g"), value) for name, value in result.values.items()),
+        (Column("efficiency"), efficient),
+    )
+
+
+def percent_of(part: float) -> str:
+    """Format an efficiency, rounded down."""
+    return percent(int(1000.0 * part) / 1000.0)
+
+
+def step_table(result: "PlannedTests") -> Table:
+    """Return the tests in their order, with what is known after each."""
+    steps = result.planned[0 if _known(result.planned[0]) else 1 :]
+    keys = list(result.candidates)
+    varied = [key for key in keys if len(set(result.candidates[key])) > 1] or keys
+    several = len(result.designs) > 1
+    costly = result.planned[0].total_cost is not None
+    columns = (
+        Column("test"),
+        *(Column(*label_and_unit(key), "g" if key in INPUTS else "") for key in varied),
+        Column("ballistic limit by the model", "m/s", ".0f"),
+        *([column_of("total_cost", ".6g")] if costly else []),
+        *(_half_width(name) for name in result.values),
+        *(Column(f"± limit of {name if several else 'the design'}", "m/s", ".1f") for name in result.designs),
+    )
+    rows = (
+        (
+            str(step.number or "before"),
+            *(step.inputs[key] if step.number else None for key in varied),
+            step.ballistic_limit_m_s,
+            *([step.total_cost] if costly else []),
+            *step.half_widths.values(),
+            *step.limit_half_widths_m_s,
+        )
+        for step in steps
+    )
+    return Table(columns, tuple(rows))
+
+
+def _half_width(name: str) -> Column:
+    words, unit = label_and_unit(name)
+    return Column(f"± {words}", unit, ".3g")
+
+
+def _known(step: "PlannedTest") -> bool:
+    return any(value is not None for value in (*step.half_widths.values(), *step.limit_half_widths_m_s))
+
+
+def tables(result: "PlannedTests") -> list[Table | str]:
+    """Return all tables of planned tests."""
+    slopes = [SLOPES] if any(name.endswith("_slope") for name in result.values) else []
+    return [plan_table(result), step_table(result), NOTE, *slopes]
+
+
+def form_table(result: "PlannedTests", tests: Tests | None) -> Table:
+    """Return a table of tests for `armour calibrate` whose measured values are to be filled in.
+
+    It has the tests made before, too; the names of the planned tests go on from theirs.
+    """
+    given = tests.weighted if tests is not None else result.scatter_known
+    uncertainty = MEASURED[LIMIT]
+    measured = LIMIT if result.measure == "limit" else OUTCOME
+    made = {} if tests is None else dict(zip(tests.names, tests.cells, strict=True))
+    rows: list[dict[str, Cell]] = [{**cells, "test": name} for name, cells in made.items()]
+    last = max((int(found[1]) for found in map(PLANNED.fullmatch, made) if found), default=0)
+    for step in result.planned[1:]:
+        row: dict[str, Cell] = {"test": f"planned {last + step.number}", **step.inputs}
+        value = step.ballistic_limit_m_s if result.measure == "limit" else step.inputs[VELOCITY]
+        if given and value is not None:
+            row[uncertainty] = float(f"{result.scatter_percent / 100.0 * float(value):.3g}")
+        rows.append(row)
+    keys = dict.fromkeys(["test", *(key for row in rows for key in row if key not in (measured, uncertainty))])
+    columns = [*keys, measured, *([uncertainty] if given else [])]
+    return Table(
+        tuple(Column(label_and_unit(key)[0], key=key) for key in columns),
+        tuple(tuple(row.get(key) for key in columns) for row in rows),
+    )
+
+
+GAIN = "relative gain of one more test"
+
+
+GAINS = "Gains of one more test for its cost are relative to the mean of the planned tests."
+
+
+# Velocities that a note names one by one.
+MAX_LISTED = 6
+
+
+# Looks of candidates that are tested once, twice, and so on; those tested more often look like the last.
+MARKS: tuple[dict[str, Any], ...] = (
+    {"marker": "o", "size": 6.0},
+    {"marker": "s", "size": 7.0},
+    {"marker": "^", "size": 8.0},
+    {"marker": "D", "size": 8.0},
+    {"marker": "*", "size": 12.0},
+)
+
+
+def chart(result: "PlannedTests") -> Chart:
+    """Describe the gain of one more test over the inputs that vary, with the planned tests and their numbers.
+
+    It is a map over two of them, by preference the thicknesses, or a curve over one; the greatest gain is shown where
+    candidates differ in more.
+    """
+    varied = [key for key in result.candidates if key in INPUTS and len(set(result.candidates[key])) > 1]
+    keys = [key for key in (CERAMIC, BACKING) if key in varied] or varied[:2] or [next(iter(result.candidates))]
+    if len(keys) == 1:
+        keys += [key for key in varied if key not in keys][:1]
+    columns = [np.array(result.candidates[key]) for key in keys]
+    gains = np.array(result.sensitivities or [np.nan] * len(columns[0]))
+    axes = [quantity_axis(key) for key in keys]
+    places: list[tuple[Any, ...]] = [tuple(step.inputs[key] for key in keys) for step in result.planned[1:]]
+    if len(keys) == 1:
+        axes.append(Axis(GAIN, spec=".2f"))
+        x = np.unique(columns[0])
+        best = [float(np.nanmax(gains[columns[0] == value])) if result.sensitivities else None for value in x]
+        series: list[Series] = [Line(x.tolist(), best, label="candidates", marker="." if len(x) < 40 else "")]
+        where = dict(zip(x.tolist(), best, strict=True))
+        points: list[tuple[Any, ...]] = [(place[0], where[float(place[0])]) for place in places]
+    else:
+        x, y = (np.unique(column) for column in columns)
+        z = np.full((len(y), len(x)), np.nan)
+        order = np.argsort(gains, kind="stable")  # the greatest is written last
+        z[np.searchsorted(y, columns[1][order]), np.searchsorted(x, columns[0][order])] = gains[order]
+        series = _map(x, y, z)
+        points = places
+    velocities = _velocities(result)
+    repeats = Counter(points)
+    for times in sorted(set(repeats.values())):
+        some = [point for point, count in repeats.items() if count == times]
+        look = MARKS[min(times, len(MARKS)) - 1]
+        label = "one test" if times == 1 else f"{times} tests"
+        xs, ys = zip(*some, strict=True)
+        shots = [[v for place, v in zip(points, velocities, strict=False) if place == point] for point in some]
+        text = tuple(f"at {velocities_in_words(of_point)}" for of_point in shots) if velocities else ()
+        series.append(Points(xs, ys, label=label, colour=VERMILION, text=text, **look))
+    note = GAINS if result.sensitivities else "The planned tests do not determine the inputs, so that no gain is shown."
+    if velocities:
+        note += f" The planned shots are at {velocities_in_words(velocities)}."
+    return Chart("", (Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
+
+
+def _velocities(result: "PlannedTests") -> list[float]:
+    """Return the impact velocities of planned shots, m/s; none where the limit is measured."""
+    return [float(step.inputs[VELOCITY]) for step in result.planned[1:]] if result.measure == "outcome" else []
+
+
+def velocities_in_words(velocities: Iterable[float]) -> str:
+    """Return different velocities in words, or their range where they are many."""
+    found = [f"{velocity:.4g}" for velocity in sorted(set(velocities))]
+    if len(found) > MAX_LISTED:
+        return f"{len(found)} velocities, {found[0]} to {found[-1]} m/s"
+    return f"{', '.join([*found[:-2], ' and '.join(found[-2:])])} m/s"
+
+
+def _map(x: Any, y: Any, z: Any) -> list[Series]:
+    """Describe gains over a full grid as colours with contours, and those of other candidates as points."""
+    rows = [[float(value) if np.isfinite(value) else None for value in row] for row in z]
+    if np.isfinite(z).all() and min(z.shape) > 1:
+        gains: list[Series] = [Map(x.tolist(), y.tolist(), rows, GAIN)]
+        if z.min() < z.max():
+            gains.append(Contours(x.tolist(), y.tolist(), rows, levels=6, label="lines of equal gain", colour=INK))
+        return gains
+    js, i = np.nonzero(np.isfinite(z)) if np.isfinite(z).any() else np.nonzero(np.isnan(z))
+    words = tuple(f"gain {value:.2f}" for value in z[js, i])
+    return [Points(x[i].tolist(), y[js].tolist(), label="candidates", filled=False, text=words)]

@@ -1,0 +1,139 @@
+"""A sweep."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from armour.errors import InputError, Problem
+from armour.reporting.chart import (
+    COLOURS,
+    INK,
+    VERMILION,
+    Chart,
+    Contours,
+    Line,
+    Map,
+    Panel,
+    Series,
+    bars_panel,
+    look_of,
+    quantity_axis,
+    widened,
+)
+from armour.reporting.table import Table, column_of
+from armour.scenario.inputs import BACKING, CERAMIC
+from armour.units import MM
+
+if TYPE_CHECKING:
+    from armour.scenario.scenario import Scenario
+    from armour.sweeps.columns import SweepResult
+
+
+# Rows of a sweep that are shown.
+SWEEP_ROWS = 20
+
+
+def tables(result: "SweepResult") -> list[Table | str]:
+    """Return the first rows of a sweep."""
+    columns = result.columns
+    shown = tuple(zip(*(values[:SWEEP_ROWS].tolist() for values in columns.values()), strict=True))
+    headings = [column_of(name, ".6g" if values.dtype.kind in "iuf" else "") for name, values in columns.items()]
+    notes = [f"the first {SWEEP_ROWS} of {result.rows:,} rows"] if result.rows > SWEEP_ROWS else []
+    return [Table(tuple(headings), shown), *notes]
+
+
+def chart(result: "SweepResult") -> Chart:
+    """Describe the first quantity of a sweep that is a number over its one or two keys."""
+    if len(result.keys) > 2:
+        raise _undrawn(f"must be a sweep over one or two keys, found {len(result.keys)}")
+    numbers = [name for name in result.quantities if result[name].dtype.kind in "iuf"]
+    if not numbers:
+        raise _undrawn(f"must have a quantity that is a number, found only {', '.join(result.quantities)}")
+    if np.isnan(result[numbers[0]]).all():
+        raise _undrawn(f"must have a value of {numbers[0]} in at least one row, found none")
+    return sweep_chart(result.columns, result.keys, numbers[0], result.scenario)
+
+
+def _undrawn(message: str) -> InputError:
+    return InputError([Problem("plot", "result", message)])
+
+
+Floats = NDArray[np.float64]
+
+
+# Rows of a sweep whose points are marked on a curve.
+MAX_MARKERS = 40
+
+
+def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, scenario: "Scenario") -> Chart:
+    """Describe a quantity over one key of a sweep, as a curve, or two, as a map; thicknesses have areal densities.
+
+    Over a key of names there is a bar for each name, and over such a key and numbers a curve for each.
+    """
+    axes = [quantity_axis(key) for key in keys]
+    answer = quantity_axis(name)
+    title = _sweep_title(answer.label, *(axis.label for axis in axes))
+    found = table[name]
+    missing = np.count_nonzero(np.isnan(found))
+    note = f"{missing} of {len(found)} rows have no {answer.label}." if missing else ""
+    named = [key for key in keys if table[key].dtype.kind not in "iuf"]
+    if len(named) == len(keys):
+        names = tuple(dict.fromkeys(table[named[0]].tolist()))
+        values = {
+            label: [
+                dict(zip(table[named[0]][own].tolist(), _or_none(found[own]), strict=True)).get(name) for name in names
+            ]
+            for label, own in _by_name(table, named[1:])
+        }
+        return Chart(title, (bars_panel(answer, names, values),), note)
+    if len(keys) == 1 or named:
+        [key] = [key for key in keys if key not in named]
+        # The axis reaches rows without an answer too, and a single row has a point.
+        across = quantity_axis(
+            key, limits=widened(table[key].tolist()) if missing or len(set(table[key])) == 1 else None
+        )
+        curves = []
+        for index, (label, own) in enumerate(_by_name(table, named)):
+            order = np.flatnonzero(own)[np.argsort(table[key][own], kind="stable")]
+            look = look_of(index) if len(order) <= MAX_MARKERS else {"colour": COLOURS[index % len(COLOURS)]}
+            curves.append(Line(table[key][order].tolist(), _or_none(found[order]), label=label, **look))
+        return Chart(title, (Panel(across, answer, tuple(curves), height=1.1),), note)
+    x, y = (np.unique(table[key]) for key in keys)
+    z = np.full((len(y), len(x)), np.nan)
+    z[np.searchsorted(y, table[keys[1]]), np.searchsorted(x, table[keys[0]])] = table[name]
+    rows = [_or_none(row) for row in z]
+    series: list[Series] = [Map(x.tolist(), y.tolist(), rows, answer.heading)]
+    if min(z.shape) > 1 and np.isfinite(z).any() and np.nanmin(z) < np.nanmax(z):
+        label = f"lines of equal {answer.heading}"
+        series.append(Contours(x.tolist(), y.tolist(), rows, levels=8, label=label, colour=INK))
+    if set(keys) == {CERAMIC, BACKING} and min(z.shape) > 1:
+        ceramic, backing = np.meshgrid(x, y) if keys[0] == CERAMIC else np.meshgrid(x, y)[::-1]
+        armour = scenario.core_armour()
+        areal = (armour.rho_c * MM * ceramic + armour.rho_B * MM * backing).tolist()
+        label = f"lines of equal {quantity_axis('areal_density_kg_m2').heading}"
+        series.append(Contours(x.tolist(), y.tolist(), areal, "dashed", 5, label=label, colour=VERMILION))
+    return Chart(title, (Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
+
+
+def _by_name(table: Mapping[str, Any], keys: Sequence[str]) -> list[tuple[str, Any]]:
+    """Return each name of a key with its rows, as a mask; without a key all rows."""
+    if not keys:
+        return [("", np.ones(len(next(iter(table.values()))), dtype=bool))]
+    names = table[keys[0]]
+    return [(name, names == name) for name in dict.fromkeys(names.tolist())]
+
+
+def _sweep_title(answer: str, first: str, second: str = "") -> str:
+    """Return the title of a sweep, in which words that both keys end in stand once."""
+    words, others = first.split(" "), second.split(" ")
+    # Of each, one word at least remains.
+    while second and len(words) > 1 and len(others) > 1 and words[-1] == others[-1]:
+        words, others = words[:-1], others[:-1]
+    over = f"{' '.join(words)} and {second}" if second else first
+    return f"{answer[:1].upper()}{answer[1:]} over {over}"
+
+
+def _or_none(values: Floats) -> list[float | None]:
+    return [float(value) if np.isfinite(value) else None for value in values]

@@ -1,0 +1,159 @@
+"""A propagated uncertainty."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from armour.reporting.chart import (
+    INK,
+    SOFT,
+    VERMILION,
+    Axis,
+    Band,
+    Chart,
+    Line,
+    Panel,
+    Points,
+    Series,
+    bars_panel,
+    needed,
+    quantity_axis,
+    velocity_rule,
+    widened,
+)
+from armour.reporting.table import Column, Table, between, column_of, in_words, listing, record
+from armour.reporting.text import interval, percent
+from armour.reporting.views.confidence import SAMPLED_ALONE, error_note
+
+if TYPE_CHECKING:
+    from armour.statistics.uncertainty import UncertaintyResult
+
+
+# What the intervals of a propagated uncertainty are of.
+SAMPLING = ", by sampling"
+
+
+SAMPLING_NOTE = (
+    "the intervals are those of the estimates, from the number of samples alone; the spread of the ballistic limit is "
+    "V05 to V95"
+)
+
+
+INDEX_NOTE = "indices are from 0 to 1; estimates of small and large ones, and their intervals, may fall outside"
+
+
+def uncertainty_table(result: "UncertaintyResult") -> Table:
+    """Return the samples, and the ballistic limit with and without them."""
+    return record(
+        result,
+        column_of("samples", "d"),
+        (Column("method"), f"{result.method}, seed {result.seed}"),
+        column_of("deterministic_m_s", ".1f", "ballistic limit of the scenario"),
+        column_of("standard_deviation_m_s", ".1f"),
+    )
+
+
+def estimate_table(result: "UncertaintyResult") -> Table:
+    """Return the estimated probability, quantiles and mean."""
+    # Imported here because commands without tables do not need scipy.
+    from armour.analysis.estimates import Estimate
+
+    columns = (
+        Column("quantity"),
+        Column("unit"),
+        Column("estimate", spec="g"),
+        between(result, of=SAMPLING),
+    )
+    found = [("probability of perforation", "", result.probability_of_perforation, 3)]
+    limits = {
+        **result.ballistic_limit_m_s,
+        "mean ballistic limit": Estimate(result.mean_m_s, *result.mean_interval_m_s),
+    }
+    found += [(name, "m/s", estimate, 1) for name, estimate in limits.items()]
+    rows = []
+    for name, unit, estimate, decimals in found:
+        spec = f".{decimals}f"
+        # A probability and velocities have different decimals, so that the number is formatted here.
+        rows.append((name, unit, f"{estimate.value:{spec}}", interval((estimate.low, estimate.high), spec)))
+    return Table(columns, tuple(rows))
+
+
+def index_table(result: "UncertaintyResult") -> Table:
+    """Return the Sobol' indices of each input, and the ballistic limits at its quantiles."""
+    return listing(
+        result.inputs,
+        (Column("input", prose=True), lambda item: in_words(item.input)),
+        (Column("first-order index", spec=".3f"), lambda item: getattr(item.first, "value", None)),
+        (
+            between(result, of=SAMPLING),
+            lambda item: item.first and interval((item.first.low, item.first.high), ".3f"),
+        ),
+        (Column("total index", spec=".3f"), lambda item: getattr(item.total, "value", None)),
+        (
+            between(result, of=SAMPLING),
+            lambda item: item.total and interval((item.total.low, item.total.high), ".3f"),
+        ),
+        (Column("ballistic limit at its 5 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[0]),
+        (Column("ballistic limit at its 95 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[1]),
+    )
+
+
+def tables(result: "UncertaintyResult") -> list[Table | str]:
+    """Return all tables of a propagated uncertainty."""
+    found: list[Table | str] = [uncertainty_table(result), estimate_table(result), SAMPLING_NOTE, index_table(result)]
+    estimates = [estimate for index in result.inputs for estimate in (index.first, index.total) if estimate]
+    if any(estimate.low < 0.0 or estimate.high > 1.0 for estimate in estimates):
+        found.append(INDEX_NOTE)
+    found.append(error_note(result, result.model_error))
+    if result.model_error is None:
+        found.append(SAMPLED_ALONE)
+    if any(index.first and not index.total for index in result.inputs):
+        found.append(
+            "inputs are correlated: a first-order index includes what an input shares with those that it is correlated "
+            "with, so that their sum may exceed 1; total indices are not given"
+        )
+    return found
+
+
+# Probabilities between which the curve of a chart is shown whole.
+SHOWN_PROBABILITY = 0.002
+
+
+def chart(result: "UncertaintyResult") -> Chart:
+    """Describe the probability of perforation over velocity, and the ballistic limits at quantiles of each input."""
+    curve, p, at = result.curve, result.probability_of_perforation, needed(result, "scenario").impact.velocity_m_s
+    found, level = result.deterministic_m_s, percent(result.confidence)
+    points = list(zip(curve.velocity_m_s, curve.probability, curve.low, curve.high, strict=True))
+    text = tuple(
+        f"perforated in {100.0 * value:.1f} % at {velocity:.1f} m/s\n{level} interval {low:.3f} to {high:.3f}"
+        for velocity, value, low, high in points
+    )
+    label = f"at {at:g} m/s: {p.value:.3f}, {p.low:.3f} to {p.high:.3f} by sampling"
+    quantiles = {name: result.ballistic_limit_m_s[name].value for name in ("V05", "V50", "V95")}
+    series: list[Series] = [
+        Band(curve.velocity_m_s, curve.low, curve.high),
+        Line(curve.velocity_m_s, curve.probability, label=f"probability, with its {level} band by sampling", text=text),
+        velocity_rule("nominal ballistic limit", found, INK, ":"),
+        *(velocity_rule(*item, SOFT, style) for item, style in zip(quantiles.items(), ("-.", "-", "--"), strict=True)),
+        Points(
+            [at], [p.value], y_ends=((p.low, p.high),), label=label, colour=VERMILION, text=(f"perforated {label}",)
+        ),
+    ]
+    uncertain = [velocity for velocity, value, *_ in points if SHOWN_PROBABILITY < value < 1.0 - SHOWN_PROBABILITY]
+    changed = [limit for index in result.inputs for limit in index.limits_m_s]
+    x = Axis(
+        "velocity",
+        "m/s",
+        spec=".1f",
+        limits=widened([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *changed]),
+    )
+    panels = [Panel(x, Axis("probability of perforation", limits=(0.0, 1.0)), tuple(series))]
+    if result.inputs:
+        names = tuple(quantity_axis(index.input).label for index in result.inputs)
+        values = {
+            f"input at its {quantile} quantile": [index.limits_m_s[side] for index in result.inputs]
+            for side, quantile in enumerate(("5 %", "95 %"))
+        }
+        title = "Ballistic limit with one input changed"
+        swings = bars_panel(x, names, values, title, found)
+        panels.append(replace(swings, shares_x=True))
+    return Chart("Probability of perforation", tuple(panels))

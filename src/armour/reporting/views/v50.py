@@ -1,0 +1,199 @@
+"""V50 from firing results."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from armour.errors import InputError, Problem
+from armour.reporting.chart import (
+    GREEN,
+    INK,
+    PURPLE,
+    SOFT,
+    VERMILION,
+    Axis,
+    Band,
+    Chart,
+    Line,
+    Panel,
+    Points,
+    Series,
+    needed,
+    quantity_axis,
+    velocity_rule,
+)
+from armour.reporting.table import Column, Source, Table, between, column_of, listing, record
+from armour.reporting.text import interval, percent
+from armour.reporting.views.planned_shots import SCATTER_ASSUMED, prior_table, share_note
+from armour.scenario.inputs import VELOCITY
+
+if TYPE_CHECKING:
+    from armour.statistics.response_curve import FittedCurve
+    from armour.statistics.v50 import FiringResult
+
+
+def v50_table(result: "FiringResult") -> Table:
+    """Return the extreme velocities of the shots, and the mean of MIL-STD-662F."""
+    mean = result.mean
+    rule: list[Source] = [(Column("V50, mean"), "none: too few shots of each kind within the span allowed")]
+    if mean is not None:
+        standard = mean.rule != "no usual rule"
+        rule = [
+            (Column("V50, MIL-STD-662F" if standard else "V50, mean", "m/s", ".1f"), mean.v50_m_s),
+            (Column("shots averaged"), f"{mean.pairs} partial and {mean.pairs} complete"),
+            (Column("span of these shots", "m/s", ".1f"), mean.span_m_s),
+            (Column("span allowed", "m/s", ".1f"), mean.span_allowed_m_s),
+        ]
+    return record(
+        result,
+        column_of("shots", "d"),
+        column_of("complete", "d", "complete penetrations"),
+        column_of("highest_partial_m_s", ".1f"),
+        column_of("lowest_complete_m_s", ".1f"),
+        *rule,
+        column_of("model_ballistic_limit_m_s", ".1f", "ballistic limit by the model"),
+        (
+            Column("95 % interval, with the error of the model", "m/s"),
+            interval(result.model_interval_m_s, ".0f") or None,
+        ),
+    )
+
+
+def recommended_table(fit: "FittedCurve", level: float) -> Table:
+    """Return the velocities and the scale of the recommended curve, with their intervals."""
+    rows = (
+        ("V50", fit.v50_m_s, fit.v50_interval_m_s),
+        ("V05", fit.v05_m_s, fit.v05_interval_m_s),
+        ("V95", fit.v95_m_s, fit.v95_interval_m_s),
+        ("scale", fit.scale_m_s, fit.scale_interval_m_s),
+    )
+    columns = Column("quantity"), Column("estimate", "m/s", ".1f"), Column(f"{percent(level)} interval", "m/s")
+    cells = tuple((name, value, interval(ends, ".1f")) for name, value, ends in rows)
+    return Table(columns, cells, f"recommended: {fit.curve}, {fit.method}")
+
+
+def curve_table(result: "FiringResult") -> Table:
+    """Return all fitted curves, with their intervals."""
+    return listing(
+        (*result.penalised_fits, *result.fits),
+        column_of("curve"),
+        (Column("likelihood"), lambda fit: fit.method.removesuffix(" likelihood")),
+        column_of("v50_m_s", ".1f", "V50"),
+        (between(result, "m/s", " of V50"), lambda fit: interval(fit.v50_interval_m_s, ".1f")),
+        column_of("scale_m_s", ".1f"),
+        (between(result, "m/s", " of the scale"), lambda fit: interval(fit.scale_interval_m_s, ".1f")),
+        column_of("v05_m_s", ".1f", "V05"),
+        column_of("v95_m_s", ".1f", "V95"),
+    )
+
+
+# Notes on the mean by its rule.
+MEAN_NOTES = {
+    "usual span": "the span allowed is the one usual with this number of shots; MIL-STD-662F leaves it to the "
+    "specification",
+    "given span": "the span allowed is given; MIL-STD-662F leaves it to the specification",
+    "no usual rule": "the mean is that of the numbers given; this number of shots is none that is usual with "
+    "MIL-STD-662F",
+}
+
+
+def tables(result: "FiringResult") -> list[Table | str]:
+    """Return all tables of firing results, with notes on them."""
+    found: list[Table | str] = [v50_table(result)]
+    if result.mean is not None:
+        found.append(MEAN_NOTES[result.mean.rule])
+    if result.prior is not None and result.posterior is not None and result.prior_share is not None:
+        table = prior_table(result.prior, result.posterior, result.confidence)
+        found += [table, SCATTER_ASSUMED, share_note(result.prior_share)]
+    if not result.fits:
+        return [
+            *found,
+            "the shots alone have no curve: none were complete, none partial, or the complete ones no faster",
+        ]
+    if result.recommended is None:
+        found.append("no curve is recommended: the penalised likelihood is greatest for a curve that does not rise")
+    else:
+        found.append(recommended_table(result.recommended, result.confidence))
+        found.append(
+            "with few shots its intervals hold the true values about as often as they say; those of maximum likelihood "
+            "are too short"
+        )
+        if result.recommended.v05_m_s is None:
+            found.append("V05 has no estimate: the curve has 5 % at a velocity below 0")
+    found.append(curve_table(result))
+    if result.separated:
+        found.append(
+            "every complete penetration was faster than every partial one: by maximum likelihood any V50 between them "
+            "is as likely, and the scale is 0"
+        )
+    if result.model_ballistic_limit_m_s is not None:
+        found.append("the model's limit is deterministic: one velocity for one set of inputs, without scatter")
+    return found
+
+
+# Height of the posterior's interval of V50, below that of the shots alone.
+POSTERIOR = 0.4
+
+
+def chart(result: "FiringResult") -> Chart:
+    """Describe shots, the recommended curve with its band, V50, and the model's ballistic limit where there is one."""
+    shots = needed(result, "shots")
+    if not result.fits:
+        message = "must have a curve to draw, and these shots have none"
+        raise InputError([Problem(shots.file, "", message)])
+    # scipy is slow to import, and no other chart needs it.
+    from armour.statistics.penalised_curve import penalised_band
+
+    series: list[Series] = []
+    for complete, colour, marker in ((False, GREEN, "o"), (True, VERMILION, "^")):
+        velocities = shots.of(complete=complete)
+        kind = "complete penetration" if complete else "partial penetration"
+        text = tuple(f"{kind} at {velocity:g} m/s" for velocity in velocities)
+        probabilities = [float(complete)] * len(velocities)
+        series.append(Points(velocities, probabilities, marker, label=kind, colour=colour, text=text))
+    slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
+    reach, margin = fastest - slowest or 0.01 * fastest, 0.1 * (fastest - slowest)
+    model, mean, between = result.model_ballistic_limit_m_s, result.mean, f"{percent(result.confidence)} interval"
+    fit = result.recommended or result.fits[0]
+    after = result.posterior
+    ends = [fit.v50_m_s, *fit.v50_interval_m_s, model]
+    between_ends = interval(fit.v50_interval_m_s, ".1f")
+    bounded = fit.v50_interval_m_s != (None, None)
+    if bounded:
+        between_ends = f"{between_ends} m/s"
+    wanted = [slowest, fastest, *(end for end in ends if end is not None)]
+    low, high = max(slowest - reach, min(wanted) - margin), min(fastest + reach, max(wanted) + margin)
+    if after is not None:
+        low, high = min(low, after.v50_interval_m_s[0] - margin), max(high, after.v50_interval_m_s[1] + margin)
+    x = np.linspace(low, high, 400).tolist()
+    label = f"{fit.curve}, {fit.method}: V50 {fit.v50_m_s:.1f} m/s"
+    if fit is result.recommended:
+        band = penalised_band(shots.of(complete=False), shots.of(complete=True), fit.curve, x, result.confidence)
+        series.insert(0, Band(x, *(edge.tolist() for edge in band)))
+        label += f", with its {percent(result.confidence)} band"
+    series.append(Line(x, [fit.probability(v) for v in x], label=label))
+    if low <= fit.v50_m_s <= high:
+        start, end = (edge if e is None else e for e, edge in zip(fit.v50_interval_m_s, (low, high), strict=True))
+        words = (f"V50 {fit.v50_m_s:.1f} m/s\n{between} {between_ends}",)
+        bar = ((start, end),) if bounded else ()
+        series.append(Points([fit.v50_m_s], [0.5], x_ends=bar, text=words))
+    if after is not None:
+        name = f"posterior with the model as prior: V50 {after.v50_m_s:.1f} m/s"
+        bar = (after.v50_interval_m_s,)
+        series.append(Points([after.v50_m_s], [POSTERIOR], "D", label=name, colour=PURPLE, x_ends=bar, text=(name,)))
+    if mean is not None:
+        name = "mean of shots" if mean.rule == "no usual rule" else "MIL-STD-662F"
+        series.append(velocity_rule(f"{name}: V50", mean.v50_m_s, SOFT))
+    bar_is = "The bar at one half is the {} of V50, {}." if bounded else "The {} of V50 is {}."
+    notes = [bar_is.format(between, between_ends)]
+    if after is not None:
+        notes.append(f"The bar with a diamond is that of the posterior, {interval(after.v50_interval_m_s, '.1f')} m/s.")
+    if model is not None and low <= model <= high:
+        series.append(velocity_rule("this model: ballistic limit", model, INK, ":"))
+    elif model is not None:
+        notes.append(f"The model's ballistic limit, {model:.1f} m/s, is outside the axis.")
+    axes = (
+        quantity_axis(VELOCITY, limits=(low, high)),
+        Axis("probability of complete penetration", limits=(-0.02, 1.02)),
+    )
+    return Chart("", (Panel(*axes, tuple(series), height=1.1),), " ".join(notes))
