@@ -316,9 +316,13 @@ def _tried(function: Callable[..., None], *paths: Path) -> None:
         function(*paths)
 
 
-def is_private(status: os.stat_result) -> bool:
-    """Return whether a file of this status is the user's and no other can write it; True where there are no users."""
-    return not hasattr(os, "geteuid") or (status.st_uid == os.geteuid() and not status.st_mode & 0o022)
+def make_private(folder: Path) -> bool:
+    """Make a folder that only this user can enter; return whether it is one that no other user can have changed."""
+    with suppress(FileExistsError):
+        folder.mkdir(mode=0o700)
+    status = folder.lstat()
+    is_own = not hasattr(os, "geteuid") or (status.st_uid == os.geteuid() and not status.st_mode & 0o022)
+    return stat.S_ISDIR(status.st_mode) and is_own
 
 
 def sync_folder(path: Path) -> None:

@@ -185,7 +185,7 @@ def scan(low: float, high: float, points: int = SCAN_POINTS) -> list[float]:
 def impact(p: Parameters, V: float, solver: Solver) -> Impact:
     """Compute the impact at a velocity, m/s."""
     dt = time_step(p, V, solver.given)
-    return impact_of(run(p, V, dt, solver.V_arrest, solver.max_steps), p, V, solver)
+    return impact_of(run(p, V, dt, solver.V_arrest, solver.max_steps, None, False), p, V, solver)
 
 
 def rough_impact(p: Parameters, V: float, solver: Solver) -> Impact:

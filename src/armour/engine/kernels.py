@@ -87,40 +87,33 @@ _solver = _tuple((_float, _float, _int))
 _scan = _tuple((_velocities, _float, _float, _float, _int))
 _search = _tuple((_float, _float, _float, _float, _float, _int))
 
-SIGNATURES = {
-    impacts: (_rows, _velocities, _solver, _counts, _ends),
-    ballistic_limits: (_rows, _scan, _counts, _ends),
-    least_thicknesses: (_rows, _velocities, _search, _counts, _ends),
+SIGNATURES: dict[str, tuple[Any, ...]] = {
+    "impacts": (_rows, _velocities, _solver, _counts, _ends),
+    "ballistic_limits": (_rows, _scan, _counts, _ends),
+    "least_thicknesses": (_rows, _velocities, _search, _counts, _ends),
 }
 
 
-def compiled(*names: str, directory: Path | None = None) -> dict[str, Kernel]:
-    """Return kernels by name, by default all: compiled or, with a directory, loaded from numba's files there."""
-
-    def compile_one(function: Any, arguments: tuple[Any, ...]) -> Any:
-        kernel = numba.njit(nogil=True, error_model="numpy")(function)
-        if kernel is not function:  # as numba's setting DISABLE_JIT makes it
-            if directory is not None:
-                with numba_cache(directory):
-                    kernel.enable_caching()
-            kernel.compile(types.void(*arguments))
-            kernel.disable_compile()
-        return kernel
-
-    return {
-        function.__name__: compile_one(function, arguments)
-        for function, arguments in SIGNATURES.items()
-        if function.__name__ in names or not names
-    }
+def compiled(name: str, folder: Path | None = None) -> Kernel:
+    """Return a kernel: compiled or, with a folder, loaded from there if it is there, else kept there."""
+    function = globals()[name]
+    kernel = numba.njit(nogil=True, error_model="numpy")(function)
+    if kernel is not function:  # as numba's setting DISABLE_JIT makes it
+        if folder is not None:
+            with numba_cache(folder):
+                kernel.enable_caching()
+        kernel.compile(types.void(*SIGNATURES[name]))
+        kernel.disable_compile()
+    return kernel
 
 
 @contextmanager
-def numba_cache(directory: Path) -> Iterator[None]:
-    """Make numba use a directory, and nothing else, for the functions whose caching is enabled within the context.
+def numba_cache(folder: Path) -> Iterator[None]:
+    """Make numba use a folder, and nothing else, for the functions whose caching is enabled within the context.
 
     The settings are those of the process: the context must be short, for the sake of other threads.
     """
-    settings = {"CACHE_DIR": str(directory), "CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator"}
+    settings = {"CACHE_DIR": str(folder), "CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator"}
     before = {name: getattr(config, name) for name in settings}
     try:
         for name, value in settings.items():

@@ -1,13 +1,12 @@
 """A private folder that is locked for one process; the system unlocks it when that process ends."""
 
 import os
-import stat
 import sys
 from contextlib import suppress
 from pathlib import Path
 
 from armour.errors import InputError, Problem
-from armour.files import is_private
+from armour.files import make_private
 
 NAME = "lock"
 
@@ -27,12 +26,9 @@ else:
 def make(folder: Path) -> None:
     """Make a folder that only this user can enter; raise an InputError if there is one that others may have changed."""
     while True:
-        with suppress(FileExistsError):
-            return folder.mkdir(mode=0o700)
         with suppress(FileNotFoundError):  # another process has just removed it
-            status = folder.lstat()
-            if stat.S_ISDIR(status.st_mode) and is_private(status):
-                return None
+            if make_private(folder):
+                return
             message = "must be a folder of yours that no other user can write; choose another output, or move it"
             raise InputError([Problem(str(folder), "", message)])
 
