@@ -52,7 +52,8 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def in_a_new_process(name: str = "impacts") -> None:
-    assert cache._kernel.__wrapped__(name) == name
+    found: object = cache._kernel.__wrapped__(name)
+    assert found == name
 
 
 @pytest.fixture
