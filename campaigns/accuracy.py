@@ -70,7 +70,7 @@ def prepare() -> None:
     """Compile, in a process of its own, impacts whose steps are shorter by `PART`, by all rules."""
     stepping.LONGEST_RESPONSE *= PART
     stepping.SHORTEST_CHANGE *= PART
-    prepared.update(kernels.compiled("impacts"))
+    prepared["impacts"] = kernels.compiled("impacts")
 
 
 def perforates(rows: batch.Floats, velocities: batch.Floats) -> NDArray[np.bool_]:
