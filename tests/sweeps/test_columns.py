@@ -170,11 +170,11 @@ def test_a_wrong_row_is_told_by_the_name_of_the_argument(tmp_path: Path, output:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"over": None}, "sweep: over: must be a mapping or a text or a path, found None"),
-        ({"over": [1]}, "sweep: over: must be a mapping or a text or a path, found a list"),
+        ({"over": None}, "sweep: over: must be a mapping or a path, found None"),
+        ({"over": [1]}, "sweep: over: must be a mapping or a path, found a list"),
         ({"quantities": None}, "sweep: quantities: must be a name or a sequence of names, found None"),
         ({"quantities": ["outcome", "outcome"]}, "sweep: quantities: must not name anything twice"),
-        ({"threads": "2"}, "sweep: threads: must be a whole number or None, found"),
+        ({"threads": "2"}, "sweep: threads: must be a whole number, found"),
         ({"threads": 0}, "sweep: threads: must be at least 1, found 0"),
         ({"on_progress": None}, "sweep: on_progress: must be a function, found None"),
     ],

@@ -9,8 +9,8 @@ from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result
 from armour.core import search
 from armour.errors import NoLimitError
+from armour.scenario.checked import checked
 from armour.scenario.evidence import ModelError, is_unusual
-from armour.scenario.messages import check_types
 from armour.scenario.scenario import Scenario
 from armour.scenario.words import ANY_VELOCITY
 
@@ -80,6 +80,7 @@ class LimitResult(Result):
         return f"{self.ballistic_limit_m_s:.2f} m/s{'' if self.monotonic else ', not monotonic'}"
 
 
+@checked
 def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> LimitResult:
     """Compute the ballistic limit of a scenario's armour: the lowest change of the outcome that a scan sees.
 
@@ -107,7 +108,6 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
     InputError
         If a run does not end within the maximum number of steps.
     """
-    check_types("ballistic_limit", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     section = scenario.ballistic_limit
     low, high = section.velocity_min_m_s, section.velocity_max_m_s
     points = scan_points(scenario)

@@ -1,14 +1,13 @@
 """Confidence in an answer: the probability that an armour defeats its threat, given the error of the model."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result
 from armour.errors import NoLimitError
+from armour.scenario.checked import checked
 from armour.scenario.evidence import ModelError
-from armour.scenario.messages import check_types
 from armour.scenario.scenario import Scenario
 
 NO_TEST = "the model was compared with no test of such an armour"
@@ -48,6 +47,7 @@ class ConfidenceResult(Result):
         return f"probability of defeat {self.probability_of_defeat:.3f}"
 
 
+@checked
 def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
     """Compute the probability that the armour of a scenario defeats its threat, the projectile at its impact velocity.
 
@@ -69,7 +69,6 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     InputError
         If a run does not end within the maximum number of steps.
     """
-    check_types("confidence", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     try:
         limit = ballistic_limit(scenario, on_progress=on_progress).ballistic_limit_m_s
     except NoLimitError as error:

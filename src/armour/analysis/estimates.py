@@ -3,14 +3,17 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import log, sqrt
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 from scipy.special import betaincinv, stdtrit
 
 Floats = NDArray[np.float64]
 
 CONFIDENCE = 0.95
+Confidence = Annotated[float, Field(ge=0.5, le=0.9999)]
 # Probability beyond each end of an interval.
 TAIL = 0.5 * (1.0 - CONFIDENCE)
 

@@ -11,7 +11,7 @@ from armour.core.equations import cross_section
 from armour.core.run import Instant, Run, run
 from armour.core.state import Outcome, Parameters
 from armour.errors import InputError, Problem
-from armour.scenario.messages import check_types
+from armour.scenario.checked import checked
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Solver
 from armour.units import MM, US, G
@@ -111,6 +111,7 @@ class ImpactResult(TableResult):
         return by_column(vars(stage) for stage in self.stages)
 
 
+@checked
 def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
     """Compute the impact of a scenario.
 
@@ -129,7 +130,6 @@ def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
     InputError
         If the run does not end within the maximum number of steps.
     """
-    check_types("simulate", scenario=(scenario, Scenario))
     return impact_at(scenario, scenario.impact.velocity_m_s, history=history)._of(scenario.subject(), scenario=scenario)
 
 

@@ -1,6 +1,6 @@
 """Design optimisation: the best design that defeats every threat, and its comparison with the others."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from math import inf, isnan
 from typing import TYPE_CHECKING, Any, Literal
@@ -16,9 +16,9 @@ from armour.design.catalogue import MARGIN, Catalogue, catalogue_of
 from armour.design.requirement import Requirement
 from armour.design.search import Search
 from armour.errors import NoDesignError, Problem, refuse
+from armour.scenario.checked import checked
 from armour.scenario.evidence import MEASURES, ModelError, armour_warnings, error_on_tests
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
-from armour.scenario.messages import check_types
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import DesignSection
 from armour.scenario.words import Varied
@@ -193,6 +193,7 @@ class DesignResult(Result):
         return f"{armour}, {best.areal_density_kg_m2:.2f} kg/m²"
 
 
+@checked
 def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgress = ignore_progress) -> DesignResult:
     """Find the best design of a scenario that defeats its threats.
 
@@ -223,7 +224,6 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     NoDesignError
         If no design passes.
     """
-    check_types("optimise", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     catalogue = catalogue_of(scenario)
     problems = []
     if refine and catalogue.sampled:

@@ -1,15 +1,15 @@
 """Plans of tests: which armours to test next, so that fitted inputs or the limit of a design become most certain."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isfinite, nan, sqrt
 from os import PathLike
 from pathlib import Path
-from types import NoneType
-from typing import Any, Literal, NamedTuple, cast
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
+from pydantic import Field, PlainValidator
 from scipy.optimize import approx_fprime
 from scipy.stats import norm, t
 
@@ -21,12 +21,12 @@ from armour.analysis.variants import Floats, Ints
 from armour.errors import MAX_PROBLEMS, InputError, Problem, choices, refuse
 from armour.planning import optimal_design
 from armour.planning.optimal_design import Task
+from armour.scenario.checked import Names, checked, instance
 from armour.scenario.inputs import INPUTS, NAMES, VELOCITY
 from armour.scenario.keys import canonical
-from armour.scenario.messages import PATH, check_sequence, check_types
 from armour.scenario.scenario import Scenario
 from armour.statistics.calibration import under_law
-from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, law_of
+from armour.statistics.flow_stress_laws import FLOW_STRESS, Law, law_of
 from armour.statistics.likelihood_fit import (
     DIFFERENCE,
     Fit,
@@ -45,8 +45,6 @@ from armour.sweeps.columns import source_of
 # Column of the cost of a candidate.
 COST = "cost"
 MAX_CANDIDATES, MAX_NUMBER = 10_000, 200
-# Range of the scatter, %, and of costs.
-MIN_SCATTER_PERCENT, MAX_SCATTER_PERCENT = 0.01, 50.0
 MAX_COST = 1e12
 # Information of a relative change of an input below which a test tells nothing: a standard deviation of a million.
 NOTHING = 1e-12
@@ -58,6 +56,13 @@ AT_END = 1e-6
 Criterion = Literal["D", "I"]
 Measure = Literal["limit", "outcome"]
 ScatterSource = Literal["given", "uncertainties", "residuals"]
+
+
+def _several(designs: object) -> tuple[Scenario, ...]:
+    return tuple(instance(design, Scenario) for design in (designs if isinstance(designs, list | tuple) else [designs]))
+
+
+Designs = Annotated[Scenario | Sequence[Scenario], PlainValidator(_several)]
 Candidates = Mapping[str, object] | str | PathLike[str] | Grid | Cases
 
 
@@ -170,19 +175,20 @@ class PlannedTests(TableResult):
         )
 
 
+@checked
 def plan_tests(
     scenario: Scenario,
     candidates: Candidates,
-    fit: str | Sequence[str] = FLOW_STRESS,
+    fit: Names = FLOW_STRESS,
     law: Law | None = None,
     *,
-    number: int = 4,
+    number: Annotated[int, Field(ge=1, le=MAX_NUMBER)] = 4,
     tests: Tests | None = None,
     criterion: Criterion = "D",
-    designs: Scenario | Sequence[Scenario] = (),
+    designs: Designs = (),
     measure: Measure = "limit",
-    scatter_percent: float | None = None,
-    cost: float | None = None,
+    scatter_percent: Annotated[float, Field(ge=0.01, le=50.0)] | None = None,
+    cost: Annotated[float, Field(gt=0.0, le=MAX_COST)] | None = None,
     prior: bool = False,
     on_progress: OnProgress = ignore_progress,
 ) -> PlannedTests:
@@ -231,23 +237,13 @@ def plan_tests(
         If a setting is out of its range, a candidate is no valid armour or has no ballistic limit in the range of the
         search, the candidates tell nothing of the inputs, or the scatter is not known.
     """
-    optional = (float, int, NoneType)
-    check_types(
-        "plan_tests",
-        scenario=(scenario, Scenario),
-        law=(law, (str, NoneType)),
-        number=(number, int),
-        tests=(tests, (Tests, NoneType)),
-        criterion=(criterion, str),
-        measure=(measure, str),
-        scatter_percent=(scatter_percent, optional),
-        cost=(cost, optional),
-        prior=(prior, bool),
-        on_progress=(on_progress, Callable),
-    )
-    questions = _scenarios(designs) or (scenario,)
-    fit = check_sequence("plan_tests", "fit", fit)
-    _check_settings(number, criterion, measure, scatter_percent, cost, law, fit, scenario)
+    questions = (designs,) if isinstance(designs, Scenario) else tuple(designs) or (scenario,)
+    fit = tuple(fit)
+    if not fit:
+        raise InputError([Problem("plan_tests", "fit", "must name at least one input")])
+    if law is not None and FLOW_STRESS not in fit:
+        raise InputError([Problem("plan_tests", "law", f"must not be given where {FLOW_STRESS} is not fitted")])
+    scenario.check_names([name for name in fit if law is None or name == FLOW_STRESS], "plan_tests", "fit")
     rows, costs = _candidates(scenario, candidates, measure, cost)
     source: ScatterSource = "uncertainties" if tests is not None and tests.weighted else "residuals"
     if tests is not None and scatter_percent is not None and not tests.weighted:
@@ -307,48 +303,6 @@ def plan_tests(
     )._of(subject_of(rows), scenario=scenario)
 
 
-def _scenarios(designs: Scenario | Sequence[Scenario]) -> tuple[Scenario, ...]:
-    """Return one or several designs; raise an InputError where one is no scenario."""
-    found: Any = tuple(designs) if isinstance(designs, list | tuple) else (designs,)
-    for design in found:
-        check_types("plan_tests", designs=(design, Scenario))
-    return cast("tuple[Scenario, ...]", found)
-
-
-def _check_settings(
-    number: int,
-    criterion: str,
-    measure: str,
-    scatter_percent: float | None,
-    cost: float | None,
-    law: str | None,
-    fit: Sequence[str],
-    scenario: Scenario,
-) -> None:
-    """Check the settings of a plan, all at once."""
-    problems = []
-    for key, value, allowed in (("criterion", criterion, ("D", "I")), ("measure", measure, ("limit", "outcome"))):
-        if value not in allowed:
-            problems.append((key, f'must be {" or ".join(allowed)}, found "{value}"'))
-    if not 1 <= number <= MAX_NUMBER:
-        problems.append(("number", f"must be at least 1 and at most {MAX_NUMBER}, found {number}"))
-    low, high = MIN_SCATTER_PERCENT, MAX_SCATTER_PERCENT
-    if scatter_percent is not None and not low <= scatter_percent <= high:
-        problems.append(
-            ("scatter_percent", f"must be at least {low:g} and at most {high:g}, found {scatter_percent:g}")
-        )
-    if cost is not None and not 0.0 < cost <= MAX_COST:
-        problems.append(("cost", f"must be greater than 0 and at most {MAX_COST:g}, found {cost:g}"))
-    if not fit:
-        problems.append(("fit", "must name at least one input"))
-    if law is not None and law not in LAWS:
-        problems.append(("law", f'must be a law, found "{law}"{choices(law, [*LAWS])}'))
-    elif law is not None and FLOW_STRESS not in fit:
-        problems.append(("law", f"must not be given where {FLOW_STRESS} is not fitted"))
-    refuse(Problem("plan_tests", key, message) for key, message in problems)
-    scenario.check_names([name for name in fit if law is None or name == FLOW_STRESS], "plan_tests", "fit")
-
-
 @contextmanager
 def of_candidates() -> Iterator[None]:
     """Name the values of a sweep, in the messages on them, candidates."""
@@ -369,10 +323,8 @@ def _candidates(
 ) -> tuple[Tests, Floats | None]:
     """Return the candidates as tests that measure the limit, and their costs, (n,); None without costs."""
     with of_candidates():
-        if isinstance(candidates, PATH):
+        if isinstance(candidates, str | PathLike):
             candidates = Cases(Path(candidates), (COST,))
-        elif not isinstance(candidates, Grid | Cases):
-            check_types("plan_tests", candidates=(candidates, (Mapping, PATH)))
         source = candidates if isinstance(candidates, Grid | Cases) else source_of(candidates)
     file = str(source.path) if isinstance(source, Cases) else "candidates"
     if source.count > MAX_CANDIDATES:

@@ -1,25 +1,24 @@
 """Plan of a V50 firing: the velocity of the next shot, or the whole firing simulated."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from types import ModuleType, NoneType
+from types import ModuleType
 from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.estimates import CONFIDENCE
+from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result
-from armour.errors import InputError, Problem
+from armour.errors import InputError, Problem, refuse
 from armour.planning.procedures import bayesian, langlie, neyer, up_and_down
 from armour.planning.procedures.settings import ShotSettings
 from armour.planning.procedures.stopping import recommended_fit
+from armour.scenario.checked import checked
 from armour.scenario.evidence import ModelError
-from armour.scenario.messages import check_types
 from armour.scenario.scenario import Scenario
-from armour.scenario.sections import Section, validated
 from armour.scenario.words import ANY_VELOCITY
 from armour.statistics.firing_posterior import (
     SCATTER_FACTOR,
@@ -54,24 +53,7 @@ ABSURD_FACTOR = 3.0
 # A simulated firing ends here at the latest.
 MAX_SIMULATED = 100
 
-_Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
-
-
-class _Settings(Section):
-    """Settings of a plan, with their bounds."""
-
-    procedure: Procedure
-    half_width_m_s: Annotated[float, Field(ge=0.1, le=MAX_VELOCITY_M_S)] | None
-    confidence: Annotated[float, Field(ge=0.5, le=0.9999)]
-    requirement_m_s: _Velocity | None
-    requirement_fraction: Annotated[float, Field(ge=0.001, le=0.999)]
-    scatter_percent: Annotated[float, Field(ge=0.01, le=50.0)]
-    scatter_factor: Annotated[float, Field(ge=1.01, le=10.0)]
-    lower_m_s: _Velocity | None
-    upper_m_s: _Velocity | None
-    true_v50_m_s: _Velocity | None
-    true_scatter_m_s: Annotated[float, Field(ge=0.01, le=MAX_VELOCITY_M_S)] | None
-    seed: Annotated[int, Field(ge=0)]
+Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
 
 
 @dataclass(frozen=True)
@@ -173,22 +155,23 @@ class ShotPlan(Result):
         return f"{count}, the next at {self.next_velocity_m_s:.1f} m/s"
 
 
+@checked
 def plan_shots(
     scenario: Scenario,
     shots: Shots | None = None,
     *,
     procedure: Procedure = "bayesian",
-    half_width_m_s: float | None = None,
-    confidence: float = CONFIDENCE,
-    requirement_m_s: float | None = None,
-    requirement_fraction: float = 0.5,
-    scatter_percent: float = SCATTER_PERCENT,
-    scatter_factor: float = SCATTER_FACTOR,
-    limits_m_s: tuple[float, float] | None = None,
+    half_width_m_s: Annotated[float, Field(ge=0.1, le=MAX_VELOCITY_M_S)] | None = None,
+    confidence: Confidence = CONFIDENCE,
+    requirement_m_s: Velocity | None = None,
+    requirement_fraction: Annotated[float, Field(ge=0.001, le=0.999)] = 0.5,
+    scatter_percent: Annotated[float, Field(ge=0.01, le=50.0)] = SCATTER_PERCENT,
+    scatter_factor: Annotated[float, Field(ge=1.01, le=10.0)] = SCATTER_FACTOR,
+    limits_m_s: Annotated[tuple[Velocity, Velocity], Field(strict=False)] | None = None,
     simulate: bool = False,
-    true_v50_m_s: float | None = None,
-    true_scatter_m_s: float | None = None,
-    seed: int = 0,
+    true_v50_m_s: Velocity | None = None,
+    true_scatter_m_s: Annotated[float, Field(ge=0.01, le=MAX_VELOCITY_M_S)] | None = None,
+    seed: Annotated[int, Field(ge=0)] = 0,
     on_progress: OnProgress = ignore_progress,
 ) -> ShotPlan:
     """Plan the next shot of a V50 firing, or simulate all further ones.
@@ -249,35 +232,27 @@ def plan_shots(
     >>> armour.plan_shots(armour.load_scenario("wilkins"))
     <ShotPlan: 6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP: 0 shots, the next at 722.8 m/s>
     """
-    check_types(
-        "plan_shots",
-        scenario=(scenario, Scenario),
-        shots=(shots, (Shots, NoneType)),
-        limits_m_s=(limits_m_s, (tuple, list, NoneType)),
-        simulate=(simulate, bool),
-        on_progress=(on_progress, Callable),
-    )
-    ends = limits_m_s
-    if ends is not None and len(ends) != 2:
-        raise InputError([Problem("plan_shots", "limits_m_s", f"must be two velocities, found {len(ends)}")])
-    given = {
-        "procedure": procedure,
-        "half_width_m_s": half_width_m_s,
-        "confidence": confidence,
-        "requirement_m_s": requirement_m_s,
-        "requirement_fraction": requirement_fraction,
-        "scatter_percent": scatter_percent,
-        "scatter_factor": scatter_factor,
-        "lower_m_s": None if ends is None else ends[0],
-        "upper_m_s": None if ends is None else ends[1],
-        "true_v50_m_s": true_v50_m_s,
-        "true_scatter_m_s": true_scatter_m_s,
-        "seed": seed,
-    }
-    asked = validated(_Settings, given, "plan_shots")
     given_shots = fired = Shots((), ()) if shots is None else shots
     check_shots(fired, one_kind=True)
-    _check(asked, simulate)
+    problems = []
+    limited = procedure in ("langlie", "neyer")
+    if limited and requirement_m_s is not None:
+        problems.append(("requirement_m_s", f"must not be given with {procedure}, which knows none"))
+    if not limited and limits_m_s is not None:
+        problems.append(("limits_m_s", f"must not be given with {procedure}, which has none"))
+    if limits_m_s is not None and limits_m_s[0] >= limits_m_s[1]:
+        problems.append(("limits_m_s", f"must rise, found {limits_m_s[0]:g} and {limits_m_s[1]:g}"))
+    if procedure == "bayesian" and requirement_m_s is not None and half_width_m_s is not None:
+        problems.append(("half_width_m_s", "must not be given with a requirement, which ends the firing"))
+    if requirement_m_s is None and requirement_fraction != 0.5:
+        problems.append(("requirement_fraction", "must not be given without a requirement"))
+    truths = {"true_v50_m_s": true_v50_m_s, "true_scatter_m_s": true_scatter_m_s}
+    if not simulate:
+        unused = [key for key, value in {**truths, "seed": seed or None}.items() if value is not None]
+        problems += ((key, "must not be given without simulating") for key in unused)
+    elif len(missing := [key for key, value in truths.items() if value is None]) == 1:
+        problems.append((missing[0], "must be given, as both V50 and scatter to simulate or neither"))
+    refuse(Problem("plan_shots", *problem) for problem in problems)
     limit = ballistic_limit(scenario, on_progress=on_progress)
     prior = prior_of(scenario, limit.ballistic_limit_m_s, scatter_percent, scatter_factor)
     if prior is None and procedure == "bayesian":
@@ -285,7 +260,7 @@ def plan_shots(
     settings = ShotSettings(
         estimate_m_s=limit.ballistic_limit_m_s,
         scatter_m_s=limit.ballistic_limit_m_s * scatter_percent / 100.0,
-        limits_m_s=_limits(asked, prior),
+        limits_m_s=_limits(limits_m_s, prior) if limited else None,
         half_width_m_s=HALF_WIDTH_M_S if half_width_m_s is None and procedure != "up-and-down" else half_width_m_s,
         confidence=confidence,
         requirement_m_s=requirement_m_s,
@@ -295,7 +270,7 @@ def plan_shots(
     truth, before = None, len(fired.complete)
     if simulate:
         dice = np.random.default_rng(seed)
-        truth = _truth(asked, prior, fired, dice)
+        truth = _truth(true_v50_m_s, true_scatter_m_s, prior, fired, dice)
         fired = simulated(procedure, fired, settings, truth, dice, on_progress)
     rule = PROCEDURES[procedure]
     stopped = rule.stopped(fired, settings)
@@ -353,38 +328,10 @@ def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
     return PlanCurve(tuple(velocities.tolist()), *(tuple(curve.tolist()) for curve in curves))
 
 
-def _check(asked: _Settings, simulate: bool) -> None:
-    """Refuse settings that have no use, or that contradict each other."""
-    problems = []
-    limited = asked.procedure in ("langlie", "neyer")
-    if limited and asked.requirement_m_s is not None:
-        problems.append(("requirement_m_s", f"must not be given with {asked.procedure}, which knows none"))
-    if not limited and asked.lower_m_s is not None:
-        problems.append(("limits_m_s", f"must not be given with {asked.procedure}, which has none"))
-    if asked.lower_m_s is not None and asked.upper_m_s is not None and asked.lower_m_s >= asked.upper_m_s:
-        problems.append(("limits_m_s", f"must rise, found {asked.lower_m_s:g} and {asked.upper_m_s:g}"))
-    if asked.procedure == "bayesian" and asked.requirement_m_s is not None and asked.half_width_m_s is not None:
-        problems.append(("half_width_m_s", "must not be given with a requirement, which ends the firing"))
-    if asked.requirement_m_s is None and asked.requirement_fraction != 0.5:
-        problems.append(("requirement_fraction", "must not be given without a requirement"))
-    truths = {"true_v50_m_s": asked.true_v50_m_s, "true_scatter_m_s": asked.true_scatter_m_s}
-    if not simulate:
-        unused = {**truths, "seed": asked.seed or None}
-        problems += (
-            (key, "must not be given without simulating") for key, value in unused.items() if value is not None
-        )
-    elif len(missing := [key for key, value in truths.items() if value is None]) == 1:
-        problems.append((missing[0], "must be given, as both V50 and scatter to simulate or neither"))
-    if problems:
-        raise InputError([Problem("plan_shots", *problem) for problem in problems])
-
-
-def _limits(asked: _Settings, prior: FiringPrior | None) -> tuple[float, float] | None:
-    """Return the limits of V50 that a procedure starts from; None for one that has none."""
-    if asked.procedure not in ("langlie", "neyer"):
-        return None
-    if asked.lower_m_s is not None and asked.upper_m_s is not None:
-        return asked.lower_m_s, asked.upper_m_s
+def _limits(given: tuple[float, float] | None, prior: FiringPrior | None) -> tuple[float, float]:
+    """Return the limits of V50 that a procedure starts from."""
+    if given is not None:
+        return given
     if prior is None:
         message = "must be given: the error of the model, which they follow from by default, is not known"
         raise InputError([Problem("plan_shots", "limits_m_s", message)])
@@ -409,10 +356,16 @@ def limits_of(prior: FiringPrior, probability: float = LIMITS_PROBABILITY) -> tu
     return prior.error.interval(prior.limit_m_s, 0.5 * (1.0 - probability))
 
 
-def _truth(asked: _Settings, prior: FiringPrior | None, fired: Shots, dice: np.random.Generator) -> tuple[float, float]:
+def _truth(
+    v50_m_s: float | None,
+    scatter_m_s: float | None,
+    prior: FiringPrior | None,
+    fired: Shots,
+    dice: np.random.Generator,
+) -> tuple[float, float]:
     """Return V50 and scatter to simulate shots with, m/s."""
-    if asked.true_v50_m_s is not None and asked.true_scatter_m_s is not None:
-        return asked.true_v50_m_s, asked.true_scatter_m_s
+    if v50_m_s is not None and scatter_m_s is not None:
+        return v50_m_s, scatter_m_s
     if prior is None:
         message = "must be given: the error of the model, to draw it from, is not known"
         raise InputError([Problem("plan_shots", "true_v50_m_s", message)])

@@ -17,8 +17,8 @@ from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, mode
 
 from armour.errors import InputError, Problem, refuse, suggestion
 from armour.files import read_toml, shipped
+from armour.scenario.checked import checked
 from armour.scenario.keys import describe, key_name
-from armour.scenario.messages import PATH, check_types
 from armour.scenario.sections import NOT_TINY, NUMBER, NumberOrText, Section, validated
 from armour.units import GPA, MM, MPA, G
 
@@ -251,9 +251,9 @@ class Library:
             raise InputError([Problem("library", "name", message)])
         return self.entries[kind][name]
 
+    @checked
     def find(self, name: str) -> list[LibraryEntry]:
         """Return the entries of a name, of any kind; if there is none, a KeyError suggests the closest name."""
-        check_types("find", name=(name, str))
         found = [entries[name] for entries in self.entries.values() if name in entries]
         if not found:
             known = [known for kind in KINDS for known in self.names(kind)]
@@ -369,6 +369,7 @@ def _completed(entry: LibraryEntry) -> LibraryEntry | _Mistakes:
     return complete
 
 
+@checked
 def read_library(path: str | PathLike[str], onto: Library) -> Library:
     """Read a library file.
 
@@ -388,7 +389,6 @@ def read_library(path: str | PathLike[str], onto: Library) -> Library:
     InputError
         With every mistake in the file, or if it cannot be read.
     """
-    check_types("read_library", path=(path, PATH), onto=(onto, Library))
     return onto.extended(read_toml(path), str(path))
 
 

@@ -16,6 +16,7 @@ from armour.core.state import Parameters
 from armour.errors import InputError, Problem, choices, refuse, suggestion
 from armour.files import exists, located, read_toml, shipped_files, shipped_suites, write_atomic
 from armour.scenario.changes import changed
+from armour.scenario.checked import checked
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.evidence import ModelError, armour_warnings, error_on_tests
 from armour.scenario.inputs import (
@@ -40,7 +41,6 @@ from armour.scenario.library import (
     read_library,
     shipped_library,
 )
-from armour.scenario.messages import PATH, check_types
 from armour.scenario.schema import (
     SHEAR_LAWS,
     ArmourSection,
@@ -235,13 +235,13 @@ class Scenario(Section):
         """Return the content of a scenario file as plain data, which `parse_scenario` reads."""
         return deepcopy(self._source.data)
 
+    @checked
     def replaced(self, changes: Mapping[str, object]) -> "Scenario":
         """Return the scenario with other values by dotted key, such as ``{"impact.velocity_m_s": 900.0}``.
 
         A key may also be an input, such as ``"ceramic.flow_stress_GPa"``.  A table is merged into an existing one.  The
         scenario is validated again; an InputError lists every mistake.
         """
-        check_types("replaced", changes=(changes, Mapping))
         data, file, folder, set_by_hand = self._source
         try:
             return parse_changed(data, changes, file=file, folder=folder, set_by_hand=set_by_hand)
@@ -357,6 +357,7 @@ class Scenario(Section):
         return [f"note: {note}" for note in self._entries.notes]
 
 
+@checked
 def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | None = None) -> Scenario:
     """Read a scenario from a TOML file.
 
@@ -378,10 +379,8 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
     InputError
         With every mistake in the file and in the library files that it names.
     """
-    changes = {} if changes is None else changes
-    check_types("load_scenario", path=(path, PATH), changes=(changes, Mapping))
     path = scenario_file(Path(path))
-    return parse_changed(read_toml(path), changes, file=str(path), folder=path.parent)
+    return parse_changed(read_toml(path), changes or {}, file=str(path), folder=path.parent)
 
 
 def scenario_file(path: Path, others: Mapping[str, Path] | None = None) -> Path:
@@ -395,6 +394,7 @@ def scenario_file(path: Path, others: Mapping[str, Path] | None = None) -> Path:
     return located(path, known, listed)
 
 
+@checked
 def save_scenario(scenario: Scenario, path: str | PathLike[str]) -> None:
     """Write a scenario to a TOML file, atomically; a file of this name is replaced.
 
@@ -409,11 +409,11 @@ def save_scenario(scenario: Scenario, path: str | PathLike[str]) -> None:
     InputError
         If the file cannot be written.
     """
-    check_types("save_scenario", scenario=(scenario, Scenario), path=(path, PATH))
     path = Path(path)
     write_atomic(path, scenario.to_toml(path.parent).encode())
 
 
+@checked
 def parse_scenario(data: Mapping[str, Any], *, file: str = "scenario", folder: str | PathLike[str] = ".") -> Scenario:
     """Make a scenario from plain data.
 
@@ -435,7 +435,6 @@ def parse_scenario(data: Mapping[str, Any], *, file: str = "scenario", folder: s
     InputError
         With every mistake.
     """
-    check_types("parse_scenario", data=(data, Mapping), file=(file, str), folder=(folder, PATH))
     return _made(_Source(deepcopy(dict(data)), file, Path(folder)))
 
 

@@ -1,11 +1,13 @@
 """Base class and types of the sections of a file, and error messages for what pydantic finds wrong in them."""
 
+import re
 from collections.abc import Sequence
+from math import inf
 from typing import Annotated, Any, TypeVar, get_origin
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, ValidationInfo
 
-from armour.errors import InputError, Problem, choices
+from armour.errors import InputError, Problem, choices, suggestion
 from armour.scenario.keys import describe, key_name
 
 # Key of the number where a file may give a number or a table.
@@ -74,6 +76,7 @@ _REQUIREMENTS = {
     "dict_type": "must be a table",
     "model_type": "must be a table",
     "model_attributes_type": "must be a table",
+    "bool_type": "must be true or false",
     "literal_error": "must be {expected}",
 }
 
@@ -101,9 +104,18 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
             must = _REQUIREMENTS.get("string_too_short" if empty else detail["type"])
             must = must.format(**context) if must else detail["msg"].replace("Input should", "must")
             found = describe(detail["input"]) if empty else context.get("actual_length", describe(detail["input"]))
-            message = f"{must}, found {found}"
+            message = f"{must}, found {found}{_meant(detail)}"
         problems.append(Problem(file, key_name(parts), message))
     return problems
+
+
+def _meant(detail: Any) -> str:
+    """Return a hint at the word, or the probability in place of per cent, that is meant; "" where there is none."""
+    given, context = detail["input"], detail.get("ctx", {})
+    if detail["type"] == "literal_error":
+        return suggestion(str(given), re.findall('"(.*?)"', context["expected"]))
+    most = context.get("le", context.get("lt", inf))
+    return f"; did you mean {given / 100.0:g}?" if most <= 1.0 < 50.0 <= given <= 100.0 * most else ""
 
 
 def validated(model: type[SectionT], data: object, file: str) -> SectionT:

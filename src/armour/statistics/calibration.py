@@ -1,7 +1,7 @@
 """Calibration: inputs of a scenario fitted to tests, with intervals and leave-one-out errors."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from typing import Any, Literal, NamedTuple
@@ -13,8 +13,8 @@ from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import TableResult, by_column
 from armour.analysis.variants import Bools, Floats, outside_limits, variants_of
-from armour.errors import InputError, Problem, choices
-from armour.scenario.messages import check_sequence, check_types
+from armour.errors import InputError, Problem
+from armour.scenario.checked import Names, checked
 from armour.scenario.scenario import Scenario
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, law_of, with_law
 from armour.statistics.likelihood_fit import MIN_P_VALUE, Coefficient, Fit, enough, fit_inputs, intervals, without
@@ -151,11 +151,12 @@ class CalibrationResult(TableResult):
         return by_column(asdict(residual) for residual in self.residuals)
 
 
+@checked
 def calibrate(
     tests: Tests,
     scenario: Scenario,
-    fit: str | Sequence[str] = FLOW_STRESS,
-    law: Law | Literal["all"] | None = None,
+    fit: Names = FLOW_STRESS,
+    law: Literal[Law, "all"] | None = None,
     *,
     prior: bool = False,
     on_progress: OnProgress = ignore_progress,
@@ -196,14 +197,10 @@ def calibrate(
         If the tests were read with another scenario, a name is not an input, the tests differ in the material that is
         fitted, there are too few of them, a prior is neither normal nor lognormal, or a run does not end.
     """
-    check_types("calibrate", tests=(tests, Tests), scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
-    fit = check_sequence("calibrate", "fit", fit)
+    fit = tuple(fit)
     if other := [name for name, own in common_of(tests.scenario).items() if common_of(scenario)[name] != own]:
         message = f"must be the one that the tests were read with, found other {' and '.join(other)}"
         raise InputError([Problem("calibrate", "scenario", f"{message}; read_tests reads them with this one")])
-    if law not in (None, "all", *LAWS):
-        names = [*LAWS, "all"]
-        raise InputError([Problem("calibrate", "law", f'must be a law, found "{law}"{choices(str(law), names)}')])
     if not fit:
         raise InputError([Problem("calibrate", "fit", "must name at least one input")])
     if law is not None and FLOW_STRESS not in fit:

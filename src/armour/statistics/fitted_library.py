@@ -4,14 +4,13 @@ from collections.abc import Callable
 from math import sqrt
 from os import PathLike
 from pathlib import Path
-from types import NoneType
 from typing import Any
 
 from armour.errors import InputError, NoAnswerError, Problem
 from armour.files import parse_toml, written
+from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW, LibraryEntry, library_toml, shipped_library
-from armour.scenario.messages import PATH, check_types
 from armour.scenario.scenario import Scenario, parse_scenario
 from armour.statistics.calibration import CalibrationResult, left_out_errors
 from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS
@@ -20,6 +19,7 @@ from armour.statistics.test_data import LIMIT, MEASURED, OUTCOME, Tests
 SUFFIX = ", calibrated"
 
 
+@checked
 def save_fit(
     result: CalibrationResult,
     tests: Tests,
@@ -48,9 +48,6 @@ def save_fit(
     NoAnswerError
         If an input is not identified, or no scenario could use the fit.
     """
-    path = (*PATH, NoneType)
-    check_types("save_fit", result=(result, CalibrationResult), tests=(tests, Tests), scenario=(scenario, Scenario))
-    check_types("save_fit", library=(library, path), fitted=(fitted, path))
     contents: dict[Path, bytes] = {}
     if library is not None:
         contents[Path(library)] = library_text(result, tests, scenario).encode()

@@ -1,6 +1,6 @@
 """Sensitivity of a scenario's answers to its inputs: elasticities by central differences."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isnan, log
 from typing import Any
@@ -14,8 +14,8 @@ from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Floats, Variants, concatenated, grid_of, variants_of
 from armour.design.free import least_areal_densities, searches_of
 from armour.errors import NoAnswerError
+from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
-from armour.scenario.messages import check_types
 from armour.scenario.scenario import Scenario
 
 # Relative change of an input in either direction.
@@ -73,6 +73,7 @@ class SensitivityResult(TableResult):
         return by_column({"input": item.input, "value": item.value, **item.elasticities} for item in self.inputs)
 
 
+@checked
 def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> SensitivityResult:
     """Compute the elasticities of a scenario's answers.
 
@@ -96,7 +97,6 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     InputError
         If the scenario has a grid with a ceramic thickness, but no ceramic, or a run does not end.
     """
-    check_types("sensitivity", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     own = {name: value for name, value in scenario.inputs().items() if value != 0.0}
     # Each change makes variants of its own, as values derived from one input must not be fixed by the others.
     changed = [

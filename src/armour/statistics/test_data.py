@@ -3,15 +3,16 @@
 from collections import Counter
 from collections.abc import Container, Mapping, Sequence
 from os import PathLike
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
+from pydantic import PlainValidator
 
 from armour.analysis.variants import Floats, Ints
 from armour.csv_files import CsvRow, Rows, in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem
+from armour.scenario.checked import Names, checked
 from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
-from armour.scenario.messages import check_sequence, check_types
 from armour.scenario.scenario import Scenario
 from armour.scenario.words import ANY_VELOCITY
 from armour.statistics.v50 import RESULTS
@@ -27,6 +28,8 @@ MEASURED = {
 MIN_MEASURED, MAX_MEASURED = 1e-3, 1e6
 # Side of the impact velocity on which the ballistic limit lies, by outcome.
 SIDES = {"defeated": 1, "perforated": -1} | {word: 1 if word[0] == "p" else -1 for word in RESULTS}
+# A table, which is checked when it is read.
+Table = Annotated[str | PathLike[str] | Rows, PlainValidator(lambda table: table)]
 
 
 class Measurement(NamedTuple):
@@ -100,7 +103,8 @@ def common_of(scenario: Scenario) -> dict[str, object]:
     return {**{name: getattr(scenario, name) for name in sections}, "values of the library": values}
 
 
-def read_tests(path: str | PathLike[str] | Rows, scenario: Scenario, notes: str | Sequence[str] = ()) -> Tests:
+@checked
+def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
     """Read a table of tests: inputs that differ from test to test, and measurements.
 
     Parameters
@@ -131,8 +135,7 @@ def read_tests(path: str | PathLike[str] | Rows, scenario: Scenario, notes: str 
     >>> armour.read_tests([{"armour.ceramic_thickness_mm": 8.0, "ballistic_limit_m_s": 780.0}], scenario)
     <Tests: 1 tests of rows, 1 measurements>
     """
-    check_types("read_tests", scenario=(scenario, Scenario))
-    notes = check_sequence("read_tests", "notes", notes)
+    notes = tuple(notes)
     numbers = (*INPUTS, *MEASURED, *MEASURED.values())
     file, lines = lines_of(path)
     rows, problems = read_rows(

@@ -14,10 +14,10 @@ from armour.analysis.searches import ballistic_limits
 from armour.analysis.uncertain_inputs import Samples, own_values, sampled, section_of
 from armour.analysis.variants import Bools, Floats, Variants, perforated
 from armour.errors import NoLimitError
+from armour.scenario.checked import checked
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.evidence import ModelError
 from armour.scenario.inputs import VELOCITY
-from armour.scenario.messages import check_types
 from armour.scenario.sampling import REPLICATES, columns_of, moved_mean, points_of, quantiles
 from armour.scenario.scenario import Scenario
 from armour.statistics.sobol_indices import first_order_indices, total_indices
@@ -135,6 +135,7 @@ class UncertaintyResult(TableResult):
         return asdict(self.curve)
 
 
+@checked
 def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> UncertaintyResult:
     """Propagate input uncertainty to the outcome and the ballistic limit.
 
@@ -156,7 +157,6 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     NoLimitError
         If a sample has no ballistic limit in the range of the search.
     """
-    check_types("uncertainty", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     section = section_of(scenario)
     points = points_of(section)
     total = section.samples + index_samples(section) * (len(_ranked(section)) + 1)

@@ -1,26 +1,24 @@
 """V50 from firing results: the mean of MIL-STD-662F [DoD1997], maximum likelihood and penalised likelihood."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
 from math import inf
 from numbers import Real
 from os import PathLike
 from pathlib import Path
-from types import NoneType
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
-from armour.analysis.estimates import CONFIDENCE
+from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import TableResult, by_column
 from armour.csv_files import in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem, refuse, suggestion
-from armour.scenario.messages import PATH, check_types
+from armour.scenario.checked import checked
 from armour.scenario.scenario import Scenario
-from armour.scenario.sections import Section, validated
 from armour.scenario.words import ANY_VELOCITY
 from armour.statistics.firing_posterior import (
     FiringEstimate,
@@ -42,14 +40,6 @@ SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
 Rule = Literal["usual span", "given span", "no usual rule"]
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 1.0, 1e4
-
-
-class _Settings(Section):
-    """Settings of an estimate, with their bounds."""
-
-    pairs: Annotated[int, Field(ge=1)] | None
-    span_m_s: Annotated[float, Field(ge=0.0, le=MAX_VELOCITY_M_S)] | None
-    confidence: Annotated[float, Field(ge=0.5, le=0.9999)]
 
 
 @dataclass(frozen=True)
@@ -169,6 +159,7 @@ class FiringResult(TableResult):
         return by_column(vars(fit) for fit in (*self.penalised_fits, *self.fits))
 
 
+@checked
 def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     """Read firing results from a CSV file.
 
@@ -192,7 +183,6 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
         With every mistake in the file.
     """
     names = ("velocity_m_s", "result")
-    check_types("read_shots", path=(path, PATH))
     file, lines = lines_of(path)
     first = list(islice(lines, 1))
     header = first[0][1] if first else []
@@ -222,13 +212,14 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     return Shots(tuple(velocities), complete, file, called if any(called) else ())
 
 
+@checked
 def v50(
     shots: Shots,
     scenario: Scenario | None = None,
     *,
-    pairs: int | None = None,
-    span_m_s: float | None = None,
-    confidence: float = CONFIDENCE,
+    pairs: Annotated[int, Field(ge=1)] | None = None,
+    span_m_s: Annotated[float, Field(ge=0.0, le=MAX_VELOCITY_M_S)] | None = None,
+    confidence: Confidence = CONFIDENCE,
     prior: bool = False,
     on_progress: OnProgress = ignore_progress,
 ) -> FiringResult:
@@ -266,13 +257,6 @@ def v50(
         If the complete penetrations were no faster on average than the partial ones, unless there is a prior, or the
         scenario has no ballistic limit.
     """
-    check_types(
-        "v50",
-        shots=(shots, Shots),
-        scenario=(scenario, (Scenario, NoneType)),
-        on_progress=(on_progress, Callable),
-    )
-    validated(_Settings, {"pairs": pairs, "span_m_s": span_m_s, "confidence": confidence}, "v50")
     if span_m_s is None and pairs is not None and pairs not in SPANS_M_S:
         message = f"must be given for {pairs} pairs; a span is usual with 2, 3 and 5 only"
         raise InputError([Problem("v50", "span_m_s", message)])

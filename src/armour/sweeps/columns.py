@@ -1,12 +1,11 @@
 """Sweeps in Python: from values by key to columns, in memory or in a file."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from types import NoneType
 from typing import Annotated, Any
 
 import numpy as np
@@ -19,9 +18,9 @@ from armour.analysis.quantities import reads_of
 from armour.analysis.results import TableResult, same_columns
 from armour.errors import InputError, Problem, choices
 from armour.files import reason
+from armour.scenario.checked import Names, checked
 from armour.scenario.inputs import NAMES
 from armour.scenario.keys import describe
-from armour.scenario.messages import PATH, check_sequence, check_types
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import MAX_VALUES
 from armour.scenario.sections import NOT_TINY, Section, above, validated
@@ -114,13 +113,14 @@ class SweepResult(TableResult):
         return self.columns
 
 
+@checked
 def sweep(
     scenario: Scenario,
     over: Mapping[str, object] | str | PathLike[str],
-    quantities: str | Sequence[str] = "ballistic_limit_m_s",
+    quantities: Names = "ballistic_limit_m_s",
     output: str | PathLike[str] | None = None,
     *,
-    threads: int | None = None,
+    threads: Annotated[int, Field(ge=1)] | None = None,
     on_progress: OnProgress = ignore_progress,
 ) -> SweepResult:
     """Compute quantities of a scenario over a grid of values, or over a table of cases.
@@ -160,17 +160,7 @@ def sweep(
     >>> found["ballistic_limit_m_s"].round(1)
     array([607.7, 711. , 778.2, 841.8])
     """
-    check_types(
-        "sweep",
-        scenario=(scenario, Scenario),
-        over=(over, (Mapping, *PATH)),
-        output=(output, (*PATH, NoneType)),
-        threads=(threads, (int, NoneType)),
-        on_progress=(on_progress, Callable),
-    )
-    if threads is not None and threads < 1:
-        raise InputError([Problem("sweep", "threads", f"must be at least 1, found {threads}")])
-    names = check_sequence("sweep", "quantities", quantities)
+    names = tuple(quantities)
     if not names:
         raise InputError([Problem("sweep", "quantities", "must name at least one quantity, found none")])
     source = source_of(over)

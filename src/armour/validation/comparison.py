@@ -1,6 +1,6 @@
 """Comparison of the model with closed forms for a scenario's armour."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any
@@ -17,9 +17,9 @@ from armour.analysis.impact import ImpactResult
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import TableResult
 from armour.errors import NoAnswerError, refuse
+from armour.scenario.checked import checked
 from armour.scenario.inputs import ROLES
 from armour.scenario.library import LibraryEntry
-from armour.scenario.messages import check_types
 from armour.scenario.scenario import Scenario
 from armour.scenario.words import ANY_VELOCITY
 from armour.validation.rivals import Error, areal_densities, measured_limits
@@ -118,6 +118,7 @@ class Comparison(TableResult):
         return {name: [getattr(impact, name) for impact in self.curve] for name in names}
 
 
+@checked
 def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> Comparison:
     """Compare the model with closed forms for a scenario's armour.
 
@@ -141,7 +142,6 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
     NoAnswerError
         If the range contains no velocities above the limit.
     """
-    check_types("compare", scenario=(scenario, Scenario), on_progress=(on_progress, Callable))
     missing = missing_for_florence(scenario)
     refuse(missing if not scenario.armour.ceramic_thickness_mm > 0.0 else ())
     limit = ballistic_limit(scenario, on_progress=on_progress)

@@ -13,8 +13,8 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 from armour.analysis.quantities import label_and_unit
 from armour.errors import MAX_PROBLEMS, InputError, Problem, refuse, suggestion
 from armour.files import exists, read_toml, shipped, shipped_files, suite_file
+from armour.scenario.checked import checked
 from armour.scenario.keys import canonical, describe, key_name, leaves, parts_of
-from armour.scenario.messages import PATH, check_types
 from armour.scenario.reach import check_reach, check_read, check_used, read_of
 from armour.scenario.scenario import Scenario, parse_changed
 from armour.scenario.sections import Section, SectionT, validated
@@ -267,9 +267,9 @@ class Suite:
     def __repr__(self) -> str:
         return f"<Suite: {len(self.cases)} cases of {self.file.name}>"
 
+    @checked
     def only(self, text: str) -> "Suite":
         """Return the suite with only the cases whose name contains the text; raise InputError if there is none."""
-        check_types("only", text=(text, str))
         named = [text.lower() in case.full_name.lower() for case in self.cases]
         cases = tuple(compress(self.cases, named))
         if not cases:
@@ -288,6 +288,7 @@ class Suite:
         )
 
 
+@checked
 def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None = None) -> Suite:
     """Read a suite and all its scenarios.
 
@@ -308,8 +309,7 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     InputError
         With every mistake in the suite and in its scenarios.
     """
-    changes = {} if changes is None else changes
-    check_types("load_suite", path=(path, PATH), changes=(changes, Mapping))
+    changes = changes or {}
     path = suite_file(path)
     suite = read_sections(path, SuiteSection)
     if not suite.case and not suite.table:

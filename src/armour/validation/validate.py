@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
-from types import NoneType
 from typing import Any, Literal
 
 import numpy as np
@@ -13,8 +12,8 @@ from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.results import TableResult, by_column
 from armour.errors import NoAnswerError
 from armour.files import shipped_suites
+from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, NAMES
-from armour.scenario.messages import check_types
 from armour.scenario.sections import TINY
 from armour.validation.data import GroupSection, meets
 from armour.validation.questions import Asked, answer
@@ -188,6 +187,7 @@ def paper_suite() -> Path:
     return shipped_suites()["paper"]
 
 
+@checked
 def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
     """Compute every case of a suite.
 
@@ -206,7 +206,6 @@ def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
     InputError
         If a run of a scenario does not end.
     """
-    check_types("validate", suite=(suite, Suite), on_check=(on_check, (Callable, NoneType)))
     known: dict[str, Asked] = {}
     of_files = _of_files(suite.cases)
     checks = []

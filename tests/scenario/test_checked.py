@@ -1,0 +1,71 @@
+import inspect
+from collections.abc import Callable, Mapping
+from os import PathLike
+from typing import Annotated, Any, Literal
+
+import pytest
+from pydantic import Field
+
+from armour import Scenario, load_scenario
+from armour.errors import InputError
+from armour.scenario.checked import Names, checked
+
+
+@checked
+def f(
+    scenario: Scenario | None = None,
+    *,
+    path: Mapping[str, float] | str | PathLike[str] = "",
+    names: Names = (),
+    number: Annotated[int, Field(ge=1)] | None = None,
+    confidence: Annotated[float, Field(ge=0.5, le=0.9999)] = 0.95,
+    law: Literal["backing", "ceramic"] = "backing",
+    limits: Annotated[tuple[float, float], Field(strict=False)] | None = None,
+    prior: bool = False,
+    call: Callable[[int], None] = print,
+) -> tuple[Any, ...]:
+    """Return what it is given."""
+    return scenario, path, names, number, confidence, law, limits, prior, call
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"scenario": {}}, "scenario: must be a Scenario, found a dict; load_scenario reads one"),
+        ({"scenario": "x"}, 'scenario: must be a Scenario, found the text "x"; load_scenario("x") reads one'),
+        ({"path": 3}, "path: must be a mapping or a path, found 3"),
+        ({"names": 5}, "names: must be a name or a sequence of names, found 5"),
+        ({"names": {}}, "names: must be a name or a sequence of names, found a dict"),
+        ({"names": ["a", 5]}, "names: must be a sequence of names, found 5 in it"),
+        ({"names": ["a", "a"]}, 'names: must not name anything twice, found the text "a" twice'),
+        ({"number": True}, "number: must be a whole number, found true"),
+        ({"number": 0}, "number: must be at least 1, found 0"),
+        ({"confidence": 0.2}, "confidence: must be at least 0.5, found 0.2"),
+        ({"confidence": 95}, "confidence: must be at most 0.9999, found 95; did you mean 0.95?"),
+        ({"confidence": float("nan")}, "confidence: must be a finite number, found nan"),
+        ({"law": "backin"}, 'law: must be "backing" or "ceramic", found the text "backin"; did you mean "backing"?'),
+        ({"limits": 3}, "limits: must be a list, found 3"),
+        ({"limits": [3.0, "x"]}, 'limits[1]: must be a number, found the text "x"'),
+        ({"prior": 1}, "prior: must be true or false, found 1"),
+        ({"call": None}, "call: must be a function, found None"),
+    ],
+)
+def test_a_wrong_argument(given: dict[str, Any], message: str):
+    with pytest.raises(InputError) as error:
+        f(**given)
+    assert str(error.value) == f"f: {message}"
+
+
+def test_all_mistakes_at_once():
+    with pytest.raises(InputError) as error:
+        f("x", number=0)  # type: ignore[arg-type]
+    assert [problem.key for problem in error.value.problems] == ["scenario", "number"]
+
+
+def test_what_is_right_is_passed_on():
+    scenario = load_scenario("wilkins")
+    assert f(scenario)[0] is scenario
+    assert f(names="abc")[2] == ("abc",)
+    assert f(names=(x for x in "ab"))[2] == ("a", "b")  # type: ignore[arg-type]
+    assert f(limits=[1, 2])[6] == (1.0, 2.0)  # type: ignore[arg-type]
+    assert "scenario" in inspect.signature(f).parameters
