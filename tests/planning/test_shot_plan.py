@@ -99,7 +99,7 @@ def test_a_stated_error_is_a_prior_and_an_unknown_one_none():
         ({"true_v50_m_s": 700.0}, "true_v50_m_s: must not be given without simulating"),
         ({"true_v50_m_s": 700.0, "simulate": True}, "true_scatter_m_s: must be given, as both"),
         ({"seed": 4}, "seed: must not be given without simulating"),
-        ({"limits_m_s": (700.0,), "procedure": "langlie"}, "limits_m_s: must be two velocities, found 1"),
+        ({"limits_m_s": (700.0,), "procedure": "langlie"}, r"limits_m_s\[1\]: is missing and must be given"),
         ({"limits_m_s": 600.0, "procedure": "langlie"}, "limits_m_s: must be"),
         ({"simulate": "yes"}, "simulate: must be"),
         ({"seed": -1}, "seed: must be at least 0"),

@@ -30,12 +30,11 @@ SETTINGS = (
     "requirement_fraction",
     "scatter_percent",
     "scatter_factor",
-    "lower_m_s",
-    "upper_m_s",
     "true_v50_m_s",
     "true_scatter_m_s",
     "seed",
 )
+LIMITS = {"limits_m_s": "--lower-m-s, --upper-m-s", "limits_m_s[0]": "--lower-m-s", "limits_m_s[1]": "--upper-m-s"}
 
 
 def plan_of_shots(
@@ -137,7 +136,7 @@ def plan_of_shots(
             raise InputError([Problem(str(table), "", "cannot be read: no such file; --result makes it")])
         with (
             progress("impacts", first="searching") as count,
-            named_as_options("plan_shots", *SETTINGS, limits_m_s="--lower-m-s, --upper-m-s"),
+            named_as_options("plan_shots", *SETTINGS, **LIMITS),
         ):
             if updated is not None and result is not None:
                 before = plan_of(fired, on_progress=count)
