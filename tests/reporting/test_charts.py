@@ -9,20 +9,8 @@ from armour.analysis.energy import EnergyBalance, StageEnergy
 from armour.analysis.impact import simulate
 from armour.design.optimise import Pair
 from armour.errors import InputError
-from armour.reporting.chart import (
-    Band,
-    Bars,
-    Chart,
-    Contours,
-    Line,
-    Map,
-    Panel,
-    Points,
-    Rule,
-    Series,
-    Spans,
-    quantity_axis,
-)
+from armour.reporting.chart import Band, Bars, Chart, Contours, Line, Map, Panel, Points, Rule, Series, Spans
+from armour.reporting.panels import quantity_axis
 from armour.reporting.views import ballistic_limit as limit_view
 from armour.reporting.views import calibration as calibration_view
 from armour.reporting.views import comparison as comparison_view

@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 import pytest
 
 from armour.reporting.contents import Contents, contents_of
-from armour.reporting.html import html_report
+from armour.reporting.formats import html_report
 from armour.reporting.report import Card, Report, Section
 from armour.reporting.scenario_report import scenario_report
 from armour.reporting.table import Column, Table

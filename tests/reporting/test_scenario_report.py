@@ -9,10 +9,10 @@ from armour import __version__
 from armour.analysis.confidence import NO_TEST, ConfidenceResult
 from armour.design.optimise import DesignResult
 from armour.reporting.contents import AgainstThreat, Contents, contents_of
-from armour.reporting.markdown import markdown_report
-from armour.reporting.report import Report, filled
+from armour.reporting.formats import markdown_report
+from armour.reporting.report import Report
 from armour.reporting.scenario_report import scenario_report
-from armour.reporting.table import Column, Table
+from armour.reporting.table import Column, Table, filled
 from armour.reporting.views.confidence import SAMPLED_ALONE
 from armour.reporting.views.design import frontier_table
 from armour.scenario.evidence import ModelError
@@ -143,7 +143,7 @@ def test_the_armour_is_said_to_be_the_best_design_or_the_scenarios_own():
 def test_the_answer_with_distributions():
     sampled = uncertainty_result()._of(scenario=scenario())
     error = wilkins().confidence.model_error
-    found = statements(replace(wilkins(), uncertainty=replace(sampled, model_error=error)))
+    found = statements(replace(wilkins(), uncertainty=replace(sampled, model_error=error)._of(scenario=scenario())))
     statement, detail = found["Probability of defeating the threat"]
     assert statement == "79 %"
     with_error = "95 % interval 78.0 to 80.0 %, from the given distributions and the error of the model; "

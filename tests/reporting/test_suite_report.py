@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from armour.reporting.markdown import markdown_report
+from armour.reporting.formats import markdown_report
 from armour.reporting.views import suite as suite_view
 from armour.validation.validate import SuiteResult
 from tests.helpers.suites import TABLE, case, result

@@ -5,14 +5,7 @@ import pytest
 
 from armour.reporting.table import Table, csv_text
 from armour.reporting.views.figure import figure_table
-from armour.reporting.views.suite import (
-    check_groups,
-    check_table,
-    note_rows,
-    parity_table,
-    suite_tables,
-    verdict,
-)
+from armour.reporting.views.suite import check_groups, check_table, note_rows, parity_table, suite_tables, verdict
 from armour.validation.figures import Figure, FigureCurve, FigureSection
 from armour.validation.validate import SuiteResult
 from tests.helpers.suites import TABLE, case, result

@@ -1,7 +1,7 @@
 """A report: what its HTML and Markdown versions show."""
 
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib.metadata import version
 from typing import NamedTuple
 
@@ -63,13 +63,6 @@ class Report:
     passed: bool | None = None  # of a suite
     byline: tuple[tuple[str, str], ...] = ()  # such as the author: what it is, and its text
     remarks: tuple[str, ...] = ()  # on the armour that is reported, after the lead
-
-
-def filled(table: Table) -> Table:
-    """Return a table without the columns that have no value."""
-    kept = [index for index, texts in enumerate(zip(*table.texts(), strict=True)) if any(texts)]
-    rows = tuple(tuple(row[index] for index in kept) for row in table.rows)
-    return replace(table, columns=tuple(table.columns[index] for index in kept), rows=rows) if table.rows else table
 
 
 def origin_section(command: str) -> Section:

@@ -7,8 +7,8 @@ from armour import __version__
 from armour.design.optimise import SUPERLATIVES
 from armour.reporting.chart import Chart
 from armour.reporting.contents import AgainstThreat, Contents, asks_for_design
-from armour.reporting.report import Card, CrossSection, Report, Section, filled, origin_section
-from armour.reporting.table import Column, Table, in_words, listing
+from armour.reporting.report import Card, CrossSection, Report, Section, origin_section
+from armour.reporting.table import Column, Table, filled, in_words, listing
 from armour.reporting.views import design as designs
 from armour.reporting.views import impact as impacts
 from armour.reporting.views import sensitivity, uncertainty

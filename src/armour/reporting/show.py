@@ -88,7 +88,7 @@ def _wrong(key: str, message: str) -> InputError:
 
 def in_html(result: "Result") -> str | None:
     """Return the tables of a result as HTML, for a notebook; None where it has none."""
-    from armour.reporting.html import html_tables
+    from armour.reporting.formats import html_tables
 
     if (view := view_of(result)) is None:
         return None
@@ -140,7 +140,6 @@ def report(
 
 def report_text(made: "Report", path: Path) -> str:
     """Return a report in the format of a file, HTML or Markdown."""
-    from armour.reporting.html import html_report
-    from armour.reporting.markdown import markdown_report
+    from armour.reporting.formats import html_report, markdown_report
 
     return markdown_report(made) if path.suffix.lower() == ".md" else html_report(made)

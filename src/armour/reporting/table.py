@@ -2,7 +2,7 @@
 
 import csv
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import StringIO
 from math import isfinite
 from typing import Any
@@ -88,6 +88,15 @@ def record(item: Any, *sources: Source, title: str = "") -> Table:
     """Make a table of one item, which leaves out quantities without a value."""
     known = [(_column(source), value) for source in sources if (value := _cell(item, source)) is not None]
     return Table(tuple(column for column, _ in known), (tuple(value for _, value in known),), title, record=True)
+
+
+def filled(table: Table) -> Table:
+    """Return a table without the columns that have no value."""
+    if not table.rows:
+        return table
+    kept = [index for index, texts in enumerate(zip(*table.texts(), strict=True)) if any(texts)]
+    rows = tuple(tuple(row[index] for index in kept) for row in table.rows)
+    return replace(table, columns=tuple(table.columns[index] for index in kept), rows=rows)
 
 
 def _column(source: Source) -> Column:

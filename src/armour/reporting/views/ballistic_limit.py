@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from armour.analysis.ballistic_limit import curve_velocities, residual_velocity_curve
-from armour.reporting.chart import GREEN, INK, VERMILION, Chart, Line, needed, residual_velocity_panel, velocity_rule
+from armour.reporting.chart import GREEN, INK, VERMILION, Chart, Line
+from armour.reporting.panels import needed, residual_velocity_panel, velocity_rule
 from armour.reporting.table import Column, Table, column_of, listing, record
 from armour.reporting.text import interval
 from armour.reporting.views.confidence import error_note

@@ -5,16 +5,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from armour.analysis.quantities import label_and_unit
-from armour.reporting.chart import (
-    Axis,
-    Chart,
-    Panel,
-    agreement_panel,
-    bars_panel,
-    grouped,
-    quantity_axis,
-)
-from armour.reporting.table import Cell, Column, Source, Table, between, column_of, in_words, listing, record
+from armour.reporting.chart import Axis, Chart, Panel
+from armour.reporting.panels import agreement_panel, bars_panel, grouped, quantity_axis
+from armour.reporting.table import Cell, Column, Source, Table, between, column_of, filled, in_words, listing, record
 from armour.reporting.text import interval
 
 if TYPE_CHECKING:
@@ -60,14 +53,17 @@ def _has_prior(result: "CalibrationResult") -> bool:
 
 def coefficient_table(result: "CalibrationResult") -> Table:
     """Return the fitted coefficients with their intervals, or the reason why one is not identified."""
-    share = Column("part of the prior", "%", ".0f"), lambda c: None if c.prior_share is None else 100.0 * c.prior_share
-    return listing(
+    table = listing(
         result.coefficients,
         (Column("coefficient", prose=True), lambda c: in_words(c.name)),
         (Column("estimate", spec=".4g"), lambda c: "not identified" if c.estimate is None else c.estimate),
         (between(result, prose=True), lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason)))),
-        *([share] if _has_prior(result) else []),
+        (
+            Column("part of the prior", "%", ".0f"),
+            lambda c: None if c.prior_share is None else 100.0 * c.prior_share,
+        ),
     )
+    return filled(table)
 
 
 PRIOR_NOTE = (
@@ -108,12 +104,11 @@ def correlation_table(result: "CalibrationResult") -> Table:
 
 def residual_table(result: "CalibrationResult") -> Table:
     """Return measured and computed values, test by test; one-sided tests have a bound and no deviation."""
-    bounds = any(residual.bound for residual in result.residuals)
-    return listing(
+    table = listing(
         result.residuals,
         column_of("test", prose=True),
         (Column("quantity", prose=True), lambda r: label_and_unit(r.quantity)[0]),
-        *([column_of("bound")] if bounds else []),
+        column_of("bound"),
         (Column("unit"), lambda r: label_and_unit(r.quantity)[1]),
         column_of("measured", "g"),
         column_of("computed", ".2f"),
@@ -122,8 +117,9 @@ def residual_table(result: "CalibrationResult") -> Table:
             Column("leave-one-out deviation", "%", "+.2f"),
             lambda r: None if r.bound else deviation_percent(r.left_out, r.measured),
         ),
-        *([(Column("bound met"), lambda r: "" if not r.bound else "yes" if r.met else "no")] if bounds else []),
+        (Column("bound met"), lambda r: "" if not r.bound else "yes" if r.met else "no"),
     )
+    return filled(table)
 
 
 def deviation_percent(value: float | None, measured: float) -> float | None:

@@ -3,17 +3,8 @@
 from typing import TYPE_CHECKING
 
 from armour.analysis.closed_forms import residual_velocity
-from armour.reporting.chart import (
-    COLOURS,
-    ORANGE,
-    PURPLE,
-    STYLES,
-    Chart,
-    Line,
-    Series,
-    residual_velocity_panel,
-    velocity_rule,
-)
+from armour.reporting.chart import COLOURS, ORANGE, PURPLE, STYLES, Chart, Line, Series
+from armour.reporting.panels import residual_velocity_panel, velocity_rule
 from armour.reporting.table import Column, Table, column_of, listing, record
 from armour.reporting.views.suite import error_table
 

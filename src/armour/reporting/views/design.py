@@ -5,21 +5,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from armour.design.optimise import SUPERLATIVES
-from armour.reporting.chart import (
-    INK,
-    ORANGE,
-    VERMILION,
-    Axis,
-    Chart,
-    Line,
-    Panel,
-    Points,
-    Series,
-    grouped,
-    look_of,
-    quantity_axis,
-)
-from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
+from armour.reporting.chart import INK, ORANGE, VERMILION, Axis, Chart, Line, Panel, Points, Series
+from armour.reporting.panels import grouped, look_of, quantity_axis
+from armour.reporting.table import Column, Source, Table, column_of, csv_text, filled, listing, record
 from armour.reporting.text import interval, number, percent
 from armour.reporting.views.confidence import DEFEAT, chance, error_note
 
@@ -110,7 +98,8 @@ def _aligned(table: Table) -> Table:
 def frontier_table(result: "DesignResult") -> Table:
     """Return, for each back plate of the best pair, the least ceramic that passes, with notes on some."""
     backings = (design.backing_thickness_mm for design in result.frontier)
-    governing = dict(zip(backings, result.frontier_governed_by, strict=True))
+    several = len(result.threats) > 1
+    governing = dict(zip(backings, result.frontier_governed_by, strict=True)) if several else {}
     best = _thicknesses(result.best)
 
     def note(design: Any) -> str:
@@ -125,11 +114,11 @@ def frontier_table(result: "DesignResult") -> Table:
         CERAMIC_THICKNESS,
         BACKING_THICKNESS,
         AREAL_DENSITY,
-        *_margin(result.frontier),
-        *_governed(result, lambda design: governing[design.backing_thickness_mm]),
+        MARGIN,
+        (GOVERNED_BY, lambda design: governing.get(design.backing_thickness_mm)),
         (Column("note"), note),
     )
-    return _aligned(table)
+    return filled(_aligned(table))
 
 
 def left_out(result: "DesignResult") -> str:
@@ -143,16 +132,6 @@ def _thicknesses(design: Any) -> tuple[float, float]:
     return design.ceramic_thickness_mm, design.backing_thickness_mm
 
 
-def _margin(designs: Any) -> tuple[Source, ...]:
-    """Return the column of margins where they are computed."""
-    return (MARGIN,) if any(design.margin_m_s is not None for design in designs) else ()
-
-
-def _governed(result: "DesignResult", threat: Any) -> tuple[Source, ...]:
-    """Return the column of governing threats where there are several."""
-    return ((GOVERNED_BY, threat),) if len(result.threats) > 1 else ()
-
-
 def margin_table(result: "DesignResult", required: Mapping[str, float]) -> Table:
     """Return the best design's margin against each threat, and the probabilities of defeat and of perforation."""
     # Imported here because commands without tables do not need scipy.
@@ -160,46 +139,42 @@ def margin_table(result: "DesignResult", required: Mapping[str, float]) -> Table
 
     best = result.best
     defeat = best.probabilities_of_defeat
-    sampled: list[Source] = [(REQUIRED, required.get)] if required else []
-    if best.probabilities:
-        values = {threat: estimate.value for threat, estimate in best.probabilities.items()}
-        ends = {threat: (estimate.low, estimate.high) for threat, estimate in best.probabilities.items()}
-        sampled.append((Column("probability of perforation", spec=".4f"), values.get))
-        sampled.append(
-            (Column(f"{percent(CONFIDENCE)} interval, by sampling"), lambda threat: interval(ends.get(threat), ".4f"))
-        )
-    return listing(
+    values = {threat: estimate.value for threat, estimate in best.probabilities.items()}
+    ends = {threat: (estimate.low, estimate.high) for threat, estimate in best.probabilities.items()}
+    table = listing(
         best.margins_m_s,
         (Column("threat", prose=True), str),
         (MARGIN, best.margins_m_s.__getitem__),
         (DEFEAT, lambda threat: chance(defeat[threat])),
-        *sampled,
+        (REQUIRED, required.get),
+        (Column("probability of perforation", spec=".4f"), values.get),
+        (Column(f"{percent(CONFIDENCE)} interval, by sampling"), lambda threat: interval(ends.get(threat), ".4f")),
         (Column("note"), lambda threat: "governs" if threat == best.governing else ""),
     )
+    return filled(table)
 
 
 def pair_table(result: "DesignResult") -> Table:
     """Return every pair of materials with its best design, or the reason why it has none."""
-    costs = any(pair.best is not None and pair.best.cost_per_m2 for pair in result.pairs)
-    shown = [CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, *((COST,) if costs else ())]
+    several = len(result.threats) > 1
+    shown = [CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST]
     table = listing(
         result.pairs,
         CERAMIC,
         BACKING,
         *((column, lambda pair, key=column.key: getattr(pair.best, key, None)) for column in shown),
-        *_governed(result, lambda pair: getattr(pair.best, "governing", None)),
+        (GOVERNED_BY, lambda pair: getattr(pair.best, "governing", None) if several else None),
         (Column("result", prose=True), lambda pair: pair.reason or "best"),
         title="pairs of materials",
     )
-    return replace(_aligned(table), rest="--json")
+    return replace(filled(_aligned(table)), rest="--json")
 
 
 def pareto_table(result: "DesignResult") -> Table:
     """Return the designs of the Pareto front."""
-    costs = (COST,) if any(design.cost_per_m2 is not None for design in result.pareto) else ()
-    columns = (CERAMIC, BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, *costs)
-    table = listing(result.pareto, *columns, *_margin(result.pareto), title="Pareto front")
-    return replace(_aligned(table), rest="--csv FILE")
+    columns = (CERAMIC, BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN)
+    table = listing(result.pareto, *columns, title="Pareto front")
+    return replace(filled(_aligned(table)), rest="--csv FILE")
 
 
 def csv(result: "DesignResult") -> str:

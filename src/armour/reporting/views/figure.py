@@ -5,20 +5,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from armour.analysis.quantities import QUANTITIES
-from armour.reporting.chart import (
-    COLOURS,
-    COLUMN_INCHES,
-    INK,
-    SOFT,
-    STYLES,
-    Axis,
-    Chart,
-    Line,
-    Panel,
-    Points,
-    Rule,
-    Series,
-)
+from armour.reporting.chart import COLOURS, INK, SOFT, STYLES, Axis, Chart, Line, Panel, Points, Rule, Series
+from armour.reporting.panels import COLUMN_INCHES
 from armour.reporting.table import Column, Table
 
 if TYPE_CHECKING:

@@ -1,5 +1,6 @@
 """A plan of shots."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,6 +28,7 @@ from armour.reporting.views.confidence import chance, error_note
 if TYPE_CHECKING:
     from armour.planning.shot_plan import ShotPlan
     from armour.statistics.firing_posterior import FiringEstimate
+    from armour.statistics.v50 import Shots
 
 
 SCATTER_ASSUMED = "the prior of the scatter is an assumption, which the model says nothing of"
@@ -135,13 +137,7 @@ def chart(plan: "ShotPlan") -> Chart:
     known = [*plan.fired.velocities_m_s, plan.model_ballistic_limit_m_s, *(plan.limits_m_s or ())]
     x = list(plan.curve.velocity_m_s) if plan.curve else np.linspace(0.9 * min(known), 1.1 * max(known), 201).tolist()
     limits = (x[0], x[-1])
-    shots: list[Series] = []
-    for kind, complete, colour, marker in KINDS:
-        velocities = plan.fired.of(complete=complete)
-        if velocities:
-            words = tuple(f"{kind} at {velocity:g} m/s" for velocity in velocities)
-            heights = [float(complete)] * len(velocities)
-            shots.append(Points(velocities, heights, marker, label=kind, colour=colour, text=words))
+    shots: list[Series] = [*shot_points(plan.fired)]
     if plan.curve:
         shots.insert(0, Line(x, plan.curve.probability, label="probability by the posterior", colour=BLUE))
     elif plan.recommended:
@@ -167,6 +163,15 @@ def chart(plan: "ShotPlan") -> Chart:
     file = f" in {Path(plan.fired.file).name}" if fired and plan.fired.file != "shots" else ""
     title = f"V50 firing, {plan.procedure}: {fired} shots{file}"
     return Chart(title, tuple(panels), " ".join(filter(None, (note, f"{plan.stopped}." if plan.stopped else ""))))
+
+
+def shot_points(shots: "Shots") -> Iterator[Points]:
+    """Describe the shots of each kind, as points at their probabilities, 0 and 1."""
+    for kind, complete, colour, marker in KINDS:
+        if velocities := shots.of(complete=complete):
+            words = tuple(f"{kind} at {velocity:g} m/s" for velocity in velocities)
+            heights = [float(complete)] * len(velocities)
+            yield Points(velocities, heights, marker, label=kind, colour=colour, text=words)
 
 
 def _rules(plan: "ShotPlan", limits: tuple[float, float], *, label: bool) -> list[Series]:

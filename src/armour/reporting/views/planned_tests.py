@@ -8,19 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from armour.analysis.quantities import label_and_unit
-from armour.reporting.chart import (
-    INK,
-    VERMILION,
-    Axis,
-    Chart,
-    Contours,
-    Line,
-    Map,
-    Panel,
-    Points,
-    Series,
-    quantity_axis,
-)
+from armour.reporting.chart import INK, VERMILION, Axis, Chart, Contours, Line, Map, Panel, Points, Series
+from armour.reporting.panels import quantity_axis
 from armour.reporting.table import Cell, Column, Table, column_of, record
 from armour.reporting.text import percent
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from armour.analysis.quantities import label_and_unit
-from armour.reporting.chart import Axis, Chart, bars_panel, quantity_axis
+from armour.reporting.chart import Axis, Chart
+from armour.reporting.panels import bars_panel, quantity_axis
 from armour.reporting.table import Column, Source, Table, column_of, in_words, listing, record
 
 if TYPE_CHECKING:

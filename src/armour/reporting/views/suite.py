@@ -8,9 +8,10 @@ from xml.etree import ElementTree
 
 from armour import __version__
 from armour.files import printable
-from armour.reporting.chart import COLUMN_INCHES, Chart, agreement_panel, grouped
-from armour.reporting.report import Report, Section, filled, origin_section
-from armour.reporting.table import Column, Table, column_of, listing
+from armour.reporting.chart import Chart
+from armour.reporting.panels import COLUMN_INCHES, agreement_panel, grouped
+from armour.reporting.report import Report, Section, origin_section
+from armour.reporting.table import Column, Table, column_of, filled, listing
 from armour.reporting.text import number
 from armour.scenario.sections import TINY
 

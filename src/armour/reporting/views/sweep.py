@@ -7,21 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armour.errors import InputError, Problem
-from armour.reporting.chart import (
-    COLOURS,
-    INK,
-    VERMILION,
-    Chart,
-    Contours,
-    Line,
-    Map,
-    Panel,
-    Series,
-    bars_panel,
-    look_of,
-    quantity_axis,
-    widened,
-)
+from armour.reporting.chart import COLOURS, INK, VERMILION, Chart, Contours, Line, Map, Panel, Series
+from armour.reporting.panels import bars_panel, look_of, quantity_axis, widened
 from armour.reporting.table import Table, column_of
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.units import MM

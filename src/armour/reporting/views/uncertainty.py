@@ -3,23 +3,8 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from armour.reporting.chart import (
-    INK,
-    SOFT,
-    VERMILION,
-    Axis,
-    Band,
-    Chart,
-    Line,
-    Panel,
-    Points,
-    Series,
-    bars_panel,
-    needed,
-    quantity_axis,
-    velocity_rule,
-    widened,
-)
+from armour.reporting.chart import INK, SOFT, VERMILION, Axis, Band, Chart, Line, Panel, Points, Series
+from armour.reporting.panels import bars_panel, needed, quantity_axis, velocity_rule, widened
 from armour.reporting.table import Column, Table, between, column_of, in_words, listing, record
 from armour.reporting.text import interval, percent
 from armour.reporting.views.confidence import SAMPLED_ALONE, error_note

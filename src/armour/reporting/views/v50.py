@@ -5,26 +5,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from armour.errors import InputError, Problem
-from armour.reporting.chart import (
-    GREEN,
-    INK,
-    PURPLE,
-    SOFT,
-    VERMILION,
-    Axis,
-    Band,
-    Chart,
-    Line,
-    Panel,
-    Points,
-    Series,
-    needed,
-    quantity_axis,
-    velocity_rule,
-)
+from armour.reporting.chart import INK, PURPLE, SOFT, Axis, Band, Chart, Line, Panel, Points, Series
+from armour.reporting.panels import needed, quantity_axis, velocity_rule
 from armour.reporting.table import Column, Source, Table, between, column_of, listing, record
 from armour.reporting.text import interval, percent
-from armour.reporting.views.planned_shots import SCATTER_ASSUMED, prior_table, share_note
+from armour.reporting.views.planned_shots import SCATTER_ASSUMED, prior_table, share_note, shot_points
 from armour.scenario.inputs import VELOCITY
 
 if TYPE_CHECKING:
@@ -144,13 +129,7 @@ def chart(result: "FiringResult") -> Chart:
     # scipy is slow to import, and no other chart needs it.
     from armour.statistics.penalised_curve import penalised_band
 
-    series: list[Series] = []
-    for complete, colour, marker in ((False, GREEN, "o"), (True, VERMILION, "^")):
-        velocities = shots.of(complete=complete)
-        kind = "complete penetration" if complete else "partial penetration"
-        text = tuple(f"{kind} at {velocity:g} m/s" for velocity in velocities)
-        probabilities = [float(complete)] * len(velocities)
-        series.append(Points(velocities, probabilities, marker, label=kind, colour=colour, text=text))
+    series: list[Series] = [*shot_points(shots)]
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
     reach, margin = fastest - slowest or 0.01 * fastest, 0.1 * (fastest - slowest)
     model, mean, between = result.model_ballistic_limit_m_s, result.mean, f"{percent(result.confidence)} interval"
