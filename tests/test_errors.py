@@ -1,9 +1,21 @@
-from armour.errors import InputError, NoDesignError, NoLimitError, Problem, choices, suggestion
+import json
+import pickle
+from copy import deepcopy
+
+from armour.errors import InputError, NoDesignError, NoLimitError, Note, Problem, choices, suggestion
 
 
 def test_a_problem_reads_file_key_message():
     assert str(Problem("a.toml", "impact.x", "must be y")) == "a.toml: impact.x: must be y"
     assert str(Problem("a.toml", "", "cannot be read")) == "a.toml: cannot be read"
+
+
+def test_a_note_is_a_text_with_the_key_that_it_is_about():
+    note = Note("is high", "impact.velocity_m_s")
+    assert note == "impact.velocity_m_s: is high"
+    assert json.dumps([note, Note("is odd")]) == '["impact.velocity_m_s: is high", "is odd"]'
+    for copied in (pickle.loads(pickle.dumps(note)), deepcopy(note)):
+        assert (copied, copied.key, copied.text) == (note, note.key, note.text)
 
 
 def test_an_input_error_shows_every_problem():

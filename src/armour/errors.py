@@ -11,7 +11,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from difflib import get_close_matches
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 # Known words beyond which none is suggested, as each wrong word is compared with all of them.
 MAX_WORDS = 1000
@@ -40,6 +40,27 @@ class Problem(NamedTuple):
 
     def __str__(self) -> str:
         return ": ".join(part for part in self if part)
+
+
+class Note(str):
+    """A warning on a result: a text, such as "impact.velocity_m_s: ...", with the key that it is about.
+
+    Attributes
+    ----------
+    key : str
+        Dotted key that the warning is about; empty if it is about none.
+    text : str
+        What a reader should know.
+    """
+
+    key: str
+    text: str
+
+    def __new__(cls, text: str, key: str = "") -> Self:
+        """Make the warning of its text and its key."""
+        made = super().__new__(cls, f"{key}: {text}" if key else text)
+        made.key, made.text = key, text
+        return made
 
 
 class ArmourError(Exception):

@@ -8,6 +8,7 @@ import pytest
 from armour import __version__
 from armour.analysis.confidence import NO_TEST, ConfidenceResult
 from armour.design.optimise import DesignResult
+from armour.errors import Note
 from armour.reporting.contents import AgainstThreat, Contents, contents_of
 from armour.reporting.formats import markdown_report
 from armour.reporting.report import Report
@@ -123,7 +124,11 @@ def test_a_required_margin_that_is_missed_is_told():
 
 
 def test_warnings_name_inputs_in_words():
-    warnings = ("backing.flow_stress_GPa: high", "uncertainty.armour.ceramic_thickness_mm: other", "threat: no")
+    warnings = (
+        Note("high", "backing.flow_stress_GPa"),
+        Note("other", "uncertainty.armour.ceramic_thickness_mm"),
+        Note("no", "threat"),
+    )
     assert report(replace(wilkins(), warnings=warnings)).warnings[:3] == (
         "back plate flow stress, GPa: high",
         "distribution of the ceramic thickness, mm: other",

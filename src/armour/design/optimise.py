@@ -15,7 +15,7 @@ from armour.design.candidates import candidates_of
 from armour.design.catalogue import MARGIN, Catalogue, catalogue_of
 from armour.design.requirement import Requirement
 from armour.design.search import Search
-from armour.errors import NoDesignError, Problem, refuse
+from armour.errors import NoDesignError, Note, Problem, refuse
 from armour.scenario.checked import checked
 from armour.scenario.evidence import MEASURES, ModelError, armour_warnings, error_on_tests
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
@@ -281,12 +281,12 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     )._of(_subject(catalogue), scenario=scenario)
 
 
-def _unused_impact(scenario: Scenario) -> Iterator[str]:
+def _unused_impact(scenario: Scenario) -> Iterator[Note]:
     """Give a warning where the impact is none of the threats, which are used in its place."""
     impact = scenario.impact
     own = (impact.projectile, impact.velocity_m_s)
     if scenario.threat and own not in [(threat.projectile, threat.velocity_m_s) for threat in scenario.threat]:
-        yield f"impact: {own[0]} at {own[1]:g} m/s is none of the threats, against which the armour is designed"
+        yield Note(f"{own[0]} at {own[1]:g} m/s is none of the threats, against which the armour is designed", "impact")
 
 
 def _without(search: Search, pair: int, frontier: Ints) -> tuple[float, ...]:

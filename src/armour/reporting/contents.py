@@ -10,7 +10,7 @@ from armour.analysis.energy import EnergyBalance, energy_balance
 from armour.analysis.impact import ImpactResult, simulate
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.design.optimise import DesignResult, optimise
-from armour.errors import NoLimitError
+from armour.errors import NoLimitError, Note
 from armour.scenario.inputs import BACKING, CERAMIC, ROLES, VELOCITY
 from armour.scenario.library import LibraryEntry
 from armour.scenario.scenario import Scenario
@@ -173,14 +173,17 @@ def _with_best(scenario: Scenario, result: DesignResult) -> Scenario:
     return answer.with_inputs(different) if different else answer
 
 
-def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[str, ...]:
+def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:
     """Return a warning for each distribution that is about another value than the answer's."""
     if scenario.uncertainty is None:
         return ()
     own, found = scenario.inputs(), answer.inputs()
     return tuple(
-        f"uncertainty.{name}: is given for another value than {found[name]:g}, that of the armour and threat reported; "
-        "the report has no sampled probability of perforation"
+        Note(
+            f"is given for another value than {found[name]:g}, that of the armour and threat reported; "
+            "the report has no sampled probability of perforation",
+            f"uncertainty.{name}",
+        )
         for name, distribution in scenario.uncertainty.inputs().items()
         if name in found
         and ((distribution.placed and own.get(name) != found[name]) or not distribution.contains(found[name]))

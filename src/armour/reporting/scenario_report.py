@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from armour import __version__
 from armour.design.optimise import SUPERLATIVES
+from armour.errors import Note
 from armour.reporting.chart import Chart
 from armour.reporting.contents import AgainstThreat, Contents, asks_for_design
 from armour.reporting.report import Card, CrossSection, Report, Section, origin_section
@@ -175,12 +176,10 @@ def _extrapolated(contents: Contents) -> list[str]:
 
 def _told(warning: str) -> str:
     """Return a warning with the words of the input that it is about, in place of its key."""
-    key, separator, text = warning.partition(": ")
-    name = key.removeprefix("uncertainty.")
-    if name not in INPUTS:
+    if not isinstance(warning, Note) or (name := warning.key.removeprefix("uncertainty.")) not in INPUTS:
         return warning
     words = in_words(name)
-    return f"{words if name == key else f'distribution of the {words}'}{separator}{text}"
+    return Note(warning.text, words if name == warning.key else f"distribution of the {words}")
 
 
 def _without_margin(contents: Contents) -> list[str]:

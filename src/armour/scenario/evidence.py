@@ -7,7 +7,7 @@ from math import inf, nan
 from typing import Any, NamedTuple
 
 from armour.core.state import Parameters
-from armour.errors import InputError, Problem
+from armour.errors import InputError, Note, Problem
 from armour.files import read_toml, shipped
 from armour.scenario.inputs import VELOCITY
 from armour.units import GPA
@@ -267,14 +267,14 @@ def is_unusual(armour: Parameters) -> Any:
 
 def armour_warnings(
     armour: Parameters, ceramic: str | None, velocity: float, keys: Mapping[str, str]
-) -> tuple[str, ...]:
+) -> tuple[Note, ...]:
     """Return the ways in which an armour is unlike what the model was compared with, as "key: what, value found".
 
     `ceramic` is the name of its ceramic, and `keys` are keys to name in place of others.
     """
     outside = (limit for limit in limits_of(closest(armour), armour, velocity) if limit.outside)
     return tuple(
-        f"{keys.get(limit.key, limit.key)}: {limit.words}, found {_found(ceramic, limit)}" for limit in outside
+        Note(f"{limit.words}, found {_found(ceramic, limit)}", keys.get(limit.key, limit.key)) for limit in outside
     )
 
 

@@ -13,7 +13,7 @@ import tomli_w
 from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
-from armour.errors import InputError, Problem, choices, refuse, suggestion
+from armour.errors import InputError, Note, Problem, choices, refuse, suggestion
 from armour.files import exists, located, read_toml, shipped_files, shipped_suites, write_atomic
 from armour.scenario.changes import changed
 from armour.scenario.checked import checked
@@ -337,20 +337,20 @@ class Scenario(Section):
         """
         return None if self.excludes_error() else self.given_error() or error_on_tests(self.core_armour())
 
-    def warnings(self, velocity: float, key: str = VELOCITY) -> tuple[str, ...]:
+    def warnings(self, velocity: float, key: str = VELOCITY) -> tuple[Note, ...]:
         """Return the ways in which the scenario is unlike what the model was compared with: "key: what, value found".
 
         `velocity` is the impact velocity, m/s, or the ballistic limit, whose key is then given.
         """
         return armour_warnings(self.core_armour(), self.armour.ceramic, velocity, {VELOCITY: key})
 
-    def unused_threats(self) -> tuple[str, ...]:
+    def unused_threats(self) -> tuple[Note, ...]:
         """Return a warning, for a result of the section ``impact``, where the scenario has threats of its own."""
         if not self.threat:
             return ()
         against = f"the {self.impact.projectile} at {self.impact.velocity_m_s:g} m/s of [impact]"
         unused = f"is not used: the results are against {against}; a report has the probability of every threat"
-        return (f"threat: {unused}",)
+        return (Note(unused, "threat"),)
 
     def replaced_entries(self) -> list[str]:
         """Return a note for each entry that replaces one of its name, on which it is not based."""

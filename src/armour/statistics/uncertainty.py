@@ -13,7 +13,7 @@ from armour.analysis.results import TableResult
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.uncertain_inputs import Samples, own_values, sampled, section_of
 from armour.analysis.variants import Bools, Floats, Variants, perforated
-from armour.errors import NoLimitError
+from armour.errors import NoLimitError, Note
 from armour.scenario.checked import checked
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.evidence import ModelError
@@ -200,15 +200,15 @@ def probability_of_perforation(scenario: Scenario, *, on_progress: OnProgress = 
     return _share(hits)
 
 
-def _misplaced(section: Uncertainty, own: Mapping[str, float]) -> Iterator[str]:
+def _misplaced(section: Uncertainty, own: Mapping[str, float]) -> Iterator[Note]:
     """Yield a warning for each distribution that is not about the scenario's own value or the mean given."""
     for name, distribution in section.inputs().items():
         if name in own:
             if not distribution.contains(own[name]):
-                yield f"uncertainty.{name}: is given for another value than the scenario's {own[name]:g}"
+                yield Note(f"is given for another value than the scenario's {own[name]:g}", f"uncertainty.{name}")
             moved = moved_mean(distribution, own[name])
             if moved:
-                yield f"uncertainty.{name}: truncation moves its mean from {moved[0]:g} to {moved[1]:.4g}"
+                yield Note(f"truncation moves its mean from {moved[0]:g} to {moved[1]:.4g}", f"uncertainty.{name}")
 
 
 def _unknown(scenario: Scenario) -> tuple[str, ...]:
