@@ -1,16 +1,20 @@
-"""Figures of results in Python."""
+"""Figures, reports and tables in a notebook."""
 
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from armour.analysis.ballistic_limit import Crossing, LimitResult, ballistic_limit
+from armour.analysis.confidence import confidence
 from armour.analysis.history import History
 from armour.analysis.impact import simulate
+from armour.analysis.results import TableResult
 from armour.errors import InputError
 from armour.planning.shot_plan import plan_shots
-from armour.reporting.show import plot
+from armour.reporting.show import in_html, plot, report
 from armour.reporting.views.registry import VIEWS
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
@@ -111,3 +115,74 @@ def test_what_cannot_be_drawn(folder: Path):
 def test_the_first_number_of_a_sweep_is_drawn():
     found = sweep(scenario(), {"impact.velocity_m_s": [700.0, 800.0]}, ["outcome", "residual_velocity_m_s"])
     assert plot(found).axes[0].get_ylabel() == "residual velocity, m/s"
+
+
+def test_every_result_has_its_tables_and_its_line(folder: Path):
+    found = [result for result, _ in results(folder).values()] + [confidence(scenario())]
+    assert {type(result).__name__ for result in found} == VIEWS.keys()
+    for result in found:
+        html = in_html(result)
+        assert html is not None
+        assert html.count("<table") >= 1
+        assert "\n" not in repr(result)
+        assert len(repr(result)) < 200
+
+
+def test_rows_are_columns_of_equal_lengths(folder: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=dict))
+    framed = {name: found for name, (found, _) in results(folder).items() if isinstance(found, TableResult)}
+    assert framed.keys() == {
+        "CalibrationResult",
+        "PlannedTests",
+        "Comparison",
+        "FiringResult",
+        "ImpactResult",
+        "SensitivityResult",
+        "SuiteResult",
+        "SweepResult",
+        "UncertaintyResult",
+    }
+    for found in framed.values():
+        lengths = {len(values) for values in found.to_dataframe().values()}
+        assert len(lengths) == 1
+        assert lengths != {0}
+
+
+def test_the_tables_are_those_of_the_command():
+    html = in_html(impact())
+    assert html is not None
+    assert '<th scope="row">residual velocity</th><td>277.38\N{NO-BREAK SPACE}m/s</td>' in html
+    assert "fragmented ceramic, penetrated; rod erodes" in html
+
+
+def test_a_history_has_no_tables():
+    history = impact().history
+    assert history is not None
+    assert in_html(history) is None
+
+
+def test_a_suite_as_html_and_markdown(folder: Path):
+    found = suite_result(folder, case("a", 720.0, "band = 5.0"))
+    for name, start in (("x.html", "<!DOCTYPE html>"), ("x.md", "# ")):
+        report(found, str(folder / name))
+        text = (folder / name).read_text()
+        assert text.startswith(start)
+        assert "armour.report(result" in text
+
+
+def test_a_scenario(folder: Path):
+    report(scenario(title="Wilkins"), folder / "x.md")
+    assert "armour.report(scenario" in (folder / "x.md").read_text()
+
+
+def test_the_armour_as_it_is(folder: Path):
+    asks = scenario(threat=[{"projectile": "7.62 mm AP", "velocity_m_s": 700.0}])
+    report(asks, folder / "x.md", as_is=True)
+    text = (folder / "x.md").read_text()
+    assert "as_is=True)" in text
+    assert "Best design" not in text
+
+
+def test_another_ending(folder: Path):
+    with pytest.raises(InputError, match=r"\.html or \.md"):
+        report(suite_result(folder, case("a", 720.0, "band = 5.0")), folder / "x.pdf")

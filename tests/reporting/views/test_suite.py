@@ -1,0 +1,150 @@
+"""Tables, report and JUnit XML of a suite."""
+
+import re
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+from armour.reporting.formats import markdown_report
+from armour.reporting.table import Table, csv_text
+from armour.reporting.views import suite as suite_view
+from armour.reporting.views.figure import figure_table
+from armour.reporting.views.suite import (
+    check_groups,
+    check_table,
+    junit,
+    note_rows,
+    parity_table,
+    suite_tables,
+    verdict,
+)
+from armour.validation.figures import Figure, FigureCurve, FigureSection
+from armour.validation.validate import SuiteResult
+from tests.helpers.suites import TABLE, case, result
+
+
+@pytest.fixture
+def outcome(folder: Path) -> SuiteResult:
+    return result(folder, case("out", 725.0, 'band = 1.0\nreason = "as measured"') + TABLE)
+
+
+def test_checks_stand_below_their_table(outcome: SuiteResult):
+    assert list(check_groups(outcome)) == ["t", "cases"]
+    table = check_table(check_groups(outcome)["cases"])
+    assert table.headings()[1:4] == ["expected, m/s", "computed, m/s", "deviation, m/s"]
+    assert table.texts() == [["out", "725", "723.8", "-1.2", "-0.17", "1", "outside"]]
+    assert [column.numeric for column in table.columns] == [False, *[True] * 5, False]
+
+
+def test_checks_of_several_quantities_have_units_of_their_own(folder: Path):
+    other = (
+        case("outcome", 0.0, "")
+        .replace("expected = 0.0", 'expected = "perforated"')
+        .replace("ballistic_limit_m_s", "outcome")
+    )
+    table = check_table(result(folder, case("out", 725.0, "band = 1.0") + other).checks)
+    assert [row[1] for row in table.rows] == ["m/s", ""]
+    assert table.texts()[1] == ["outcome", "", "perforated", "perforated", "", "", "", "within"]
+
+
+def test_a_suite_has_its_tables_as_a_whole(outcome: SuiteResult):
+    assert [table.title for table in suite_tables(outcome)] == ["t", "cases", "tables as a whole", "errors"]
+    assert note_rows(outcome.checks) == [("out", "as measured")]
+    assert verdict(outcome) == "2 of 4 within their bands, 2 outside"
+
+
+def test_curves_as_a_file():
+    axes: dict[str, Any] = {"x_label": "x, mm", "y_label": "V, m/s"}
+    section = FigureSection.model_construct(**axes)
+    figure = Figure(section, (1.0, 2.0), (FigureCurve("a", (0.1, None)),))
+    assert csv_text(figure_table([figure])) == '"x, mm","a: V, m/s"\n1.0,0.1\n2.0,\n'
+    axes = {"x_label": "y, mm", "y_label": "m"}
+    other = Figure(FigureSection.model_construct(**axes), (3.0, 4.0), figure.curves)
+    assert csv_text(figure_table([figure, other])).startswith('"x, mm","a: V, m/s","y, mm",a: m\n1.0,0.1,3.0,0.1\n')
+
+
+def test_parity_as_a_file(outcome: SuiteResult):
+    table = parity_table(outcome)
+    assert isinstance(table, Table)
+    assert csv_text(table).splitlines()[0] == "table,row,quantity,expected,computed"
+    assert len(table.rows) == 3
+
+
+@pytest.fixture
+def reported(folder: Path) -> SuiteResult:
+    text = (
+        'title = "A | suite"\n'
+        + case("in", 724.0, 'band = 1.0\nreason = "as *measured*"')
+        + case("out", 725.0, "band = 1.0")
+        + case("none", 724.0, "band = 1.0\nset.ballistic_limit.velocity_min_m_s = 1000.0")
+        + case("slip", 1.0, 'not_scored = "a slip"')
+        + TABLE
+    )
+    return result(folder, text)
+
+
+def test_a_suite(reported: SuiteResult):
+    text = markdown_report(suite_view.report(reported))
+    assert text.startswith("# A \\| suite\n")
+    assert ": 3 of 6 within their bands, 2 outside, 1 no answer; 1 shown but not scored.\n" in text
+    assert "| out | 725 | 723.8 | -1.2 | -0.17 | 1 | outside |" in text
+    assert "* in: as \\*measured\\*." in text
+    assert "## Shown but not scored\n\n* slip: a slip." in text
+    assert "| t | this model | 2 |" in text
+    assert text.endswith("\n")
+
+
+def test_tables_have_as_many_cells_as_columns(reported: SuiteResult):
+    for block in markdown_report(suite_view.report(reported)).split("\n\n"):
+        lines = [line.replace("\\|", "") for line in block.splitlines() if line.startswith("|")]
+        assert len({line.count("|") for line in lines}) <= 1
+
+
+def test_a_report_made_by_a_command_says_so(reported: SuiteResult):
+    *_, origin = suite_view.report(reported, "armour report s.toml").sections
+    assert (origin.heading, origin.code) == ("Origin", "armour report s.toml")
+    assert "Origin" not in [section.heading for section in suite_view.report(reported).sections]
+
+
+def test_a_table_has_its_source(reported: SuiteResult, folder: Path):
+    sourced = result(folder, TABLE + 'source = "table 3"\nreason = "as printed"\n')
+    table, *_ = suite_view.report(sourced).sections
+    assert (table.heading, table.paragraphs) == ("T", ("Table 3; band: as printed.",))
+    found = {section.heading: section for section in suite_view.report(reported).sections}
+    assert found["Cases"].paragraphs == ()
+    assert found["Tables as a whole"].tables[0].headings()[0] == "table"
+
+
+def test_every_case_and_table_is_a_test_case(folder: Path):
+    text = (
+        case("in", 724.0, "band = 1.0")
+        + case("out", 725.0, "band = 1.0")
+        + case("none", 724.0, "band = 1.0\nset.ballistic_limit.velocity_min_m_s = 1000.0")
+        + case("slip", 1.0, 'not_scored = "a slip"')
+    )
+    suite = ElementTree.fromstring(junit(result(folder, 'title = "A | suite"\n' + text + TABLE), 1.25))
+    found = (suite.get("name"), suite.get("tests"), suite.get("failures"), suite.get("skipped"))
+    assert found == ("A | suite", "7", "3", "1")
+    assert suite.get("time") == "1.250"
+    cases = {(c.get("classname"), c.get("name")): c for c in suite}
+    failure = cases["cases", "out"].find("failure")
+    assert failure is not None
+    assert failure.get("message") == (
+        "expected 725 m/s, computed 723.8 m/s, deviation -1.2 m/s, relative deviation -0.17 %, band ± 1 m/s"
+    )
+    assert cases["cases", "slip"].find("skipped") is not None
+    assert cases["cases", "in"].find("failure") is None
+    rms = cases["t", "RMS"].find("failure")
+    assert rms is not None
+    assert re.fullmatch(r"RMS \d+\.\d\d m/s, RMS band \S+ m/s", str(rms.get("message")))
+    message = cases["cases", "none"].find("failure")
+    assert message is not None
+    assert "no ballistic limit" in str(message.get("message"))
+
+
+def test_control_characters_leave_it_well_formed(folder: Path):
+    xml = junit(result(folder, 'title = "a\\u001b[31m"\n' + case("b\\u0007", 725.0, "band = 1.0")), 0.0)
+    suite = ElementTree.fromstring(xml)
+    assert (suite.get("name"), suite[0].get("name")) == ("a\\x1b[31m", "b\\x07")
