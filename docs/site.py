@@ -23,7 +23,6 @@ from armour.analysis.quantities import label_and_unit
 from armour.reporting.formats import markdown_table
 from armour.reporting.views.library import entry_table
 from armour.scenario.inputs import INPUTS
-from armour.scenario.meanings import MEANINGS
 from armour.scenario.scenario import scenario_schema
 
 DOCS = Path(__file__).parent
@@ -71,10 +70,24 @@ def keys() -> str:
     for one in INPUTS.values():
         symbols.setdefault(one.key, []).extend([one.field] if one.field else [])
     rows = (
-        f"| `{key}` | {meaning} | {label_and_unit(key)[1]} | {', '.join(symbols.get(key, []))} |"
-        for key, meaning in sorted(MEANINGS.items())
+        f"| `{key}` | {' '.join(meanings)} | {label_and_unit(key)[1]} | {', '.join(symbols.get(key, []))} |"
+        for key, meanings in sorted(_meanings().items())
     )
     return "\n".join(["| key | meaning | unit | symbol |", "|---|---|---|---|", *rows])
+
+
+def _meanings() -> dict[str, list[str]]:
+    """Return the meanings of every key, each once; that of a distribution only where the key has no other."""
+    schema = scenario_schema()
+    found: dict[str, list[str]] = {}
+    for section in (schema, *schema["$defs"].values()):
+        for key, content in section["properties"].items():
+            meanings = found.setdefault(key, [])
+            if content["description"] not in meanings and not content["description"].startswith(
+                "Distribution of the input"
+            ):
+                meanings.append(content["description"])
+    return found
 
 
 def scenario() -> str:

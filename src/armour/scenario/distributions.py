@@ -33,11 +33,17 @@ class Distribution(Section):
     """
 
     distribution: Literal["normal", "lognormal", "uniform"]
+    """Kind of distribution."""
     mean: Number | None = None
+    """Mean, in the unit of the input; by default the scenario's own value."""
     standard_deviation: Width | None = None
+    """Standard deviation, in the unit of the input."""
     standard_deviation_percent: Width | None = None
+    """Standard deviation, per cent of the mean."""
     min: Number | None = None
+    """Least value, where the distribution is truncated."""
     max: Annotated[Number | None, above("min")] = None
+    """Greatest value, where the distribution is truncated."""
 
     @model_validator(mode="after")
     def _complete(self) -> "Distribution":
@@ -81,7 +87,11 @@ class ErrorDistribution(Distribution):
 
 def _distributions(section: str, of: str) -> type[Section]:
     """Return the section with a distribution for each input of a section of the scenario, or of a role."""
-    keys: dict[str, Any] = {one.key: (Distribution | None, None) for one in INPUTS.values() if one.section == section}
+    keys: dict[str, Any] = {
+        one.key: (Distribution | None, Field(None, description=f"Distribution of the input {one.name}."))
+        for one in INPUTS.values()
+        if one.section == section
+    }
     name = f"{section.capitalize()}Uncertainty"
     return create_model(name, __base__=Section, __doc__=f"Distributions of {of}.", __module__=__name__, **keys)
 
@@ -97,17 +107,24 @@ class Correlation(Section):
     """Correlation coefficient between the normal scores of two inputs."""
 
     between: Annotated[list[str], Field(min_length=2, max_length=2)]
+    """Names of the two inputs."""
     coefficient: Annotated[float, Field(gt=-1.0, lt=1.0)]
+    """Correlation coefficient of their normal scores."""
 
 
 class ModelSection(Section):
     """Relative error of the ballistic limit: that of the armour over that of the model, less 1; Student's t."""
 
     included: bool = True
+    """Whether the error of the model is included."""
     mean_percent: Annotated[float, Field(ge=-90.0, le=1000.0)] = 0.0
+    """Mean error of the ballistic limit, of the armour over that of the model, less 1."""
     scale_percent: Annotated[float, Field(ge=1e-3, le=100.0)] | None = None
+    """Scale of Student's t distribution of this error."""
     degrees_of_freedom: Annotated[float, Field(ge=1.0, le=1e6)] | None = None
+    """Degrees of freedom of this distribution; by default infinite: a normal distribution."""
     source: str = ""
+    """Where the error comes from."""
 
     @model_validator(mode="after")
     def _complete(self) -> "ModelSection":
@@ -123,15 +140,25 @@ class Uncertainty(Section):
     """Distributions of the uncertain inputs, their correlations, the error of the model and the sampling."""
 
     method: Literal["sobol", "latin hypercube"] = "sobol"
+    """Sampling: scrambled Sobol' points, or a Latin hypercube."""
     samples: Annotated[int, Field(ge=MIN_SAMPLES, le=MAX_SAMPLES)] = 4096
+    """Number of samples; of Sobol' points, a power of 2."""
     seed: Annotated[int, Field(ge=0)] = 1
+    """Seed of the random numbers."""
     impact: ImpactUncertainty = ImpactUncertainty()  # type: ignore[valid-type]
+    """Distribution of the velocity."""
     armour: ArmourUncertainty = ArmourUncertainty()  # type: ignore[valid-type]
+    """Distributions of the thicknesses."""
     projectile: ProjectileUncertainty = ProjectileUncertainty()  # type: ignore[valid-type]
+    """Distributions of the properties of the projectile."""
     ceramic: CeramicUncertainty = CeramicUncertainty()  # type: ignore[valid-type]
+    """Distributions of the properties of the ceramic."""
     backing: BackingUncertainty = BackingUncertainty()  # type: ignore[valid-type]
+    """Distributions of the properties of the back plate."""
     correlation: Annotated[list[Correlation], Field(max_length=MAX_CORRELATIONS)] = []
+    """Correlations between inputs."""
     model: ModelSection | None = None
+    """The error of the model."""
 
     _error: ErrorDistribution | None = PrivateAttr(default=None)
 

@@ -42,9 +42,13 @@ class Value(Section, Generic[Number]):
     """
 
     value: Number
+    """The number, in the unit of the key."""
     status: Status = "assumed"
+    """How the number is known: "measured", "nominal" (as a table or a standard lists it), "fitted" or "assumed"."""
     source: str = ""
+    """Where the number comes from."""
     tests: list[dict[str, NumberOrText]] = []
+    """Tests that the number was calibrated to."""
 
     def __repr__(self) -> str:
         return f"<Value: {self.value:g}, {self.status}{f', {self.source}' if self.source else ''}>"
@@ -79,7 +83,9 @@ class Entry(Section):
     """An entry of a library file; it inherits missing values from the entry that it is based on."""
 
     description: str = ""
+    """Description of the entry."""
     based_on: str | None = None
+    """Name of the entry that supplies every value not given."""
 
     def values(self) -> dict[str, Value[float]]:
         """Return the values that the entry gives, by key."""
@@ -91,34 +97,53 @@ class Projectile(Entry):
     """A projectile; its penetrator is modelled as a cylinder."""
 
     caliber_mm: Length | None = None
+    """Calibre of the round."""
     projectile_mass_g: Mass | None = None
+    """Mass of the whole projectile, for Florence's formula."""
     penetrator_diameter_mm: Length | None = None
+    """Diameter of the penetrator."""
     penetrator_mass_g: Mass | None = None
+    """Mass of the penetrator; with diameter and density it gives the length."""
     density_kg_m3: Density | None = None
+    """Density."""
     flow_stress_GPa: StressGPa | None = None
+    """Flow stress."""
 
 
 class Ceramic(Entry):
     """A ceramic."""
 
     density_kg_m3: Density | None = None
+    """Density."""
     youngs_modulus_GPa: StressGPa | None = None
+    """Young's modulus, for the velocity of the crack."""
     flow_stress_GPa: StressGPa | None = None
+    """Flow stress of the intact ceramic."""
     flow_stress_backing_exponent: Coefficient | None = None
+    """Law of the flow stress: exponent of the back plate's thickness."""
     flow_stress_product_exponent: Coefficient | None = None
+    """Law of the flow stress: exponent of the product of both thicknesses."""
     flow_stress_ceramic_slope: Coefficient | None = None
+    """Law of the flow stress: slope by the ceramic's thickness."""
     flow_stress_backing_slope: Coefficient | None = None
+    """Law of the flow stress: slope by the back plate's thickness."""
 
 
 class Metal(Entry):
     """A metal for back plates."""
 
     density_kg_m3: Density | None = None
+    """Density."""
     dynamic_yield_strength_MPa: StressMPa | None = None
+    """Dynamic yield strength."""
     flow_stress_GPa: StressGPa | None = None
+    """Constrained flow stress; by default 2.7 times the dynamic yield strength."""
     shear_strength_MPa: StressMPa | None = None
+    """Ultimate shear strength; by default 0.7 times the dynamic yield strength."""
     ultimate_tensile_strength_MPa: StressMPa | None = None
+    """Ultimate tensile strength, for Florence's formula."""
     strain_to_fracture: Strain | None = None
+    """Strain to fracture, for Florence's formula."""
 
 
 Kind = Literal["projectile", "ceramic", "metal"]
@@ -152,8 +177,11 @@ class LibraryTables(Section):
     """Tables of a library file, or of the section [library] of a scenario."""
 
     projectile: dict[str, Projectile] = {}
+    """Entries of projectiles."""
     ceramic: dict[str, Ceramic] = {}
+    """Entries of ceramics."""
     metal: dict[str, Metal] = {}
+    """Entries of metals."""
 
 
 @dataclass(frozen=True)

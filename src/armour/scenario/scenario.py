@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from functools import cache
+from importlib import import_module
 from operator import ge, gt, itemgetter, le, lt
 from os import PathLike
 from os.path import relpath
@@ -86,19 +87,33 @@ class Scenario(Section):
     """
 
     title: Line = ""
+    """Title, shown below the armour and the round that are computed."""
     author: Line = ""
+    """Author, shown in reports."""
     project: Line = ""
+    """Project, shown in reports."""
     date: Line = ""
+    """Date, shown in reports."""
     impact: Impact
+    """The projectile and its velocity."""
     armour: ArmourSection
+    """The armour."""
     model: Model = Model()
+    """Options of the model."""
     solver: Solver = Solver()
+    """Settings of the solver."""
     ballistic_limit: BallisticLimitSection = BallisticLimitSection()
+    """Range and tolerance of the search for the ballistic limit."""
     optimise: Optimise | None = None
+    """Grid of designs."""
     threat: Items[Threat] = ()
+    """Threats, all of which a design must defeat; by default [impact]."""
     design: DesignSection | None = None
+    """Catalogue of materials, with constraints and the objective; in place of the grid."""
     uncertainty: Uncertainty | None = None
+    """Uncertain inputs, and how they are sampled."""
     library: LibrarySection = LibrarySection()
+    """Projectiles and materials that the scenario adds to the library."""
 
     _entries: Library = PrivateAttr(default_factory=Library)
     _source: _Source = PrivateAttr(default_factory=lambda: _Source({}, "", Path()))
@@ -548,18 +563,37 @@ def _is_not_tiny(values: Any, tiny: float) -> Any:
     return (values == 0.0) | (abs(values) >= tiny)
 
 
+def _meanings() -> dict[str, dict[str, str]]:
+    """Return the docstring of each key, by name of its section."""
+    # Imported here because only the schema needs them.
+    import ast
+    from inspect import getsource
+    from itertools import pairwise
+
+    classes: dict[str, ast.ClassDef] = {}
+    for module in ("library", "distributions", "schema", "scenario"):
+        tree = ast.parse(getsource(import_module(f"armour.scenario.{module}")))
+        classes |= {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
+    found: dict[str, dict[str, str]] = {}
+    for name, node in classes.items():
+        inherited = [found.get(base.id, {}) for base in node.bases if isinstance(base, ast.Name)]
+        found[name] = {key: meaning for base in inherited for key, meaning in base.items()}
+        for field, below in pairwise(node.body):
+            if isinstance(field, ast.AnnAssign) and isinstance(below, ast.Expr):
+                found[name][ast.unparse(field.target)] = " ".join(ast.literal_eval(below.value).split())
+    return found
+
+
 def scenario_schema() -> dict[str, Any]:
     """Return the JSON Schema of a scenario file, with the meaning of each key, for editors.
 
     It does not cover names of the library, nor conditions on several keys.
     """
-    # Imported here because only this function needs them.
-    from armour.scenario.meanings import MEANINGS
-
     schema = Scenario.model_json_schema()
-    for section in (schema, *schema["$defs"].values()):
-        for key, content in section.get("properties", {}).items():
-            content["description"] = MEANINGS[key]
+    meanings = _meanings()
+    for name, section in (("Scenario", schema), *schema["$defs"].items()):
+        for key, content in section["properties"].items():
+            content["description"] = content.get("description") or meanings[name.split("_")[0]][key]
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "armour scenario"}
 
 

@@ -55,16 +55,22 @@ class Impact(Section):
     """The projectile and its impact velocity."""
 
     projectile: ProjectileName
+    """Name of the projectile."""
     velocity_m_s: Velocity
+    """Impact velocity."""
 
 
 class ArmourSection(Section):
     """The armour: a metal back plate, with or without a ceramic tile on it."""
 
     ceramic: CeramicName | None = None
+    """Name of the ceramic, none for a bare plate."""
     ceramic_thickness_mm: ThicknessOrNone
+    """Thickness of the ceramic tile, 0 for a bare plate."""
     backing: MetalName
+    """Name of the metal of the back plate."""
     backing_thickness_mm: Thickness
+    """Thickness of the back plate."""
 
     @field_validator("ceramic_thickness_mm")
     @classmethod
@@ -82,13 +88,16 @@ class Model(Section):
     """Options of the model."""
 
     shear_perimeter: ShearPerimeter = "conoid"
+    """Perimeter of the shear plug while ceramic is ahead: the base of the ceramic conoid, or the projectile."""
 
 
 class Solver(Section):
     """Settings of the solver."""
 
     time_step_us: Positive | None = None
+    """Time step; by default from size and velocity."""
     arrest_velocity_m_s: Velocity = 1.0
+    """Velocity at which the projectile counts as arrested."""
 
     @property
     def time_step(self) -> float:
@@ -105,16 +114,22 @@ class BallisticLimitSection(Section):
     """Range and tolerance of the search for the ballistic limit."""
 
     velocity_min_m_s: Velocity = 20.0
+    """Lowest velocity of the search."""
     velocity_max_m_s: Annotated[Velocity, above("velocity_min_m_s"), Field(validate_default=True)] = 4000.0
+    """Highest velocity of the search."""
     tolerance_m_s: Annotated[float, Field(ge=1e-9)] = 0.01
+    """Width of the bracket at which the search ends."""
 
 
 class Range(Section):
     """Evenly spaced values from min; max is included if it is a whole number of steps away."""
 
     min: ThicknessOrNone
+    """Least value."""
     max: Annotated[ThicknessOrNone, above("min", or_equal=True)]
+    """Greatest value."""
     step: Positive
+    """Distance between values."""
 
     @model_validator(mode="after")
     def _countable(self) -> "Range":
@@ -147,7 +162,9 @@ class Optimise(Section):
     """Grid of designs."""
 
     ceramic_thickness_mm: Range
+    """Grid of thicknesses of the ceramic tile."""
     backing_thickness_mm: Annotated[Range, AfterValidator(_above_zero)]
+    """Grid of thicknesses of the back plate."""
 
     @model_validator(mode="after")
     def _not_absurd(self) -> "Optimise":
@@ -161,10 +178,16 @@ class Threat(Section):
     """A projectile and a velocity that a design must defeat, with a margin."""
 
     name: Line = ""
+    """Name of the threat; by default projectile and velocity."""
     projectile: ProjectileName
+    """Name of the projectile."""
     velocity_m_s: Velocity
+    """Impact velocity."""
     margin_m_s: Annotated[float, Field(ge=0.0, le=1e4)] = 0.0
+    """Required excess of the ballistic limit over the velocity of the threat."""
     probability_of_perforation: Annotated[float, Field(gt=0.0, lt=0.5)] | None = None
+    """Greatest probability of perforation by the threat, with the uncertain inputs; in place of the one that the
+    confidence gives."""
 
     @model_validator(mode="after")
     def _within_reach(self) -> "Threat":
@@ -188,7 +211,9 @@ class FreeRange(Section):
     """Continuous range of thicknesses."""
 
     min: ThicknessOrNone
+    """Least value."""
     max: Annotated[Thickness, above("min")]
+    """Greatest value."""
 
 
 def _kind_of_range(value: object) -> str:
@@ -211,10 +236,15 @@ class Layer(Section):
     """A material of the catalogue, with its thicknesses and costs."""
 
     material: str
+    """Name of the ceramic or metal."""
     thickness_mm: Thicknesses
+    """Thicknesses to choose from: a list, a range with a step, or one without for any value."""
     cost_per_kg: Amount = 0.0
+    """Cost per mass of the material, in any currency."""
     cost_per_m2: Amount = 0.0
+    """Cost per area that does not depend on the thickness."""
     density_kg_m3: Annotated[float, Field(ge=100.0, le=30000.0)] | None = None
+    """Density, in place of the library's."""
 
     def free_range(self, *, refine: bool = False) -> Range | FreeRange | None:
         """Return the range that any thickness may be chosen from, with `refine` also one with a step; None if none."""
@@ -236,13 +266,16 @@ class CeramicLayer(Layer):
     """A ceramic of the catalogue."""
 
     material: CeramicName
+    """Name of the ceramic."""
 
 
 class BackingLayer(Layer):
     """A metal of the catalogue, for the back plate."""
 
     material: MetalName
+    """Name of the metal."""
     thickness_mm: Annotated[Thicknesses, AfterValidator(_above_zero)]
+    """Thicknesses to choose from: a list, a range with a step, or one without for any value."""
 
 
 Objective = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
@@ -259,20 +292,33 @@ class DesignSection(Section):
     """Catalogue of materials, constraints on a design and the objective."""
 
     minimise: Objective = "areal_density_kg_m2"
+    """Quantity of which the design has the least."""
     confidence: Annotated[float, Field(gt=0.5, lt=1.0)] | None = None
+    """Least probability of defeating each threat."""
     pareto: Annotated[list[Criterion], Field(min_length=2, max_length=3), AfterValidator(_different)] | None = None
+    """Criteria of the Pareto front; none is drawn up by default."""
     runners_up_percent: Annotated[float, Field(ge=0.0, le=100.0)] = 5.0
+    """Excess over the best up to which other pairs of materials are listed."""
     thickness_max_mm: Thickness | None = None
+    """Greatest total thickness."""
     areal_density_max_kg_m2: Positive | None = None
+    """Greatest areal density."""
     cost_max_per_m2: Positive | None = None
+    """Greatest cost per area."""
     added_thickness_mm: ThicknessOrNone = 0.0
+    """Thickness of adhesive or cover, without ballistic effect."""
     added_areal_density_kg_m2: Amount = 0.0
+    """Areal density of adhesive or cover."""
     added_cost_per_m2: Amount = 0.0
+    """Cost per area of adhesive or cover."""
     ceramic: Items[CeramicLayer] = ()
+    """Ceramics to choose from."""
     backing: Items[BackingLayer] = ()
+    """Metals to choose from for the back plate."""
 
 
 class LibrarySection(LibraryTables):
     """Library files and entries that the scenario adds to the library."""
 
     files: Items[str] = ()
+    """Library files, relative to the folder of the scenario."""
