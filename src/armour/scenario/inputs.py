@@ -5,13 +5,15 @@ as "ceramic.flow_stress_GPa": a property of the scenario's ceramic, independent 
 """
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from armour.scenario.library import Kind, LibraryEntry
 from armour.units import GPA, MM, MPA
 
+if TYPE_CHECKING:  # the help of the command line lists inputs, and should not wait for pydantic
+    from armour.scenario.library import Kind, LibraryEntry
+
 # Kinds of library entry by role in the scenario.
-ROLES: dict[str, Kind] = {"projectile": "projectile", "ceramic": "ceramic", "backing": "metal"}
+ROLES: dict[str, "Kind"] = {"projectile": "projectile", "ceramic": "ceramic", "backing": "metal"}
 # Keys of the scenario that name its library entries, by role.
 NAMES = {"projectile": "impact.projectile", "ceramic": "armour.ceramic", "backing": "armour.backing"}
 
@@ -34,7 +36,7 @@ class Input(NamedTuple):
         return self.name.split(".")[1]
 
     @property
-    def kind(self) -> Kind | None:
+    def kind(self) -> "Kind | None":
         """Kind of library entry that holds the input; None for one of the scenario's own sections."""
         return ROLES.get(self.section)
 
@@ -67,7 +69,7 @@ _ALL = (
 INPUTS = {one.name: one for one in _ALL}
 
 
-def inputs_of_entry(role: str, entry: LibraryEntry) -> dict[str, float]:
+def inputs_of_entry(role: str, entry: "LibraryEntry") -> dict[str, float]:
     """Return the values of the inputs that an entry of the library gives in a role, by name."""
     return {
         name: entry[one.key]

@@ -5,15 +5,12 @@ A key of the library counts where the impact or the armour takes its value from 
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from armour.errors import Problem, choices, refuse, suggestion
 from armour.scenario.inputs import CERAMIC, INPUTS, NAMES, ROLES
 from armour.scenario.keys import key_name, leaves, parts_of, upwards
 from armour.scenario.library import UNUSED, Kind
-
-if TYPE_CHECKING:
-    from armour.scenario.scenario import Scenario
+from armour.scenario.scenario import Scenario
 
 # What every computation reads.
 ALWAYS = ("model", "solver")
@@ -31,7 +28,7 @@ DESIGNS = (
 NO_EFFECT = "must have an effect: {} does not depend on it"
 
 
-def check_known(scenario: "Scenario", keys: Iterable[str], file: str) -> None:
+def check_known(scenario: Scenario, keys: Iterable[str], file: str) -> None:
     """Check that keys name inputs, or lie in a section of a scenario and not below the name of a material.
 
     `file` says where the keys come from.
@@ -64,7 +61,7 @@ def check_read(changes: Mapping[str, object], reads: Collection[str], what: str 
     )
 
 
-def read_of(scenario: "Scenario", reads: Collection[str]) -> set[str]:
+def read_of(scenario: Scenario, reads: Collection[str]) -> set[str]:
     """Return what a command reads of a scenario: not what threats and a catalogue replace, if it reads these.
 
     Of a section ``uncertainty`` without distributions, a design, and a report, depend on the error of the model alone.
@@ -80,7 +77,7 @@ def read_of(scenario: "Scenario", reads: Collection[str]) -> set[str]:
 
 
 def check_reach(
-    scenario: "Scenario",
+    scenario: Scenario,
     keys: Sequence[str],
     reads: Collection[str],
     file: str,
@@ -113,7 +110,7 @@ def check_reach(
 
 
 def check_used(
-    changes: Mapping[str, object], *scenarios: "Scenario", file: str = "command line", option: str = "--set "
+    changes: Mapping[str, object], *scenarios: Scenario, file: str = "command line", option: str = "--set "
 ) -> None:
     """Check that the scenarios use every entry of the library that changes, in a file or by an option, set."""
     used = {entry for scenario in scenarios for entry in _entries_of(scenario)}
@@ -128,7 +125,7 @@ def check_used(
     refuse(problems.values())
 
 
-def _entries_of(scenario: "Scenario") -> Iterator[tuple[str, str]]:
+def _entries_of(scenario: Scenario) -> Iterator[tuple[str, str]]:
     """Yield kind and name of the entries that a scenario names, and of those that they are based on."""
     named: list[tuple[Kind, str | None]] = [(kind, scenario.name_of(role)) for role, kind in ROLES.items()]
     named += [("projectile", threat.projectile) for threat in scenario.threat]

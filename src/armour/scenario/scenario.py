@@ -195,7 +195,7 @@ class Scenario(Section):
         return self.replaced(changes)
 
     def bases_of(self, kind: Kind, name: str) -> list[str]:
-        """Return an entry and those that it is based on, one on the next, up to the first from outside the self."""
+        """Return an entry and those that it is based on, one on the next, up to the first from outside the scenario."""
         own: Mapping[str, Entry] = getattr(self.library, kind)
         chain: dict[str, None] = {}
         base: str | None = name
