@@ -289,7 +289,8 @@ class Scenario(Section):
     def wrong_rows(self, columns: Mapping[str, "Floats"]) -> Iterator[tuple[str, int, Sequence[Problem]]]:
         """Yield the first row that breaks each condition on inputs: one of their names, and the row with its problems.
 
-        The rows that are left are those that `with_inputs` accepts.
+        The rows that are left are those that `with_inputs` accepts, but for other projectiles of the scenario's library
+        that are based on its own, which no row uses.
         """
         # Imported here because a scenario without rows does not need numpy.
         import numpy as np
@@ -301,9 +302,10 @@ class Scenario(Section):
                 for compare, bound in _bounds(name):
                     # A comparison with a NaN is false.
                     found.append((name, compare(values, bound)))
-            for rod in self._rods(columns):
-                name = next(f"projectile.{key}" for key in reversed(ROD) if f"projectile.{key}" in columns)
-                found.append((name, is_rod(*rod)))
+            rod = [f"projectile.{key}" for key in ROD]
+            if changed_rod := [name for name in rod if name in columns]:
+                values_of = self.inputs() | columns
+                found.append((changed_rod[-1], is_rod(*(values_of[name] for name in rod))))
         for name, allowed in found:
             if not np.all(allowed):
                 row = int(np.argmin(allowed))
@@ -311,26 +313,6 @@ class Scenario(Section):
                     self.with_inputs({key: float(values[row]) for key, values in columns.items()})
                 except InputError as error:
                     yield name, row, error.problems
-
-    def _rods(self, columns: Mapping[str, "Floats"]) -> Iterator[list[Any]]:
-        """Yield the values of ROD, numbers or columns, of the projectiles whose length the columns change.
-
-        These are the scenario's own and those of its section [library] that are based on it.
-        """
-        name = self.impact.projectile
-        own = self.library.projectile
-        for other in dict.fromkeys((name, *own)):
-            chain = self.bases_of("projectile", other)
-            if name not in chain:
-                continue
-            between = [own[base] for base in chain[: chain.index(name)]]
-            follows = [all(getattr(entry, key) is None for entry in between) for key in ROD]
-            if any(f"projectile.{key}" in columns for key, free in zip(ROD, follows, strict=True) if free):
-                entry = self.entry("projectile", other)
-                yield [
-                    columns.get(f"projectile.{key}", entry[key]) if free else entry[key]
-                    for key, free in zip(ROD, follows, strict=True)
-                ]
 
     def excludes_error(self) -> bool:
         """Return whether the scenario says not to include the error of the model."""
