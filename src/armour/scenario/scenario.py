@@ -304,7 +304,7 @@ class Scenario(Section):
                     found.append((name, compare(values, bound)))
             rod = [f"projectile.{key}" for key in ROD]
             if changed_rod := [name for name in rod if name in columns]:
-                values_of = self.inputs() | columns
+                values_of: dict[str, Any] = {**self.inputs(), **columns}
                 found.append((changed_rod[-1], is_rod(*(values_of[name] for name in rod))))
         for name, allowed in found:
             if not np.all(allowed):
