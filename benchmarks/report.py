@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from armour.sweeps.dask import CHUNKS_AHEAD
-from armour.sweeps.plan import CHUNK_S, MAX_CHUNK, duration, size
+from armour.sweeps.cluster import CHUNKS_AHEAD
+from armour.sweeps.sweep import CHUNK_S, MAX_CHUNK, duration, size
 
 Row = dict[str, Any]
 # A sweep beyond a machine.

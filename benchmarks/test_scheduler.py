@@ -1,8 +1,8 @@
 """Sweeps on a Dask cluster of this machine: rows per second, the cost of a chunk, and what the client itself takes."""
 
 import os
-from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import nullcontext
 from functools import cache
 from pathlib import Path
 from time import perf_counter
@@ -15,9 +15,9 @@ from distributed import Client, LocalCluster, wait
 
 from armour.scenario.scenario import load_scenario
 from armour.sweeps.cases import Axis, Grid
-from armour.sweeps.dask import on_cluster
-from armour.sweeps.sweep import Compute, Part, Question, Rows, in_process, sweep
-from armour.sweeps.tables import encoded
+from armour.sweeps.cluster import workers_of
+from armour.sweeps.store import Chunk, Store
+from armour.sweeps.sweep import Workers, write_sweep
 
 SCENARIO = load_scenario("wilkins")
 TASKS = 2000
@@ -43,14 +43,21 @@ def client(request: pytest.FixtureRequest) -> Iterator[Client]:
         yield client
 
 
-def timed_sweep(compute: Compute, quantity: str, output: Path, benchmark: Any) -> None:
-    """Measure a sweep, once the workers have loaded the compiled code."""
-    sweep(SCENARIO, grid(1000), [quantity], output.with_stem("warm"), compute=compute, size=10)
+def timed_sweep(workers: Workers | None, quantity: str, output: Path, benchmark: Any) -> None:
+    """Measure a sweep, on workers or on a thread, once they have loaded the compiled code."""
+    warm = output.with_stem("warm")
+    write_sweep(SCENARIO, grid(1000), [quantity], warm, workers=workers, threads=1, size=10)
     chunks: list[int] = []
 
     def run() -> None:
-        sweep(
-            SCENARIO, grid(ROWS[quantity]), [quantity], output, compute=compute, on_chunk=lambda n, _: chunks.append(n)
+        write_sweep(
+            SCENARIO,
+            grid(ROWS[quantity]),
+            [quantity],
+            output,
+            workers=workers,
+            threads=1,
+            on_chunk=lambda n, _: chunks.append(n),
         )
 
     benchmark.pedantic(run, rounds=1)
@@ -60,26 +67,25 @@ def timed_sweep(compute: Compute, quantity: str, output: Path, benchmark: Any) -
 @pytest.mark.parametrize("quantity", ROWS)
 def test_one_thread(benchmark: Any, tmp_path: Path, quantity: str):
     benchmark.extra_info.update(workers=0)
-    timed_sweep(in_process(1), quantity, tmp_path / "t.csv", benchmark)
+    timed_sweep(None, quantity, tmp_path / "t.csv", benchmark)
 
 
 @pytest.mark.parametrize("quantity", ROWS)
 def test_workers(benchmark: Any, tmp_path: Path, client: Client, quantity: str):
     benchmark.extra_info.update(workers=len(client.nthreads()))
-    timed_sweep(on_cluster(client), quantity, tmp_path / "t.csv", benchmark)
+    with workers_of(client) as workers:
+        timed_sweep(workers, quantity, tmp_path / "t.csv", benchmark)
 
 
 @cache
-def content(rows: int, *, header: bool = False) -> bytes:
-    """Return rows as they are in a table of ballistic limits."""
-    random = np.random.default_rng(1)
-    columns = {"a": random.uniform(3, 12, rows).round(4), "b": random.uniform(3, 12, rows).round(4)}
-    return encoded({**columns, "c": random.uniform(500, 900, rows)}, as_csv=True, header=header)
+def limits(rows: int) -> np.ndarray:
+    """Return numbers that stand for ballistic limits."""
+    return np.random.default_rng(1).uniform(500, 900, rows)
 
 
-def not_computed(_question: object, rows: Rows, threads: int | None = None) -> Part:  # noqa: ARG001
+def not_computed(_scenario: object, rows: Mapping[str, Any], *_more: object) -> Chunk:
     """Answer a chunk at once."""
-    return Part(content(len(next(iter(rows.values.values()))), header=rows.start == 0), Counter(), 0.0)
+    return Chunk({**rows, "ballistic_limit_m_s": limits(len(next(iter(rows.values()))))}, {})
 
 
 def nothing_to_do() -> None:
@@ -94,12 +100,6 @@ def test_empty_tasks(benchmark: Any, client: Client):
     )
 
 
-def at_once(question: Question, chunks: Iterator[Rows]) -> Iterator[tuple[int, Part]]:
-    """Answer chunks in this process."""
-    for rows in chunks:
-        yield rows.start, not_computed(question, rows)
-
-
 @pytest.mark.parametrize("cluster", [False, True])
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("client", [2], indirect=True)
@@ -108,21 +108,27 @@ def test_client(benchmark: Any, tmp_path: Path, client: Client, shape: tuple[int
     chunks, size = shape
     marks: list[float] = []
 
-    def marked(question: Question, chunks: Iterator[Rows]) -> Iterator[tuple[int, Part]]:
-        marks.append(perf_counter())  # rows are checked
-        yield from on_cluster(client).run(question, chunks) if cluster else at_once(question, chunks)
-        marks.append(perf_counter())  # chunks are written
+    def marked(function: Callable[..., None]) -> Callable[..., None]:
+        def call(*args: Any) -> None:
+            marks.append(perf_counter())
+            function(*args)
+
+        return call
 
     def run() -> None:
         marks.append(perf_counter())
-        source, output = grid(chunks * size), tmp_path / "t.csv"
-        sweep(SCENARIO, source, ["ballistic_limit_m_s"], output, compute=Compute(marked, 1, 2), size=size)
+        with workers_of(client) if cluster else nullcontext() as workers:
+            source, output = grid(chunks * size), tmp_path / "t.csv"
+            write_sweep(SCENARIO, source, ["ballistic_limit_m_s"], output, workers=workers, threads=1, size=size)
         marks.append(perf_counter())
 
-    for header in (False, True):
-        content(size, header=header)
-        client.run(content, size, header=header)
-    with patch("armour.sweeps.dask.computed_there", answered_there):
+    limits(size)
+    client.run(limits, size)
+    with (
+        patch("armour.sweeps.sweep.chunk_of", not_computed),
+        patch.object(Store, "begin", marked(Store.begin)),  # rows are checked
+        patch.object(Store, "finish", marked(Store.finish)),  # chunks are written
+    ):
         benchmark.pedantic(run, rounds=1)
     check_s, write_s, join_s = np.diff(marks)
     benchmark.extra_info.update(
@@ -135,10 +141,3 @@ def test_client(benchmark: Any, tmp_path: Path, client: Client, shape: tuple[int
         join_s=join_s,
         bytes=os.path.getsize(tmp_path / "t.csv"),
     )
-
-
-def answered_there(question: bytes, rows: bytes, expected: object) -> Part:  # noqa: ARG001
-    """Answer a pickled chunk at once on a worker."""
-    import pickle
-
-    return not_computed(pickle.loads(question), pickle.loads(rows))

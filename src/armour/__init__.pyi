@@ -62,8 +62,8 @@ from .statistics.v50 import MeanV50 as MeanV50
 from .statistics.v50 import Shots as Shots
 from .statistics.v50 import read_shots as read_shots
 from .statistics.v50 import v50 as v50
-from .sweeps.columns import SweepResult as SweepResult
-from .sweeps.columns import sweep as sweep
+from .sweeps.sweep import SweepResult as SweepResult
+from .sweeps.sweep import sweep as sweep
 from .validation.comparison import Comparison as Comparison
 from .validation.comparison import RuleResult as RuleResult
 from .validation.comparison import compare as compare

@@ -13,7 +13,7 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.quantities import QUANTITIES
 from armour.scenario.scenario import load_scenario
-from armour.sweeps.tables import read_table
+from armour.sweeps.store import read_table
 from tests.helpers.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
@@ -99,13 +99,13 @@ def test_interrupted_it_says_how_to_resume(cli, folder: Path, monkeypatch: pytes
     def interrupted(*_args, **_settings):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("armour.sweeps.plan.MAX_CHUNK", 2)
+    monkeypatch.setattr("armour.sweeps.sweep.MAX_CHUNK", 2)
     command = ("sweep", WILKINS, "--over", "impact.velocity_m_s=700:900:50", "--quantities", "outcome", "-o", "t.csv")
     with monkeypatch.context() as patch:
-        patch.setattr("armour.sweeps.checkpoint.Store.finish", interrupted)
+        patch.setattr("armour.sweeps.store.Store.finish", interrupted)
         [line] = cli.fails(130, *command)
     assert line == "interrupted; 5 of 5 rows are done; repeat the same command to resume"
-    chunk = folder / "t.csv.parts" / "0000000000002.chunk"
+    chunk = folder / "t.csv.parts" / "0000000000002.npz"
     chunk.write_bytes(b"")
     result = cli(*command)
     damaged = f"{chunk.relative_to(folder)}: damaged, computed anew"
@@ -126,7 +126,7 @@ def test_a_large_sweep_asks_before_it_starts(cli, folder: Path, monkeypatch: pyt
     assert re.match(r"sweep: 10,000,400,004 rows; about [\d,]+ (hours|days)", line)
     assert line.endswith("; --yes to go on")
     assert list(folder.iterdir()) == []
-    monkeypatch.setattr("armour.sweeps.plan.LONG_S", 0.0)
+    monkeypatch.setattr("armour.sweeps.sweep.LONG_S", 0.0)
     monkeypatch.setattr("armour.cli.sweep.ANNOUNCED_S", 0.0)
     result = cli("sweep", WILKINS, *OVER, "-o", "t.csv", "--yes")
     assert result.stderr.splitlines() == ["1 rows; about 1 second", "wrote t.csv: 1 rows"]
@@ -149,13 +149,13 @@ def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
     command = ["sweep", str(WILKINS), *over, "--quantities", "ballistic_limit_m_s"]
     process = subprocess.Popen([sys.executable, "-m", "armour", *command, "-o", "t.csv"], stderr=subprocess.DEVNULL)
     deadline = time.monotonic() + 60.0
-    while not list(folder.glob("t.csv.parts/*.chunk")):
+    while not list(folder.glob("t.csv.parts/*.npz")):
         assert process.poll() is None
         assert time.monotonic() < deadline
         time.sleep(0.01)
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
-    parts = {path: path.stat().st_mtime_ns for path in folder.glob("t.csv.parts/*.chunk")}
+    parts = {path: path.stat().st_mtime_ns for path in folder.glob("t.csv.parts/*.npz")}
     assert parts
     assert cli(*command, "-o", "t.csv").exit_code == 0
     assert cli(*command, "-o", "whole.csv").exit_code == 0

@@ -19,7 +19,7 @@ from armour.reporting.views.registry import VIEWS
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import Shots, v50
-from armour.sweeps.columns import sweep
+from armour.sweeps.sweep import sweep
 from armour.validation.comparison import Comparison
 from tests.helpers.cases import scenario
 from tests.helpers.results import design_result, impact, planned_tests, uncertainty_result

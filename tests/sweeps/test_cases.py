@@ -1,5 +1,4 @@
 import tracemalloc
-from itertools import repeat
 from pathlib import Path
 
 import numpy as np
@@ -37,11 +36,8 @@ def test_an_axis_of_too_many_numbers(monkeypatch: pytest.MonkeyPatch):
 
 def test_a_grid_gives_every_combination_once():
     source = sweep_grid("a=1,2,3", "b=4:5:0.5")
-    rows = [
-        (a, b)
-        for chunk in source.chunks(repeat(2))
-        for a, b in zip(chunk["a"].tolist(), chunk["b"].tolist(), strict=True)
-    ]
+    columns = source.rows(np.arange(9))
+    rows = list(zip(columns["a"].tolist(), columns["b"].tolist(), strict=True))
     assert rows == [(a, b) for a in (1.0, 2.0, 3.0) for b in (4.0, 4.5, 5.0)]
     assert (source.keys, source.count) == (("a", "b"), 9)
 
@@ -50,20 +46,20 @@ def test_a_grid_of_many_axes_is_not_held_in_memory():
     wide = "=" + ",".join(map(str, range(1000)))
     source = sweep_grid(*(key + wide for key in "abcd"))
     assert source.count == 10**12
-    assert {key: column.tolist() for key, column in source.sample(2).items()} == {key: [0.0, 999.0] for key in "abcd"}
-    assert next(source.chunks(repeat(3)))["d"].tolist() == [0.0, 1.0, 2.0]
+    ends = source.rows(np.array([0, 10**12 - 1]))
+    assert {key: column.tolist() for key, column in ends.items()} == {key: [0.0, 999.0] for key in "abcd"}
+    assert source.rows(np.arange(3))["d"].tolist() == [0.0, 1.0, 2.0]
     with pytest.raises(InputError, match="over: must span at most 1,000,000,000,000 rows, found 1e\\+15"):
         sweep_grid(*(key + wide for key in "abcde"))
 
 
-def test_cases_in_chunks(tmp_path: Path):
+def test_rows_of_cases(tmp_path: Path):
     rows = np.random.default_rng(3).uniform(0.0, 1.0, (57, 2))
     source = Cases(csv_file(tmp_path / "cases.csv", "a,b", *(f"{a!r},{b!r}" for a, b in rows.tolist())))
     assert (source.keys, source.count) == (("a", "b"), 57)
-    chunks = list(source.chunks(repeat(10)))
-    assert [len(chunk["a"]) for chunk in chunks] == [10, 10, 10, 10, 10, 7]
+    found = source.rows(np.arange(50, 57))
     for column, key in enumerate(source.keys):
-        np.testing.assert_array_equal(np.concatenate([chunk[key] for chunk in chunks]), rows[:, column])
+        np.testing.assert_array_equal(found[key], rows[50:, column])
 
 
 @pytest.mark.parametrize(
@@ -100,7 +96,7 @@ def test_tables_of_other_programs(tmp_path: Path, text: bytes):
     (tmp_path / "cases.csv").write_bytes(text)
     source = Cases(tmp_path / "cases.csv")
     assert source.count == 2
-    assert {key: column.tolist() for key, column in next(source.chunks(repeat(5))).items()} == {
+    assert {key: column.tolist() for key, column in source.rows(np.arange(2)).items()} == {
         "a": [1, 3],
         "b": [2, 4],
     }
@@ -110,18 +106,18 @@ def test_a_table_is_read_once(tmp_path: Path):
     path = csv_file(tmp_path / "cases.csv", "a", "1", "2")
     source, same = Cases(path), Cases(csv_file(tmp_path / "same.csv", '"a"', "1.0", "", " 2"))
     csv_file(path, "b", "3")
-    assert [chunk["a"].tolist() for chunk in source.chunks(repeat(1))] == [[1.0], [2.0]]
+    assert source.rows(np.arange(2))["a"].tolist() == [1.0, 2.0]
     assert source.digest == same.digest != Cases(path).digest
 
 
 def test_names_stand_beside_numbers(tmp_path: Path):
     lines = ('AD85, 1,"6061-T6"', '"AD99.5",2.5, 5083-H3', "B4C,3,6061-T6")
     source = Cases(csv_file(tmp_path / "cases.csv", "armour.ceramic,a,armour.backing", *lines))
-    found = [{key: column.tolist() for key, column in chunk.items()} for chunk in source.chunks(repeat(2))]
-    assert found == [
-        {"armour.ceramic": ["AD85", "AD99.5"], "a": [1.0, 2.5], "armour.backing": ["6061-T6", "5083-H3"]},
-        {"armour.ceramic": ["B4C"], "a": [3.0], "armour.backing": ["6061-T6"]},
-    ]
+    assert {key: column.tolist() for key, column in source.rows(np.arange(3)).items()} == {
+        "armour.ceramic": ["AD85", "AD99.5", "B4C"],
+        "a": [1.0, 2.5, 3.0],
+        "armour.backing": ["6061-T6", "5083-H3", "6061-T6"],
+    }
     only = Cases(csv_file(tmp_path / "names.csv", "armour.ceramic", "AD85", "B4C"))
     assert (only.keys, only.count) == (("armour.ceramic",), 2)
 

@@ -13,13 +13,9 @@ from armour.analysis.quantities import QUANTITIES
 from armour.errors import InputError
 from armour.scenario.scenario import Scenario
 from armour.sweeps.cases import Cases
-from armour.sweeps.checkpoint import DamagedError, Store
-from armour.sweeps.columns import sweep as sweep_in_python
-from armour.sweeps.job import job_of
-from armour.sweeps.lock import unlock
-from armour.sweeps.plan import Pace
-from armour.sweeps.sweep import sweep
-from armour.sweeps.tables import read_table
+from armour.sweeps.store import Chunk, Store, read_table
+from armour.sweeps.sweep import duration, job_of, write_sweep
+from armour.sweeps.sweep import sweep as sweep_in_python
 from tests.helpers.cases import csv_file, scenario, sweep_grid, sweep_scenario
 from tests.helpers.exotic import narrow_ranges
 
@@ -29,7 +25,7 @@ KEYS = ("impact.velocity_m_s", "armour.ceramic_thickness_mm", "armour.backing_th
 @pytest.mark.parametrize("name", ["a.csv", "a.parquet"])
 def test_every_quantity_of_every_row_is_that_of_the_scenario(tmp_path: Path, name: str):
     source = sweep_grid("armour.ceramic_thickness_mm=2,6.35,9", "impact.velocity_m_s=500:900:200")
-    assert sweep(sweep_scenario(), source, list(QUANTITIES), tmp_path / name, size=4) == 9
+    assert write_sweep(sweep_scenario(), source, list(QUANTITIES), tmp_path / name, size=4) == 9
     table = read_table(tmp_path / name)
     assert list(table) == [*source.keys, *QUANTITIES]
     for row in range(9):
@@ -46,7 +42,7 @@ def test_keys_of_the_library_and_the_solver(tmp_path: Path):
     strength = "library.metal.6061-T6.shear_strength_MPa"
     based = sweep_scenario(library={"metal": {"6061-T6": {"based_on": "6061-T6"}}})
     source = sweep_grid(f"{strength}=200,260.4", "solver.arrest_velocity_m_s=1,5")
-    sweep(based, source, ["ballistic_limit_m_s"], tmp_path / "a.csv")
+    write_sweep(based, source, ["ballistic_limit_m_s"], tmp_path / "a.csv")
     table = read_table(tmp_path / "a.csv")
     for row in range(4):
         metal = {"6061-T6": {"based_on": "6061-T6", "shear_strength_MPa": float(table[strength][row])}}
@@ -59,7 +55,7 @@ def test_a_table_of_cases(tmp_path: Path):
     rows = np.random.default_rng(3).uniform((500.0, 3.0, 3.0), (1200.0, 12.0, 12.0), (57, 3))
     lines = [",".join(map(repr, row)) for row in rows.tolist()]
     source = Cases(csv_file(tmp_path / "cases.csv", ",".join(KEYS), *lines))
-    sweep(sweep_scenario(), source, ["residual_velocity_m_s"], tmp_path / "a.csv", size=10)
+    write_sweep(sweep_scenario(), source, ["residual_velocity_m_s"], tmp_path / "a.csv", size=10)
     table = read_table(tmp_path / "a.csv")
     np.testing.assert_array_equal(np.column_stack([table[key] for key in KEYS]), rows)
     for row in (0, 23, 56):
@@ -70,11 +66,11 @@ def test_a_table_of_cases(tmp_path: Path):
 def test_a_question_without_an_answer_leaves_its_field_empty(tmp_path: Path):
     source = sweep_grid("impact.velocity_m_s=800,9000")
     quantities = ["required_ceramic_thickness_mm", "required_backing_thickness_mm", "required_total_thickness_mm"]
-    sweep(sweep_scenario(), source, quantities, tmp_path / "a.csv", size=1)
+    write_sweep(sweep_scenario(), source, quantities, tmp_path / "a.csv", size=1)
     lines = (tmp_path / "a.csv").read_text().splitlines()
     assert lines[2] == "9000.0,,,"
     assert all(lines[1].split(","))
-    sweep(sweep_scenario(), source, quantities, tmp_path / "a.parquet", size=1)
+    write_sweep(sweep_scenario(), source, quantities, tmp_path / "a.parquet", size=1)
     assert np.isnan(read_table(tmp_path / "a.parquet")[quantities[0]][1])
 
 
@@ -89,11 +85,11 @@ def test_an_interrupted_sweep_is_resumed(tmp_path: Path):
 
     case = sweep_scenario()
     with pytest.raises(KeyboardInterrupt):
-        sweep(case, source, ["outcome"], tmp_path / "a.csv", size=40, on_chunk=stop)
+        write_sweep(case, source, ["outcome"], tmp_path / "a.csv", size=40, on_chunk=stop)
     assert not (tmp_path / "a.csv").exists()
     after: list[bool] = []
     told: list[str] = []
-    sweep(
+    write_sweep(
         case,
         source,
         ["outcome"],
@@ -104,19 +100,18 @@ def test_an_interrupted_sweep_is_resumed(tmp_path: Path):
     )
     assert after == [True] * 7 + [False] * 6
     whole: list[str] = []
-    sweep(case, source, ["outcome"], tmp_path / "b.csv", size=40, tell=whole.append)
+    write_sweep(case, source, ["outcome"], tmp_path / "b.csv", size=40, tell=whole.append)
     assert told == whole
     assert told
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
 
 
-def test_a_sweep_is_resumed_with_chunks_of_any_size(tmp_path: Path):
+def test_a_sweep_is_resumed_as_often_as_it_is_interrupted(tmp_path: Path):
     grid = sweep_grid("armour.ceramic_thickness_mm=2:12:0.1", "impact.velocity_m_s=700:900:50")
-    [columns] = grid.chunks([grid.count])
-    lines = (f"{c},{v}" for c, v in np.column_stack(list(columns.values())).tolist())
-    cases = Cases(csv_file(tmp_path / "c.csv", ",".join(columns), *lines))
+    lines = (f"{c},{v}" for c, v in np.column_stack(list(grid.rows(np.arange(grid.count)).values())).tolist())
+    cases = Cases(csv_file(tmp_path / "c.csv", ",".join(grid.keys), *lines))
     case = sweep_scenario()
-    sweep(case, grid, ["outcome"], tmp_path / "whole.csv")
+    write_sweep(case, grid, ["outcome"], tmp_path / "whole.csv")
     left = 0
 
     def stop(_rows: int, stored: bool) -> None:
@@ -129,10 +124,10 @@ def test_a_sweep_is_resumed_with_chunks_of_any_size(tmp_path: Path):
         for size, new in ((40, 4), (7, 3), (100, 2)):
             left = new
             with pytest.raises(KeyboardInterrupt, match="of 505 rows are done"):
-                sweep(case, source, ["outcome"], tmp_path / "a.csv", size=size, on_chunk=stop)
-            chunks = sorted(tmp_path.glob("a.csv.parts/*.chunk"))
+                write_sweep(case, source, ["outcome"], tmp_path / "a.csv", size=size, on_chunk=stop)
+            chunks = sorted(tmp_path.glob("a.csv.parts/*.npz"))
             chunks[len(chunks) // 2].unlink()
-        sweep(case, source, ["outcome"], tmp_path / "a.csv")
+        write_sweep(case, source, ["outcome"], tmp_path / "a.csv")
         assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
         (tmp_path / "a.csv").unlink()
 
@@ -140,65 +135,29 @@ def test_a_sweep_is_resumed_with_chunks_of_any_size(tmp_path: Path):
 def test_a_chunk_of_other_values_is_computed_anew(tmp_path: Path):
     case, source, output = sweep_scenario(), sweep_grid("impact.velocity_m_s=700:900:50"), tmp_path / "a.csv"
     with Store(output, job_of(case, source, ["outcome"])) as store:
-        store.begin()
-        store.save(0, 2, "0" * 64, b"of another table", {})
+        store.begin(2)
+        columns = {"impact.velocity_m_s": np.array([700.0, 751.0]), "outcome": np.array(["perforated"] * 2)}
+        store.save(0, Chunk(columns, {}))
     told: list[str] = []
-    sweep(case, source, ["outcome"], output, size=2, tell=told.append)
-    assert told[0].endswith("0000000000000.chunk: of other values, computed anew")
-    sweep(case, source, ["outcome"], tmp_path / "b.csv")
+    write_sweep(case, source, ["outcome"], output, tell=told.append)
+    assert told[0].endswith("0000000000000.npz: damaged, computed anew")
+    write_sweep(case, source, ["outcome"], tmp_path / "b.csv")
     assert output.read_bytes() == (tmp_path / "b.csv").read_bytes()
 
 
-def test_a_disk_that_damages_every_chunk_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    def damaged(store: Store, _rows: int) -> int:
-        store.path(0).write_bytes(b"0 0 0\n")
-        raise DamagedError(store.path(0))
-
-    monkeypatch.setattr(Store, "finish", damaged)
-    done: list[bool] = []
-    told: list[str] = []
-    with pytest.raises(InputError, match="are damaged each time that they are written; check the disk, then repeat"):
-        sweep(
-            sweep_scenario(),
-            sweep_grid("impact.velocity_m_s=700,800"),
-            ["outcome"],
-            tmp_path / "a.csv",
-            size=1,
-            on_chunk=lambda _rows, stored: done.append(stored),
-            tell=told.append,
-        )
-    assert done == [False, False]
-    assert {line.endswith("chunk: damaged, computed anew") for line in told} == {True}
-
-
-def test_a_sweep_that_was_killed_after_its_last_step_has_its_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    case, source, output = sweep_scenario(), sweep_grid("impact.velocity_m_s=700,800"), tmp_path / "a.csv"
-    with monkeypatch.context() as killed:
-        killed.setattr(Store, "_close", lambda store: unlock(store._lock, store.folder, remove=False))
-        sweep(case, source, ["outcome"], output)
-    assert (tmp_path / "a.csv.parts").exists()
-    done: list[int] = []
-    assert sweep(case, source, ["outcome"], output, on_chunk=lambda rows, _: done.append(rows)) == 2
-    assert done == []
-    assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
-
-
-def test_rows_of_a_chunk_follow_the_time_of_a_row():
-    pace = Pace(row_s=0.02)
-    row_s = np.repeat([0.02, 0.1, 1e-3, 5e-3], [1000, 200, 40_000, 2000])
-    taken = []
-    start = 0
-    while start < len(row_s):
-        rows = pace.rows
-        taken.append(row_s[start : start + rows].sum())
-        pace.note(rows, taken[-1])
-        start += rows
-    # Two chunks at most are late where rows get slower; those are early where rows get faster.
-    assert sum(seconds > 1.1 for seconds in taken) <= 4
-    assert max(taken) == pytest.approx(5.0)
-    assert len(taken) <= 1.1 * row_s.sum()
-    assert Pace(1e-9).rows == 100_000
-    assert Pace(1e-9, size=7).rows == 7
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [
+        (0.2, "1 second"),
+        (119.0, "119 seconds"),
+        (121.0, "2 minutes"),
+        (7201.0, "2 hours"),
+        (400000.0, "5 days"),
+        (3e10, "951 years"),
+    ],
+)
+def test_lengths_of_time_in_words(seconds: float, words: str):
+    assert duration(seconds) == words
 
 
 @pytest.mark.parametrize(
@@ -214,9 +173,9 @@ def test_another_sweep_does_not_resume_with_its_chunks(
 
     source = sweep_grid("impact.velocity_m_s=700,800")
     with pytest.raises(KeyboardInterrupt):
-        sweep(sweep_scenario(), source, ["outcome"], tmp_path / "a.csv", size=1, on_chunk=interrupt)
+        write_sweep(sweep_scenario(), source, ["outcome"], tmp_path / "a.csv", size=1, on_chunk=interrupt)
     with pytest.raises(InputError, match=f"another sweep, which differs in {request.node.callspec.id}; finish"):
-        sweep(other(), source, [quantity], tmp_path / "a.csv", size=1)
+        write_sweep(other(), source, [quantity], tmp_path / "a.csv", size=1)
 
 
 @pytest.mark.parametrize(
@@ -236,21 +195,21 @@ def test_another_sweep_does_not_resume_with_its_chunks(
 )
 def test_values_that_are_not_allowed_leave_nothing(tmp_path: Path, text: str, message: str):
     with pytest.raises(InputError, match=message):
-        sweep(sweep_scenario(), sweep_grid(text), ["outcome"], tmp_path / "a.csv", size=1)
+        write_sweep(sweep_scenario(), sweep_grid(text), ["outcome"], tmp_path / "a.csv", size=1)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_run_that_does_not_end_names_the_key(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 5)
     with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run at 700 m/s"):
-        sweep(sweep_scenario(), sweep_grid("impact.velocity_m_s=700,800"), ["outcome"], tmp_path / "a.csv")
+        write_sweep(sweep_scenario(), sweep_grid("impact.velocity_m_s=700,800"), ["outcome"], tmp_path / "a.csv")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_all_mistakes_at_once(tmp_path: Path):
     quantities = ["limit", "required_ceramic_thickness_mm"]
     with pytest.raises(InputError) as error:
-        sweep(scenario(), sweep_grid("a=1", "a=2"), quantities, tmp_path / "a.csv")
+        write_sweep(scenario(), sweep_grid("a=1", "a=2"), quantities, tmp_path / "a.csv")
     assert [problem.key for problem in error.value.problems] == ["quantities", "optimise", "over"]
     assert list(tmp_path.iterdir()) == []
 
@@ -269,8 +228,8 @@ def test_rows_whose_outcome_changes_again_are_told_even_when_resumed(tmp_path: P
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        sweep(narrow_ranges(), source, quantities, tmp_path / "a.csv", size=1, on_chunk=stop)
-    sweep(narrow_ranges(), source, quantities, tmp_path / "a.csv", size=1, tell=told.append)
+        write_sweep(narrow_ranges(), source, quantities, tmp_path / "a.csv", size=1, on_chunk=stop)
+    write_sweep(narrow_ranges(), source, quantities, tmp_path / "a.csv", size=1, tell=told.append)
     assert f"warning: {THICKER}; this concerns 1 of 2 rows" in told
     assert read_table(tmp_path / "a.csv")["required_ceramic_thickness_mm"][0] == pytest.approx(9.546, abs=1e-3)
     found = sweep_in_python(narrow_ranges(), {"armour.ceramic_thickness_mm": [10.75, 40.0]})

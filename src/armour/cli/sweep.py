@@ -1,7 +1,7 @@
 """``armour sweep``."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import nullcontext
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,7 +17,7 @@ from armour.files import exists
 
 if TYPE_CHECKING:
     from armour.sweeps.cases import Cases, Grid
-    from armour.sweeps.plan import Plan
+    from armour.sweeps.sweep import Plan
 
 # Sweeps that take longer are announced.
 ANNOUNCED_S = 10.0
@@ -71,11 +71,9 @@ def sweep(
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
     from armour.reporting.views.sweep import sweep_chart
     from armour.scenario.words import heading
-    from armour.sweeps import sweep as sweeps
-    from armour.sweeps.checkpoint import parts_of
-    from armour.sweeps.columns import subject_of
-    from armour.sweeps.dask import connected, on_cluster
-    from armour.sweeps.tables import read_table
+    from armour.sweeps.cluster import connected, workers_of
+    from armour.sweeps.store import parts_of, read_table
+    from armour.sweeps.sweep import subject_of, write_sweep
 
     begun = exists(parts_of(output))
     check_outputs(None if begun else output, plot=plot, updated=output if begun else None, force=force)
@@ -88,17 +86,19 @@ def sweep(
         _check_plot(source, names)
     say_if_compiling()
     with (
-        connected(scheduler) if scheduler else nullcontext() as client,
+        ExitStack() as stack,
         progress("rows", source.count) as count,
         named_as_options("sweep", "over", "quantities"),
     ):
-        rows = sweeps.sweep(
+        workers = stack.enter_context(workers_of(stack.enter_context(connected(scheduler)))) if scheduler else None
+        rows = write_sweep(
             loaded,
             source,
             names,
             output,
             replace=force,
-            compute=sweeps.in_process(threads) if client is None else on_cluster(client),
+            workers=workers,
+            threads=threads,
             on_chunk=lambda n, stored: count(n, stored=stored),
             approve=lambda plan: _approve(plan, yes),
             tell=say,

@@ -39,8 +39,7 @@ from armour.statistics.likelihood_fit import (
     rows_at,
 )
 from armour.statistics.test_data import LIMIT, MEASURED, MaterialGroup, Measurement, Tests, subject_of
-from armour.sweeps.cases import Cases, Grid
-from armour.sweeps.columns import source_of
+from armour.sweeps.cases import Cases, Grid, source_of
 
 # Column of the cost of a candidate.
 COST = "cost"
@@ -330,7 +329,7 @@ def _candidates(
     if source.count > MAX_CANDIDATES:
         message = f"must be at most {MAX_CANDIDATES:,} candidates, found {source.count:,}"
         raise InputError([Problem(file, "", message)])
-    [columns] = source.chunks([source.count])
+    columns = source.rows(np.arange(source.count))
     count = source.count
     costs = columns.pop(COST, None)
     columns = dict(zip(canonical(columns, file), columns.values(), strict=True))

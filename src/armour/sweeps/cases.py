@@ -1,24 +1,28 @@
 """Rows of a sweep: grids of values and tables of cases."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
 from itertools import islice
 from math import prod
+from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from armour.csv_files import check_header, in_line_order, number, read_csv, wrong_width
 from armour.errors import InputError, Problem, choices, refuse
 from armour.files import csv_value
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
-from armour.scenario.keys import key_name, parts_of
+from armour.scenario.keys import describe, key_name, parts_of
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import MAX_VALUES, Range, omission
+from armour.scenario.sections import NOT_TINY, Section, above, validated
 
 # More rows than a sweep can compute in years.
 MAX_ROWS = 10**12
@@ -26,8 +30,18 @@ MAX_ROWS = 10**12
 MAX_CASES = 10_000_000
 # Longer than any name of a projectile or material.
 MAX_NAME = 200
+# Characters of a wrong value in a message.
+MAX_SHOWN = 60
 # Rows that are read or checked at a time.
 BLOCK = 10_000
+
+
+class _Range(Section):
+    """Evenly spaced values."""
+
+    min: float
+    max: Annotated[float, above("min", or_equal=True)]
+    step: Annotated[float, Field(gt=0.0), NOT_TINY]
 
 
 @dataclass(frozen=True)
@@ -65,21 +79,8 @@ class Grid:
         """A hash of keys and values."""
         return sha256(repr(self.axes).encode()).hexdigest()
 
-    def chunks(self, sizes: Iterable[int]) -> Iterator[dict[str, Any]]:
-        """Yield the combinations as columns by key, in chunks of numbers of rows."""
-        start = 0
-        for size in sizes:
-            if start == self.count:
-                return
-            stop = min(start + size, self.count)
-            yield self._rows(np.arange(start, stop))
-            start = stop
-
-    def sample(self, size: int) -> dict[str, Any]:
-        """Return some rows spread over the grid, as columns by key."""
-        return self._rows(np.linspace(0, self.count - 1, min(size, self.count)).astype(np.int64))
-
-    def _rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
+    def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
+        """Return some of the combinations, counted from 0, as columns by key."""
         indices = np.unravel_index(places, [len(axis.values) for axis in self.axes])
         return {axis.key: np.array(axis.values)[i] for axis, i in zip(self.axes, indices, strict=True)}
 
@@ -119,24 +120,18 @@ class Cases:
             raise InputError([Problem(str(path), "", "must have a header of keys and at least one row")])
         self._lines, *columns = map(np.concatenate, zip(*blocks, strict=True))
         self._all = dict(zip(self.keys, columns, strict=True))
-        self.digest = hash_of(self._all)
+        found = sha256(repr(header).encode())
+        for column in self._all.values():
+            found.update(column.tobytes())
+        self.digest = found.hexdigest()
 
-    def sample(self, size: int) -> dict[str, Any]:
-        """Return some rows as columns by key."""
-        return next(self.chunks([size]))
+    def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
+        """Return some of the rows, counted from 0, as columns by key."""
+        return {key: column[places] for key, column in self._all.items()}
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:
         """Return a problem in a row, counted from a row at which a chunk starts, with its line."""
         return Problem(str(self.path), f"line {self._lines[start + row]}", f"{problem.key}: {problem.message}")
-
-    def chunks(self, sizes: Iterable[int]) -> Iterator[dict[str, Any]]:
-        """Yield the rows as columns by key, in chunks of numbers of rows."""
-        start = 0
-        for size in sizes:
-            if start >= self.count:
-                return
-            yield {key: column[start : start + size] for key, column in self._all.items()}
-            start += size
 
     def _columns(self, block: Sequence[tuple[int, Sequence[str]]], others: Sequence[str]) -> list[Any]:
         """Return the columns of lines, numbers or names, each (n,)."""
@@ -172,14 +167,6 @@ def _name(cell: str) -> str | None:
     """Return a name; None for a text that is none."""
     name = csv_value(cell)
     return name if 0 < len(name) <= MAX_NAME else None
-
-
-def hash_of(columns: Mapping[str, Any]) -> str:
-    """Return a hash of columns by key."""
-    found = sha256(repr(list(columns)).encode())
-    for column in columns.values():
-        found.update(column.tobytes())
-    return found.hexdigest()
 
 
 def range_axis(key: str, low: float, high: float, step: float) -> Axis:
@@ -221,3 +208,35 @@ def axis_of(text: str) -> Axis:
             pass
     message = message or f"must be at most {MAX_VALUES:,} numbers, found more in {values[:40]}"
     raise InputError([Problem("sweep", f"over {key}", message)])
+
+
+def source_of(over: Mapping[str, object] | str | PathLike[str]) -> Grid | Cases:
+    """Return the rows to compute."""
+    if not isinstance(over, Mapping):
+        return Cases(Path(over))
+    if not over:
+        raise InputError([Problem("sweep", "over", "must hold at least one key with its values, found none")])
+    return Grid(tuple(_axis(key, values) for key, values in over.items()))
+
+
+def _axis(key: str, values: object) -> Axis:
+    """Return a key with its values."""
+    shown = describe(values) if isinstance(values, str) else repr(values)[:MAX_SHOWN]
+    is_name = key in NAMES.values()
+    must = f"be a sequence of {'names' if is_name else 'numbers, or a range with min, max and step'}"
+    if isinstance(values, Mapping) and not is_name:
+        section = validated(_Range, dict(values), f"sweep: over {key}")
+        with suppress(ValueError):
+            return range_axis(key, section.min, section.max, section.step)
+        must = f"hold at most {MAX_VALUES:,} values"
+    elif not isinstance(values, Mapping):
+        found = np.asarray(values)
+        if found.ndim == 1 and not found.size:
+            must, shown = "hold at least one value", "none"
+        elif found.ndim == 1 and found.dtype.kind in ("U" if is_name else "iuf"):
+            if is_name:
+                return Axis(key, tuple(found.tolist()))
+            if np.isfinite(found).all():
+                return Axis(key, tuple(found.astype(np.float64).tolist()))
+            must = "be finite numbers"
+    raise InputError([Problem("sweep", f"over {key}", f"must {must}, found {shown}")])

@@ -1,71 +1,252 @@
-"""Sweeps: quantities of a scenario for many rows of values, computed in chunks."""
+"""Sweeps: quantities of a scenario for many rows of values, in memory, or in a table that is computed in chunks."""
 
-from bisect import bisect_right
+import shutil
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
-from functools import partial
-from itertools import repeat
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from functools import cache, cached_property, partial
+from hashlib import sha256
+from importlib.metadata import version
+from itertools import islice
+from os import PathLike
 from pathlib import Path
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+import armour
 from armour.analysis.evaluate import check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
-from armour.analysis.progress import ignore_progress
-from armour.analysis.quantities import QUANTITIES
-from armour.errors import InputError, Problem, refuse
+from armour.analysis.progress import OnProgress, ignore_progress
+from armour.analysis.quantities import QUANTITIES, reads_of
+from armour.analysis.results import TableResult, same_columns
+from armour.errors import InputError, Problem, choices, refuse
+from armour.files import reason
+from armour.scenario.checked import Names, checked
+from armour.scenario.inputs import ROLES
+from armour.scenario.keys import describe
 from armour.scenario.scenario import Scenario
-from armour.sweeps.cases import BLOCK, Cases, Grid, hash_of
-from armour.sweeps.checkpoint import RESUME, Chunk, DamagedError, Store
-from armour.sweeps.job import job_of
-from armour.sweeps.plan import Pace, Plan, plan_of
-from armour.sweeps.tables import encoded
+from armour.scenario.words import ANY_VELOCITY
+from armour.sweeps.cases import BLOCK, Cases, Grid, source_of
+from armour.sweeps.store import RESUME, Chunk, Store, csv_of, read_table
 
-# Times that the chunks are joined, with those computed anew that prove damaged, before the disk is to blame.
-PASSES = 3
+# Rows that are kept in memory; more go to a file.
+MAX_ROWS = 10_000_000
+# A chunk takes about this time, so that a kill costs little, and has at most so many rows.
+CHUNK_S = 1.0
+MAX_CHUNK = 100_000
+# Samples grow until one takes this time.
+SAMPLE_S = 0.1
+SAMPLES = (1, 4, 32, 256, 2048)
+# What a sweep may take unasked.
+LONG_S = 3600.0
+MANY_ROWS = 10**8
+
+PACKAGE = Path(__file__).resolve().parent.parent
+LIBRARIES = ("numba", "numpy")
 
 # Callback after each chunk: its number of rows, and whether it was on disk already.
 OnChunk = Callable[[int, bool], None]
 
 
-class Question(NamedTuple):
-    """What a sweep computes for each of its rows."""
+class Plan(NamedTuple):
+    """Work of a sweep."""
+
+    rows: int
+    row_s: float  # on one worker
+    seconds: float
+    bytes: float  # of the output, or more if it is Parquet
+    free_bytes: int  # on its disk
+
+    def __str__(self) -> str:
+        text = f"{self.rows:,} rows; about {duration(self.seconds)}"
+        if self._fits:
+            return text
+        return f"{text}; {size(2 * self.bytes)} to write and join, where {size(self.free_bytes)} are free"
+
+    @property
+    def _fits(self) -> bool:
+        return 2 * self.bytes <= self.free_bytes
+
+    @property
+    def is_large(self) -> bool:
+        """Return whether to ask before such a sweep."""
+        return self.seconds > LONG_S or self.rows > MANY_ROWS or not self._fits
+
+
+class Workers(NamedTuple):
+    """What computes chunks: any executor of `concurrent.futures`."""
+
+    executor: Executor
+    number: int  # of chunks that are computed at the same time
+    ahead: int  # chunks that are submitted at a time
+    check: Callable[[], None] = lambda: None  # raises an error if there are none left
+
+
+@dataclass(frozen=True, repr=False)
+class SweepResult(TableResult):
+    """Quantities of a scenario over rows of values.
+
+    ``result["ballistic_limit_m_s"]`` is a column; iteration gives the names of the columns.
+
+    Attributes
+    ----------
+    scenario : Scenario
+    keys, quantities : tuple of str
+        Names of the columns: keys whose values differ, and what is computed.
+    rows : int
+    output : Path or None
+        File of the table; None where it is kept in memory.
+    warnings : tuple of str
+        Limits of what the model was compared with that rows lie outside of, quantities that are not all of the answer,
+        and ends of ranges that are omitted.
+    columns : dict of str to array
+        Column by name, read from the file when it is first used.  A question without an answer gives NaN.
+    """
 
     scenario: Scenario
-    quantities: Sequence[str]
-    as_csv: bool
+    keys: tuple[str, ...]
+    quantities: tuple[str, ...]
+    rows: int
+    output: Path | None
+    warnings: tuple[str, ...]
+    _computed: Mapping[str, Any]
+
+    @cached_property
+    def columns(self) -> dict[str, Any]:
+        """Columns by name."""
+        if self.output is None:
+            return dict(self._computed)
+        try:
+            return read_table(self.output)
+        except OSError as error:
+            raise InputError([Problem(str(self.output), "", f"cannot be read: {reason(error)}")]) from None
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name not in self.columns:
+            message = f"must name a column, found {describe(name)}{choices(str(name), list(self.columns))}"
+            raise InputError([Problem("sweep", "column", message)])
+        column: NDArray[Any] = self.columns[name]
+        return column
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether another sweep is of the same scenario and has the same columns."""
+        if not isinstance(other, SweepResult) or self.scenario != other.scenario:
+            return False
+        return same_columns(self.columns, other.columns)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the columns as lists by name; a question without an answer has None."""
+        return {
+            name: [None if value != value else value for value in values.tolist()]
+            for name, values in self.columns.items()
+        }
+
+    def _words(self) -> str:
+        where = "" if self.output is None else f", in {self.output}"
+        return f"{', '.join(self.quantities)} over {' and '.join(self.keys)}, {self.rows:,} rows{where}"
+
+    def _columns(self) -> Mapping[str, Any]:
+        return self.columns
 
 
-class Rows(NamedTuple):
-    """Rows of a chunk."""
-
-    start: int  # first of them
-    values: dict[str, Any]  # by key, each (n,)
-
-
-class Part(NamedTuple):
-    """Part of a table, as it is written to the disk."""
-
-    content: bytes
-    warnings: Counter[str]  # with the number of rows that each concerns
-    seconds: float  # that it took
-
-
-class Compute(NamedTuple):
-    """A way to compute chunks."""
-
-    run: Callable[[Question, Iterator[Rows]], Iterator[tuple[int, Part]]]  # parts by first row, in any order
-    threads: int | None  # for a chunk; None is one per core
-    workers: int  # that compute chunks at the same time
-
-
+@checked
 def sweep(
+    scenario: Scenario,
+    over: Mapping[str, object] | str | PathLike[str],
+    quantities: Names = "ballistic_limit_m_s",
+    output: str | PathLike[str] | None = None,
+    *,
+    threads: Annotated[int, Field(ge=1)] | None = None,
+    on_progress: OnProgress = ignore_progress,
+) -> SweepResult:
+    """Compute quantities of a scenario over a grid of values, or over a table of cases.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    over : mapping of str to values, or path-like
+        Values by dotted key; every combination is computed, and the last key changes fastest.  Values are a sequence
+        or an array of numbers, or a range, ``{"min": 4.0, "max": 12.0, "step": 0.5}``; for the projectile and the
+        materials names.  A path is that of a CSV file whose header names keys, with a case on each line.
+    quantities : str or sequence of str, default "ballistic_limit_m_s"
+        Names of quantities; ``armour sweep --help`` lists them.
+    output : path-like, optional
+        Table to write, .csv or .parquet.  Rows are computed in chunks, and the same call resumes an interrupted sweep.
+        Without it the columns are kept in memory, for at most ten million rows.
+    threads : int, optional
+        By default one per core.
+    on_progress : callable, optional
+        Called with the number of rows computed since the last call, and the number of all.
+
+    Returns
+    -------
+    SweepResult
+
+    Raises
+    ------
+    InputError
+        If a key or a quantity is unknown or has no effect, a row is not a valid scenario, the file exists already or
+        cannot be written, or a run does not end.
+
+    Examples
+    --------
+    >>> import armour
+    >>> scenario = armour.load_scenario("wilkins")
+    >>> found = armour.sweep(scenario, {"armour.ceramic_thickness_mm": [4.0, 6.0, 8.0, 10.0]})
+    >>> found["ballistic_limit_m_s"].round(1)
+    array([607.7, 711. , 778.2, 841.8])
+    """
+    names = tuple(quantities)
+    if not names:
+        raise InputError([Problem("sweep", "quantities", "must name at least one quantity, found none")])
+    source = source_of(over)
+    axes = source.axes if isinstance(source, Grid) else ()
+    warnings = [f"{axis.key}: {axis.omission}" for axis in axes if axis.omission]
+    columns: Mapping[str, Any] = {}
+    if output is None:
+        if source.count > MAX_ROWS:
+            message = f"must be given for more than {MAX_ROWS:,} rows, found {source.count:,}"
+            raise InputError([Problem("sweep", "output", message)])
+        check(scenario, source, names)
+        warnings += unanswered(scenario, names)
+        try:
+            columns, concerning = chunk_of(scenario, source.rows(np.arange(source.count)), names, threads)
+        except InputError:
+            check_rows(scenario, source)  # says which row is wrong
+            raise
+        warnings += lines_of(concerning, source.count)
+        on_progress(source.count, source.count)
+    else:
+        output = Path(output).absolute()
+        write_sweep(
+            scenario,
+            source,
+            names,
+            output,
+            threads=threads,
+            on_chunk=lambda rows, _stored: on_progress(rows, source.count),
+            tell=lambda line: warnings.append(line.removeprefix("warning: ")),
+        )
+    found = SweepResult(scenario, source.keys, names, source.count, output, tuple(warnings), columns)
+    return found._of(subject_of(scenario, source, names), scenario=scenario)
+
+
+def write_sweep(
     scenario: Scenario,
     source: Grid | Cases,
     quantities: Sequence[str],
     output: Path,
     *,
-    compute: Compute | None = None,
+    workers: Workers | None = None,
+    threads: int | None = None,
     size: int | None = None,
     replace: bool = False,
     on_chunk: OnChunk = ignore_progress,
@@ -75,89 +256,92 @@ def sweep(
     """Compute quantities of a scenario for every row of a source, write them to a table and return the number of rows.
 
     Each chunk is written when it is computed: the same call resumes an interrupted sweep.  A question without an answer
-    gives an empty field in CSV and NaN in Parquet.  Without a size of chunks, a new sweep measures some rows;
-    ``approve`` gets what all of them take and raises an error to stop.  ``tell`` gets a line for each chunk that is
-    damaged on disk, and at the end one for each warning on some rows.
-    ``replace`` allows the output to take the place of an older file.
+    gives an empty field in CSV and NaN in Parquet.  Chunks are computed by workers, each on one thread, or here.
+    Without a size of chunks, a new sweep measures some rows; ``approve`` gets what all of them take and raises an error
+    to stop.  ``tell`` gets a line for each chunk that is damaged on disk, and at the end one for each warning on some
+    rows.  ``replace`` allows the output to take the place of an older file.
     """
     check(scenario, source, quantities)
     for line in unanswered(scenario, quantities):
         tell(f"warning: {line}")
-    compute = compute or in_process()
+    warnings: Counter[str] = Counter()
     with Store(output, job_of(scenario, source, quantities), replace=replace) as store:
-        if store.finished is not None:
-            return store.finished
-        row_s = 0.0
-        if size is None:
-            try:
-                plan = plan_of(scenario, source, quantities, output, threads=compute.threads, workers=compute.workers)
-            except InputError:
-                check_rows(scenario, source)  # says which row is wrong
-                raise
-            if not store.begun:
+        if not store.size:
+            if size is None:
+                try:
+                    plan = plan_of(scenario, source, quantities, output, threads, workers)
+                except InputError:
+                    check_rows(scenario, source)  # says which row is wrong
+                    raise
                 approve(plan)
-            row_s = plan.row_s
-        check_rows(scenario, source)
-        store.begin()
-        pace = Pace(row_s, size)
-        pending: dict[int, tuple[int, str, float]] = {}  # rows, hash of their values and time so far, by first row
-        warnings: Counter[str] = Counter()
-        first_pass = True
-        question = Question(scenario, quantities, store.is_csv)
+                size = int(min(max(CHUNK_S / plan.row_s, 1.0), MAX_CHUNK))
+            check_rows(scenario, source)
+            store.begin(size)
+        starts = range(0, source.count, store.size)
 
-        def missing_chunks() -> Iterator[Rows]:
-            start = 0
-            found: Chunk | None = None
-            starts = store.starts()
+        def rows_at(start: int) -> dict[str, Any]:
+            return source.rows(np.arange(start, min(start + store.size, source.count)))
 
-            def sizes() -> Iterator[int]:
-                nonlocal found
-                while start < source.count:
-                    try:
-                        found = store.chunk(start)
-                    except DamagedError as error:
-                        found = None
-                        tell(f"{error}: damaged, computed anew")
-                    after = bisect_right(starts, start)
-                    end = starts[after] if after < len(starts) else source.count
-                    yield found.rows if found else min(pace.rows, end - start)
-
-            began = perf_counter()
-            for values in source.chunks(sizes()):
-                rows = len(values[source.keys[0]])
-                first, start = start, start + rows
-                source_hash = hash_of(values)
-                if found and found.source == source_hash:
-                    if first_pass:
-                        warnings.update(found.warnings)
-                        on_chunk(rows, True)
+        def missing() -> Iterator[int]:
+            there = set(store.starts())
+            for start in starts:
+                if start in there:
+                    on_chunk(min(store.size, source.count - start), True)
                 else:
-                    if found:
-                        tell(f"{store.path(first)}: of other values, computed anew")
-                    pending[first] = rows, source_hash, perf_counter() - began
-                    yield Rows(first, values)
-                began = perf_counter()
+                    yield start
+
+        def checked() -> Iterator[Mapping[str, Any]]:
+            for start in starts:
+                rows = rows_at(start)
+                chunk = store.load(start, rows)
+                if chunk is None:
+                    tell(f"{store.path(start)}: damaged, computed anew")
+                    chunk = chunk_of(scenario, rows, quantities, threads)
+                warnings.update(chunk.warnings)
+                yield chunk.columns
 
         try:
-            for _ in range(PASSES):
-                for start, part in compute.run(question, missing_chunks()):
-                    rows, source_hash, seconds = pending.pop(start)
-                    began = perf_counter()
-                    store.save(start, rows, source_hash, part.content, part.warnings)
-                    pace.note(rows, seconds + part.seconds + perf_counter() - began)
-                    if first_pass:
-                        warnings.update(part.warnings)
-                        on_chunk(rows, False)
-                with suppress(DamagedError):
-                    rows = store.finish(source.count)
-                    for line in lines_of(warnings, rows):
-                        tell(f"warning: {line}")
-                    return rows
-                first_pass = False
+            with nullcontext(workers) if workers else _one_worker() as found:
+                each = threads if workers is None else 1
+                running: dict[Future[Chunk], int] = {}
+                new = missing()
+                try:
+                    while True:
+                        for start in islice(new, found.ahead - len(running)):
+                            rows = rows_at(start)
+                            running[found.executor.submit(chunk_of, scenario, rows, quantities, each)] = start
+                        if not running:
+                            break
+                        ended = wait(running, timeout=1.0, return_when=FIRST_COMPLETED).done
+                        if not ended:
+                            found.check()
+                        for future in ended:
+                            start, chunk = running.pop(future), future.result()
+                            store.save(start, chunk)
+                            on_chunk(min(store.size, source.count - start), False)
+                finally:
+                    for future in running:
+                        future.cancel()
+            store.finish(checked())
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(f"{store.rows():,} of {source.count:,} rows are done; {RESUME}") from None
-    message = f"are damaged each time that they are written; check the disk, then {RESUME}"
-    raise InputError([Problem(f"chunks of {output}", "", message)])
+            done = sum(min(store.size, source.count - start) for start in store.starts())
+            raise KeyboardInterrupt(f"{done:,} of {source.count:,} rows are done; {RESUME}") from None
+    for line in lines_of(warnings, source.count):
+        tell(f"warning: {line}")
+    return source.count
+
+
+@contextmanager
+def _one_worker() -> Iterator[Workers]:
+    """Give a thread of this process; the next chunk waits while one is computed."""
+    with ThreadPoolExecutor(1) as executor:
+        yield Workers(executor, number=1, ahead=2)
+
+
+def chunk_of(scenario: Scenario, rows: Mapping[str, Any], quantities: Sequence[str], threads: int | None) -> Chunk:
+    """Compute quantities for rows of values by key."""
+    results, warnings = evaluate_groups(groups_of(scenario, rows), quantities, threads)
+    return Chunk({**rows, **results}, warnings)
 
 
 def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
@@ -170,8 +354,8 @@ def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -
     if len(set(source.keys)) != len(source.keys):
         problems.append(Problem("sweep", "over", "must not name a key twice"))
     refuse(problems)
-    first = next(source.chunks(repeat(1)))
-    check_keys(scenario, {key: values[0].item() for key, values in first.items()}, quantities, "sweep")
+    first = {key: values[0].item() for key, values in source.rows(np.arange(1)).items()}
+    check_keys(scenario, first, quantities, "sweep")
 
 
 def unanswered(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
@@ -184,32 +368,87 @@ def unanswered(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
 
 def check_rows(scenario: Scenario, source: Grid | Cases) -> None:
     """Check all rows before the first chunk is computed."""
-    start = 0
-    for chunk in source.chunks(repeat(BLOCK)):
-        for where, _ in scenarios_of(scenario, chunk, partial(source.place, start)):
-            start += len(where)
+    for start in range(0, source.count, BLOCK):
+        rows = source.rows(np.arange(start, min(start + BLOCK, source.count)))
+        for _ in scenarios_of(scenario, rows, partial(source.place, start)):
+            pass
 
 
-def computed(question: Question, rows: Rows, threads: int | None) -> Part:
-    """Compute a part of a table."""
-    began = perf_counter()
-    scenario, quantities, as_csv = question
-    groups = groups_of(scenario, rows.values)
-    results, warnings = evaluate_groups(groups, quantities, threads)
-    content = encoded({**rows.values, **results}, as_csv=as_csv, header=rows.start == 0)
-    return Part(content, warnings, perf_counter() - began)
-
-
-def lines_of(warnings: Counter[str], rows: int) -> list[str]:
+def lines_of(warnings: Mapping[str, int], rows: int) -> list[str]:
     """Return warnings on some of the rows of a table as lines."""
     return [f"{words}; this concerns {number:,} of {rows:,} rows" for words, number in sorted(warnings.items())]
 
 
-def in_process(threads: int | None = None) -> Compute:
-    """Compute chunks in this process, one after the other, each on all threads."""
+def plan_of(
+    scenario: Scenario,
+    source: Grid | Cases,
+    quantities: Sequence[str],
+    output: Path,
+    threads: int | None = None,
+    workers: Workers | None = None,
+) -> Plan:
+    """Measure some rows of a sweep."""
+    each = bytes_each = 0.0
+    for number in SAMPLES:
+        count = min(number, source.count)
+        groups = groups_of(scenario, rows := source.rows(np.linspace(0, source.count - 1, count).astype(np.int64)))
+        start = perf_counter()
+        results, _ = evaluate_groups(groups, quantities, 1 if workers else threads)
+        # Rows of a chunk follow each other, and share more scenarios than rows from all over the source.
+        groups_of(scenario, source.rows(np.arange(count)))
+        taken = perf_counter() - start
+        # The first row also loads the compiled code.
+        each = taken / count
+        bytes_each = len(csv_of({**rows, **results})) / count
+        if count < number or (number > 1 and taken > SAMPLE_S):
+            break
+    free = shutil.disk_usage(output.parent).free
+    seconds = each * source.count / (workers.number if workers else 1)
+    return Plan(source.count, each, seconds, bytes_each * source.count, free)
 
-    def run(question: Question, chunks: Iterator[Rows]) -> Iterator[tuple[int, Part]]:
-        for rows in chunks:
-            yield rows.start, computed(question, rows, threads)
 
-    return Compute(run, threads, workers=1)
+def size(count: float) -> str:
+    """Return a number of bytes in words, such as "1.5 GB"."""
+    return f"{count / 1e9:,.1f} GB" if count >= 1e9 else f"{count / 1e6:.1f} MB"
+
+
+def duration(seconds: float) -> str:
+    """Return a length of time in words, such as "90 hours"."""
+    for limit, unit, name in (
+        (120, 1, "seconds"),
+        (7200, 60, "minutes"),
+        (360000, 3600, "hours"),
+        (2e8, 86400, "days"),
+    ):
+        if seconds < limit:
+            number = max(round(seconds / unit), 1)
+            return f"{number} {name if number > 1 else name[:-1]}"
+    return f"{seconds / 31557600:,.0f} years"
+
+
+@cache
+def program() -> str:
+    """Return a hash of all source files of this program and of the versions of the libraries that compute."""
+    found = sha256(repr([(name, version(name)) for name in LIBRARIES]).encode())
+    for path in sorted(PACKAGE.rglob("*.py")):
+        found.update(sha256(path.relative_to(PACKAGE).as_posix().encode() + b"\n" + path.read_bytes()).digest())
+    return found.hexdigest()
+
+
+def job_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> dict[str, str]:
+    """Return the job of a sweep."""
+    entries = [scenario.entry_of(role) for role in ROLES]
+    return {
+        "version": armour.__version__,
+        "program": program(),
+        "scenario": sha256(repr((scenario, scenario.inputs(), entries)).encode()).hexdigest(),
+        "quantities": ",".join(quantities),
+        "rows": source.digest,
+    }
+
+
+def subject_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> str:
+    """Return the armours and rounds of a sweep, such as "AD85 on 6.35 mm 6061-T6 against 7.62 mm AP"."""
+    axes = source.axes if isinstance(source, Grid) else ()
+    varied = {**dict.fromkeys(source.keys, ()), **{axis.key: axis.values for axis in axes}}
+    return scenario.subject(varied if "impact" in reads_of(quantities) else {**ANY_VELOCITY, **varied})

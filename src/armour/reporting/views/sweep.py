@@ -15,7 +15,7 @@ from armour.units import MM
 
 if TYPE_CHECKING:
     from armour.scenario.scenario import Scenario
-    from armour.sweeps.columns import SweepResult
+    from armour.sweeps.sweep import SweepResult
 
 
 # Rows of a sweep that are shown.

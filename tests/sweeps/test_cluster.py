@@ -10,15 +10,14 @@ import threading
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from queue import Empty, SimpleQueue
 from typing import Any
 
 import pytest
 from distributed import Client, LocalCluster
 
 from armour.errors import InputError, Problem
-from armour.sweeps.dask import check_workers, connected, on_cluster
-from armour.sweeps.sweep import sweep
+from armour.sweeps.cluster import connected, workers_of
+from armour.sweeps.sweep import write_sweep
 from tests.helpers.cases import sweep_grid, sweep_scenario
 
 VELOCITIES = "impact.velocity_m_s=700,800"
@@ -28,7 +27,7 @@ QUANTITIES = ("ballistic_limit_m_s", "residual_velocity_m_s", "outcome")
 def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path: Path):
     source = sweep_grid("armour.ceramic_thickness_mm=2:12:1", "impact.velocity_m_s=700:900:20")
     case = sweep_scenario()
-    sweep(case, source, QUANTITIES, tmp_path / "here.csv", size=10)
+    write_sweep(case, source, QUANTITIES, tmp_path / "here.csv", size=10)
     killed: list[int] = []
     with (
         LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster,
@@ -40,8 +39,10 @@ def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path: Path):
                 killed.append(next(iter(client.run(os.getpid).values())))
                 os.kill(killed[0], signal.SIGKILL)
 
-        compute = on_cluster(client)
-        rows = sweep(case, source, QUANTITIES, tmp_path / "there.csv", compute=compute, size=10, on_chunk=kill)
+        with workers_of(client) as workers:
+            rows = write_sweep(
+                case, source, QUANTITIES, tmp_path / "there.csv", workers=workers, size=10, on_chunk=kill
+            )
     assert killed
     assert rows == source.count
     assert (tmp_path / "there.csv").read_bytes() == (tmp_path / "here.csv").read_bytes()
@@ -76,44 +77,41 @@ def client() -> Iterator[Client]:
         yield client
 
 
-def sweep_on(client: Client, folder: Path) -> None:
+def sweep_on(client: Client, output: Path) -> None:
     """A sweep on a cluster, a row a chunk."""
-    compute = on_cluster(client)
-    sweep(sweep_scenario(), sweep_grid(VELOCITIES), ["outcome"], folder / "a.csv", compute=compute, size=1)
+    with workers_of(client) as workers:
+        write_sweep(sweep_scenario(), sweep_grid(VELOCITIES), ["outcome"], output, workers=workers, size=1)
 
 
 def test_a_cluster_without_workers(client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    with pytest.raises(InputError, match="must have a worker, found none"):
-        check_workers(client, timeout_s=0.1)
-    monkeypatch.setattr("armour.sweeps.dask.TIMEOUT_S", 0.1)
+    assert client.cluster is not None
+    address = client.cluster.scheduler_address
+    with pytest.raises(InputError, match="must have a worker, found none"), connected(address, timeout_s=1.0):
+        pass
+    monkeypatch.setattr("armour.sweeps.cluster.TIMEOUT_S", 0.1)
     with pytest.raises(InputError, match="lost all workers; start others, then repeat the same command to resume"):
-        sweep_on(client, tmp_path)
+        sweep_on(client, tmp_path / "a.csv")
 
 
 def test_workers_of_another_version_are_refused(client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     here = threading.get_ident()
-    source = sweep_grid(VELOCITIES)
     assert client.cluster is not None
     client.cluster.scale(1)
     client.wait_for_workers(1)
-    sweep(sweep_scenario(), source, ["outcome"], tmp_path / "a.csv", compute=on_cluster(client), size=1)
-    monkeypatch.setattr("armour.sweeps.dask.program", lambda: "this" if threading.get_ident() == here else "other")
+    sweep_on(client, tmp_path / "a.csv")
+    monkeypatch.setattr("armour.sweeps.cluster.program", lambda: "this" if threading.get_ident() == here else "other")
     message = "must have workers with this program, armour .*; found .* with other sources or libraries on inproc://"
     with pytest.raises(InputError, match=message):
-        check_workers(client)
-    # One that joins later is found out by its first chunk.
-    with pytest.raises(InputError, match=message):
-        sweep(sweep_scenario(), source, ["outcome"], tmp_path / "b.csv", compute=on_cluster(client), size=1)
+        sweep_on(client, tmp_path / "b.csv")
 
 
 def test_a_scheduler_is_connected_to_and_a_worker_is_none(client: Client, tmp_path: Path):
     assert client.cluster is not None
     client.cluster.scale(1)
     client.wait_for_workers(1)
-    source = sweep_grid(VELOCITIES)
     with connected(client.cluster.scheduler_address) as found:
-        sweep(sweep_scenario(), source, ["outcome"], tmp_path / "a.csv", compute=on_cluster(found), size=1)
-    sweep(sweep_scenario(), source, ["outcome"], tmp_path / "b.csv")
+        sweep_on(found, tmp_path / "a.csv")
+    write_sweep(sweep_scenario(), sweep_grid(VELOCITIES), ["outcome"], tmp_path / "b.csv")
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
     [worker] = client.scheduler_info()["workers"]
     with pytest.raises(InputError, match=f'found "{worker}": that is a Worker'), connected(worker):
@@ -153,26 +151,7 @@ def test_what_fails_on_a_cluster_is_told(
 
     monkeypatch.setattr(client, "submit", submit)
     with pytest.raises(InputError, match=message):
-        sweep_on(client, tmp_path)
-
-
-def test_a_chunk_that_takes_long_is_waited_for(client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    assert client.cluster is not None
-    client.cluster.scale(1)
-    client.wait_for_workers(1)
-    waits = [1, 1]
-
-    class Late(SimpleQueue[Any]):
-        def get(self, block: bool = True, timeout: float | None = None) -> Any:
-            if waits:
-                waits.pop()
-                raise Empty
-            return super().get(block, timeout)
-
-    monkeypatch.setattr("armour.sweeps.dask.SimpleQueue", Late)
-    source = sweep_grid(VELOCITIES)
-    rows = sweep(sweep_scenario(), source, ["outcome"], tmp_path / "a.csv", compute=on_cluster(client), size=1)
-    assert (rows, waits) == (2, [])
+        sweep_on(client, tmp_path / "a.csv")
 
 
 def test_errors_of_workers_arrive_whole():

@@ -1,17 +1,17 @@
+"""Chunks on disk: whole or missing, the user's own, and of one sweep at a time."""
+
 import itertools
 import os
 import shutil
+import sys
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from armour.errors import InputError
-from armour.sweeps.cases import hash_of
-from armour.sweeps.checkpoint import DamagedError, Store
-from armour.sweeps.tables import count_rows, encoded, read_table
+from armour.sweeps.store import Chunk, Store, csv_of, is_csv, read_table
 from tests.helpers.faults import faults, full_disk
 
 on_unix = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="needs users")
@@ -25,39 +25,34 @@ def values(index: int, rows: int = 3) -> dict[str, np.ndarray]:
 
 RESULTS = {
     "limit_m_s": np.array([1 / 3, np.nan, 1e300]),
-    "outcome": np.array(["perforated", "", "defeated"], dtype=object),
+    "outcome": np.array(["perforated", "", "defeated"]),
 }
 
 
-def saved(store: Store, index: int, rows: int = 3) -> None:
-    """Write one of several chunks of the same number of rows."""
-    columns = values(index, rows)
-    table = {**columns, **RESULTS}
-    content = encoded(table, as_csv=store.is_csv, header=index == 0)
-    store.save(index * rows, rows, hash_of(columns), content, {})
+def saved(store: Store, index: int) -> None:
+    """Write one of several chunks."""
+    store.save(3 * index, Chunk({**values(index), **RESULTS}, {}))
 
 
 def filled(output: Path, indices: tuple[int, ...] = (0, 1, 2), job: dict[str, str] = JOB) -> None:
     """Write some of three chunks, and all that is not there."""
     with Store(output, job) as store:
-        store.begin()
+        store.begin(3)
         for index in indices:
             saved(store, index)
 
 
-def finished(output: Path, count: int = 3) -> int:
-    """Write what is missing or damaged of some chunks, and join them."""
+def finished(output: Path, count: int = 3) -> None:
+    """Write what is missing or damaged of some chunks, and the table."""
     with Store(output, JOB) as store:
-        if store.finished is not None:
-            return store.finished
-        store.begin()
+        store.begin(3)
+        chunks = []
         for index in range(count):
-            found = None
-            with suppress(DamagedError):
-                found = store.chunk(3 * index)
-            if found is None:
+            chunk = store.load(3 * index, values(index))
+            if chunk is None:
                 saved(store, index)
-        return store.finish(3 * count)
+            chunks.append(chunk or Chunk({**values(index), **RESULTS}, {}))
+        store.finish(chunk.columns for chunk in chunks)
 
 
 @pytest.fixture(autouse=True)
@@ -74,7 +69,7 @@ def output(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
 def test_chunks_in_any_order_make_the_table(output: Path):
     filled(output, (2, 0, 1))
     assert not output.exists()
-    assert finished(output) == 9
+    finished(output)
     if output.suffix == ".csv":
         assert output.read_text().splitlines()[2] == "0.1,,"
     table = read_table(output)
@@ -87,12 +82,11 @@ def test_chunks_in_any_order_make_the_table(output: Path):
 def test_a_store_resumes_with_its_own_chunks(output: Path):
     filled(output, (0,))
     with Store(output, JOB) as again:
-        assert again.begun
-        assert (again.starts(), again.rows()) == ([0], 3)
-        found = again.chunk(0)
-        assert found
-        assert (found.rows, found.source) == (3, hash_of(values(0)))
-        assert again.chunk(3) is None
+        assert (again.size, again.starts()) == (3, [0])
+        chunk = again.load(0, values(0))
+        assert chunk is not None
+        np.testing.assert_array_equal(chunk.columns["limit_m_s"], RESULTS["limit_m_s"])
+        assert again.load(3, values(1)) is None
 
 
 @pytest.mark.parametrize(
@@ -113,7 +107,7 @@ def test_what_differs_is_named(output: Path, change: dict[str, str], message: st
 
 def bit_flipped(chunk: Path, _other: Path) -> None:
     data = bytearray(chunk.read_bytes())
-    data[-3] ^= 4
+    data[data.index(b"NUMPY") + 130] ^= 4
     chunk.write_bytes(data)
 
 
@@ -134,53 +128,58 @@ def deleted(chunk: Path, _other: Path) -> None:
 
 
 @pytest.mark.parametrize("damage", [bit_flipped, truncated, emptied, exchanged, deleted])
-def test_a_damaged_chunk_is_noticed_before_and_while_they_are_joined(output: Path, damage: Callable[..., None]):
+def test_a_damaged_chunk_is_noticed(output: Path, damage: Callable[..., None]):
     finished(output.with_stem("b"))
     filled(output)
-    chunk, other = (output.with_name(output.name + ".parts") / f"{first:013d}.chunk" for first in (3, 6))
+    chunk, other = (output.with_name(output.name + ".parts") / f"{first:013d}.npz" for first in (3, 6))
     damage(chunk, other)
-    with Store(output, JOB) as store, pytest.raises(DamagedError, match=r"0000000000003\.chunk"):
-        store.finish(9)
-    assert not output.exists()
-    assert finished(output) == 9
+    with Store(output, JOB) as store:
+        assert [store.load(3 * index, values(index)) is None for index in range(3)] == [False, True, False]
+    finished(output)
     assert output.read_bytes() == output.with_stem("b").read_bytes()
 
 
-def test_rows_that_fill_the_last_group(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.sweeps.tables.ROW_GROUP", 3)
-    output = tmp_path / "a.parquet"
-    assert finished(output) == 9
-    assert count_rows(output, as_csv=False) == 9
-    np.testing.assert_array_equal(read_table(output)["armour.x_mm"], values(0, 9)["armour.x_mm"])
-
-
-def test_a_table_that_lacks_rows_is_not_given_out(output: Path):
+@pytest.mark.parametrize("position", range(40))
+def test_a_flipped_bit_is_noticed_or_does_no_harm(output: Path, position: int):
     filled(output)
-    with Store(output, JOB) as store, pytest.raises(InputError, match="must have 8 rows, found 9"):
-        store.finish(8)
-    assert not output.exists()
-    assert finished(output) == 9
+    chunk = output.with_name(output.name + ".parts") / "0000000000003.npz"
+    data = bytearray(chunk.read_bytes())
+    data[position * (len(data) - 1) // 39] ^= 1 << position % 8
+    chunk.write_bytes(data)
+    with Store(output, JOB) as store:
+        found = store.load(3, values(1))
+    for name, column in {**values(1), **RESULTS}.items():
+        if found:
+            np.testing.assert_array_equal(found.columns[name], column)
+
+
+def test_a_chunk_of_another_job_is_none_of_this(output: Path):
+    filled(output, (0,), {**JOB, "scenario": "other"})
+    folder = output.with_name(f"{output.name}.parts")
+    content = (folder / "0000000000000.npz").read_bytes()
+    shutil.rmtree(folder)
+    filled(output, (0,))
+    (folder / "0000000000000.npz").write_bytes(content)
+    with Store(output, JOB) as store:
+        assert store.load(0, values(0)) is None
 
 
 def test_the_size_of_chunks_leaves_no_trace(output: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.sweeps.tables.ROW_GROUP", 7)
+    monkeypatch.setattr("armour.sweeps.store.ROW_GROUP", 7)
     column = np.random.default_rng(1).normal(size=60)
-    for name, size in (("one", 60), ("many", 4)):
+    for name, size in (("one", 60), ("many", 4), ("groups", 7)):
         with Store(output.with_stem(name), JOB) as store:
-            store.begin()
-            for start in range(0, 60, size):
-                part = {"x": column[start : start + size]}
-                store.save(start, size, hash_of(part), encoded(part, as_csv=store.is_csv, header=start == 0), {})
-            store.finish(60)
-    assert output.with_stem("one").read_bytes() == output.with_stem("many").read_bytes()
-    assert count_rows(output.with_stem("one"), as_csv=output.suffix == ".csv") == 60
+            store.begin(size)
+            store.finish({"x": column[start : start + size]} for start in range(0, 60, size))
+    assert len({output.with_stem(name).read_bytes() for name in ("one", "many", "groups")}) == 1
+    np.testing.assert_array_equal(read_table(output.with_stem("one"))["x"], column)
 
 
 def test_one_process_at_a_time(output: Path):
     with Store(output, JOB) as first:
         with pytest.raises(InputError, match="another sweep is at work"):
             Store(output, {**JOB, "quantities": "y"}).__enter__()
-        first.begin()
+        first.begin(3)
     assert list(output.parent.iterdir()) == []
 
 
@@ -195,7 +194,7 @@ def test_a_kill_at_any_step_leaves_what_can_be_resumed(output: Path, monkeypatch
     finished(output.with_stem("b"), 1)
     expected = output.with_stem("b").read_bytes()
     # The lock of a process that is killed here dies with it.
-    monkeypatch.setattr("armour.sweeps.lock._lock", lambda _handle: None)
+    monkeypatch.setattr("armour.sweeps.store.FileLock.acquire", lambda lock: Path(lock.lock_file).touch())
     killed = []
     for step in itertools.count():
         with faults(step, kill) as steps:
@@ -205,12 +204,10 @@ def test_a_kill_at_any_step_leaves_what_can_be_resumed(output: Path, monkeypatch
                 killed.append(steps[step])
         if len(steps) <= step:
             break
-        assert not output.exists() or output.read_bytes() == expected
-        try:
-            assert finished(output, 1) == 3
-        except InputError as error:
-            assert "exists already" in str(error)  # noqa: PT017
+        if not output.exists():
+            finished(output, 1)
         assert output.read_bytes() == expected
+        shutil.rmtree(output.with_name(output.name + ".parts"), ignore_errors=True)  # of a kill once it was complete
         assert {path.name for path in output.parent.iterdir()} == {output.name, output.with_stem("b").name}
         output.unlink()
     assert set(killed) == {"open", "mkdir", "create", "write", "fsync", "replace", "unlink", "rmdir"}
@@ -225,25 +222,25 @@ def test_a_full_disk_at_any_step_is_told(output: Path):
             except InputError as error:
                 assert "cannot be written: no space left on device" in str(error)  # noqa: PT017
                 kept = "what is done is kept, repeat the same command to resume" in str(error)
-                assert kept == bool(list(output.parent.glob("*.parts/*.chunk")))
+                assert kept == bool(list(output.parent.glob("*.parts/*.npz")))
         if len(steps) <= step:
             break
-        if not output.exists() or output.with_name(output.name + ".parts").exists():
-            assert finished(output, 1) == 3
+        if not output.exists():
+            finished(output, 1)
         assert output.read_bytes() == output.with_stem("b").read_bytes()
-        assert {path.name for path in output.parent.iterdir()} == {output.name, output.with_stem("b").name}
+        shutil.rmtree(output.with_name(output.name + ".parts"), ignore_errors=True)
         output.unlink()
     assert step > 15
 
 
 def test_a_folder_that_goes_during_the_sweep(output: Path):
     with Store(output, JOB) as store:
-        store.begin()
+        store.begin(3)
         saved(store, 0)
         shutil.rmtree(store.folder)
-        with pytest.raises(InputError, match="must stay during the sweep, and was removed"):
+        with pytest.raises(InputError, match="cannot be written: no such file"):
             saved(store, 1)
-    assert finished(output) == 9
+    finished(output)
 
 
 def test_existing_files_are_not_overwritten(output: Path):
@@ -259,7 +256,7 @@ def test_existing_files_are_not_overwritten(output: Path):
     assert [path.name for path in folder.iterdir()] == ["mine"]
 
 
-@pytest.mark.parametrize("name", ["job", "job.new", "a.new", "whole", "joined", "lock", "0000000000000.chunk"])
+@pytest.mark.parametrize("name", ["job", "job.new", "a.new", "whole", "joined", "lock", "0000000000000.npz"])
 def test_own_files_in_a_folder_of_that_name_survive(output: Path, name: str):
     folder = output.with_name(f"{output.name}.parts")
     folder.mkdir(mode=0o700)
@@ -272,10 +269,10 @@ def test_own_files_in_a_folder_of_that_name_survive(output: Path, name: str):
 def test_own_files_beside_the_chunks_survive(output: Path):
     filled(output, (0,))
     folder = output.with_name(f"{output.name}.parts")
-    names = {"a.new", "whole", "joined", "1.chunk"}
+    names = {"a.new", "whole", "joined", "1.npz"}
     for name in names:
         (folder / name).write_text("mine")
-    assert finished(output) == 9
+    finished(output)
     assert {path.name: path.read_text() for path in folder.iterdir()} == dict.fromkeys(names, "mine")
 
 
@@ -335,32 +332,31 @@ def test_links_in_the_folder_are_not_followed(output: Path):
     folder = output.with_name(f"{output.name}.parts")
     victim = output.with_name("victim")
     victim.write_text("mine")
-    for name in ("job.new", "0000000000006.chunk.new", "whole", "joined.new"):
+    for name in ("job.new", "0000000000006.npz.new", "whole", "joined.new"):
         (folder / name).symlink_to(victim)
-    assert finished(output) == 9
+    finished(output)
     assert victim.read_text() == "mine"
 
 
 def test_a_job_that_was_killed_before_its_first_chunk_is_begun(output: Path):
     kept = output.with_name("kept")
     with Store(output, JOB) as store:
-        store.begin()
+        store.begin(3)
         shutil.copytree(store.folder, kept)
     shutil.copytree(kept, store.folder)
     with Store(output, {**JOB, "rows": "other"}) as store:
-        assert not store.begun
+        assert not store.size
     kept.rename(store.folder)
     with Store(output, JOB) as store:
-        assert store.begun
+        assert store.size == 3
 
 
 def test_only_a_file_is_replaced_where_that_is_asked_for(output: Path):
     output.write_text("old")
     with Store(output, JOB, replace=True) as store:
-        store.begin()
-        saved(store, 0)
+        store.begin(3)
         assert output.read_bytes() == b"old"
-        assert store.finish(3) == 3
+        store.finish([values(0)])
     assert output.read_bytes() != b"old"
     link = output.with_stem("link")
     link.symlink_to(output)
@@ -370,11 +366,11 @@ def test_only_a_file_is_replaced_where_that_is_asked_for(output: Path):
 
 def test_an_output_that_comes_during_the_sweep_stays(output: Path):
     with Store(output, JOB) as store:
-        store.begin()
+        store.begin(3)
         saved(store, 0)
         output.write_text("mine")
         with pytest.raises(InputError, match="exists already"):
-            store.finish(3)
+            store.finish([values(0)])
     assert output.read_text() == "mine"
 
 
@@ -407,3 +403,16 @@ def test_a_link_to_itself(output: Path):
     output.symlink_to(output.name)
     with pytest.raises(InputError, match="too many levels of symbolic links"):
         Store(output, JOB).__enter__()
+
+
+def test_texts_are_no_formulas_and_numbers_stay_numbers():
+    columns = {"name": np.array(["=1+1", "-1", "two\nlines"]), "x": np.array([-1.5, 1e-3, np.nan])}
+    assert csv_of(columns, header=True) == b"name,x\n'=1+1,-1.5\n'-1,0.001\ntwo\\nlines,\n"
+
+
+def test_parquet_without_pyarrow_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
+    for name in ("pyarrow", "pyarrow.parquet"):
+        monkeypatch.setitem(sys.modules, name, None)
+    assert is_csv(Path("a.CSV"))
+    with pytest.raises(InputError, match=r"a\.parquet: needs pyarrow; pip install 'armour\[parquet\]', or write \.csv"):
+        is_csv(Path("a.parquet"))

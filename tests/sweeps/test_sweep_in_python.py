@@ -8,8 +8,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.errors import InputError
-from armour.sweeps import columns
-from armour.sweeps.columns import sweep
+from armour.sweeps.sweep import sweep
 from tests.helpers.cases import csv_file, scenario
 
 CERAMIC, BACKING = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
@@ -155,7 +154,7 @@ def test_wrong_questions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
         sweep(scenario(), {"armour.ceramic_thicknes_mm": [5.0]})
     with pytest.raises(InputError, match=r"\.csv or \.parquet"):
         sweep(scenario(), OVER, "duration_us", tmp_path / "table.txt")
-    monkeypatch.setattr(columns, "MAX_ROWS", 5)
+    monkeypatch.setattr("armour.sweeps.sweep.MAX_ROWS", 5)
     with pytest.raises(InputError, match="output: must be given for more than 5 rows, found 6"):
         sweep(scenario(), OVER)
 

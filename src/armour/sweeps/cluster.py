@@ -1,0 +1,118 @@
+"""Chunks of a sweep on a Dask cluster."""
+
+import asyncio
+import logging
+import pickle
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import armour
+from armour.errors import ArmourError, InputError, Problem
+from armour.sweeps.store import RESUME
+from armour.sweeps.sweep import Workers, program
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+# Chunks submitted ahead of time, per thread of the cluster.
+CHUNKS_AHEAD = 3
+# Time in which a scheduler and a worker must answer, and in which a worker must follow where all are lost.
+TIMEOUT_S = 10.0
+
+
+@contextmanager
+def connected(scheduler: str, timeout_s: float = TIMEOUT_S) -> Iterator["Client"]:
+    """Connect to the cluster at an address; "local" starts one on this machine, with one process per core."""
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise _error("needs dask.distributed; pip install 'armour[cluster]'") from None
+    # What goes wrong is said once, by an error.
+    for name in ("distributed", "distributed.client"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    if scheduler == "local":
+        with LocalCluster(threads_per_worker=1, dashboard_address=":0") as cluster, Client(cluster) as client:
+            yield client
+        return
+    try:
+        asyncio.run(asyncio.wait_for(_check_scheduler(scheduler), timeout_s))
+        client = Client(scheduler, timeout=timeout_s)
+    except Exception as error:  # of any kind, depending on the kind of address
+        found = "no answer" if isinstance(error, TimeoutError) else str(error)
+        raise _error(
+            f'must be "local" or the address of a Dask scheduler that answers, found "{scheduler}": {found}'
+        ) from None
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=timeout_s)
+        except TimeoutError:
+            raise _error("must have a worker, found none; start some with the command dask worker") from None
+        yield client
+
+
+async def _check_scheduler(address: str) -> None:
+    """Check that a scheduler answers; a `Client` waits for ever for another server's answer."""
+    from distributed import Security, rpc
+
+    async with rpc(address, connection_args=Security().get_connection_args("client")) as scheduler:
+        found = await scheduler.identity()
+    if found.get("type") != "Scheduler":
+        raise ValueError(f"that is a {found.get('type')}")
+
+
+@contextmanager
+def workers_of(client: "Client") -> Iterator[Workers]:
+    """Give the workers of a cluster; the chunks of one that dies are tried again."""
+    without = 0
+
+    def check() -> None:
+        nonlocal without
+        without = 0 if client.nthreads() else without + 1
+        if without > TIMEOUT_S:
+            raise _error(f"lost all workers; start others, then {RESUME}")
+
+    try:
+        threads = max(sum(client.nthreads().values()), 1)
+        yield Workers(_SameProgram(client), threads, CHUNKS_AHEAD * threads, check)
+    except ArmourError:
+        raise
+    except asyncio.CancelledError:
+        raise _error(f"lost the connection to the scheduler; what is done is kept, {RESUME}") from None
+    except Exception as error:  # of any kind, depending on what fails
+        raise _error(f"failed: {str(error) or type(error).__name__}; what is done is kept, {RESUME}") from None
+
+
+class _SameProgram(Executor):
+    """Calls functions on the workers of a cluster, which must run this program."""
+
+    def __init__(self, client: "Client") -> None:
+        self._executor = client.get_executor(pure=False)
+
+    def submit(self, function: Callable[..., Any], /, *args: Any) -> Future[Any]:  # type: ignore[override]
+        """Call a function; it and its arguments go as bytes, which a worker of another version does not read."""
+        future: Future[Any] = self._executor.submit(_called_there, pickle.dumps((function, args)), identity())
+        return future
+
+
+def _called_there(call: bytes, expected: tuple[str, str]) -> Any:
+    """Call a pickled function on a worker."""
+    from distributed import get_worker
+
+    if (found := identity()) != expected:
+        raise _error(
+            f"must have workers with this program, armour {expected[0]}, and the same numba and numpy; "
+            f"found {found[0]} with other sources or libraries on {get_worker().address}"
+        )
+    function, args = pickle.loads(call)
+    return function(*args)
+
+
+def identity() -> tuple[str, str]:
+    """Return the version and a hash of this program."""
+    return armour.__version__, program()
+
+
+def _error(message: str) -> InputError:
+    return InputError([Problem("sweep", "--scheduler", message)])
