@@ -16,7 +16,7 @@ from types import ModuleType
 
 import pytest
 
-from armour.cli import plan_shots, scenario_commands, v50
+from armour.cli import plan_shots, question, scenario_commands, v50
 from armour.cli.console import progress, show_json
 from tests.helpers.cases import SCENARIOS
 
@@ -94,8 +94,8 @@ def test_the_rate_is_that_of_what_is_computed(monkeypatch: pytest.MonkeyPatch):
     ("module", "command"),
     [
         (scenario_commands, "simulate"),
-        (scenario_commands, "ballistic-limit"),
-        (scenario_commands, "compare"),
+        (question, "ballistic-limit"),
+        (question, "compare"),
         (v50, f"v50 {SCENARIOS / 'tests' / 'shots.csv'}"),
         (plan_shots, "plan shots"),
     ],

@@ -4,8 +4,9 @@ from typing import Any
 
 import pytest
 
+from armour.analysis.quantities import DESIGNS
 from armour.errors import InputError
-from armour.scenario.reach import DESIGNS, check_known, check_reach, check_read, check_used, read_of
+from armour.scenario.reach import check_known, check_reach, check_read, check_used, read_of
 from tests.helpers.cases import catalogue, scenario, shipped_scenario
 
 OWN = {

@@ -18,6 +18,16 @@ REQUIRED = (
 # What a quantity depends on besides projectile, armour, model and solver, see `armour.scenario.reach`.
 IMPACT, LIMIT, GRID = ("impact",), ("ballistic_limit",), ("impact", "optimise")
 DEFEAT = ("impact", "ballistic_limit", "uncertainty.model")
+DESIGNS = (
+    "impact",
+    "threat",
+    "armour.ceramic",
+    "armour.backing",
+    "design",
+    "optimise",
+    "ballistic_limit",
+    "uncertainty",
+)
 
 
 class Quantity(NamedTuple):

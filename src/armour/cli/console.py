@@ -76,13 +76,12 @@ def discard(stream: IO[str]) -> None:
 
 
 @contextmanager
-def progress(
-    what: str, total: int | None = None, first: str = "compiling or reading compiled code"
-) -> Iterator[Callable[..., None]]:
+def progress(what: str, total: int | None = None, first: str = "") -> Iterator[Callable[..., None]]:
     """Give a function that counts some more of a total: a bar with rate and time left on a terminal.
 
     The total may also be given, or given anew, with each count; without one, the bar only moves.  What was ``stored``
-    before is no part of the rate.  ``first`` says what is done before the first count.
+    before is no part of the rate.  ``first`` says what is done before the first count; by default code
+    is compiled.
     """
     if not sys.stderr.isatty():
         yield lambda *_count, **_stored: None
@@ -92,7 +91,7 @@ def progress(
 
     columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(what, total=total, rate=first)
+        task = bar.add_task(what, total=total, rate=first or "compiling or reading compiled code")
 
         def advance(count: int, total: int | None = None, stored: bool = False) -> None:
             if stored:

@@ -21,6 +21,11 @@ def option(description: str, *names: str, **settings: Any) -> Any:
     return typer.Option(*names, help=description, show_default=False, **settings)
 
 
+def setting(description: str, parser: Callable[[Any], Any], metavar: str = "NUMBER") -> Any:
+    """Make the type of an option of a number in place of the scenario's."""
+    return Annotated[float | None, option(description, parser=parser, metavar=metavar)]
+
+
 def number(name: str, kind: type[float] = float, least: float | None = None) -> Callable[[Any], Any]:
     """Make the parser of an option of a number, which refuses a text with its value."""
 

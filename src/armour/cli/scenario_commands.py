@@ -1,11 +1,18 @@
 """Commands that answer a question about a scenario."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
+from armour.analysis.quantities import DESIGNS
 from armour.cli.console import progress
-from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, number, option, probability
-from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling, warnings_of
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, number, option, probability, setting
+from armour.cli.question import question
+from armour.cli.runner import check_outputs, read_scenario, respond, warnings_of
+
+if TYPE_CHECKING:
+    from armour.analysis.progress import OnProgress
+    from armour.scenario.scenario import Scenario
 
 # What commands read, see `armour.scenario.reach`.
 LIMIT = ("impact.projectile", "armour", "ballistic_limit", "uncertainty.model")
@@ -57,174 +64,82 @@ def simulate(
     )
 
 
-def ballistic_limit(
-    scenario: ScenarioFile,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    as_json: AsJson = False,
-) -> None:
+@question(*LIMIT, what="the ballistic limit", first="searching")
+def ballistic_limit(scenario: "Scenario", on_progress: "OnProgress") -> tuple[Any, Sequence[str]]:
     """Find the ballistic limit."""
     from armour.analysis import ballistic_limit as analysis
-    from armour.reporting.views import ballistic_limit as view
 
-    check_outputs(plot=plot, force=force)
-    loaded = read_scenario(scenario, changes, LIMIT, what="the ballistic limit")
-    with progress("impacts", first="searching") as count:
-        result = analysis.ballistic_limit(loaded, on_progress=count)
-    respond(
-        result.to_dict(),
-        view.tables(result),
-        as_json=as_json,
-        of=result._heading(),
-        plot=plot,
-        chart=lambda: view.chart(result),
-        warnings=warnings_of(loaded, (*analysis.not_monotonic(result), *result.warnings)),
-    )
+    result = analysis.ballistic_limit(scenario, on_progress=on_progress)
+    return result, (*analysis.not_monotonic(result), *result.warnings)
 
 
-def compare(
-    scenario: ScenarioFile,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    as_json: AsJson = False,
-) -> None:
+@question(*LIMIT, what="the ballistic limit", first="searching")
+def compare(scenario: "Scenario", on_progress: "OnProgress") -> tuple[Any, Sequence[str]]:
     """Compare the model with closed-form formulas."""
     from armour.analysis.ballistic_limit import not_monotonic
-    from armour.reporting.views import comparison as view
     from armour.validation import comparison
 
-    check_outputs(plot=plot, force=force)
-    loaded = read_scenario(scenario, changes, LIMIT, what="the ballistic limit")
-    with progress("impacts", first="searching") as count:
-        result = comparison.compare(loaded, on_progress=count)
-    respond(
-        result.to_dict(),
-        view.tables(result),
-        as_json=as_json,
-        of=result._heading(),
-        plot=plot,
-        chart=lambda: view.chart(result),
-        warnings=warnings_of(loaded, (*not_monotonic(result.limit), *result.limit.warnings)),
-    )
+    result = comparison.compare(scenario, on_progress=on_progress)
+    return result, (*not_monotonic(result.limit), *result.limit.warnings)
 
 
-def optimise(
-    scenario: ScenarioFile,
-    refine: Annotated[bool, option("Also find the best design between the values of the grid.", "--refine")] = False,
-    confidence: Annotated[
-        float | None,
-        option(
+@question(
+    *DESIGNS,
+    what="the design",
+    csv_help="Write the Pareto front or, where none is asked for, the frontier as CSV.",
+    of_threats=True,
+    confidence=(
+        "design.confidence",
+        setting(
             "Probability of defeating each threat to design for, such as 0.95.",
-            "--confidence",
-            parser=probability("--confidence"),
+            probability("--confidence"),
             metavar="PROBABILITY",
         ),
-    ] = None,
-    csv: Annotated[
-        Path | None,
-        option("Write the Pareto front or, where none is asked for, the frontier as CSV.", "--csv", metavar="FILE"),
-    ] = None,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    as_json: AsJson = False,
-) -> None:
+    ),
+)
+def optimise(
+    scenario: "Scenario",
+    on_progress: "OnProgress",
+    *,
+    refine: Annotated[bool, option("Also find the best design between the values of the grid.", "--refine")] = False,
+) -> tuple[Any, Sequence[str]]:
     """Find the lightest armour that defeats the threat.
 
     The scenario may have several threats, a catalogue of materials, and another quantity to minimise.
     """
     from armour.design import optimise as design
-    from armour.reporting.views import design as view
-    from armour.scenario.reach import DESIGNS
 
-    check_outputs(csv=csv, plot=plot, force=force)
-    loaded = read_scenario(
-        scenario, changes, DESIGNS, {"--confidence": ("design.confidence", confidence)}, "the design"
-    )
-    say_if_compiling()
-    with progress("impacts") as count:
-        result = design.optimise(loaded, refine=refine, on_progress=count)
-    respond(
-        result.to_dict(),
-        view.tables(result),
-        as_json=as_json,
-        of=result._heading(),
-        files=[(csv, lambda: view.csv(result))],
-        plot=plot,
-        chart=lambda: view.chart(result),
-        warnings=warnings_of(loaded, result.warnings, of_threats=True),
-    )
+    result = design.optimise(scenario, refine=refine, on_progress=on_progress)
+    return result, result.warnings
 
 
-def sensitivity(
-    scenario: ScenarioFile,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    as_json: AsJson = False,
-) -> None:
+@question("impact", "armour", "ballistic_limit", "optimise", unit="designs")
+def sensitivity(scenario: "Scenario", on_progress: "OnProgress") -> tuple[Any, Sequence[str]]:
     """Rank the inputs by their effect on the answers.
 
     The effects are elasticities: the change of ballistic limit, residual velocity and least areal density, in per cent,
     when an input grows by 1 %.
     """
-    from armour.reporting.views import sensitivity as view
     from armour.statistics import sensitivity as statistics
 
-    check_outputs(plot=plot, force=force)
-    loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit", "optimise"))
-    say_if_compiling()
-    with progress("designs") as count:
-        result = statistics.sensitivity(loaded, on_progress=count)
-    respond(
-        result.to_dict(),
-        view.tables(result),
-        as_json=as_json,
-        of=result._heading(),
-        plot=plot,
-        chart=lambda: view.chart(result),
-        warnings=warnings_of(loaded, result.warnings),
-    )
+    result = statistics.sensitivity(scenario, on_progress=on_progress)
+    return result, result.warnings
 
 
-def uncertainty(
-    scenario: ScenarioFile,
-    samples: Annotated[
-        int | None,
-        option(
-            "Number of samples in place of the scenario's, at least 128.",
-            "--samples",
-            parser=number("--samples", int),
-            metavar="NUMBER",
-        ),
-    ] = None,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    as_json: AsJson = False,
-) -> None:
+@question(
+    "impact",
+    "armour",
+    "ballistic_limit",
+    "uncertainty",
+    unit="samples",
+    samples=(
+        "uncertainty.samples",
+        setting("Number of samples in place of the scenario's, at least 128.", number("--samples", int)),
+    ),
+)
+def uncertainty(scenario: "Scenario", on_progress: "OnProgress") -> tuple[Any, Sequence[str]]:
     """Propagate input uncertainty to the outcome and the ballistic limit."""
-    from armour.reporting.views import uncertainty as view
     from armour.statistics import uncertainty as statistics
 
-    check_outputs(plot=plot, force=force)
-    loaded = read_scenario(
-        scenario,
-        changes,
-        ("impact", "armour", "ballistic_limit", "uncertainty"),
-        {"--samples": ("uncertainty.samples", samples)},
-    )
-    say_if_compiling()
-    with progress("samples") as count:
-        result = statistics.uncertainty(loaded, on_progress=count)
-    respond(
-        result.to_dict(),
-        view.tables(result),
-        as_json=as_json,
-        of=result._heading(),
-        plot=plot,
-        chart=lambda: view.chart(result),
-        warnings=warnings_of(loaded, result.warnings),
-    )
+    result = statistics.uncertainty(scenario, on_progress=on_progress)
+    return result, result.warnings

@@ -14,17 +14,6 @@ from armour.scenario.scenario import Scenario
 
 # What every computation reads.
 ALWAYS = ("model", "solver")
-# What a design depends on.
-DESIGNS = (
-    "impact",
-    "threat",
-    "armour.ceramic",
-    "armour.backing",
-    "design",
-    "optimise",
-    "ballistic_limit",
-    "uncertainty",
-)
 NO_EFFECT = "must have an effect: {} does not depend on it"
 
 

@@ -7,11 +7,10 @@ from typing import NamedTuple
 from armour.analysis.answers import Answers
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import groups_of
-from armour.analysis.quantities import QUANTITIES
+from armour.analysis.quantities import DESIGNS, QUANTITIES
 from armour.analysis.variants import Floats, Variants, grid_of
 from armour.design.optimise import BestDesign, optimise
 from armour.errors import InputError, NoDesignError, Problem
-from armour.scenario.reach import DESIGNS
 from armour.scenario.scenario import Scenario
 
 
