@@ -28,8 +28,8 @@ def question(
     The command checks the outputs, reads the scenario with what ``--set`` changes of the sections that it ``reads`` for
     ``what`` it answers, computes, writes the files, shows and warns.  Its options are those of the function, the common
     ones, and by name those that set a key of the scenario, each with the key and its type; with ``csv_help`` also
-    ``--csv``, for the CSV of the view.  What is done ``first`` is said before the progress, counted in a ``unit``; without it, the
-    engine is compiled.
+    ``--csv``, for the CSV of the view.  What is done ``first`` is said before the progress, which is counted in a
+    ``unit``; without it, the engine is compiled.
     """
 
     def made(function: Callable[..., tuple[Any, Sequence[str]]]) -> Callable[..., None]:
