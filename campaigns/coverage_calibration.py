@@ -24,9 +24,9 @@ from armour.engine.batch import fields
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.sampling import quantiles
 from armour.scenario.scenario import load_scenario
-from armour.statistics import likelihood_fit
-from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, with_ceramic, with_law
-from armour.statistics.test_data import LIMIT, Measurement, Tests, read_tests
+from armour.statistics import likelihood as likelihood_fit
+from armour.statistics.calibration import FLOW_STRESS, LAWS, Law, with_ceramic, with_law
+from armour.statistics.measured import LIMIT, Measurement, Tests, read_tests
 from armour.units import GPA
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -24,10 +24,9 @@ from armour.analysis.variants import Floats
 from armour.planning.plan_tests import plan_tests
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario, load_scenario
-from armour.statistics import likelihood_fit
-from armour.statistics.calibration import calibrate
-from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, with_ceramic, with_law
-from armour.statistics.test_data import LIMIT, MaterialGroup, Measurement, Tests, read_tests
+from armour.statistics import likelihood as likelihood_fit
+from armour.statistics.calibration import FLOW_STRESS, LAWS, Law, calibrate, with_ceramic, with_law
+from armour.statistics.measured import LIMIT, MaterialGroup, Measurement, Tests, read_tests
 from campaigns.coverage_calibration import ROOT, Table
 
 SCATTER, NUMBER = 0.03, 13

@@ -26,18 +26,18 @@ from scipy.special import log_ndtr
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.variants import Floats
-from armour.planning.procedures import bayesian, langlie, neyer, up_and_down
-from armour.planning.procedures.bayesian import Booleans
-from armour.planning.procedures.settings import ShotSettings
-from armour.planning.shot_plan import LIMITS_PROBABILITY, limits_of
+from armour.planning import bayesian
+from armour.planning.bayesian import Booleans
+from armour.planning.procedures import ShotSettings
+from armour.planning.shot_plan import LIMITS_PROBABILITY, PROCEDURES, limits_of
 from armour.scenario.scenario import load_scenario
-from armour.statistics.firing_posterior import FiringPrior, posterior_of, prior_of
+from armour.statistics.posterior import FiringPrior, posterior_of, prior_of
 from armour.statistics.v50 import Shots
 
 SCENARIO, HALF_WIDTH_M_S, CONFIDENCE, MISS_M_S, MOST = "paper/optimum_7.62mm_AP", 15.0, 0.95, 5.0, 150
 DEVIATIONS, SCATTERS_M_S = (0.0, 1.0, 2.0), (15.0, 30.0)
 KNOWN, KNOWN_FACTOR, REQUIRED = "bayesian, scatter known", 1.2, 0.9
-CLASSIC = {"up-and-down": up_and_down, "langlie": langlie, "neyer": neyer}
+CLASSIC = ("up-and-down", "langlie", "neyer")
 # What the procedures start from without the model, in units of its limit: limits of V50, and the first shot.
 WITHOUT, WIDE, START = ", without the model", (0.5, 1.5), 1.2
 # Firings at once; nodes of V50 and scatter of the Bayesian procedure, and its velocities.
@@ -112,12 +112,12 @@ def classic(
     procedure: str, settings: ShotSettings, truths: Floats, scatters: Floats, dice: np.random.Generator
 ) -> Outcome:
     """Simulate firings of a procedure that knows no prior."""
-    rule, count = CLASSIC[procedure.removesuffix(WITHOUT)], len(truths)
+    (next_velocity, _), count = PROCEDURES[procedure.removesuffix(WITHOUT)], len(truths)
     shots, held = np.full(count, MOST), np.zeros(count, dtype=bool)
     fired = [Shots((), ()) for _ in truths]
     going, intervals = np.arange(count), Intervals(count, float(truths.mean()))
     for number in range(1, MOST + 1):
-        aims = np.array([rule.next_velocity(fired[each], settings).velocity_m_s for each in going])
+        aims = np.array([next_velocity(fired[each], settings).velocity_m_s for each in going])
         velocities = dice.normal(aims, MISS_M_S)
         complete = dice.normal(truths[going], scatters[going]) < velocities
         for each, velocity, result in zip(going, velocities.tolist(), complete.tolist(), strict=True):

@@ -21,7 +21,7 @@ from unittest.mock import patch
 from armour.cli.app import app
 from armour.engine.cache import kernel
 from armour.errors import InputError
-from armour.files import written
+from armour.files import write_files
 from armour.statistics.v50 import read_shots
 from campaigns.sweeps import WRONG, exit_code, forked
 from tests.helpers.faults import faults
@@ -100,9 +100,9 @@ def recorded_telling(table: Path, velocity_m_s: float, pipe: int) -> int:
 
     def telling(*args: Any) -> Any:
         os.write(pipe, b".")
-        return written(*args)
+        return write_files(*args)
 
-    with patch("armour.cli.runner.written", telling):
+    with patch("armour.cli.runner.write_files", telling):
         return recorded(table, velocity_m_s)
 
 

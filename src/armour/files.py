@@ -1,13 +1,14 @@
-"""Read text and TOML files, locate the shipped data, make texts safe for files and write files, all or none."""
+"""Shipped data, reading of text and TOML files, texts made safe for files, and writing of files, all or none."""
 
 import os
 import secrets
+import shutil
 import stat
 import sys
 import tomllib
 import unicodedata
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from errno import EINVAL
 from os import PathLike
@@ -227,40 +228,37 @@ def content_of(path: Path) -> bytes | None:
     return path.read_bytes() if path.exists() else None
 
 
-def write_atomic(path: Path, content: bytes) -> None:
-    """Write a file as `written` does."""
-    with written({path: content}):
-        pass
-
-
-@contextmanager
-def written(contents: Mapping[Path, bytes], read: Mapping[Path, bytes | None] | None = None) -> Iterator[None]:
-    """Write files, all or none, before the body; if the body fails, they are taken back.
+def write_files(contents: Mapping[Path, bytes], read: Mapping[Path, bytes | None] | None = None) -> None:
+    """Write files: each whole or not at all, and none of them if one cannot be written.
 
     All are written under other names before any is renamed.  The target of a symbolic link is replaced, and the new
-    file has its mode, owner and group; devices and pipes are written to.  Raise an InputError with every failure, such
-    as a file that no longer has the content that was ``read``.
+    file has its permissions; devices and pipes are written to.  Raise an InputError with every failure, such as a file
+    that no longer has the content that was ``read``.
     """
     problems: list[Problem] = []
-    with ExitStack() as cleanup, ExitStack() as undo:
-        temporaries: dict[Path, Path] = {}
+    temporaries: dict[Path, Path] = {}
+    try:
         for path, content in contents.items():
             with _collected(path, problems):
                 if _is_replaced(_status(path)):
-                    temporaries[path] = _temporary(_target(path), content, cleanup)
-        for path in sorted(contents, key=temporaries.__contains__) if not problems else ():
+                    temporaries[path] = _target(path).with_name(f".armour-{secrets.token_hex(8)}")
+                    _write_new(temporaries[path], content, like=_target(path))
+        for path in sorted(contents, key=temporaries.__contains__):
+            refuse(problems)
             with _collected(path, problems):
                 if read and path in read and content_of(path) != read[path]:
                     raise ValueError("it has changed since it was read; repeat the command")
                 if path in temporaries:
-                    _rename(temporaries[path], _target(path), cleanup, undo)
+                    os.replace(temporaries[path], _target(path))
                 else:
                     # A reader that goes away wants no more.
                     with suppress(BrokenPipeError):
                         path.write_bytes(contents[path])
         refuse(problems)
-        yield
-        undo.pop_all()
+    finally:
+        for temporary in temporaries.values():
+            with suppress(OSError):
+                temporary.unlink()
 
 
 @contextmanager
@@ -272,48 +270,14 @@ def _collected(path: Path, problems: list[Problem]) -> Iterator[None]:
         problems.append(Problem(str(path), "", f"cannot be written: {reason(error)}"))
 
 
-def _temporary(target: Path, content: bytes, cleanup: ExitStack) -> Path:
-    """Write a file beside the target, with the mode, owner and group of an existing target."""
-    there, made = _status(target), _hidden(target, cleanup)
-    mode = 0o666 if there is None else 0o600
-    with open(made, "xb", opener=lambda name, flags: os.open(name, flags, mode)) as file:
-        if there is not None:
-            for owner in ((there.st_uid, -1), (-1, there.st_gid)) if hasattr(os, "chown") else ():
-                with suppress(OSError):
-                    os.chown(made, *owner)
-            # Another group than the old one must not gain its permissions.
-            lost = 0 if made.stat().st_gid == there.st_gid else 0o070
-            made.chmod(there.st_mode & 0o777 & ~lost)
+def _write_new(path: Path, content: bytes, *, like: Path) -> None:
+    """Write a new file and see it on disk; it has the permissions of another, if that exists."""
+    with open(path, "xb") as file:
+        if like.exists():
+            shutil.copymode(like, path)
         file.write(content)
         file.flush()
         os.fsync(file.fileno())
-    return made
-
-
-def _rename(temporary: Path, target: Path, cleanup: ExitStack, undo: ExitStack) -> None:
-    """Rename a file to the target, which can be undone; on a file system without hard links only for a new file."""
-    if target.exists():
-        old = _hidden(target, cleanup)
-        with suppress(OSError):
-            os.link(target, old)
-            undo.callback(_tried, os.replace, old, target)
-        os.replace(temporary, target)
-    else:
-        os.replace(temporary, target)
-        undo.callback(_tried, os.unlink, target)
-    _tried(sync_folder, target.parent)
-
-
-def _hidden(target: Path, cleanup: ExitStack) -> Path:
-    """Return an unused name beside the target, no longer than any name may be; it is removed at the end."""
-    name = target.with_name(f".armour-{secrets.token_hex(8)}")
-    cleanup.callback(_tried, os.unlink, name)
-    return name
-
-
-def _tried(function: Callable[..., None], *paths: Path) -> None:
-    with suppress(OSError):
-        function(*paths)
 
 
 def make_private(folder: Path) -> bool:

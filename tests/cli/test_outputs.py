@@ -46,16 +46,17 @@ def test_no_file_is_written_where_one_cannot_be_drawn(cli, own: Path, monkeypatc
     assert contents(own) == before
 
 
-def test_no_file_stays_where_one_cannot_be_written(cli, own: Path, monkeypatch: pytest.MonkeyPatch):
+def test_no_file_is_written_where_one_cannot_be(cli, own: Path, monkeypatch: pytest.MonkeyPatch):
     (own / "h.csv").write_text("old")
-    before, replace = contents(own), os.replace
+    before, sync, synced = contents(own), os.fsync, []
 
-    def fails_at_the_second(temporary: Path, target: Path) -> None:
-        if target.name == "p.svg":
+    def fails_at_the_second(handle: int) -> None:
+        synced.append(handle)
+        if len(synced) == 2:
             raise OSError(28, "No space left on device")
-        replace(temporary, target)
+        sync(handle)
 
-    monkeypatch.setattr(os, "replace", fails_at_the_second)
+    monkeypatch.setattr(os, "fsync", fails_at_the_second)
     result = cli("simulate", "own.toml", "--history", "h.csv", "--plot", "p.svg", "--force")
     assert (result.exit_code, result.stderr) == (2, "p.svg: cannot be written: no space left on device\n")
     assert "perforated" in result.stdout
@@ -183,10 +184,10 @@ def shell(command: str, folder: Path) -> tuple[int, str]:
     return done.returncode, done.stderr
 
 
-def test_an_answer_that_cannot_be_shown_leaves_no_file(folder: Path):
+def test_the_files_of_an_answer_that_cannot_be_shown_stay(folder: Path):
     code, messages = shell("simulate {wilkins} --history h.csv > /dev/full", folder)
     assert (code, messages) == (2, "standard output: cannot be written: no space left on device\n")
-    assert not list(folder.iterdir())
+    assert [path.name for path in folder.iterdir()] == ["h.csv"]
 
 
 @pytest.mark.parametrize("option", ["--help", "--version"])

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from armour.statistics.test_data import read_tests
+from armour.statistics.measured import read_tests
 from tests.helpers.cases import SCENARIOS, shipped_scenario
 
 WILKINS = SCENARIOS / "wilkins.toml"

@@ -11,6 +11,7 @@ from armour.core.events import (
     EVENT_TOLERANCE,
     Advance,
     Event,
+    Step,
     after_event,
     confirm_event,
     event_functions,
@@ -286,8 +287,10 @@ def test_a_confirmation_with_a_wrong_slope_ends_by_bisection():
     s = first_stage(y, p)
     k, dt = rates(y, s, p), 4e-6
     right = advance(0.0, y, s, p, dt, 1.0).taken / dt
+    end = step(y, k, s, p, dt)
+    whole = Step(0.0, dt, y, k, end, rates(end, s, p), s, p, 1.0)
     for slope in (0.0, 1.0, -1e-9, -1e9):
-        fraction, there = confirm_event(0, 0.0, y, k, s, p, dt, 1.0, 0.5, slope, 1.0, step(y, k, s, p, dt))
+        fraction, there = confirm_event(0, whole, 0.5, slope, 1.0, end)
         assert fraction == pytest.approx(right, abs=2.0 * EVENT_TOLERANCE)
         assert event_functions(fraction * dt, there, s, p, 1.0)[0] < 0.0
 
@@ -299,7 +302,7 @@ def test_the_root_on_the_cubic_is_between_its_neighbours():
     k, dt = rates(y, s, p), 4e-6
     end = step(y, k, s, p, dt)
     g, g_end = (event_functions(t, at, s, p, 1.0)[0] for t, at in ((0.0, y), (dt, end)))
-    x, after, slope = root_on_cubic(0, 0.0, y, k, end, rates(end, s, p), s, p, dt, 1.0, g, g_end, 1.0)
+    x, after, slope = root_on_cubic(0, Step(0.0, dt, y, k, end, rates(end, s, p), s, p, 1.0), g, g_end, 1.0)
     right = advance(0.0, y, s, p, dt, 1.0).taken / dt
     assert x == pytest.approx(right, abs=1e-3)
     assert x < after < x + 1e-3

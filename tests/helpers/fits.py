@@ -2,9 +2,8 @@
 
 from functools import cache
 
-from armour.statistics.calibration import CalibrationResult, calibrate
-from armour.statistics.flow_stress_laws import Law
-from armour.statistics.test_data import read_tests
+from armour.statistics.calibration import CalibrationResult, Law, calibrate
+from armour.statistics.measured import read_tests
 from tests.helpers.cases import TESTS, shipped_scenario
 
 

@@ -12,9 +12,8 @@ from armour.errors import InputError
 from armour.planning.plan_tests import PlannedTests, plan_tests
 from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 from armour.scenario.scenario import Scenario
-from armour.statistics.calibration import calibrate
-from armour.statistics.flow_stress_laws import FLOW_STRESS
-from armour.statistics.test_data import read_tests
+from armour.statistics.calibration import FLOW_STRESS, calibrate
+from armour.statistics.measured import read_tests
 from tests.helpers.cases import TESTS, csv_file, shipped_scenario
 
 LIMITS = ((6.0, 700.0), (7.0, 760.0), (8.0, 810.0))

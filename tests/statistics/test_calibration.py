@@ -13,11 +13,21 @@ from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
 from armour.errors import InputError
 from armour.scenario.scenario import Scenario
-from armour.statistics import calibration, likelihood_fit
-from armour.statistics.calibration import CalibrationResult, Residual, calibrate, left_out_errors, out_of_line
-from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS, Law, with_ceramic, with_law
-from armour.statistics.likelihood_fit import Coefficient
-from armour.statistics.test_data import LIMIT, read_tests
+from armour.statistics import calibration, likelihood
+from armour.statistics.calibration import (
+    FLOW_STRESS,
+    LAWS,
+    CalibrationResult,
+    Law,
+    Residual,
+    calibrate,
+    left_out_errors,
+    out_of_line,
+    with_ceramic,
+    with_law,
+)
+from armour.statistics.likelihood import Coefficient
+from armour.statistics.measured import LIMIT, read_tests
 from campaigns.coverage_calibration import CASES, Simulation, Table
 from tests.helpers.cases import TESTS, csv_file, scenario, shipped_scenario
 
@@ -47,20 +57,20 @@ def limit(case: Scenario, **inputs: float) -> float:
 
 @pytest.fixture(scope="module")
 def table() -> Table:
-    return Table(likelihood_fit.MODELS[LIMIT])
+    return Table(likelihood.MODELS[LIMIT])
 
 
 @pytest.fixture
 def quick(table: Table, monkeypatch: pytest.MonkeyPatch) -> None:
     """Interpolate the limits of Wilkins' armours, to 0.001 m/s about 5 GPa."""
-    monkeypatch.setitem(likelihood_fit.MODELS, LIMIT, table)
+    monkeypatch.setitem(likelihood.MODELS, LIMIT, table)
 
 
 @pytest.fixture(scope="module")
 def all_laws(table: Table, wilkins: Scenario) -> CalibrationResult:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(likelihood_fit.MODELS, LIMIT, table)
-        counted = Mock(wraps=likelihood_fit.intervals)
+        patch.setitem(likelihood.MODELS, LIMIT, table)
+        counted = Mock(wraps=likelihood.intervals)
         patch.setattr(calibration, "intervals", counted)
         result = calibrate(read_tests(TESTS, wilkins), wilkins, law="all")
         assert counted.call_count == 1  # of the law reported alone
@@ -386,7 +396,7 @@ def test_tests_left_out_cost_one_prediction_where_they_change_little(
     counts: list[int] = []
     quick = calibrate(tests, wilkins, on_progress=lambda count, _: counts.append(count))
     searches = len(counts)
-    monkeypatch.setattr(likelihood_fit, "SMALL_CHANGE", 0.0)
+    monkeypatch.setattr(likelihood, "SMALL_CHANGE", 0.0)
     exact = calibrate(tests, wilkins, on_progress=lambda count, _: counts.append(count))
     assert len(counts) > 2 * searches + 2 * len(rows)
     assert [r.left_out for r in quick.residuals] == pytest.approx([r.left_out for r in exact.residuals], rel=2e-6)

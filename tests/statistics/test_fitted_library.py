@@ -9,10 +9,9 @@ from armour.analysis.evaluate import evaluate
 from armour.errors import InputError, NoAnswerError
 from armour.scenario.library import read_library, shipped_library
 from armour.scenario.scenario import Scenario, load_scenario
-from armour.statistics.calibration import calibrate
+from armour.statistics.calibration import calibrate, with_ceramic
 from armour.statistics.fitted_library import library_text, save_fit, scenario_text
-from armour.statistics.flow_stress_laws import with_ceramic
-from armour.statistics.test_data import read_tests
+from armour.statistics.measured import read_tests
 from tests.helpers.cases import TESTS, csv_file, scenario, shipped_scenario
 from tests.helpers.fits import wilkins_fit
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import approx_fprime
 
-from armour.statistics.prior import Prior, prior_of
+from armour.statistics.likelihood import Prior, prior_of
 from tests.helpers.cases import shipped_scenario
 
 STRESS, TAU = "ceramic.flow_stress_GPa", "backing.shear_strength_MPa"

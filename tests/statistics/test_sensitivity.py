@@ -8,7 +8,8 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import simulate
 from armour.design.optimise import optimise
 from armour.errors import InputError
-from armour.statistics.sensitivity import CHANGE, LIMIT, OPTIMUM, RESIDUAL, sensitivity
+from armour.statistics.measured import LIMIT, RESIDUAL
+from armour.statistics.sensitivity import CHANGE, OPTIMUM, sensitivity
 from tests.helpers.cases import scenario, shipped_scenario
 
 

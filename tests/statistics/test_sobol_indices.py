@@ -8,7 +8,7 @@ import pytest
 from armour.analysis.variants import Floats
 from armour.scenario.distributions import Uncertainty
 from armour.scenario.sampling import columns_of, points_of
-from armour.statistics.sobol_indices import first_order_indices, total_indices
+from armour.statistics.uncertainty import first_order_indices, total_indices
 
 INPUTS = ["ceramic.density_kg_m3", "ceramic.flow_stress_GPa", "backing.density_kg_m3"]
 

@@ -17,8 +17,14 @@ from armour.scenario.distributions import Uncertainty, correlation_matrix
 from armour.scenario.sampling import columns_of, points_of
 from armour.scenario.scenario import Scenario
 from armour.statistics import uncertainty as module
-from armour.statistics.sobol_indices import first_order_indices
-from armour.statistics.uncertainty import index_samples, probability_curve, quantile, sample_limits, uncertainty
+from armour.statistics.uncertainty import (
+    first_order_indices,
+    index_samples,
+    probability_curve,
+    quantile,
+    sample_limits,
+    uncertainty,
+)
 from tests.helpers.cases import scenario, shipped_scenario
 
 

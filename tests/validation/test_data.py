@@ -7,10 +7,8 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.errors import InputError
 from armour.reporting.views.suite import junit, suite_tables
-from armour.validation.data import Condition
-from armour.validation.suite import load_suite
-from armour.validation.update import updates_of
-from armour.validation.validate import SuiteResult
+from armour.validation.suite import Condition, load_suite
+from armour.validation.validate import SuiteResult, updates_of
 from tests.helpers.cases import scenario
 from tests.helpers.suites import load, result
 

@@ -10,8 +10,7 @@ from scipy import stats
 
 from armour.scenario.evidence import MEASURES, Evidence, shipped_evidence
 from armour.scenario.library import shipped_library
-from armour.statistics.calibration import left_out_errors
-from armour.statistics.flow_stress_laws import Law
+from armour.statistics.calibration import Law, left_out_errors
 from armour.validation.suite import load_suite
 from armour.validation.validate import SuiteResult, validate
 from tests.helpers.cases import TESTS, scenario

@@ -4,8 +4,7 @@ from pathlib import Path
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.validation.suite import load_suite
-from armour.validation.update import kept_by_update, updated_file, updates_of
-from armour.validation.validate import validate
+from armour.validation.validate import kept_by_update, updated_file, updates_of, validate
 from tests.helpers.cases import scenario
 from tests.helpers.suites import TABLE, case, result
 

@@ -69,9 +69,9 @@ def calibrate(
     # Imported here, as what they need takes long to load.
     from armour.reporting.views import calibration as view
     from armour.statistics import calibration
+    from armour.statistics.calibration import FLOW_STRESS
     from armour.statistics.fitted_library import library_text, scenario_text
-    from armour.statistics.flow_stress_laws import FLOW_STRESS
-    from armour.statistics.test_data import read_tests
+    from armour.statistics.measured import read_tests
 
     read = read_tests(file, loaded)
     say_if_compiling()

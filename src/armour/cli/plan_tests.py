@@ -91,8 +91,8 @@ def plan_of_tests(
     from armour.planning.plan_tests import plan_tests, weighted_by
     from armour.reporting.table import csv_text
     from armour.reporting.views import planned_tests as view
-    from armour.statistics.flow_stress_laws import FLOW_STRESS
-    from armour.statistics.test_data import read_tests
+    from armour.statistics.calibration import FLOW_STRESS
+    from armour.statistics.measured import read_tests
 
     check_outputs(csv, plot=plot, force=force)
     reads = ("impact", "armour", "ballistic_limit", *(["uncertainty"] if prior else []))

@@ -6,7 +6,7 @@ Files are written before anything is printed, so that a reader that closes the p
 import os
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from contextvars import copy_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,7 +24,7 @@ from armour.files import (
     read_text,
     reserve,
     unwritable,
-    written,
+    write_files,
     wrong_ending,
 )
 
@@ -169,19 +169,18 @@ def respond(
 
     contents: dict[Path, bytes] = {}
     failed: ArmourError | None = None
-    with ExitStack() as stack:
-        try:
-            for path, content in [*files, (plot, drawn)]:
-                if path is not None and (made := content()) is not None:
-                    contents[path] = _encoded(made)
-            stack.enter_context(written(contents, read))
-        except ArmourError as error:
-            failed = error
-        # The answer is shown even if a file cannot be made or written; if it cannot be shown, no file stays.
-        if as_json:
-            show_json(data)
-        elif shown := [*tables]:
-            show(*of[1:], *shown, title=of[0] if of else title)
+    try:
+        for path, content in [*files, (plot, drawn)]:
+            if path is not None and (made := content()) is not None:
+                contents[path] = _encoded(made)
+        write_files(contents, read)
+    except ArmourError as error:
+        failed = error
+    # The answer is shown even if a file cannot be made or written.
+    if as_json:
+        show_json(data)
+    elif shown := [*tables]:
+        show(*of[1:], *shown, title=of[0] if of else title)
     say(*(f"wrote {path}" for path in contents if not failed), *warnings)
     if failed:
         raise failed
@@ -189,8 +188,7 @@ def respond(
 
 def write(contents: Mapping[Path, str | bytes]) -> None:
     """Write outputs, all or none, and report them on standard error."""
-    with written({path: _encoded(content) for path, content in contents.items()}):
-        pass
+    write_files({path: _encoded(content) for path, content in contents.items()})
     say(*(f"wrote {path}" for path in contents))
 
 

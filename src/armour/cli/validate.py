@@ -56,7 +56,7 @@ def validate(
     from armour.reporting.views import suite as view
     from armour.scenario.changes import changes_of
     from armour.validation.suite import load_suite
-    from armour.validation.update import kept_by_update
+    from armour.validation.validate import kept_by_update
 
     path = suite_file("paper" if suite is None else suite)
     if update:
@@ -121,7 +121,7 @@ def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":
 def _updated(suite: Path, result: "SuiteResult") -> bytes | None:
     """Return the suite with computed values, which are listed on standard error; None where nothing changes."""
     from armour.reporting.views.suite import update_table
-    from armour.validation.update import kept_by_update, updated_file, updates_of
+    from armour.validation.validate import kept_by_update, updated_file, updates_of
 
     if kept := kept_by_update(result).checks:
         say(f"kept, as no regression values: {len(kept)} of {len(result.checks)} expected values")

@@ -47,6 +47,20 @@ class Advance(NamedTuple):
     g: Margins
 
 
+class Step(NamedTuple):
+    """A whole step, in one stage, within which an event is located."""
+
+    t: float  # time at its start, s
+    dt: float  # its length, s
+    y: State  # state and rates at its start
+    k: State
+    y_end: State  # and at its end
+    k_end: State
+    s: Stage
+    p: Parameters
+    V_arrest: float
+
+
 def event_functions(t: float, y: State, s: Stage, p: Parameters, V_arrest: float) -> Margins:
     """Return the event functions, one per `Event`: at least 0 while the stage lasts, negative after the event."""
     together = projectile = target = motion = inf
@@ -96,15 +110,16 @@ def step_to_event(
             j = first_negative(g_after, -1)
     if j < 0:
         return Advance(-1, dt, y_end, k_end, g_end)
+    whole = Step(t, dt, y, k, y_end, k_end, s, p, V_arrest)
     # Each event found shortens the interval, and may reveal another that had come and gone within it.
     for _ in range(2 * EVENTS):
         event = j
         if g[j] < 0.0:
             fraction, y_after = 0.0, y
         elif not g_after[j] >= EVENT_TOLERANCE * (g_after[j] - g[j]) / fraction:
-            x, after, slope = root_on_cubic(j, t, y, k, y_end, k_end, s, p, dt, V_arrest, g[j], g_after[j], fraction)
+            x, after, slope = root_on_cubic(j, whole, g[j], g_after[j], fraction)
             if not rough or is_bent(y, k, y_end, k_end, dt):
-                fraction, y_after = confirm_event(j, t, y, k, s, p, dt, V_arrest, x, slope, fraction, y_after)
+                fraction, y_after = confirm_event(j, whole, x, slope, fraction, y_after)
             elif after < fraction:
                 fraction, y_after = after, state_within(y, k, y_end, k_end, dt, after)
         g_after = event_functions(t + fraction * dt, y_after, s, p, V_arrest)
@@ -140,26 +155,13 @@ def turning_point(k: State, k_end: State) -> float:
     return turn
 
 
-def root_on_cubic(
-    j: int,
-    t: float,
-    y: State,
-    k: State,
-    y_end: State,
-    k_end: State,
-    s: Stage,
-    p: Parameters,
-    dt: float,
-    V_arrest: float,
-    g_low: float,
-    g_high: float,
-    high: float,
-) -> tuple[float, float, float]:
+def root_on_cubic(j: int, whole: Step, g_low: float, g_high: float, high: float) -> tuple[float, float, float]:
     """Return the fractions of a step at and after which event j happens on its cubic, and the slope of g there.
 
     The event function g is ``g_low`` >= 0 at the start of the step and ``g_high`` < 0 at the fraction ``high``.  The
     secant method is used, towards just after the event, and bisection where it leaves the interval.
     """
+    t, dt, y, k, y_end, k_end, s, p, V_arrest = whole
     low = 0.0
     x1, g1, x2, g2 = 0.0, g_low, high, g_high
     slope = 0.0
@@ -180,25 +182,13 @@ def root_on_cubic(
     return x2, high, slope
 
 
-def confirm_event(
-    j: int,
-    t: float,
-    y: State,
-    k: State,
-    s: Stage,
-    p: Parameters,
-    dt: float,
-    V_arrest: float,
-    x: float,
-    slope: float,
-    high: float,
-    y_high: State,
-) -> tuple[float, State]:
+def confirm_event(j: int, whole: Step, x: float, slope: float, high: float, y_high: State) -> tuple[float, State]:
     """Return the fraction of a step just after event j, within `EVENT_TOLERANCE`, and the state there.
 
     The event has happened at the fraction ``high``, in state ``y_high``.  Steps confirm it, the first up to its
     estimate x, where the event function has the slope given, and the next where that slope leads.
     """
+    t, dt, y, k, _, _, s, p, V_arrest = whole
     low = 0.0
     x1, g1 = -1.0, 0.0  # the point before
     trials = 0

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from math import inf, isnan
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -28,17 +28,24 @@ if TYPE_CHECKING:
 
 # Thicknesses that a warning lists.
 MOST_LISTED = 5
-NO_ERROR = "the error of the model is not known"
-SMALLER = {"areal_density_kg_m2": "lighter", "thickness_mm": "thinner", "cost_per_m2": "cheaper"}
-# Keys of [design] that bound a quantity, its unit, and what a design with the least of it is called.
-CONSTRAINTS = {
-    "areal_density_kg_m2": "areal_density_max_kg_m2",
-    "thickness_mm": "thickness_max_mm",
-    "cost_per_m2": "cost_max_per_m2",
+ERROR_UNKNOWN = "the error of the model is not known"
+
+
+class Objective(NamedTuple):
+    """A quantity to minimise: words for less and more of it, its unit, and the key of [design] that bounds it."""
+
+    least: str
+    less: str
+    more: str
+    unit: str
+    bound: str
+
+
+OBJECTIVES = {
+    "areal_density_kg_m2": Objective("lightest", "lighter", "heavier", " kg/m²", "areal_density_max_kg_m2"),
+    "thickness_mm": Objective("thinnest", "thinner", "thicker", " mm", "thickness_max_mm"),
+    "cost_per_m2": Objective("cheapest", "cheaper", "dearer", " per m²", "cost_max_per_m2"),
 }
-UNITS = {"areal_density_kg_m2": " kg/m²", "thickness_mm": " mm", "cost_per_m2": " per m²"}
-SUPERLATIVES = {"areal_density_kg_m2": "lightest", "thickness_mm": "thinnest", "cost_per_m2": "cheapest"}
-COMPARATIVES = {"areal_density_kg_m2": "heavier", "thickness_mm": "thicker", "cost_per_m2": "dearer"}
 
 
 @dataclass(frozen=True)
@@ -331,7 +338,7 @@ def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[str]
         thickness = best.ceramic_thickness_mm if name == "ceramic" else best.backing_thickness_mm
         for end, which, beyond in ((low, "least", "thinner"), (high, "greatest", "thicker")):
             if thickness == end > 0.0:
-                smaller = SMALLER[catalogue.section.minimise]
+                smaller = OBJECTIVES[catalogue.section.minimise].less
                 yield (
                     f"{key}: the best design lies at the {which} {name} thickness of the range, {end:g} mm; "
                     f"a {beyond} {name} may make the armour {smaller}"
@@ -458,7 +465,7 @@ def _pairs(search: Search, best: int) -> tuple[Pair, ...]:
 def _excess(search: Search, place: int, least: float) -> tuple[float | None, str]:
     """Return the excess of the objective of a design over the least, per cent, and the same in words."""
     section, value = search.catalogue.section, float(search.values[place])
-    comparative = COMPARATIVES[section.minimise]
+    comparative = OBJECTIVES[section.minimise].more
     if value <= least:
         return 0.0, ""
     if least <= 0.0:
@@ -491,7 +498,7 @@ def _why_none(search: Search) -> str:
         )
         return f"no design keeps the probability of perforation within the bound of every threat{unknown}"
     reasons = dict.fromkeys(_why_none_of(search, pair) for pair in range(len(catalogue.offers)))
-    known = not all(reason.startswith(NO_ERROR) for reason in reasons)
+    known = not all(reason.startswith(ERROR_UNKNOWN) for reason in reasons)
     return "; ".join(reasons) + ("; offer thicker layers in [design] or [optimise]" if known else "")
 
 
@@ -500,25 +507,28 @@ def _unconstrained(catalogue: Catalogue, pairs: Sequence[int]) -> dict[str, Sear
 
     Where inputs are sampled too, this is not searched for.
     """
-    found = {}
-    for name, key in CONSTRAINTS.items():
-        if getattr(catalogue.section, key) is not None and not catalogue.sampled:
-            section = catalogue.section.model_copy(update={**dict.fromkeys(CONSTRAINTS.values()), "minimise": name})
+    unbounded = {objective.bound: None for objective in OBJECTIVES.values()}
+    searches = {}
+    for name, objective in OBJECTIVES.items():
+        if getattr(catalogue.section, objective.bound) is not None and not catalogue.sampled:
+            section = catalogue.section.model_copy(update={**unbounded, "minimise": name})
             offers = tuple(catalogue.offers[pair] for pair in pairs)
             free = Requirement(replace(catalogue, section=section, offers=offers, layers=catalogue.layers[pairs]))
-            found[name] = Search(free, candidates_of(free))
-    return found
+            searches[name] = Search(free, candidates_of(free))
+    return searches
 
 
 def _bound_by_constraints(section: DesignSection, least: Mapping[str, float]) -> str:
     """Return which constraints keep designs out, given the least that a design without them has; "" if none does."""
-    given = {name: getattr(section, CONSTRAINTS[name]) for name in least}
-    missed = {name: value for name, value in least.items() if value > given[name]}
-    parts = [
-        f"design.{CONSTRAINTS[name]}: the {SUPERLATIVES[name]} design that defeats every threat has "
-        f"{value:.4g}{UNITS[name]}, at most {given[name]:g}{UNITS[name]} is allowed"
-        for name, value in (missed or least).items()
-    ]
+    bounds = {name: getattr(section, OBJECTIVES[name].bound) for name in least}
+    missed = {name: value for name, value in least.items() if value > bounds[name]}
+    parts = []
+    for name, value in (missed or least).items():
+        of = OBJECTIVES[name]
+        parts.append(
+            f"design.{of.bound}: the {of.least} design that defeats every threat has {value:.4g}{of.unit}, "
+            f"at most {bounds[name]:g}{of.unit} is allowed"
+        )
     return "; ".join(parts if missed or not parts else [*parts, "no design keeps to all of them at once"])
 
 
@@ -541,7 +551,7 @@ def _subject(catalogue: Catalogue) -> str:
         CERAMIC: (),
         BACKING: (),
     }
-    wanted = SUPERLATIVES[catalogue.section.minimise].capitalize()
+    wanted = OBJECTIVES[catalogue.section.minimise].least.capitalize()
     return f"{wanted} {catalogue.scenario.subject(varied, catalogue.scenario.threat)}"
 
 
@@ -557,7 +567,7 @@ def _why_none_of(search: Search, pair: int) -> str:
         armour = f"{offer.ceramic.material} on {offer.backing.material}" if offer.ceramic.material else "bare plates"
         threats = np.array(catalogue.titles)[unknown.any(axis=0)]
         against = "" if len(threats) == len(catalogue.titles) else f" against {' or '.join(threats)}"
-        return f"{NO_ERROR} for {armour}{against}; [uncertainty.model] can give it"
+        return f"{ERROR_UNKNOWN} for {armour}{against}; [uncertainty.model] can give it"
     good = own[search.defeating[own]]
     if len(good) and catalogue.sampled:
         return f"no design within {catalogue.section.runners_up_percent:g} % of the best"

@@ -22,13 +22,13 @@ from armour.units import MM
 # Samples of a design after which it is first checked whether it can still pass.
 FIRST_SAMPLES = 64
 # Probability of as many perforations as are seen, if the bound held, below which the other samples are not needed.
-SURE = 1e-9
+IMPROBABLE = 1e-9
 # Samples that are computed at a time at most, which bounds the memory.
 MOST_SAMPLES = 2**15
 # Scenarios of pairs of materials and threats that are kept.
 MOST_SCENARIOS = 1000
 # Holds the place of the error of the model, which is different for each design.
-NO_ERROR = ErrorDistribution(mean=0.0, standard_deviation=1.0, degrees_of_freedom=1.0)
+ANY_ERROR = ErrorDistribution(mean=0.0, standard_deviation=1.0, degrees_of_freedom=1.0)
 
 
 class Reliability:
@@ -41,7 +41,7 @@ class Reliability:
         section = section_of(self.against(0, 0))
         _check(catalogue, section)
         # Points of the unit cube, (samples, inputs), the error of the model included.
-        self.points = points_of(section.with_error(NO_ERROR))
+        self.points = points_of(section.with_error(ANY_ERROR))
 
     def probabilities(self, candidates: Candidates, place: int) -> dict[str, Estimate] | None:
         """Estimate the probabilities of perforation of a design, see `Search.probabilities`."""
@@ -82,7 +82,7 @@ class Reliability:
             hits += int(perforated(sampled(scenario, columns, len(part)).variants).sum())
             estimate = proportion(hits, len(points))
             self.on_progress(len(part), None)
-            if estimate.high > bound or bdtrc(hits - 1, end, bound) < SURE:
+            if estimate.high > bound or bdtrc(hits - 1, end, bound) < IMPROBABLE:
                 return None
             start, end = end, end + min(end, MOST_SAMPLES)
         return estimate

@@ -25,9 +25,8 @@ from armour.scenario.checked import Names, checked, instance
 from armour.scenario.inputs import INPUTS, NAMES, VELOCITY
 from armour.scenario.keys import canonical
 from armour.scenario.scenario import Scenario
-from armour.statistics.calibration import under_law
-from armour.statistics.flow_stress_laws import FLOW_STRESS, Law, law_of
-from armour.statistics.likelihood_fit import (
+from armour.statistics.calibration import FLOW_STRESS, Law, law_of, under_law
+from armour.statistics.likelihood import (
     DIFFERENCE,
     Fit,
     Likelihood,
@@ -38,7 +37,7 @@ from armour.statistics.likelihood_fit import (
     needed_of,
     rows_at,
 )
-from armour.statistics.test_data import LIMIT, MEASURED, MaterialGroup, Measurement, Tests, subject_of
+from armour.statistics.measured import LIMIT, MEASURED, MaterialGroup, Measurement, Tests, subject_of
 from armour.sweeps.cases import Cases, Grid, source_of
 
 # Column of the cost of a candidate.

@@ -1,8 +1,7 @@
 """Plan of a V50 firing: the velocity of the next shot, or the whole firing simulated."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from types import ModuleType
 from typing import Annotated, Literal
 
 import numpy as np
@@ -13,14 +12,24 @@ from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result
 from armour.errors import InputError, Problem, refuse
-from armour.planning.procedures import bayesian, langlie, neyer, up_and_down
-from armour.planning.procedures.settings import ShotSettings
-from armour.planning.procedures.stopping import recommended_fit
+from armour.planning import bayesian
+from armour.planning.procedures import (
+    Aim,
+    ShotSettings,
+    langlie_doubts,
+    mean_of,
+    next_by_langlie,
+    next_by_neyer,
+    next_up_and_down,
+    recommended_fit,
+    stopped,
+    stopped_up_and_down,
+)
 from armour.scenario.checked import checked
 from armour.scenario.evidence import ModelError
 from armour.scenario.scenario import Scenario
 from armour.scenario.words import ANY_VELOCITY
-from armour.statistics.firing_posterior import (
+from armour.statistics.posterior import (
     SCATTER_FACTOR,
     SCATTER_PERCENT,
     FiringEstimate,
@@ -36,11 +45,12 @@ from armour.statistics.response_curve import FittedCurve
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, MeanV50, Shots, check_shots
 
 Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
-PROCEDURES: Mapping[str, ModuleType] = {
-    "bayesian": bayesian,
-    "neyer": neyer,
-    "langlie": langlie,
-    "up-and-down": up_and_down,
+# By procedure: the functions that give the velocity of the next shot, and why the firing ends.
+PROCEDURES: Mapping[str, tuple[Callable[[Shots, ShotSettings], Aim], Callable[[Shots, ShotSettings], str]]] = {
+    "bayesian": (bayesian.next_velocity, bayesian.stopped),
+    "neyer": (next_by_neyer, stopped),
+    "langlie": (next_by_langlie, stopped),
+    "up-and-down": (next_up_and_down, stopped_up_and_down),
 }
 HALF_WIDTH_M_S = 15.0
 # Probability of V50 within the limits of Langlie's and Neyer's procedures, unless they are given.
@@ -272,9 +282,9 @@ def plan_shots(
         dice = np.random.default_rng(seed)
         truth = _truth(true_v50_m_s, true_scatter_m_s, prior, fired, dice)
         fired = simulated(procedure, fired, settings, truth, dice, on_progress)
-    rule = PROCEDURES[procedure]
-    stopped = rule.stopped(fired, settings)
-    aim = None if stopped else rule.next_velocity(fired, settings)
+    next_aim, why_stopped = PROCEDURES[procedure]
+    ended = why_stopped(fired, settings)
+    aim = None if ended else next_aim(fired, settings)
     known = None if prior is None else posterior_of(prior, fired.velocities_m_s, fired.complete)
     alone = None if prior is None else posterior_of(prior, (), ())
     before_shots = None if alone is None else alone.estimate(confidence)
@@ -289,7 +299,7 @@ def plan_shots(
         simulated=len(fired.complete) - before,
         next_velocity_m_s=None if aim is None else aimed(aim.velocity_m_s),
         reason="" if aim is None else aim.why,
-        stopped=stopped,
+        stopped=ended,
         expected_shots=bayesian.expected_shots(fired, settings) if procedure == "bayesian" and aim else None,
         confidence=confidence,
         half_width_m_s=None if requirement_m_s is not None and procedure == "bayesian" else settings.half_width_m_s,
@@ -301,7 +311,7 @@ def plan_shots(
         posterior=estimate,
         prior_share=None if before_shots is None or estimate is None else prior_share(before_shots, estimate),
         recommended=None if procedure == "bayesian" else recommended_fit(fired, confidence),
-        mean=up_and_down.mean(fired) if procedure == "up-and-down" else None,
+        mean=mean_of(fired) if procedure == "up-and-down" else None,
         model_ballistic_limit_m_s=limit.ballistic_limit_m_s,
         model_error=limit.model_error,
         true_v50_m_s=truth and truth[0],
@@ -311,7 +321,7 @@ def plan_shots(
         warnings=(
             *_far_shots(given_shots, prior),
             *contradicted,
-            *(langlie.doubts(fired, settings) if procedure == "langlie" and aim else ()),
+            *(langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
             *([f"the simulation stopped after {MAX_SIMULATED} shots without an end"] if simulate and aim else ()),
             *limit.warnings,
         ),
@@ -383,11 +393,11 @@ def simulated(
     on_progress: OnProgress = ignore_progress,
 ) -> Shots:
     """Return shots with those that are simulated until the procedure ends the firing."""
-    rule = PROCEDURES[procedure]
+    next_aim, why_stopped = PROCEDURES[procedure]
     for _ in range(MAX_SIMULATED):
-        if rule.stopped(fired, settings):
+        if why_stopped(fired, settings):
             break
-        velocity = aimed(rule.next_velocity(fired, settings).velocity_m_s)
+        velocity = aimed(next_aim(fired, settings).velocity_m_s)
         result = bool(dice.normal(*truth) < velocity)
         fired = Shots((*fired.velocities_m_s, velocity), (*fired.complete, result), fired.file, fired.names)
         on_progress(1, None)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from armour import __version__
-from armour.design.optimise import SUPERLATIVES
+from armour.design.optimise import OBJECTIVES
 from armour.errors import Note
 from armour.reporting.chart import Chart
 from armour.reporting.contents import AgainstThreat, Contents, asks_for_design
@@ -69,7 +69,7 @@ def _question(contents: Contents) -> str:
     armour, best = "available armour", design.best
     if len(design.pairs) == 1:
         armour = f"{best.ceramic} on {best.backing}" if best.ceramic else best.backing
-    return f"Which {armour} is the {SUPERLATIVES[design.minimised]} that defeats {threats}?"
+    return f"Which {armour} is the {OBJECTIVES[design.minimised].least} that defeats {threats}?"
 
 
 def _the(found: AgainstThreat) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.errors import InputError, Problem, refuse
-from armour.files import unwritable, write_atomic, wrong_ending
+from armour.files import unwritable, write_files, wrong_ending
 from armour.reporting.views.registry import view_of
 from armour.scenario.scenario import Scenario
 
@@ -135,7 +135,7 @@ def report(
         made = scenario_report(contents, f'armour.report(scenario, "{path}"{option})')
     else:
         made = suite.report(subject, f'armour.report(result, "{path}")')
-    write_atomic(path, report_text(made, path).encode(errors="backslashreplace"))
+    write_files({path: report_text(made, path).encode(errors="backslashreplace")})
 
 
 def report_text(made: "Report", path: Path) -> str:

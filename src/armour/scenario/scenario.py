@@ -15,7 +15,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Note, Problem, choices, refuse, suggestion
-from armour.files import exists, located, read_toml, shipped_files, shipped_suites, write_atomic
+from armour.files import exists, located, read_toml, shipped_files, shipped_suites, write_files
 from armour.scenario.changes import changed
 from armour.scenario.checked import checked
 from armour.scenario.distributions import Uncertainty
@@ -407,7 +407,7 @@ def save_scenario(scenario: Scenario, path: str | PathLike[str]) -> None:
         If the file cannot be written.
     """
     path = Path(path)
-    write_atomic(path, scenario.to_toml(path.parent).encode())
+    write_files({path: scenario.to_toml(path.parent).encode()})
 
 
 @checked

@@ -7,14 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from armour.errors import InputError, NoAnswerError, Problem
-from armour.files import parse_toml, written
+from armour.files import parse_toml, write_files
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW, LibraryEntry, library_toml, shipped_library
 from armour.scenario.scenario import Scenario, parse_scenario
-from armour.statistics.calibration import CalibrationResult, left_out_errors
-from armour.statistics.flow_stress_laws import FLOW_STRESS, LAWS
-from armour.statistics.test_data import LIMIT, MEASURED, OUTCOME, Tests
+from armour.statistics.calibration import FLOW_STRESS, LAWS, CalibrationResult, left_out_errors
+from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
 
 SUFFIX = ", calibrated"
 
@@ -55,8 +54,7 @@ def save_fit(
         contents[Path(fitted)] = scenario_text(result, tests, scenario, Path(fitted)).encode()
     if not contents:
         raise InputError([Problem("save_fit", "library", "must be given, or fitted: the file to write")])
-    with written(contents):
-        pass
+    write_files(contents)
 
 
 def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario) -> str:

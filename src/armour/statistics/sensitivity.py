@@ -17,13 +17,14 @@ from armour.errors import NoAnswerError
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 from armour.scenario.scenario import Scenario
+from armour.statistics.measured import LIMIT, RESIDUAL
 
 # Relative change of an input in either direction.
 CHANGE = 0.005
 # Tolerance of the ballistic limits that are subtracted, m/s.
 LIMIT_TOLERANCE_M_S = 1e-7
 
-LIMIT, RESIDUAL, OPTIMUM = "ballistic_limit_m_s", "residual_velocity_m_s", "least_areal_density_kg_m2"
+OPTIMUM = "least_areal_density_kg_m2"
 # Inputs that an answer does not depend on, because it is the result of a search over them.
 FREE = {LIMIT: (VELOCITY,), RESIDUAL: (), OPTIMUM: (CERAMIC, BACKING)}
 

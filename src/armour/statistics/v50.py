@@ -20,7 +20,8 @@ from armour.errors import InputError, Problem, refuse, suggestion
 from armour.scenario.checked import checked
 from armour.scenario.scenario import Scenario
 from armour.scenario.words import ANY_VELOCITY
-from armour.statistics.firing_posterior import (
+from armour.statistics.penalised_curve import fit_penalised
+from armour.statistics.posterior import (
     FiringEstimate,
     contradictions,
     no_prior,
@@ -28,7 +29,6 @@ from armour.statistics.firing_posterior import (
     prior_of,
     prior_share,
 )
-from armour.statistics.penalised_curve import fit_penalised
 from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
 from armour.units import missing_unit
 

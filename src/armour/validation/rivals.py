@@ -9,8 +9,7 @@ from armour.analysis.closed_forms import fit_areal_density_rule
 from armour.analysis.florence import BODIES, bodies_of, florence_ballistic_limit, missing_for_florence
 from armour.analysis.variants import Floats
 from armour.scenario.sections import TINY
-from armour.statistics.flow_stress_laws import FLOW_STRESS
-from armour.statistics.test_data import LIMIT, MaterialGroup, Measurement, Tests
+from armour.statistics.measured import LIMIT, MaterialGroup, Measurement, Tests
 from armour.validation.suite import Case
 
 # Least number of tests, and of different areal densities, to which something is fitted.
@@ -120,6 +119,8 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
 
 def _together(cases: Sequence[Case], where: Sequence[int]) -> MaterialGroup:
     """Return cases that differ in inputs only, but for the flow stress of the ceramic, as a group of tests."""
+    from armour.statistics.calibration import FLOW_STRESS
+
     own = [cases[place].scenario.inputs() for place in where]
     columns = {name: np.array([values[name] for values in own]) for name in own[0] if name != FLOW_STRESS}
     return MaterialGroup(cases[where[0]].scenario, np.array(where), columns)

@@ -1,9 +1,10 @@
-"""Suites: cases with expected values and the bands within which the computed values must lie."""
+"""Suites: cases with expected values, given or in tables of tests, and the bands of the computed values."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import compress
+from math import inf
 from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
@@ -11,6 +12,7 @@ from typing import Annotated, Any, NamedTuple
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from armour.analysis.quantities import label_and_unit
+from armour.csv_files import number
 from armour.errors import MAX_PROBLEMS, InputError, Problem, refuse, suggestion
 from armour.files import exists, read_toml, shipped, shipped_files, suite_file
 from armour.scenario.checked import checked
@@ -18,10 +20,83 @@ from armour.scenario.keys import canonical, describe, key_name, leaves, parts_of
 from armour.scenario.reach import check_reach, check_read, check_used, read_of
 from armour.scenario.scenario import Scenario, parse_changed
 from armour.scenario.sections import Section, SectionT, validated
-from armour.statistics.test_data import MEASURED
+from armour.statistics.measured import MEASURED, read_tests
 from armour.units import words_and_unit
-from armour.validation.data import Cells, GroupSection, Percent, Where, selected
 from armour.validation.questions import QUESTIONS, check_answerable
+
+Cells = Mapping[str, float | str]
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Condition on a cell: one of some texts and numbers, or a number from a least one to below a greatest one."""
+
+    values: tuple[float | str, ...] = ()
+    least: float = -inf
+    below: float = inf
+
+    def met(self, cell: float | str | None) -> bool:
+        """Whether a cell, None where it is empty, meets the condition."""
+        value = number(str(cell))
+        if self.values:
+            return cell in self.values or value in self.values
+        return value is not None and self.least <= value < self.below
+
+
+def _condition(value: object) -> Condition:
+    if (
+        isinstance(value, dict)
+        and value
+        and not value.keys() - {"min", "below"}
+        and all(map(_is_number, value.values()))
+    ):
+        return Condition((), value.get("min", -inf), value.get("below", inf))
+    values: list[Any] = value if isinstance(value, list) else [value]
+    if values and all(isinstance(one, str) or _is_number(one) for one in values):
+        return Condition(tuple(values))
+    must = "must be a text, a number, a list of them, or a range such as { min = 3, below = 7 }"
+    raise ValueError(f"{must}, found {describe(value)}")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+Where = dict[str, Annotated[Any, BeforeValidator(_condition)]]
+Percent = Annotated[float, Field(ge=0.0, le=1e6)]
+
+
+class GroupSection(Section):
+    """Rows of a table that are summarised together, with the bands of their relative deviations."""
+
+    name: Annotated[str, Field(min_length=1)]
+    where: Where = {}
+    mean_percent: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
+    mean_band_percent: Percent | None = None
+    rms_band_percent: Percent | None = None
+
+
+def meets(cells: Cells, where: Mapping[str, Condition]) -> bool:
+    """Whether the cells of a row meet every condition."""
+    return all(condition.met(cells.get(column)) for column, condition in where.items())
+
+
+def selected(
+    path: Path, scenario: Scenario, quantity: str, notes: list[str], where: Mapping[str, Condition]
+) -> Iterator[tuple[str, Cells, Scenario]]:
+    """Yield name, cells and scenario of the tests of a file that measure a quantity and meet the conditions.
+
+    The scenario has the names of the projectile and of the materials, but not the numbers in the cells.
+    """
+    tests = read_tests(path, scenario, notes)
+    of_test = {int(index): group.scenario for group in tests.groups for index in group.where}
+    chosen = [i for i, cells in enumerate(tests.cells) if quantity in cells and meets(cells, where)]
+    if not chosen:
+        message = f"must have tests with {' and '.join((quantity, *where))} as the suite selects them, found none"
+        raise InputError([Problem(str(path), "", message)])
+    for i in chosen:
+        yield tests.names[i], tests.cells[i], of_test[i]
+
 
 # Column of a table that holds the expected values.
 EXPECTED = "expected"
@@ -82,10 +157,6 @@ class _Expectation(Section):
         elif not given and not self.not_scored and not getattr(self, "file", ""):
             raise ValueError("must have a band or band_percent: how far the computed value may be from the expected")
         return self
-
-    def width(self, expected: float | str) -> float | None:
-        """Return the half-width of the band around the expected value, in the unit of the quantity."""
-        return self.band if self.band_percent is None else self.band_percent / 100.0 * abs(float(expected))
 
 
 class CaseSection(_Expectation):
@@ -183,66 +254,87 @@ class Case:
 
     Attributes
     ----------
-    group : str
-        Name of the table to which the case belongs; empty for a single case.
+    suite : SuiteSection
+        The suite, as its file gives it.
+    section : CaseSection or TableSection
+        The case, or the table of which it is a row, as the file gives it.
     name : str
     scenario : Scenario
-    replacement : Scenario or None
-        The scenario with one material replaced, for the saving.
-    quantity : str
-        One of `armour.validation.questions.QUESTIONS`.
     expected : float or str
-    band : float or None
-        Largest deviation allowed, in the unit of the quantity.
-    reason : str
-        Reason for the width of the band.
-    source : str
-        Source of the expected value.
-    not_scored : str
-        Reason why the case is shown but not scored; empty where it is scored.
     place : tuple of str and int
         Keys and indices of the expected value in the file.
+    replacement : Scenario or None
+        The scenario with one material replaced, for the saving.
     rivals : mapping of str to float
         Predictions of other methods, by name.
-    regression : bool
-        Whether the expected value is a result of this program, which an update replaces.
-    cells : mapping of str to float or str
-        Row of the CSV file from which the case is read: inputs of its own, measurements and notes.
     measured : float or None
         Where given, the expected value is the magnitude of the relative difference from it, in per cent.
+    cells : mapping of str to float or str
+        Row of the CSV file from which the case is read: inputs of its own, measurements and notes.
     """
 
-    group: str
+    suite: SuiteSection
+    section: CaseSection | TableSection
     name: str
     scenario: Scenario
-    replacement: Scenario | None
-    quantity: str
     expected: float | str
-    band: float | None
-    reason: str
-    source: str
-    not_scored: str
-    place: tuple[str | int, ...]
+    place: Parts
+    replacement: Scenario | None = None
     rivals: Mapping[str, float] = field(default_factory=dict)
-    regression: bool = False
-    cells: Cells = field(default_factory=dict)
     measured: float | None = None
+    cells: Cells = field(default_factory=dict)
+
+    @property
+    def group(self) -> str:
+        """Name of the table to which the case belongs; empty for a single case."""
+        return self.section.name if isinstance(self.section, TableSection) else ""
+
+    @property
+    def full_name(self) -> str:
+        """Name of the case, preceded by that of its table."""
+        return f"{self.group}: {self.name}" if self.group else self.name
+
+    @property
+    def quantity(self) -> str:
+        """One of `armour.validation.questions.QUESTIONS`."""
+        return self.section.quantity
 
     @property
     def unit(self) -> str:
         """Unit of the expected value."""
         return label_and_unit(self.quantity)[1] if self.measured is None else "%"
 
+    @property
+    def band(self) -> float | None:
+        """Largest deviation allowed, in the unit of the quantity."""
+        percent = self.section.band_percent
+        return self.section.band if percent is None else percent / 100.0 * abs(float(self.expected))
+
+    @property
+    def reason(self) -> str:
+        """Reason for the width of the band."""
+        return self.section.reason
+
+    @property
+    def source(self) -> str:
+        """Source of the expected value."""
+        return self.section.source or self.suite.source
+
+    @property
+    def not_scored(self) -> str:
+        """Reason why the case is shown but not scored; empty where it is scored."""
+        return self.section.not_scored
+
+    @property
+    def regression(self) -> bool:
+        """Whether the expected value is a result of this program, which an update replaces."""
+        return (self.section.regression or self.suite.regression) and not (self.source or self.cells)
+
     def compared(self, value: float | str) -> float | str:
         """Return a value of the quantity as what the expected value is: the value, or its relative difference."""
         if self.measured is None or isinstance(value, str):
             return value
         return 100.0 * abs(value / self.measured - 1.0)
-
-    @property
-    def full_name(self) -> str:
-        """Name of the case, preceded by that of its table."""
-        return f"{self.group}: {self.name}" if self.group else self.name
 
 
 @dataclass(frozen=True, repr=False)
@@ -320,17 +412,12 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     wrong: dict[tuple[Parts, Problem], Problem] = {}
     for row in _rows(suite):
         try:
-            cases.append(_case(row, suite, path.parent, changes, read))
+            cases += _cases(row, suite, path.parent, changes, read)
         except InputError as error:
             for problem in error.problems:
                 wrong.setdefault((row.place[:2], problem), _placed(problem, row, path))
         if len(wrong) > MAX_PROBLEMS:
             break
-    for row in _files(suite):
-        try:
-            cases += _cases_of_file(row, suite, path.parent, changes, read)
-        except InputError as error:
-            wrong.update({(row.place, problem): problem for problem in error.problems})
     problems = list(wrong.values())[:MAX_PROBLEMS]
     if len(wrong) > MAX_PROBLEMS:
         problems.append(Problem(str(path), "", "must be right up to here; what follows is not checked"))
@@ -345,9 +432,11 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
 
 
 def _placed(problem: Problem, row: "_Row", path: Path) -> Problem:
-    """Return a problem in the scenario of a case with its place in the suite."""
-    in_row = isinstance(row.section, TableSection) and problem.key in row.inputs
-    where = key_name([*row.place[:4]] if in_row else [*row.place[:2], "scenario"])
+    """Return a problem in the scenario of a case with its place in the suite; one in a file of tests is as it is."""
+    if row.in_file:
+        return problem
+    in_row = problem.key in row.inputs
+    where = key_name([*row.place[: 4 if in_row else 2], *([] if in_row else ["scenario"])])
     return Problem(str(path), where, f"must be a valid scenario: {problem}")
 
 
@@ -357,32 +446,37 @@ def read_sections(path: Path, model: type[SectionT]) -> SectionT:
 
 
 class _Row(NamedTuple):
-    """A case as the file gives it: a section of its own, or a row of a table."""
+    """A case as the file gives it: a section of its own, or a row of a table; or a table whose rows are in a file."""
 
     section: CaseSection | TableSection
     place: Parts
-    expected: float | str
+    expected: float | str = 0.0
     first: bool = True  # whether it is the case of its section, or the first of them
     inputs: Mapping[str, float] = {}
     rivals: Mapping[str, float] = {}
     measured: float | None = None
+    in_file: bool = False
 
 
 def _rows(suite: SuiteSection) -> Iterator[_Row]:
     for index, table in enumerate(suite.table):
         column = table.columns.index(EXPECTED) if table.rows else 0
-        for number, numbers in enumerate(table.rows):
+        for row, numbers in enumerate(table.rows):
             values = dict(zip(table.columns, numbers, strict=True))
             rivals = {name: values[name] for name in table.rivals}
             measured = values.pop(MEASURED_COLUMN) if table.compares else None
             inputs = {name: value for name, value in values.items() if name not in (EXPECTED, *rivals)}
-            place = ("table", index, "rows", number, column)
-            yield _Row(table, place, values[EXPECTED], not number, inputs, rivals, measured)
+            place = ("table", index, "rows", row, column)
+            yield _Row(table, place, values[EXPECTED], not row, inputs, rivals, measured)
     for index, case in enumerate(suite.case):
         yield _Row(case, ("case", index, EXPECTED), case.expected, measured=case.measured)
+    for index, table in enumerate(suite.table):
+        if table.file:
+            yield _Row(table, ("table", index, "file"), in_file=True)
 
 
-def _case(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object], read: Read) -> Case:
+def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object], read: Read) -> Iterator[Case]:
+    """Yield the case of a row, or those of a file."""
     section = row.section
     file = _file(folder, section.scenario)
     scenario = _scenario(file, read, section.set, row.inputs, changes)
@@ -390,60 +484,15 @@ def _case(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, ob
     if isinstance(section, CaseSection) and section.replaced_by is not None:
         replacement = _scenario(file, read, section.set, section.replaced_by, changes)
     check_answerable(section.quantity, scenario, replacement)
-    in_table = isinstance(section, TableSection)
-    source = section.source or suite.source
     if row.first:
         _check_changes(row, scenario, replacement)
-    return Case(
-        group=section.name if in_table else "",
-        name=", ".join(map(_in_words, row.inputs, row.inputs.values())) if in_table else section.name,
-        scenario=scenario,
-        replacement=replacement,
-        quantity=section.quantity,
-        expected=row.expected,
-        band=section.width(row.expected),
-        reason=section.reason,
-        source=source,
-        not_scored=section.not_scored,
-        place=row.place,
-        rivals=row.rivals,
-        regression=(section.regression or suite.regression) and not source,
-        measured=row.measured,
-    )
-
-
-def _files(suite: SuiteSection) -> Iterator[_Row]:
-    """Yield the tables whose rows are in files, each as a row without inputs."""
-    for index, table in enumerate(suite.table):
-        if table.file:
-            yield _Row(table, ("table", index, "file"), 0.0)
-
-
-def _cases_of_file(
-    row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object], read: Read
-) -> Iterator[Case]:
-    """Yield the cases of a table whose rows are in a file."""
-    section = row.section
-    assert isinstance(section, TableSection)
-    scenario = _scenario(_file(folder, section.scenario), read, section.set, changes)
-    _check_changes(row, scenario, None)
-    file = _file(folder, section.file)
-    for name, cells, made in selected(file, scenario, section.quantity, suite.notes, section.where):
-        expected = float(cells[section.quantity])
-        yield Case(
-            group=section.name,
-            name=name,
-            scenario=made,
-            replacement=None,
-            quantity=section.quantity,
-            expected=expected,
-            band=section.width(expected),
-            reason=section.reason,
-            source=section.source or suite.source,
-            not_scored=section.not_scored,
-            place=row.place,
-            cells=cells,
-        )
+    if isinstance(section, TableSection) and row.in_file:
+        tests = _file(folder, section.file)
+        for name, cells, made in selected(tests, scenario, section.quantity, suite.notes, section.where):
+            yield Case(suite, section, name, made, float(cells[section.quantity]), row.place, cells=cells)
+    else:
+        name = ", ".join(map(_in_words, row.inputs, row.inputs.values())) or section.name
+        yield Case(suite, section, name, scenario, row.expected, row.place, replacement, row.rivals, row.measured)
 
 
 def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) -> None:

@@ -1,10 +1,11 @@
 """Check the model against a suite: computed values, their deviations and whether these lie within the bands."""
 
+import codecs
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from math import sqrt
+from dataclasses import dataclass, replace
+from math import isnan, sqrt
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -15,10 +16,9 @@ from armour.files import shipped_suites
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, NAMES
 from armour.scenario.sections import TINY
-from armour.validation.data import GroupSection, meets
 from armour.validation.questions import Asked, answer
 from armour.validation.rivals import Error, errors_of
-from armour.validation.suite import Case, Suite, TableSection
+from armour.validation.suite import Case, GroupSection, Suite, TableSection, meets
 
 Status = Literal["within", "outside", "no answer", "not scored"]
 FAILED: tuple[Status, ...] = ("outside", "no answer")
@@ -210,7 +210,10 @@ def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
     of_files = _of_files(suite.cases)
     checks = []
     for place, case in enumerate(suite.cases):
-        checks.append(_check_of_file(case, of_files[place]) if place in of_files else check(case, known))
+        if place in of_files:
+            checks.append(_judged(case, of_files[place], f"no {case.quantity} in its range"))
+        else:
+            checks.append(check(case, known))
         if on_check is not None:
             on_check(checks[-1], len(suite.cases))
     return result_of(suite, checks)
@@ -231,36 +234,36 @@ def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
 
 def check(case: Case, known: dict[str, Asked]) -> Check:
     """Compute a case; scenarios that several cases share are computed once and kept in ``known``."""
-    calibrated = _calibrated_to(case)
-    unscored = bool(case.not_scored or calibrated)
     try:
-        computed = case.compared(answer(case.quantity, _asked(case, known)))
+        return _judged(case, case.compared(answer(case.quantity, _asked(case, known))))
     except NoAnswerError as error:
-        return Check(case, None, "not scored" if unscored else "no answer", str(error))
-    return Check(case, computed, "not scored" if unscored else _status(case, computed), calibrated)
+        return _judged(case, None, str(error))
 
 
-def _of_files(cases: Sequence[Case]) -> dict[int, float]:
-    """Compute the cases of files, those of one scenario at once; return the values by place, NaN without an answer."""
+def _judged(case: Case, computed: float | str | None, message: str = "") -> Check:
+    """Return the check of a computed value, None without an answer; a row of a file may have no band of its own."""
+    calibrated = _calibrated_to(case)
+    scored = not (case.not_scored or calibrated)
+    if computed is None:
+        return Check(case, None, "no answer" if scored else "not scored", message)
+    scored = scored and (case.band is not None or not case.cells)
+    return Check(case, computed, _status(case, computed) if scored else "not scored", calibrated)
+
+
+def _of_files(cases: Sequence[Case]) -> dict[int, float | None]:
+    """Compute the cases of files, those of one scenario at once; return the values by place, None without an answer."""
     together: dict[tuple[int, str, tuple[str, ...]], list[int]] = {}
     for place, case in enumerate(cases):
         if case.cells:
             given = tuple(name for name in INPUTS if name in case.cells)
             together.setdefault((id(case.scenario), case.quantity, given), []).append(place)
-    found: dict[int, float] = {}
+    computed: dict[int, float | None] = {}
     for (_, quantity, given), places in together.items():
         columns = {name: np.array([float(cases[place].cells[name]) for place in places]) for name in given}
         values = evaluate_groups(groups_of(cases[places[0]].scenario, columns), [quantity])[0][quantity]
-        found.update(zip(places, np.broadcast_to(values, len(places)).tolist(), strict=True))
-    return found
-
-
-def _check_of_file(case: Case, computed: float) -> Check:
-    if np.isnan(computed):
-        return Check(case, None, "not scored" if case.not_scored else "no answer", f"no {case.quantity} in its range")
-    calibrated = _calibrated_to(case)
-    unscored = case.not_scored or calibrated or case.band is None
-    return Check(case, computed, "not scored" if unscored else _status(case, computed), calibrated)
+        for place, value in zip(places, np.broadcast_to(values, len(places)).tolist(), strict=True):
+            computed[place] = None if isnan(value) else value
+    return computed
 
 
 def _asked(case: Case, known: dict[str, Asked]) -> Asked:
@@ -337,3 +340,48 @@ def _summary(table: TableSection, bands: TableSection | GroupSection, rows: Sequ
         mean_expected=None if mean_band is None else bands.mean_percent,
         mean_band=mean_band,
     )
+
+
+# Significant digits of the values that are written.
+DIGITS = 8
+
+
+class Update(NamedTuple):
+    """A case and its new expected value."""
+
+    case: Case
+    expected: float | str
+
+
+def updates_of(result: SuiteResult) -> list[Update]:
+    """Return the regression values that differ from the computed ones to the digits that are written."""
+    updates = []
+    for case, computed in ((check.case, check.computed) for check in result.checks):
+        if computed is None or case.not_scored or case.cells or not case.regression:
+            continue
+        new = float(f"{computed:.{DIGITS}g}") if isinstance(computed, float) else computed
+        if new != case.expected:
+            updates.append(Update(case, new))
+    return updates
+
+
+def kept_by_update(result: SuiteResult) -> SuiteResult:
+    """Return the result of the cases whose values an update keeps: those that are no regression values."""
+    checks = tuple(check for check in result.checks if not check.case.regression)
+    groups = {check.case.group for check in checks}
+    return replace(result, checks=checks, summaries=tuple(each for each in result.summaries if each.name in groups))
+
+
+def updated_file(content: bytes, updates: Sequence[Update]) -> bytes:
+    """Return a suite file with other expected values; its comments, layout, line ends and byte order mark stay."""
+    import tomlkit  # slow to import
+
+    mark = codecs.BOM_UTF8 if content.startswith(codecs.BOM_UTF8) else b""
+    document = tomlkit.parse(content.removeprefix(mark).decode())
+    for update in updates:
+        table: Any = document
+        *path, last = update.case.place
+        for key in path:
+            table = table[key]
+        table[last] = update.expected
+    return mark + tomlkit.dumps(document).encode()

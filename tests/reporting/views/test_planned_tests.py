@@ -19,7 +19,7 @@ from armour.reporting.views.planned_tests import (
     velocities_in_words,
 )
 from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
-from armour.statistics.test_data import read_tests
+from armour.statistics.measured import read_tests
 from tests.helpers.cases import shipped_scenario
 
 GRID = {CERAMIC: [5.0, 8.0, 11.0], BACKING: [4.0, 8.0]}

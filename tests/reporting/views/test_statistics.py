@@ -13,7 +13,7 @@ from armour.reporting.views.sensitivity import elasticity_table, sensitivity_tab
 from armour.reporting.views.uncertainty import INDEX_NOTE, SAMPLING_NOTE, estimate_table, index_table, uncertainty_table
 from armour.reporting.views.v50 import curve_table, v50_table
 from armour.statistics.calibration import CalibrationResult, LawFit, Residual
-from armour.statistics.likelihood_fit import Coefficient
+from armour.statistics.likelihood import Coefficient
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.uncertainty import Influence, ProbabilityCurve, UncertaintyResult
 from armour.statistics.v50 import Shots, v50

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from armour.design.optimise import SUPERLATIVES
+from armour.design.optimise import OBJECTIVES
 from armour.reporting.chart import INK, ORANGE, VERMILION, Axis, Chart, Line, Panel, Points, Series
 from armour.reporting.panels import grouped, look_of, quantity_axis
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, filled, listing, record
@@ -56,7 +56,7 @@ def required_margins(scenario: "Scenario | None") -> dict[str, float]:
 
 def best_table(result: "DesignResult", required: Mapping[str, float]) -> Table:
     """Return the best design, quantity by quantity."""
-    return _design_record(result.best, f"{SUPERLATIVES[result.minimised]} design", required)
+    return _design_record(result.best, f"{OBJECTIVES[result.minimised].least} design", required)
 
 
 def _design_record(design: "BestDesign", title: str, required: Mapping[str, float]) -> Table:
@@ -104,7 +104,7 @@ def frontier_table(result: "DesignResult") -> Table:
 
     def note(design: Any) -> str:
         marks = (
-            (_thicknesses(design) == best, SUPERLATIVES[result.minimised]),
+            (_thicknesses(design) == best, OBJECTIVES[result.minimised].least),
             (design.ceramic_thickness_mm == result.ceramic_min_mm, "least of the range"),
         )
         return ", ".join(words for holds, words in marks if holds)
@@ -187,7 +187,7 @@ def tables(result: "DesignResult") -> list[Table | str]:
     required = required_margins(result._question.get("scenario"))
     found: list[Table | str] = [best_table(result, required)]
     if result.refined is not None:
-        title = f"{SUPERLATIVES[result.minimised]} design between the values of the grid"
+        title = f"{OBJECTIVES[result.minimised].least} design between the values of the grid"
         found.append(_design_record(result.refined, title, required))
     if len(result.threats) > 1 or result.best.probabilities:
         found.append(margin_table(result, required))

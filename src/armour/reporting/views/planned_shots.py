@@ -27,7 +27,7 @@ from armour.reporting.views.confidence import chance, error_note
 
 if TYPE_CHECKING:
     from armour.planning.shot_plan import ShotPlan
-    from armour.statistics.firing_posterior import FiringEstimate
+    from armour.statistics.posterior import FiringEstimate
     from armour.statistics.v50 import Shots
 
 

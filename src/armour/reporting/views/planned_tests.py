@@ -13,7 +13,7 @@ from armour.reporting.panels import quantity_axis
 from armour.reporting.table import Cell, Column, Table, column_of, record
 from armour.reporting.text import percent
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
-from armour.statistics.test_data import LIMIT, MEASURED, OUTCOME, Tests
+from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
 
 if TYPE_CHECKING:
     from armour.planning.plan_tests import PlannedTest, PlannedTests

@@ -18,8 +18,7 @@ from armour.scenario.sections import TINY
 if TYPE_CHECKING:
     from armour.validation.rivals import Error
     from armour.validation.suite import Case
-    from armour.validation.update import Update
-    from armour.validation.validate import Check, Status, SuiteResult, TableSummary
+    from armour.validation.validate import Check, Status, SuiteResult, TableSummary, Update
 
 
 def check_groups(result: "SuiteResult") -> dict[str, list["Check"]]:

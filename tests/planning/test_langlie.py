@@ -2,8 +2,8 @@
 
 from itertools import product
 
-from armour.planning.procedures.langlie import next_velocity, stopped
-from armour.planning.procedures.settings import ShotSettings
+from armour.planning.procedures import ShotSettings, stopped
+from armour.planning.procedures import next_by_langlie as next_velocity
 from armour.statistics.v50 import Shots
 
 SETTINGS = ShotSettings(750.0, 15.0, (600.0, 900.0))

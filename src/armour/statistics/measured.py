@@ -1,4 +1,4 @@
-"""Tests for a calibration: a table of inputs and measurements, read from CSV."""
+"""Measured data: tables of inputs and measurements, read from CSV."""
 
 from collections import Counter
 from collections.abc import Container, Mapping, Sequence

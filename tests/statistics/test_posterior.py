@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import lognorm, norm, t
 
 from armour.scenario.evidence import ModelError
-from armour.statistics.firing_posterior import SCATTER_FACTOR, SCATTER_PERCENT, FiringPrior, posterior_of, prior_share
+from armour.statistics.posterior import SCATTER_FACTOR, SCATTER_PERCENT, FiringPrior, posterior_of, prior_share
 from tests.helpers.cases import SCENARIOS
 
 PRIOR = FiringPrior(720.0, ModelError(-1.0, 7.0, 12.0))

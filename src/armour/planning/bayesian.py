@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armour.analysis.variants import Floats
-from armour.planning.procedures.settings import Aim, ShotSettings
-from armour.planning.procedures.stopping import narrow_enough
-from armour.statistics.firing_posterior import Grid, Posterior, is_above, posterior_of
+from armour.planning.procedures import Aim, ShotSettings, narrow_enough
+from armour.statistics.posterior import Grid, Posterior, is_above, posterior_of
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, Shots
 
 Booleans = NDArray[np.bool_]

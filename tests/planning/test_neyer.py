@@ -5,8 +5,8 @@ import pytest
 from scipy.optimize import minimize
 from scipy.stats import norm
 
-from armour.planning.procedures.neyer import next_velocity
-from armour.planning.procedures.settings import ShotSettings
+from armour.planning.procedures import ShotSettings
+from armour.planning.procedures import next_by_neyer as next_velocity
 from armour.statistics.v50 import Shots
 
 # The example of [Wu2014], as the documentation of the R package gonogo

@@ -5,7 +5,7 @@ import pytest
 
 from armour.errors import InputError
 from armour.statistics.calibration import calibrate
-from armour.statistics.test_data import read_tests
+from armour.statistics.measured import read_tests
 from tests.helpers.cases import csv_file, shipped_scenario
 
 C, V = "armour.ceramic_thickness_mm", "impact.velocity_m_s"

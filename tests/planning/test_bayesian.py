@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from armour.planning.procedures import bayesian
-from armour.planning.procedures.settings import ShotSettings
+from armour.planning import bayesian
+from armour.planning.procedures import ShotSettings
 from armour.scenario.evidence import ModelError
-from armour.statistics.firing_posterior import FiringPrior, Posterior, posterior_of
+from armour.statistics.posterior import FiringPrior, Posterior, posterior_of
 from armour.statistics.v50 import Shots
 
 PRIOR = FiringPrior(720.0, ModelError(0.0, 7.0, 12.0))

@@ -2,8 +2,9 @@
 
 import pytest
 
-from armour.planning.procedures.settings import ShotSettings
-from armour.planning.procedures.up_and_down import next_velocity, stopped
+from armour.planning.procedures import ShotSettings
+from armour.planning.procedures import next_up_and_down as next_velocity
+from armour.planning.procedures import stopped_up_and_down as stopped
 from armour.statistics.v50 import Shots
 
 SETTINGS = ShotSettings(720.0, 15.0)

@@ -4,7 +4,7 @@ from typing import Any
 import pytest
 
 from armour.errors import InputError
-from armour.statistics.test_data import read_tests
+from armour.statistics.measured import read_tests
 from tests.helpers.cases import TESTS, csv_file, scenario, shipped_scenario
 
 C, B, V = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "impact.velocity_m_s"

@@ -1,0 +1,226 @@
+"""Rules for the next velocity of a V50 firing, by which a plan chooses it: up and down, Langlie's and Neyer's.
+
+They share their settings, and most the end of a firing by the interval of V50 that `armour v50` recommends.
+"""
+
+from collections.abc import Iterator, Sequence
+from math import copysign
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import log_ndtr
+
+from armour.analysis.variants import Floats
+from armour.errors import NoAnswerError
+from armour.statistics.penalised_curve import fit_penalised
+from armour.statistics.posterior import FiringPrior
+from armour.statistics.response_curve import FittedCurve, maximum_likelihood, standardised
+from armour.statistics.v50 import SPANS_M_S, MeanV50, Shots, mean_v50
+
+
+class ShotSettings(NamedTuple):
+    """Settings of a procedure; velocities in m/s."""
+
+    estimate_m_s: float  # of V50: the model's ballistic limit
+    scatter_m_s: float  # guess of the standard deviation of the response curve
+    limits_m_s: tuple[float, float] | None = None  # of V50; for Langlie's and Neyer's procedures
+    half_width_m_s: float | None = None  # of the interval of V50 at which the firing ends; None: the rule's own end
+    confidence: float = 0.95
+    requirement_m_s: float | None = None
+    requirement_fraction: float = 0.5  # part of shots that may perforate at the requirement
+    prior: FiringPrior | None = None
+
+
+class Aim(NamedTuple):
+    """Velocity of the next shot, m/s, and why."""
+
+    velocity_m_s: float
+    why: str
+
+
+def recommended_fit(shots: Shots, confidence: float) -> FittedCurve | None:
+    """Return the probit curve of the penalised likelihood; None where the shots have none."""
+    partial, complete = shots.of(complete=False), shots.of(complete=True)
+    if not partial or not complete:
+        return None
+    try:
+        return fit_penalised(partial, complete, "probit", confidence)
+    except NoAnswerError:
+        return None
+
+
+def narrow_enough(interval: tuple[float | None, float | None], settings: ShotSettings) -> str:
+    """Return that an interval of V50 is as narrow as asked; "" if it is not."""
+    low, high = interval
+    if settings.half_width_m_s is None or low is None or high is None or 0.5 * (high - low) > settings.half_width_m_s:
+        return ""
+    return f"the interval of V50 is within ± {settings.half_width_m_s:g} m/s"
+
+
+def stopped(shots: Shots, settings: ShotSettings) -> str:
+    """Return why the firing ends; "" if it goes on."""
+    fit = None if settings.half_width_m_s is None else recommended_fit(shots, settings.confidence)
+    return "" if fit is None else narrow_enough(fit.v50_interval_m_s, settings)
+
+
+FEET_M = 0.3048
+ABOVE_M_S, FIRST_STEP_M_S, STEP_M_S = 75.0 * FEET_M, 100.0 * FEET_M, 50.0 * FEET_M
+# Shots of each kind in the mean that ends the firing.
+PAIRS = 3
+
+
+def next_up_and_down(shots: Shots, settings: ShotSettings) -> Aim:
+    """Return the velocity of the next shot by the up-and-down rule of MIL-STD-662F [DoD1997].
+
+    The first shot is at the estimated V50 or, where a velocity is required, 75 ft/s above it.  After a complete
+    penetration the next shot is slower than this one was, after a partial penetration faster: by 100 ft/s until there
+    is a shot of each kind, then by 50 ft/s.  It ends with as many shots of each kind as the mean needs, within its
+    usual span.
+    """
+    if not shots.complete:
+        if settings.requirement_m_s is None:
+            return Aim(settings.estimate_m_s, "the first shot is at the estimated V50")
+        return Aim(settings.requirement_m_s + ABOVE_M_S, f"the first shot is {ABOVE_M_S:.1f} m/s above the requirement")
+    step = STEP_M_S if len(set(shots.complete)) == 2 else FIRST_STEP_M_S
+    last, complete = shots.velocities_m_s[-1], shots.complete[-1]
+    way, kind = ("below", "complete") if complete else ("above", "partial")
+    reason = f"{step:.1f} m/s {way} the last shot, a {kind} penetration"
+    return Aim(last - step if complete else last + step, reason)
+
+
+def stopped_up_and_down(shots: Shots, settings: ShotSettings) -> str:
+    """Return why the firing ends; "" if it goes on."""
+    if settings.half_width_m_s is not None:
+        return stopped(shots, settings)
+    if mean_of(shots) is None:
+        return ""
+    return f"{PAIRS} partial and {PAIRS} complete penetrations lie within {SPANS_M_S[PAIRS]:g} m/s"
+
+
+def mean_of(shots: Shots) -> MeanV50 | None:
+    """Return the mean of MIL-STD-662F that ends the firing; None where the shots do not meet its span."""
+    partial, complete = shots.of(complete=False), shots.of(complete=True)
+    return mean_v50(partial, complete, PAIRS) if partial and complete else None
+
+
+# This many last shots of one kind, the next within this part of the limits of one of them, leave it in doubt.
+ALIKE, NEAR = 5, 0.02
+
+
+def next_by_langlie(shots: Shots, settings: ShotSettings) -> Aim:
+    """Return the velocity of the next shot by Langlie's one-shot test [Langlie1962]; the settings must have limits.
+
+    The first shot is midway between the limits.  Each further one is midway between the last shot and the latest shot
+    from which on as many penetrations were complete as partial; where there is none, midway between the last shot and
+    the lower limit after a complete, the upper limit after a partial penetration.
+    """
+    assert settings.limits_m_s is not None
+    lower, upper = settings.limits_m_s
+    if not shots.complete:
+        return Aim(0.5 * (lower + upper), "the first shot is midway between the limits")
+    velocities, last = shots.velocities_m_s, shots.velocities_m_s[-1]
+    excess = 0  # of complete over partial penetrations
+    for number in range(len(velocities), 0, -1):
+        excess += 1 if shots.complete[number - 1] else -1
+        if excess == 0:
+            reason = (
+                f"midway between the last shot and shot {number}, from which on half of the penetrations are complete"
+            )
+            return Aim(0.5 * (last + velocities[number - 1]), reason)
+    end, name = (lower, "lower") if shots.complete[-1] else (upper, "upper")
+    return Aim(0.5 * (last + end), f"midway between the last shot and the {name} limit, {end:.1f} m/s")
+
+
+def langlie_doubts(shots: Shots, settings: ShotSettings) -> Iterator[str]:
+    """Give a warning where the shots leave the limits or stick at one; the settings must have limits."""
+    assert settings.limits_m_s is not None
+    lower, upper = settings.limits_m_s
+    velocity, last = next_by_langlie(shots, settings).velocity_m_s, shots.complete[-ALIKE:]
+    if not lower <= velocity <= upper:
+        yield f"the next velocity, {velocity:.1f} m/s, is outside the limits, {lower:.1f} to {upper:.1f} m/s"
+    end, name = (lower, "lower") if shots.complete and last[-1] else (upper, "upper")
+    if len(last) == ALIKE and len({*last}) == 1 and abs(velocity - end) < NEAR * (upper - lower):
+        kind = "complete" if last[-1] else "partial"
+        yield (
+            f"the last {ALIKE} shots, all {kind}, have reached the {name} limit, {end:.1f} m/s: V50 may lie beyond it; "
+            "give other limits"
+        )
+
+
+REDUCTION = 0.8
+# Arguments of the normal distribution function at which the gain in information is examined.
+ARGUMENTS = np.arange(-4000, 4001) / 1000.0
+# The best argument where the shots are best described by a constant probability, an infinite scatter.
+FLAT = 1.31525757633905
+
+
+def _weights(z: Floats) -> Floats:
+    """Return the Fisher information of shots on the argument of the normal distribution function."""
+    weights: Floats = np.exp(-z * z - np.log(2.0 * np.pi) - log_ndtr(z) - log_ndtr(-z))
+    return weights
+
+
+INFORMATION = _weights(ARGUMENTS)
+
+
+def next_by_neyer(shots: Shots, settings: ShotSettings) -> Aim:
+    """Return the velocity of the next shot by Neyer's D-optimal test [Neyer1994]; the settings must have limits.
+
+    1. A binary search finds shots of both kinds, and brings their velocities within the guess of the scatter.
+    2. Until shots of the two kinds overlap, so that V50 and scatter have unique estimates of maximum likelihood, V50 is
+       taken midway between the kinds; the guess of the scatter is reduced by a factor of 0.8 with each shot.
+    3. The estimates are those of maximum likelihood, V50 within and the scatter no more than the range of the shots.
+
+    In parts 2 and 3 the next velocity is the one that makes the determinant of the Fisher information greatest.
+    """
+    assert settings.limits_m_s is not None
+    lower, upper = settings.limits_m_s
+    velocities, complete = shots.velocities_m_s, shots.complete
+    if not complete:
+        return Aim(0.5 * (lower + upper), "binary search: the first shot is midway between the limits")
+    guess = settings.scatter_m_s
+    slowest, fastest = min(velocities), max(velocities)
+    if len(set(complete)) == 1:
+        reason = "binary search: no shot of the other kind yet"
+        if complete[0]:
+            return Aim(min(0.5 * (lower + slowest), slowest - 2.0 * guess, 2.0 * slowest - fastest), reason)
+        return Aim(max(0.5 * (upper + fastest), fastest + 2.0 * guess, 2.0 * fastest - slowest), reason)
+    gaps = _gaps(shots)
+    # Each earlier shot of part 2 has reduced the guess.
+    for gap in gaps[:-1]:
+        if 0.0 <= gap <= guess:
+            guess *= REDUCTION
+    highest, lowest = shots.of(complete=False)[-1], shots.of(complete=True)[0]
+    middle, span = 0.5 * (highest + lowest), fastest - slowest
+    if gaps[-1] > guess:
+        return Aim(middle, "binary search: midway between the highest partial and the lowest complete penetration")
+    if gaps[-1] >= 0.0:
+        scatter = min(guess, span) or guess  # a shot of each kind at one velocity has no span
+        return Aim(_best(velocities, middle, scatter), f"D-optimal for a guessed scatter of {scatter:.1f} m/s")
+    partial, completes = shots.of(complete=False), shots.of(complete=True)
+    if np.mean(completes) <= np.mean(partial):
+        v50 = min(max(middle, slowest), fastest)
+        return Aim(v50 + copysign(FLAT * span, -1.0 if complete[-1] else 1.0), "the shots have no rising curve")
+    mean, deviation, x, signs = standardised(partial, completes)
+    location, scale, _ = maximum_likelihood("probit", signs, x)
+    v50, scatter = min(max(mean + deviation * location, slowest), fastest), min(deviation * scale, span)
+    reason = f"D-optimal for the estimates of maximum likelihood, V50 {v50:.1f} and scatter {scatter:.1f} m/s"
+    return Aim(_best(velocities, v50, scatter), reason)
+
+
+def _gaps(shots: Shots) -> list[float]:
+    """Return lowest complete less highest partial after each shot from the first of the second kind on, m/s."""
+    lowest, highest, gaps = np.inf, -np.inf, []
+    for velocity, complete in zip(shots.velocities_m_s, shots.complete, strict=True):
+        lowest, highest = (min(lowest, velocity), highest) if complete else (lowest, max(highest, velocity))
+        gaps.append(round(float(lowest - highest), 9))
+    return [gap for gap in gaps if gap < np.inf]
+
+
+def _best(velocities: Sequence[float], v50: float, scatter: float) -> float:
+    """Return the velocity whose shot makes the determinant of the information on V50 and scatter greatest, m/s."""
+    z = (np.array(velocities) - v50) / scatter
+    weights = _weights(z)
+    zero, one, two = weights.sum(), weights @ z, weights @ (z * z)
+    gain = INFORMATION * (zero * ARGUMENTS**2 - 2.0 * one * ARGUMENTS + two)
+    return v50 + scatter * float(ARGUMENTS[np.argmax(gain)])
