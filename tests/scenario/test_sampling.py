@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from armour.scenario.distributions import Distribution, Uncertainty
 from armour.scenario.sampling import (
     REPLICATES,
     columns_of,
@@ -14,6 +13,7 @@ from armour.scenario.sampling import (
     quantiles,
     truncation_problem,
 )
+from armour.scenario.schema import Distribution, Uncertainty
 
 PARTS = np.linspace(0.001, 0.999, 999)
 NORMAL = {"distribution": "normal", "standard_deviation_percent": 10.0}

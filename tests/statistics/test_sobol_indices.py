@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from armour.analysis.variants import Floats
-from armour.scenario.distributions import Uncertainty
 from armour.scenario.sampling import columns_of, points_of
+from armour.scenario.schema import Uncertainty
 from armour.statistics.uncertainty import first_order_indices, total_indices
 
 INPUTS = ["ceramic.density_kg_m3", "ceramic.flow_stress_GPa", "backing.density_kg_m3"]

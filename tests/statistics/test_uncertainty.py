@@ -13,9 +13,9 @@ from armour.analysis.searches import ballistic_limits
 from armour.analysis.uncertain_inputs import Samples
 from armour.analysis.variants import Floats, Variants, perforated, variants_of
 from armour.errors import InputError, NoLimitError
-from armour.scenario.distributions import Uncertainty, correlation_matrix
 from armour.scenario.sampling import columns_of, points_of
 from armour.scenario.scenario import Scenario
+from armour.scenario.schema import Uncertainty, correlation_matrix
 from armour.statistics import uncertainty as module
 from armour.statistics.uncertainty import (
     first_order_indices,

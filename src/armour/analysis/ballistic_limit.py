@@ -11,8 +11,7 @@ from armour.core import search
 from armour.errors import NoLimitError
 from armour.scenario.checked import checked
 from armour.scenario.evidence import ModelError, is_unusual
-from armour.scenario.scenario import Scenario
-from armour.scenario.words import ANY_VELOCITY
+from armour.scenario.scenario import ANY_VELOCITY, Scenario
 
 # Number of intervals above the limit in a plotted curve.
 CURVE_POINTS = 60

@@ -6,7 +6,7 @@ from importlib import import_module
 from math import nan
 from typing import Any, ClassVar, Self
 
-from armour.scenario.words import heading
+from armour.scenario.scenario import heading
 
 
 @dataclass(frozen=True, repr=False)

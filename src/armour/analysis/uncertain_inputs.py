@@ -5,10 +5,10 @@ from typing import Any, NamedTuple
 
 from armour.analysis.variants import Floats, Variants, variants_of
 from armour.errors import InputError, Problem, refuse
-from armour.scenario.distributions import ErrorDistribution, Uncertainty
 from armour.scenario.evidence import ERROR, ModelError
 from armour.scenario.sampling import truncation_problem
 from armour.scenario.scenario import Scenario
+from armour.scenario.schema import ErrorDistribution, Uncertainty
 
 # Error at which the distribution of the model's error ends, %: a ballistic limit is above 0.
 LEAST_ERROR_PERCENT = -99.0

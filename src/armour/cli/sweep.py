@@ -70,7 +70,7 @@ def sweep(
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
     from armour.reporting.views.sweep import sweep_chart
-    from armour.scenario.words import heading
+    from armour.scenario.scenario import heading
     from armour.sweeps.cluster import connected, workers_of
     from armour.sweeps.store import parts_of, read_table
     from armour.sweeps.sweep import subject_of, write_sweep

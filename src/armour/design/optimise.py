@@ -19,9 +19,8 @@ from armour.errors import NoDesignError, Note, Problem, refuse
 from armour.scenario.checked import checked
 from armour.scenario.evidence import MEASURES, ModelError, armour_warnings, error_on_tests
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
-from armour.scenario.scenario import Scenario
+from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import DesignSection
-from armour.scenario.words import Varied
 
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate

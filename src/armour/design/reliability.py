@@ -12,11 +12,11 @@ from armour.analysis.uncertain_inputs import own_values, sampled, section_at, se
 from armour.analysis.variants import perforated
 from armour.design.catalogue import NO_BOUND, Candidates, Catalogue
 from armour.errors import Problem, refuse
-from armour.scenario.distributions import MAX_SAMPLES, ErrorDistribution, Uncertainty
 from armour.scenario.evidence import error_on_tests
 from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 from armour.scenario.sampling import columns_of, points_of
 from armour.scenario.scenario import Scenario
+from armour.scenario.schema import MAX_SAMPLES, ErrorDistribution, Uncertainty
 from armour.units import MM
 
 # Samples of a design after which it is first checked whether it can still pass.

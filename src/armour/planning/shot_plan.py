@@ -27,8 +27,7 @@ from armour.planning.procedures import (
 )
 from armour.scenario.checked import checked
 from armour.scenario.evidence import ModelError
-from armour.scenario.scenario import Scenario
-from armour.scenario.words import ANY_VELOCITY
+from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.posterior import (
     SCATTER_FACTOR,
     SCATTER_PERCENT,

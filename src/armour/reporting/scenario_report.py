@@ -31,7 +31,7 @@ from armour.reporting.views.design import (
 from armour.reporting.views.impact import energy_table, stage_table
 from armour.reporting.views.library import entry_table
 from armour.scenario.inputs import INPUTS
-from armour.scenario.words import title_beside
+from armour.scenario.scenario import title_beside
 from armour.units import MM
 
 

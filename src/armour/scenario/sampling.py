@@ -11,7 +11,7 @@ from scipy import stats
 from scipy.special import ndtr, ndtri
 from scipy.stats import qmc
 
-from armour.scenario.distributions import Distribution, ErrorDistribution, Uncertainty, correlation_matrix
+from armour.scenario.schema import Distribution, ErrorDistribution, Uncertainty, correlation_matrix
 
 Floats = NDArray[np.float64]
 

@@ -18,9 +18,9 @@ from armour.errors import InputError, Note, Problem, choices, refuse, suggestion
 from armour.files import exists, located, read_toml, shipped_files, shipped_suites, write_files
 from armour.scenario.changes import changed
 from armour.scenario.checked import checked
-from armour.scenario.distributions import Uncertainty
 from armour.scenario.evidence import ModelError, armour_warnings, error_on_tests
 from armour.scenario.inputs import (
+    BACKING,
     CERAMIC,
     INPUTS,
     NAMES,
@@ -54,9 +54,9 @@ from armour.scenario.schema import (
     Optimise,
     Solver,
     Threat,
+    Uncertainty,
 )
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, Section, model_in, problems_of
-from armour.scenario.words import Varied, heading, layers, rounds
 from armour.units import MM, missing_unit
 
 if TYPE_CHECKING:
@@ -64,6 +64,12 @@ if TYPE_CHECKING:
 
 # Completes a problem in the row of an index.
 Place = Callable[[int, Problem], Problem]
+# Values by key of a scenario, in place of its own: names that are listed, and numbers that are left out.
+Varied = Mapping[str, Sequence[object]]
+# Where the velocity is searched for.
+ANY_VELOCITY: Varied = {VELOCITY: ()}
+# Names and threats that are listed.
+MAX_LISTED = 3
 # Degrees of freedom from which Student's t distribution is as good as normal.
 NORMAL = 1e6
 
@@ -354,6 +360,47 @@ class Scenario(Section):
         return [f"note: {note}" for note in self._entries.notes]
 
 
+def rounds(impact: Impact, varied: Varied, threats: Sequence[Threat]) -> str:
+    """Return round and velocity, such as "7.62 mm AP at 800 m/s", of threats or, without any, of an impact."""
+    if len(threats) > MAX_LISTED:
+        return f"{len(threats)} threats"
+    if threats:
+        return " and ".join(f"{threat.projectile} at {threat.velocity_m_s:g} m/s" for threat in threats)
+    names = _names(varied.get(NAMES["projectile"], [impact.projectile]), "different rounds")
+    return names if VELOCITY in varied else f"{names} at {impact.velocity_m_s:g} m/s"
+
+
+def layers(armour: ArmourSection, varied: Varied) -> str:
+    """Return thicknesses and names of the layers, such as "6.35 mm AD85 on 6.35 mm 6061-T6"."""
+    ceramic = _names(varied.get(NAMES["ceramic"], [armour.ceramic]), "ceramic")
+    plate = _names(varied.get(NAMES["backing"], [armour.backing]), "metal")
+    if BACKING not in varied:
+        plate = f"{round(armour.backing_thickness_mm, 3):g} mm {plate}"
+    if CERAMIC not in varied:
+        ceramic = f"{round(armour.ceramic_thickness_mm, 3):g} mm {ceramic}" if armour.ceramic_thickness_mm else ""
+    return f"{ceramic} on {plate}" if ceramic else plate
+
+
+def _names(names: Sequence[object], unknown: str) -> str:
+    """Return different names in words, without that of no ceramic; of an empty list, what they name."""
+    found = [str(name) for name in dict.fromkeys(names) if name]
+    if len(found) > MAX_LISTED:
+        found = [*found[:MAX_LISTED], f"{len(found) - MAX_LISTED} more"]
+    *first, last = found or ["" if names else unknown]
+    return f"{', '.join(first)} or {last}" if first else last
+
+
+def heading(computed: str, title: str) -> list[str]:
+    """Return the first lines of an output: what is computed and, where it has other words, the scenario's title."""
+    return [computed, *(f"scenario: {line}" for line in (title_beside(computed, title),) if line)]
+
+
+def title_beside(computed: str, title: str) -> str:
+    """Return the scenario's title, unless its words, in their order, are among those of what is computed."""
+    words = iter(computed.split())
+    return "" if all(word in words for word in title.replace(",", "").split()) else title
+
+
 @checked
 def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | None = None) -> Scenario:
     """Read a scenario from a TOML file.
@@ -553,7 +600,7 @@ def _meanings() -> dict[str, dict[str, str]]:
     from itertools import pairwise
 
     classes: dict[str, ast.ClassDef] = {}
-    for module in ("library", "distributions", "schema", "scenario"):
+    for module in ("library", "schema", "scenario"):
         tree = ast.parse(getsource(import_module(f"armour.scenario.{module}")))
         classes |= {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
     found: dict[str, dict[str, str]] = {}

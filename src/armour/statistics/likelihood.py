@@ -17,11 +17,11 @@ from armour.analysis.progress import OnProgress
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated, variants_of
 from armour.errors import InputError, Problem, refuse
-from armour.scenario.distributions import Uncertainty, correlation_matrix
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.sampling import centre_and_width
 from armour.scenario.scenario import Scenario
+from armour.scenario.schema import Uncertainty, correlation_matrix
 from armour.statistics.measured import LIMIT, MASS, RESIDUAL, Tests
 
 

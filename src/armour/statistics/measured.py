@@ -13,8 +13,7 @@ from armour.csv_files import CsvRow, Rows, in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem
 from armour.scenario.checked import Names, checked
 from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
-from armour.scenario.scenario import Scenario
-from armour.scenario.words import ANY_VELOCITY
+from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.v50 import RESULTS
 
 LIMIT, RESIDUAL, MASS, OUTCOME = "ballistic_limit_m_s", "residual_velocity_m_s", "residual_mass_g", "outcome"

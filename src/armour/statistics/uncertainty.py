@@ -18,7 +18,6 @@ from armour.analysis.uncertain_inputs import Samples, own_values, sampled, secti
 from armour.analysis.variants import Bools, Floats, Variants, perforated
 from armour.errors import NoLimitError, Note
 from armour.scenario.checked import checked
-from armour.scenario.distributions import Uncertainty
 from armour.scenario.evidence import ModelError
 from armour.scenario.inputs import VELOCITY
 from armour.scenario.sampling import (
@@ -31,6 +30,7 @@ from armour.scenario.sampling import (
     replicated_points,
 )
 from armour.scenario.scenario import Scenario
+from armour.scenario.schema import Uncertainty
 
 # Degree of the polynomials of one input.
 DEGREE = 8

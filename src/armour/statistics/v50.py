@@ -18,8 +18,7 @@ from armour.analysis.results import TableResult, by_column
 from armour.csv_files import in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem, refuse, suggestion
 from armour.scenario.checked import checked
-from armour.scenario.scenario import Scenario
-from armour.scenario.words import ANY_VELOCITY
+from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.penalised_curve import fit_penalised
 from armour.statistics.posterior import (
     FiringEstimate,

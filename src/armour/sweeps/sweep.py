@@ -29,8 +29,7 @@ from armour.files import reason
 from armour.scenario.checked import Names, checked
 from armour.scenario.inputs import ROLES
 from armour.scenario.keys import describe
-from armour.scenario.scenario import Scenario
-from armour.scenario.words import ANY_VELOCITY
+from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.sweeps.cases import BLOCK, Cases, Grid, source_of
 from armour.sweeps.store import RESUME, Chunk, Store, csv_of, read_table
 

@@ -20,8 +20,7 @@ from armour.errors import NoAnswerError, refuse
 from armour.scenario.checked import checked
 from armour.scenario.inputs import ROLES
 from armour.scenario.library import LibraryEntry
-from armour.scenario.scenario import Scenario
-from armour.scenario.words import ANY_VELOCITY
+from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.validation.rivals import Error, areal_densities, measured_limits
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.validate import paper_suite, validate

@@ -3,8 +3,8 @@
 import pytest
 
 from armour import load_scenario
+from armour.scenario.scenario import ANY_VELOCITY, Varied, heading
 from armour.scenario.schema import Threat
-from armour.scenario.words import ANY_VELOCITY, Varied, heading
 from tests.helpers.cases import scenario
 
 CERAMIC, BACKING, PROJECTILE = "armour.ceramic", "armour.backing", "impact.projectile"

@@ -3,7 +3,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from armour.scenario.distributions import Correlation, Distribution, Uncertainty, correlation_matrix
+from armour.scenario.schema import Correlation, Distribution, Uncertainty, correlation_matrix
 
 NORMAL = {"distribution": "normal", "standard_deviation_percent": 10.0}
 SECTION = {"ceramic": {"density_kg_m3": NORMAL, "flow_stress_GPa": NORMAL}, "armour": {"backing_thickness_mm": NORMAL}}
