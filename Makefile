@@ -39,7 +39,7 @@ format: $(VENV)/developing
 docs: $(VENV)/installed
 	$(BIN)/armour validate --markdown docs/validation.md --force
 	$(BIN)/armour validate plates --markdown docs/plates.md --force
-	$(BIN)/python docs/notebook.py docs/study.ipynb
+	$(BIN)/python tools/notebook.py docs/study.ipynb
 	$(BIN)/armour figures docs/figures --force
 	rm docs/figures/*.csv
 	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine --plot docs/images/optimum.png --force
@@ -47,8 +47,8 @@ docs: $(VENV)/installed
 
 # Run the benchmarks and write docs/performance.md: some minutes, on an otherwise idle machine.
 bench: $(VENV)/developing
-	$(BIN)/pytest benchmarks -p no:xdist --benchmark-json=$(VENV)/benchmarks.json
-	$(BIN)/python -m benchmarks.report $(VENV)/benchmarks.json docs/performance.md
+	$(BIN)/pytest tools/benchmarks -p no:xdist --benchmark-json=$(VENV)/benchmarks.json
+	$(BIN)/python -m tools.benchmarks.report $(VENV)/benchmarks.json docs/performance.md
 
 # Measure which lines and branches the tests run; less than 97 % fails.
 coverage: $(VENV)/developing
@@ -60,9 +60,9 @@ coverage: $(VENV)/developing
 
 # Build sdist and wheel and check them in a clean environment; dist/ then has them.
 release: $(VENV)/developing
-	$(BIN)/python .ci/release.py
+	$(BIN)/python tools/release.py
 
-# Run the mutation tests of core/ in plain Python: an hour or two. docs/mutants.md summarises the results.
+# Run the mutation tests of core/ in plain Python: an hour or two. tools/mutants.md summarises the results.
 mutants: $(VENV)/developing
 	$(BIN)/pip install --quiet --disable-pip-version-check 'mutmut>=3.8'
 	NUMBA_DISABLE_JIT=1 $(BIN)/mutmut run
@@ -79,9 +79,9 @@ $(VENV)/developing: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/pip install --quiet --disable-pip-version-check -e '.[dev,docs]'
 	touch $@ $(VENV)/installed
 
-$(LOWEST)/installed: pyproject.toml .ci/lowest.py
+$(LOWEST)/installed: pyproject.toml tools/lowest.py
 	$(PYTHON) -m venv --clear $(LOWEST)
-	$(PYTHON) .ci/lowest.py > $(LOWEST)/versions.txt
+	$(PYTHON) tools/lowest.py > $(LOWEST)/versions.txt
 	$(LOWEST)/bin/pip install --quiet --disable-pip-version-check -e '.[cluster,dev]' -c $(LOWEST)/versions.txt
 	touch $@
 

@@ -28,7 +28,7 @@ def test_every_module_on_the_page_exists():
 
 def test_every_path_on_the_page_exists():
     paths = re.findall(
-        r"`((?:src|tests|docs|suites|configs|scenarios|core|engine|scenario|analysis|design|cli)/[\w./-]+)`", PAGE
+        r"`((?:src|tests|docs|tools|suites|configs|scenarios|core|engine|scenario|analysis|design|cli)/[\w./-]+)`", PAGE
     )
     assert paths
     for path in paths:

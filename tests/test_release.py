@@ -12,7 +12,7 @@ from armour import files
 
 ROOT = Path(__file__).parent.parent
 CHECKOUT = (ROOT / "src").exists()  # not in the environment of `make release`
-RELEASE = runpy.run_path(str(ROOT / ".ci" / "release.py")) if CHECKOUT else {}
+RELEASE = runpy.run_path(str(ROOT / "tools" / "release.py")) if CHECKOUT else {}
 pytestmark = pytest.mark.skipif(not CHECKOUT, reason="needs the sources")
 
 

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from docs.notebook import outputs
 from tests.helpers.cases import SCENARIOS
+from tools.notebook import outputs
 
 NOTEBOOK = SCENARIOS.parent / "docs" / "study.ipynb"
 # The file stays small enough to be read in a browser.

@@ -18,7 +18,7 @@ NAVIGATION = re.findall(r": (\S+\.(?:md|ipynb))$", (ROOT / "mkdocs.yml").read_te
 @pytest.fixture
 def site():
     pytest.importorskip("mkdocs")
-    from docs import site
+    from tools import site
 
     return site
 

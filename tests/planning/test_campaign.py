@@ -4,7 +4,7 @@ import numpy as np
 
 from armour.statistics.penalised_curve import fit_penalised
 from armour.statistics.v50 import Shots
-from campaigns.shots import Intervals, simulate
+from tools.campaigns.shots import Intervals, simulate
 
 
 def test_intervals_on_a_grid_are_those_of_the_program():

@@ -28,8 +28,8 @@ from armour.statistics.calibration import (
 )
 from armour.statistics.likelihood import Coefficient
 from armour.statistics.measured import LIMIT, read_tests
-from campaigns.coverage_calibration import CASES, Simulation, Table
 from tests.helpers.cases import TESTS, csv_file, scenario, shipped_scenario
+from tools.campaigns.coverage_calibration import CASES, Simulation, Table
 
 C, B, V = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "impact.velocity_m_s"
 TAU = "backing.shear_strength_MPa"
@@ -187,7 +187,7 @@ def test_uncertainties_weigh(tmp_path: Path, wilkins: Scenario):
 @pytest.mark.parametrize("case", ["six limits, uncertainty given", "two limits, 20 outcomes"])
 @pytest.mark.usefixtures("quick")
 def test_intervals_hold_the_truth(case: str):
-    """Coverage of 95 %, in campaigns/coverage_calibration.py of 1,000 repetitions.
+    """Coverage of 95 %, in tools/campaigns/coverage_calibration.py of 1,000 repetitions.
 
     Outcomes that pulled only where they contradicted the fit had intervals that held the truth 27 of 40 times.
     """
@@ -199,7 +199,7 @@ def test_intervals_hold_the_truth(case: str):
 
 @pytest.mark.usefixtures("quick")
 def test_intervals_of_the_posterior_hold_truths_drawn_from_the_prior():
-    """Coverage of 95 %, in campaigns/coverage_calibration.py of 500 repetitions."""
+    """Coverage of 95 %, in tools/campaigns/coverage_calibration.py of 500 repetitions."""
     simulation = Simulation(next(found for found in CASES if found.name.startswith("one limit, uncertainty given, p")))
     dice = np.random.default_rng(8)
     held = sum(FLOW_STRESS in list(simulation.held(dice)) for _ in range(40))

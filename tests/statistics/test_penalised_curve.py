@@ -9,7 +9,7 @@ from scipy.stats import chi2
 
 from armour.statistics.penalised_curve import fit_penalised, penalised_band
 from armour.statistics.response_curve import LINKS, Z95, FittedCurve, Link, fit_curve
-from campaigns.coverage import simulate
+from tools.campaigns.coverage import simulate
 
 CASES = {
     "mixed": ((700, 710, 720, 722), (715, 725, 730, 735)),

@@ -108,7 +108,7 @@ def test_the_probability_of_a_requirement():
 
 
 def test_the_prior_of_the_scatter_is_wider_than_the_published_scatter_of_plates():
-    with (SCENARIOS.parent / "suites" / "plates" / "v50.csv").open() as file:
+    with (SCENARIOS / "tests" / "plates.csv").open() as file:
         rows = [(row["standard_deviation_m_s"], row["ballistic_limit_m_s"]) for row in DictReader(file)]
     percent = np.array([100.0 * float(sd) / float(v50) for sd, v50 in rows if sd and float(sd) > 0.0])
     assert len(percent) == 525

@@ -215,7 +215,7 @@ def test_the_band_of_the_curve():
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
-    """For a function in place of the engine; the engine itself: campaigns/coverage_uncertainty.py."""
+    """For a function in place of the engine; the engine itself: tools/campaigns/coverage_uncertainty.py."""
     normal = {"distribution": "normal", "standard_deviation": 1.0, "mean": 0.0}
     weights = np.array([3.0, 1.0, 1.0])
     names = ["ceramic.density_kg_m3", "ceramic.flow_stress_GPa", "backing.density_kg_m3"]

@@ -9,8 +9,8 @@ from armour.reporting.views import suite as suite_view
 from armour.scenario.scenario import load_scenario
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.validate import SuiteResult, paper_suite, validate
-from campaigns.perturbations import perturbations, scored, survivors
 from tests.helpers.cases import SCENARIOS, scenario
+from tools.campaigns.perturbations import perturbations, scored, survivors
 
 # Table 3: ceramic and backing, mm; limits, m/s: measured, predicted with 3.8 GPa and with 5.2 GPa.
 TABLE_3 = [

@@ -17,7 +17,7 @@ from armour.validation.validate import Check, SuiteResult, result_of, validate
 from tests.helpers.cases import SCENARIOS
 from tests.numerics.reference import Reference
 
-FOLDER = SCENARIOS.parent / "suites" / "plates"
+FOLDER = SCENARIOS / "tests"
 # Names of the data base's rounds in the library.
 ROUNDS = {
     ".30 APM2": "7.62 mm APM2",
@@ -33,7 +33,7 @@ ROUNDS = {
 
 @cache
 def rows() -> tuple[dict[str, str], ...]:
-    with (FOLDER / "v50.csv").open() as file:
+    with (FOLDER / "plates.csv").open() as file:
         return tuple(csv.DictReader(file))
 
 

@@ -98,7 +98,7 @@ class Figure:
 
 def paper_figures() -> Path:
     """Return the file that describes the paper's figures."""
-    return shipped("suites") / "figures.toml"
+    return shipped("configs") / "figures.toml"
 
 
 def read_figures(path: Path) -> list[FigureSection]:

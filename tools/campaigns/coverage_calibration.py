@@ -1,6 +1,6 @@
 """Count how often the 95 % intervals of `armour calibrate` hold the true values, in simulated tests.
 
-    python -m campaigns.coverage_calibration --samples 1000 --seed 1
+    python -m tools.campaigns.coverage_calibration --samples 1000 --seed 1
 
 The tests are Wilkins' armours with a known flow stress of the ceramic or, with a prior, one that is drawn from it.
 Ballistic limits are normal about the model's, with a standard deviation of 15 m/s where it is given to the fit, and of
@@ -29,7 +29,7 @@ from armour.statistics.calibration import FLOW_STRESS, LAWS, Law, with_ceramic, 
 from armour.statistics.measured import LIMIT, Measurement, Tests, read_tests
 from armour.units import GPA
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 TRUE_GPA, TRUE_EXPONENT = 5.2, 0.3
 GIVEN_M_S, RELATIVE = 15.0, 0.02
 # Wilkins' armours of which limits are measured, in the cases with few.

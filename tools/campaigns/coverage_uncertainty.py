@@ -1,4 +1,4 @@
-"""How often the 95 % intervals of `uncertainty` hold the truth: ``python -m campaigns.coverage_uncertainty [SEEDS]``.
+"""How often the 95 % intervals of `uncertainty` contain the truth: ``python -m tools.campaigns.coverage_uncertainty``.
 
 The truth is that of 2^18 samples, whose error is about a tenth of the intervals', with first-order indices by a linear
 spline in place of the polynomials.  With 60 seeds it takes some 10 minutes of one core.
@@ -20,7 +20,7 @@ from armour.scenario.sampling import columns_of, points_of
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics.uncertainty import QUANTILES, SAMPLES_AT_A_TIME, sample_limits, uncertainty
 
-SHIPPED = Path(__file__).resolve().parent.parent / "scenarios" / "uncertain.toml"
+SHIPPED = Path(__file__).resolve().parents[2] / "scenarios" / "uncertain.toml"
 SEEDS = 60
 REFERENCE = {"uncertainty.samples": 2**18, "uncertainty.seed": 1_000_000}
 # Parts of the splines of the reference, with equal numbers of samples.

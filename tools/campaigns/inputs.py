@@ -3,7 +3,7 @@
 A command may end with exit codes 0 to 3 only, within 60 s and 1 GiB; it prints no traceback, answers and files hold no
 NaN or infinity, and a command that fails leaves no file.
 
-    python -m campaigns.inputs --trials 20000 --seed 1
+    python -m tools.campaigns.inputs --trials 20000 --seed 1
 """
 
 import argparse
@@ -27,7 +27,7 @@ from xml.etree import ElementTree
 
 import tomli_w
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 LIMIT_S, LIMIT_MIB = 60.0, 1024.0
 CHECK_FAILED = 3
 

@@ -1,4 +1,4 @@
-"""Run the cells of a notebook and write their outputs into it: ``python docs/notebook.py docs/study.ipynb``."""
+"""Run the cells of a notebook and write their outputs into it: ``python tools/notebook.py docs/study.ipynb``."""
 
 import ast
 import base64

@@ -2,7 +2,7 @@
 
 A case that stays within its band whatever changes by up to 20 % is no case: it may be shown, but must not be scored.
 
-    python -m campaigns.perturbations
+    python -m tools.campaigns.perturbations
 
 prints the least change of a single input that makes each scored case and table leave its band, and exits with 3 if
 there is none for some. The velocity of the crack is changed through Young's modulus. The mass of the penetrator is kept

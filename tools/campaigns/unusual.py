@@ -5,7 +5,7 @@ outcome that 1,025 velocities see, 1 to 10,000 m/s, or if a lower one is found t
 bracket confirm. Designs that are nearly unusual, up to a factor of two outside of what the model was compared with, are
 compared in the same way. A least ceramic thickness is compared with a scan that is four times as dense. Run it by
 
-    python -m campaigns.unusual
+    python -m tools.campaigns.unusual
 """
 
 import argparse

@@ -25,7 +25,7 @@ from armour.reporting.views.library import entry_table
 from armour.scenario.inputs import INPUTS
 from armour.scenario.scenario import scenario_schema
 
-DOCS = Path(__file__).parent
+DOCS = Path(__file__).parents[1] / "docs"
 # Pages of the site whose text is kept elsewhere in the repository.
 OUTSIDE = {"contributing.md": "CONTRIBUTING.md", "changes.md": "CHANGELOG.md"}
 # Headings of the public names by package.

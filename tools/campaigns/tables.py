@@ -1,6 +1,6 @@
 """Record shots in pairs, kill the commands that record them, and save the table meanwhile: no shot may be lost.
 
-    python -m campaigns.tables [NAME]...
+    python -m tools.campaigns.tables [NAME]...
 
 runs the named campaigns, by default all; it counts how the trials ended, and exits with 3 if one ended wrong.
 """
@@ -23,8 +23,8 @@ from armour.engine.cache import kernel
 from armour.errors import InputError
 from armour.files import write_files
 from armour.statistics.v50 import read_shots
-from campaigns.sweeps import WRONG, exit_code, forked
 from tests.helpers.faults import faults
+from tools.campaigns.sweeps import WRONG, exit_code, forked
 
 PAIRS, KILLS, SAVES = 50, 200, 50
 TABLES = (

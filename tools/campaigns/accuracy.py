@@ -3,7 +3,7 @@
 The reference has steps 100 times shorter, everywhere.  A limit is within a distance of it if, by these steps, an impact
 faster than the limit by the distance perforates and one slower by it is defeated.  Run it by
 
-    python -m campaigns.accuracy
+    python -m tools.campaigns.accuracy
 """
 
 import argparse

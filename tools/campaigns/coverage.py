@@ -1,6 +1,6 @@
 """Count how often the intervals of `armour v50` hold the true values, in simulated firings of a normal curve.
 
-    python -m campaigns.coverage --samples 2000 --seed 1
+    python -m tools.campaigns.coverage --samples 2000 --seed 1
 
 V50 is 720 m/s and the scale 10 m/s.  The velocities are those of an up-and-down rule, with steps of 15 m/s from a start
 that misses V50 by 15 m/s and velocities that miss their aim by 5 m/s (standard deviations), or of five levels from two

@@ -15,7 +15,7 @@ import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-VERSION = re.search(r'^__version__ = "(.+)"$', (ROOT / "src/armour/__init__.py").read_text(encoding="utf-8"), re.M)[1]
+[VERSION] = re.findall(r'^__version__ = "(.+)"$', (ROOT / "src/armour/__init__.py").read_text(encoding="utf-8"), re.M)
 TAG = f"v{VERSION}"
 
 

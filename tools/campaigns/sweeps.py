@@ -1,6 +1,6 @@
 """Kill, damage, race and starve sweeps: each must end in the right table, or in a message and exit code 2.
 
-    python -m campaigns.sweeps [NAME]...
+    python -m tools.campaigns.sweeps [NAME]...
 
 runs the named campaigns, by default all; it counts how the trials ended, and exits with 3 if one ended wrong.
 """

@@ -1,7 +1,7 @@
 """Run every example of the documentation and of the help as a newcomer does: from a wheel, in an empty folder.
 
 The tests of the examples, each of which works in a folder of its own, are run with the unpacked wheel in place of the
-sources.  ``python -m campaigns.newcomer`` takes about a minute.
+sources.  ``python -m tools.campaigns.newcomer`` takes about a minute.
 """
 
 import os
@@ -11,7 +11,7 @@ import zipfile
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-REPOSITORY = Path(__file__).resolve().parent.parent
+REPOSITORY = Path(__file__).resolve().parents[2]
 EXAMPLES = ("tests/cli/test_docs.py", "tests/cli/test_habits.py", "tests/cli/test_notebook.py")
 
 

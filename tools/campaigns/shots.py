@@ -1,6 +1,6 @@
 """Count the shots that each procedure needs to know V50, and how often its interval then holds V50.
 
-    python -m campaigns.shots --firings 2000 --seed 1
+    python -m tools.campaigns.shots --firings 2000 --seed 1
 
 The armour is the paper's lightest against the 7.62 mm AP, whose ballistic limit by the model has an error of 7.0 % from
 13 tests.  V50 is 0, 1 or 2 standard deviations of this error from the model's limit, above it in one half of the

@@ -1,6 +1,6 @@
 """Time of the engine beside that of another commit, on the same designs, in turn in one run.
 
-    python -m benchmarks.against main~1
+    python -m tools.benchmarks.against main~1
 
 checks the commit out in a temporary folder, lets both compute the same random designs on one core, many times in turn,
 and prints the shortest times and their ratios.
@@ -19,7 +19,7 @@ from tests.helpers.runs import random_designs
 
 COUNT = 2000
 TURNS = 5
-HERE = Path(__file__).resolve().parent.parent
+HERE = Path(__file__).resolve().parents[2]
 LOW, HIGH, TOLERANCE = 20.0, 4000.0, 3.5e-4  # m/s
 
 TIMED = f"""

@@ -1,4 +1,4 @@
-"""Write docs/performance.md: ``python -m benchmarks.report RESULTS.json PAGE.md`` with results of pytest-benchmark."""
+"""Write docs/performance.md: ``python -m tools.benchmarks.report RESULTS.json PAGE``, results of pytest-benchmark."""
 
 import json
 import os

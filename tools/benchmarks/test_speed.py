@@ -32,7 +32,7 @@ ALL = batch.SolverOptions()
 TOLERANCE = 3.5e-4
 # Designs for the slow ways.
 SOME = range(0, COUNT, 100)
-SCENARIO = Path(__file__).parent.parent / "scenarios" / "wilkins.toml"
+SCENARIO = Path(__file__).parents[2] / "scenarios" / "wilkins.toml"
 
 
 def by_scipy(method: str, rtol: float, longest: float) -> Callable[[Parameters, float], bool]:

@@ -1,6 +1,6 @@
 """Compare planned tests with Wilkins' 13 armours: intervals of the flow stress and of the limit of a design.
 
-    python -m campaigns.optimal_tests --samples 200 --seed 1
+    python -m tools.campaigns.optimal_tests --samples 200 --seed 1
 
 For each law of the flow stress the true inputs are those of the fit to Wilkins' tests.  The sets of 13 tests are
 Wilkins' armours, and those that `armour plan tests` chooses from ceramics of 4 to 12 mm and back plates of 3 to 10 mm,
@@ -27,7 +27,7 @@ from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics import likelihood as likelihood_fit
 from armour.statistics.calibration import FLOW_STRESS, LAWS, Law, calibrate, with_ceramic, with_law
 from armour.statistics.measured import LIMIT, MaterialGroup, Measurement, Tests, read_tests
-from campaigns.coverage_calibration import ROOT, Table
+from tools.campaigns.coverage_calibration import ROOT, Table
 
 SCATTER, NUMBER = 0.03, 13
 CANDIDATES = {
