@@ -2,14 +2,13 @@
 
 import tomllib
 from collections.abc import Iterator
-from itertools import takewhile
 from typing import Any
 
 import tomli_w
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from armour.scenario.keys import key_name, line_of, lines_of, statements
+from armour.scenario.keys import key_name, line_of, lines_of
 
 NAMES = st.text(st.characters(codec="ascii", exclude_characters="\n\r\x00"), min_size=1, max_size=6)
 SCALARS = st.integers(-9, 9) | st.booleans() | st.text(max_size=8) | st.floats(allow_nan=False, allow_infinity=False)
@@ -36,48 +35,3 @@ def test_every_key_is_found_on_its_line(data: dict[str, Any]):
         assert line is not None
         last = tomli_w.dumps({str(parts[-1]): 0}).removesuffix(" = 0\n")
         assert last in written[line - 1]
-
-
-def statements_by_trial(text: str) -> list[tuple[int, str]]:
-    """Return the statements with their first lines, given that each is the least number of lines that is valid TOML."""
-    found, start, lines = [], 0, text.split("\n")
-    for end in range(1, len(lines) + 1):
-        statement = "\n".join(lines[start:end]) + "\n"
-        if is_toml(statement):
-            found.append((start + 1, statement))
-            start = end
-    return found
-
-
-def is_toml(text: str) -> bool:
-    try:
-        tomllib.loads(text)
-    except tomllib.TOMLDecodeError:
-        return False
-    return True
-
-
-# Statements, whose texts and comments hold brackets, quotes and ends of lines, and pieces of them.
-WHOLE = r"""
-[t]
-[[t]]
-k = [ # ]
- 1, "]", '[',
-]
-i = { a = [1, 2], b = '}' }
-s = "[ # \" \\"
-l = '\'
-m = '''
-[t]
-q'''''
-# " [ '''
-""".replace("\n", "\r\n").split("\r\n")
-BASIC = ['m = """\n[t] \\"""\n"""\n', 'e = """a""b"""""\n', 'p = """\\\\"""\n']
-PIECES = [*(line + "\n" for line in WHOLE), *(line + "\r\n" for line in WHOLE), *BASIC, *"k=1[]{},#\\\"'\n", '"""']
-
-
-@given(st.lists(st.sampled_from(PIECES), max_size=10).map("".join))
-@settings(max_examples=200, deadline=None)
-def test_statements_end_where_trials_end_them(text: str):
-    found = takewhile(lambda item: is_toml(item[1]), statements(text))
-    assert list(found) == statements_by_trial(text)

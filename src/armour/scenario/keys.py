@@ -14,14 +14,6 @@ Parts = tuple[str, ...]
 MAX_PARTS = 20
 # Keys and, of lists, indices.
 _Place = tuple[str | int, ...]
-# What decides where a statement ends: texts and comments as wholes, brackets and ends of lines.
-_TOKEN = re.compile(
-    r"""
-    "{3} [^"\\]* (?: (?: \\. | "(?!"") ) [^"\\]* )* "{3,5} | '{3} .*? '{3,5} | "{3} | '{3}
-    | " [^"\\\n]* (?: \\[^\n] [^"\\\n]* )* "? | ' [^'\n]* '? | \#[^\n]* | [\[\]{}\n]
-    """,
-    re.DOTALL | re.VERBOSE,
-)
 
 
 def key_name(parts: Sequence[str | int]) -> str:
@@ -105,42 +97,26 @@ def describe(value: object) -> str:
 
 
 def lines_of(text: str) -> dict[str, int]:
-    """Return the line numbers, from 1, of every key and table of a TOML text, up to a syntax error.
-
-    The text is parsed statement by statement, each once.
-    """
+    """Return the line numbers, from 1, of every key and table of a TOML text, up to a syntax error."""
     found: dict[str, int] = {}
     counts: dict[str, int] = {}
     table: _Place = ()
-    for start, statement in statements(text):
+    statement, first = "", 1
+    for number, line in enumerate(text.split("\n"), 1):
+        statement += f"{line}\n"
+        if line.endswith(",") and "#" not in line:
+            continue  # within a list
         try:
             data = tomllib.loads(statement)
-            parts = _header(data, counts) if statement.lstrip().startswith("[") else ()
-            keys = [parts] if parts else list(_keys(data, table))
-        except (tomllib.TOMLDecodeError, RecursionError):
-            break
-        table = parts or table
-        for key in keys:
-            found.setdefault(key_name(key), start)
+        except tomllib.TOMLDecodeError:
+            continue  # the statement goes on
+        is_header = statement.lstrip().startswith("[")
+        if is_header:
+            table = _header(data, counts)
+        for key in [table] if is_header else _keys(data, table):
+            found.setdefault(key_name(key), first)
+        statement, first = "", number + 1
     return found
-
-
-def statements(text: str) -> Iterator[tuple[int, str]]:
-    """Yield the statements of a TOML text, each with its first line; they end where a line does, outside brackets."""
-    text += "\n"
-    start, line, depth = 0, 1, 0
-    for match in _TOKEN.finditer(text):
-        token = match[0]
-        if token in ("[", "{"):
-            depth += 1
-        elif token in ("]", "}"):
-            depth -= 1
-        elif token in ('"""', "'''"):
-            return  # a text without an end
-        elif token == "\n" and depth <= 0:
-            statement = text[start : match.end()]
-            yield line, statement
-            start, line, depth = match.end(), line + statement.count("\n"), 0
 
 
 def line_of(key: str, lines: Mapping[str, int]) -> int | None:

@@ -3,14 +3,12 @@
 Every value has a status (measured, nominal, fitted or assumed) and a source.
 """
 
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cache
-from graphlib import CycleError, TopologicalSorter
 from math import inf, pi
 from os import PathLike
-from typing import Annotated, Any, Generic, Literal, NamedTuple, TypeVar
+from typing import Annotated, Any, Generic, Literal, TypeVar
 
 import tomli_w
 from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, model_serializer
@@ -296,105 +294,86 @@ class Library:
         """
         tables = tables if isinstance(tables, LibraryTables) else validated(LibraryTables, tables, file)
         entries: dict[Kind, dict[str, LibraryEntry]] = {kind: dict(self.entries[kind]) for kind in KINDS}
-        problems: dict[str, Problem] = {}
+        problems: list[Problem] = []
         notes = list(self.notes)
         for kind in KINDS:
             added: Mapping[str, Entry] = getattr(tables, kind)
-            for name, resolved in _resolved(kind, added, self.entries[kind], file).items():
-                if isinstance(resolved, LibraryEntry):
-                    entries[kind][name] = resolved
-                    if name in self.entries[kind] and added[name].based_on != name:
-                        where = key_name([part for part in (prefix, kind, name) if part])
-                        of = self.entries[kind][name].file or "the shipped library"
-                        notes.append(f"{file}: {where}: replaces the {name} of {of}")
-                    continue
-                for key, message in resolved.found:
-                    where = key_name([part for part in (prefix, kind, resolved.name, key) if part])
-                    problems[where] = Problem(file, where, message)
-        refuse(problems.values())
+            found, mistakes = _resolved(kind, added, self.entries[kind], file)
+            for name, key, message in mistakes:
+                where = key_name([part for part in (prefix, kind, name, key) if part])
+                problems.append(Problem(file, where, message))
+            for name in filter(found.__contains__, added):
+                earlier = entries[kind].get(name)
+                if earlier and added[name].based_on != name:
+                    where = key_name([part for part in (prefix, kind, name) if part])
+                    notes.append(f"{file}: {where}: replaces the {name} of {earlier.file or 'the shipped library'}")
+                entries[kind][name] = found[name]
+        refuse(problems)
         return Library(entries, tuple(notes))
-
-
-class _Mistakes(NamedTuple):
-    """Mistakes that prevent an entry from being completed: keys and messages."""
-
-    name: str
-    found: Sequence[tuple[str, str]]
 
 
 def _resolved(
     kind: Kind, added: Mapping[str, Entry], known: Mapping[str, LibraryEntry], file: str
-) -> dict[str, LibraryEntry | _Mistakes]:
-    """Return each added entry with the values that it inherits, or its mistakes or those of its base."""
-    order: TopologicalSorter[str] = TopologicalSorter()
-    for name, entry in added.items():
-        base = entry.based_on
-        # An entry based on its own name refers to the earlier one.
-        order.add(name, *([base] if base is not None and base in added and base != name else []))
-    with suppress(CycleError):  # the sorter gives what does not depend on a cycle
-        order.prepare()
-    found: dict[str, LibraryEntry | _Mistakes] = {}
-    while ready := order.get_ready():
-        found |= {name: _resolve(kind, name, added, found, known, file) for name in ready}
-        order.done(*ready)
-    for name in added.keys() - found:
-        message = f'must not lead back to the entry itself, found "{added[name].based_on}"'
-        found[name] = _Mistakes(name, [("based_on", message)])
-    return {name: found[name] for name in added}
+) -> tuple[dict[str, LibraryEntry], list[tuple[str, str, str]]]:
+    """Return added entries with the values that they inherit, and the mistakes in others: name, key and message."""
+    found: dict[str, LibraryEntry] = {}
+    mistakes: list[tuple[str, str, str]] = []
+    waiting = dict(added)
+    # A base precedes what is based on it.  An entry based on its own name refers to the earlier one.
+    while ready := [name for name, entry in waiting.items() if entry.based_on == name or entry.based_on not in waiting]:
+        for name in ready:
+            entry, base = waiting.pop(name), added[name].based_on
+            is_added = base in added and base != name
+            inherited = None if base is None else (found if is_added else known).get(base)
+            if base is None or inherited:
+                made = _completed(kind, name, entry, inherited, file)
+                wrong = _mistakes(made)
+                mistakes += ((name, key, message) for key, message in wrong.items())
+                if not wrong:
+                    found[name] = made
+            elif not is_added:  # the mistake of an added one is reported there
+                hint = suggestion(base, [*known, *(other for other in added if other != name)])
+                mistakes.append((name, "based_on", f'must name a {kind} of the library, found "{base}"{hint}'))
+    for name, entry in waiting.items():
+        mistakes.append((name, "based_on", f'must not lead back to the entry itself, found "{entry.based_on}"'))
+    return found, mistakes
 
 
-def _resolve(
-    kind: Kind,
-    name: str,
-    added: Mapping[str, Entry],
-    found: Mapping[str, LibraryEntry | _Mistakes],
-    known: Mapping[str, LibraryEntry],
-    file: str,
-) -> LibraryEntry | _Mistakes:
-    """Return an entry with the values that it inherits from its base, which is found already."""
-    entry = added[name]
-    base = entry.based_on
-    description, values = entry.description, {}
-    if base is not None:
-        inherited = found[base] if base in added and base != name else known.get(base)
-        if inherited is None:
-            hint = suggestion(base, [*known, *(other for other in added if other != name)])
-            return _Mistakes(name, [("based_on", f'must name a {kind} of the library, found "{base}"{hint}')])
-        if isinstance(inherited, _Mistakes):
-            return inherited
-        description = description or inherited.description
-        values = {key: inherited.values[key] for key in inherited.values if key not in inherited.derived}
+def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, file: str) -> LibraryEntry:
+    """Return an entry with the values of its base and derived ones, in the order of the keys of its kind."""
+    values = {key: base.values[key] for key in base.values if key not in base.derived} if base else {}
     for key, value in entry.values().items():
         values[key] = value if value.source else value.model_copy(update={"source": file})
-    return _completed(LibraryEntry(kind, name, description, values, file=file))
-
-
-def _completed(entry: LibraryEntry) -> LibraryEntry | _Mistakes:
-    """Return the entry with its derived values, in the order of the keys of its kind."""
-    values = dict(entry.values)
     derived = []
-    if entry.kind == "metal" and "dynamic_yield_strength_MPa" in values:
+    if kind == "metal" and "dynamic_yield_strength_MPa" in values:
         strength = values["dynamic_yield_strength_MPa"].value
         derived = [key for key in DEFAULTS if key not in values]
         for key in derived:
             factor, source = DEFAULTS[key]
             values[key] = Value[float](value=factor * strength, source=source)
-    keys = [key for key in KINDS[entry.kind].model_fields if key not in Entry.model_fields]
-    if missing := [key for key in keys if key not in (*values, *OPTIONAL)]:
-        message = "is missing and must be given, or based_on an entry that has it"
-        return _Mistakes(entry.name, [(key, message) for key in missing])
-    complete = replace(entry, values={key: values[key] for key in keys if key in values}, derived=frozenset(derived))
-    if entry.kind == "projectile":
-        diameter, mass, density = (complete[key] for key in ROD)
-        if not is_rod(diameter, mass, density):
-            unit = unit_mass_g(diameter, density)
-            ratio = mass / unit if unit else inf
-            message = (
-                f"must make a rod {SLENDERNESS[0]:g} to {SLENDERNESS[1]:g} diameters long with the "
-                f"diameter and density given, found {ratio:.3g} diameters; is it in g?"
-            )
-            return _Mistakes(entry.name, [("penetrator_mass_g", message)])
-    return complete
+    ordered = {key: values[key] for key in _keys(kind) if key in values}
+    description = entry.description or (base.description if base else "")
+    return LibraryEntry(kind, name, description, ordered, frozenset(derived), file)
+
+
+def _keys(kind: Kind) -> list[str]:
+    return [key for key in KINDS[kind].model_fields if key not in Entry.model_fields]
+
+
+def _mistakes(entry: LibraryEntry) -> dict[str, str]:
+    """Return what is wrong with an entry, by key."""
+    if missing := [key for key in _keys(entry.kind) if key not in (*entry.values, *OPTIONAL)]:
+        return dict.fromkeys(missing, "is missing and must be given, or based_on an entry that has it")
+    if entry.kind != "projectile" or is_rod(*(entry[key] for key in ROD)):
+        return {}
+    diameter, mass, density = (entry[key] for key in ROD)
+    unit = unit_mass_g(diameter, density)
+    ratio = mass / unit if unit else inf
+    message = (
+        f"must make a rod {SLENDERNESS[0]:g} to {SLENDERNESS[1]:g} diameters long with the "
+        f"diameter and density given, found {ratio:.3g} diameters; is it in g?"
+    )
+    return {"penetrator_mass_g": message}
 
 
 @checked
