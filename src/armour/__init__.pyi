@@ -44,12 +44,12 @@ from .statistics.calibration import CalibrationResult as CalibrationResult
 from .statistics.calibration import LawFit as LawFit
 from .statistics.calibration import Residual as Residual
 from .statistics.calibration import calibrate as calibrate
+from .statistics.curves import FittedCurve as FittedCurve
 from .statistics.fitted_library import save_fit as save_fit
 from .statistics.likelihood import Coefficient as Coefficient
 from .statistics.measured import Tests as Tests
 from .statistics.measured import read_tests as read_tests
 from .statistics.posterior import FiringEstimate as FiringEstimate
-from .statistics.response_curve import FittedCurve as FittedCurve
 from .statistics.sensitivity import Elasticity as Elasticity
 from .statistics.sensitivity import SensitivityResult as SensitivityResult
 from .statistics.sensitivity import sensitivity as sensitivity

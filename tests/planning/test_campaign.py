@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from armour.statistics.penalised_curve import fit_penalised
+from armour.statistics.curves import fit_curve
 from armour.statistics.v50 import Shots
 from tools.campaigns.shots import Intervals, simulate
 
@@ -16,7 +16,7 @@ def test_intervals_on_a_grid_are_those_of_the_program():
         intervals.add(each, results)
     for firing, ends in enumerate(intervals.ends()):
         shots = Shots(tuple(velocities[:, firing].tolist()), tuple(complete[:, firing].tolist()))
-        fit = fit_penalised(shots.of(complete=False), shots.of(complete=True), "probit")
+        fit = fit_curve(shots.of(complete=False), shots.of(complete=True), "probit", penalised=True)
         assert fit is not None
         low, high = fit.v50_interval_m_s
         if low is not None and high is not None and high - low < 40.0:

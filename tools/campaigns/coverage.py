@@ -16,8 +16,7 @@ from math import sqrt
 import numpy as np
 
 from armour.errors import NoAnswerError
-from armour.statistics.penalised_curve import fit_penalised
-from armour.statistics.response_curve import Z95, FittedCurve, Interval, Link, fit_curve
+from armour.statistics.curves import Z95, FittedCurve, Interval, Link, fit_curve
 from armour.statistics.v50 import Shots
 
 V50, SCALE = 720.0, 10.0
@@ -71,7 +70,7 @@ def simulate(rule: str, shots: int, samples: int, seed: int, link: Link = "probi
         penalised = None
         if partial and complete:
             with suppress(NoAnswerError):
-                penalised = fit_penalised(partial, complete, link)
+                penalised = fit_curve(partial, complete, link, penalised=True)
         if penalised is None:
             found["no V50"] += 1
             continue
@@ -79,6 +78,7 @@ def simulate(rule: str, shots: int, samples: int, seed: int, link: Link = "probi
         found["separated"] += partial[-1] < complete[0]
         found["V50 not bounded"] += None in penalised.v50_interval_m_s
         for fit in (penalised, fit_curve(partial, complete, link)):
+            assert fit is not None
             found.update(f"{fit.method}: {name}" for name in held(fit))
     return found
 

@@ -12,9 +12,8 @@ from scipy.special import log_ndtr
 
 from armour.analysis.variants import Floats
 from armour.errors import NoAnswerError
-from armour.statistics.penalised_curve import fit_penalised
+from armour.statistics.curves import FittedCurve, Likelihood, fit_curve
 from armour.statistics.posterior import FiringPrior
-from armour.statistics.response_curve import FittedCurve, maximum_likelihood, standardised
 from armour.statistics.v50 import SPANS_M_S, MeanV50, Shots, mean_v50
 
 
@@ -44,7 +43,7 @@ def recommended_fit(shots: Shots, confidence: float) -> FittedCurve | None:
     if not partial or not complete:
         return None
     try:
-        return fit_penalised(partial, complete, "probit", confidence)
+        return fit_curve(partial, complete, "probit", confidence, penalised=True)
     except NoAnswerError:
         return None
 
@@ -201,9 +200,10 @@ def next_by_neyer(shots: Shots, settings: ShotSettings) -> Aim:
     if np.mean(completes) <= np.mean(partial):
         v50 = min(max(middle, slowest), fastest)
         return Aim(v50 + copysign(FLAT * span, -1.0 if complete[-1] else 1.0), "the shots have no rising curve")
-    mean, deviation, x, signs = standardised(partial, completes)
-    location, scale, _ = maximum_likelihood("probit", signs, x)
-    v50, scatter = min(max(mean + deviation * location, slowest), fastest), min(deviation * scale, span)
+    curve = Likelihood(partial, completes, "probit")
+    intercept, slope = curve.mode.at.tolist()
+    v50 = min(max(curve.mean - curve.deviation * intercept / slope, slowest), fastest)
+    scatter = min(curve.deviation / slope, span)
     reason = f"D-optimal for the estimates of maximum likelihood, V50 {v50:.1f} and scatter {scatter:.1f} m/s"
     return Aim(_best(velocities, v50, scatter), reason)
 

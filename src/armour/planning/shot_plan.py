@@ -28,6 +28,7 @@ from armour.planning.procedures import (
 from armour.scenario.checked import checked
 from armour.scenario.evidence import ModelError
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
+from armour.statistics.curves import FittedCurve
 from armour.statistics.posterior import (
     SCATTER_FACTOR,
     SCATTER_PERCENT,
@@ -40,7 +41,6 @@ from armour.statistics.posterior import (
     prior_of,
     prior_share,
 )
-from armour.statistics.response_curve import FittedCurve
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, MeanV50, Shots, check_shots
 
 Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]

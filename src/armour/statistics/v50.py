@@ -19,7 +19,7 @@ from armour.csv_files import in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem, refuse, suggestion
 from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.statistics.penalised_curve import fit_penalised
+from armour.statistics.curves import CDFS, FittedCurve, fit_curve
 from armour.statistics.posterior import (
     FiringEstimate,
     contradictions,
@@ -28,7 +28,6 @@ from armour.statistics.posterior import (
     prior_of,
     prior_share,
 )
-from armour.statistics.response_curve import LINKS, FittedCurve, fit_curve
 from armour.units import missing_unit
 
 # Results of shots by their words in lower case.
@@ -265,11 +264,15 @@ def v50(
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     # With a prior, shots that have no curve tell something, too.
     curved = not prior or (bool(partial and complete) and sum(complete) * len(partial) > sum(partial) * len(complete))
-    fits = tuple(fit_curve(partial, complete, link, confidence) for link in LINKS) if curved else ()
-    model = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
-    penalised = (
-        tuple(fit for link in LINKS if (fit := fit_penalised(partial, complete, link, confidence))) if curved else ()
+    fits, penalised_fits = (
+        tuple(
+            fit
+            for link in (CDFS if curved else ())
+            if (fit := fit_curve(partial, complete, link, confidence, penalised=penalised))
+        )
+        for penalised in (False, True)
     )
+    model = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     before, after, contradicted = (
         _with_prior(scenario, model.ballistic_limit_m_s, shots, confidence)
         if prior and scenario and model
@@ -286,8 +289,8 @@ def v50(
         separated=not partial or not complete or partial[-1] < complete[0],
         mean=mean_v50(partial, complete, pairs, span_m_s),
         fits=fits,
-        penalised_fits=penalised,
-        recommended=penalised[0] if penalised else None,
+        penalised_fits=penalised_fits,
+        recommended=penalised_fits[0] if penalised_fits else None,
         confidence=confidence,
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
         model_interval_m_s=None if model is None else model.interval_m_s,

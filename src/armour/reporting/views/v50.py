@@ -13,7 +13,7 @@ from armour.reporting.views.planned_shots import SCATTER_ASSUMED, prior_table, s
 from armour.scenario.inputs import VELOCITY
 
 if TYPE_CHECKING:
-    from armour.statistics.response_curve import FittedCurve
+    from armour.statistics.curves import FittedCurve
     from armour.statistics.v50 import FiringResult
 
 
@@ -127,7 +127,7 @@ def chart(result: "FiringResult") -> Chart:
         message = "must have a curve to draw, and these shots have none"
         raise InputError([Problem(shots.file, "", message)])
     # scipy is slow to import, and no other chart needs it.
-    from armour.statistics.penalised_curve import penalised_band
+    from armour.statistics.curves import penalised_band
 
     series: list[Series] = [*shot_points(shots)]
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)

@@ -1,0 +1,216 @@
+"""Curves of plain and penalised likelihood against closed forms, likelihoods point by point, and simulated firings."""
+
+from math import log
+
+import numpy as np
+import pytest
+from scipy.special import log_expit, log_ndtr
+from scipy.stats import chi2
+
+from armour.errors import NoAnswerError
+from armour.statistics.curves import CDFS, Z95, FittedCurve, Likelihood, Link, fit_curve, penalised_band
+from tools.campaigns.coverage import simulate
+
+Shots = tuple[tuple[float, ...], tuple[float, ...]]
+MIXED: Shots = ((700, 710, 720, 722), (715, 725, 730, 735))
+APART: Shots = ((700, 708, 715), (731, 740, 748))
+CASES: dict[str, Shots] = {
+    "mixed": MIXED,
+    "apart": APART,
+    "touching": ((700, 705, 710), (710, 715, 720)),
+    "two": ((700.0,), (710.0,)),
+    # The penalised likelihood has several maxima along some lines, and the last has two of all.
+    "steep and flat": ((715.0,), (755.0, 720.0)),
+    "pair": ((680.5, 720.0, 714.0), (719.8, 720.9, 737.4, 719.9, 726.3, 730.4, 741.0)),
+    "near": (
+        (688.83, 704.43, 709.88, 718.67, 691.16, 706.1, 719.65, 691.8, 709.24, 709.22, 711.44, 718.49, 719.02),
+        (720.05, 739.08, 720.75, 720.82, 733.91, 725.27, 721.04),
+    ),
+}
+links = pytest.mark.parametrize("link", CDFS)
+
+
+def fitted(shots: Shots, link: Link, *, penalised: bool = False) -> FittedCurve:
+    fit = fit_curve(*shots, link, penalised=penalised)
+    assert fit is not None
+    return fit
+
+
+def likelihood(shots: Shots, link: Link, slopes: np.ndarray, intercepts: np.ndarray, *, penalised: bool) -> np.ndarray:
+    """Logarithm of the likelihood, with the Fisher information of the penalty by its definition."""
+    partial, complete = shots
+    v, sign = np.array([*partial, *complete]) - 720.0, np.repeat([-1.0, 1.0], [len(partial), len(complete)])
+    log_f = log_ndtr if link == "probit" else log_expit
+    z = intercepts[..., None] + slopes[..., None] * v
+    found: np.ndarray = log_f(sign * z).sum(-1)
+    if penalised:
+        log_density = -0.5 * z**2 - 0.5 * log(2.0 * np.pi) if link == "probit" else log_f(z) + log_f(-z)
+        weights = np.exp(2.0 * log_density - log_f(z) - log_f(-z))
+        information = np.einsum("...n,in,jn->...ij", weights, *[np.stack([np.ones_like(v), v])] * 2)
+        found = found + 0.5 * np.linalg.slogdet(information)[1]
+    return found
+
+
+@links
+@pytest.mark.parametrize("case", CASES)
+def test_the_maximum_and_the_ends_of_penalised_intervals(case: str, link: Link):
+    """The greatest likelihood of curves with the value of an end is that much below the maximum."""
+    shots = CASES[case]
+    fit = fitted(shots, link, penalised=True)
+
+    def of(slopes: np.ndarray, intercepts: np.ndarray) -> np.ndarray:
+        return likelihood(shots, link, slopes, intercepts, penalised=True)
+
+    slopes = np.geomspace(1e-4, 20.0, 4000)
+    top = of(np.array(1.0 / fit.scale_m_s), np.array((720.0 - fit.v50_m_s) / fit.scale_m_s))
+    everywhere = np.meshgrid(slopes[::40], np.linspace(640.0, 800.0, 300) - 720.0)
+    assert of(everywhere[0], -everywhere[0] * everywhere[1]).max() <= top + 1e-9
+    depth = 0.5 * chi2.ppf(0.95, 1)
+    quantiles = {-Z95[link]: fit.v05_interval_m_s, 0.0: fit.v50_interval_m_s, Z95[link]: fit.v95_interval_m_s}
+    profiles = [of(slopes, z - slopes * (end - 720.0)) for z, ends in quantiles.items() for end in ends or () if end]
+    places = np.linspace(550.0, 890.0, 20_000) - 720.0
+    profiles += [of(np.full(len(places), 1.0 / end), -places / end) for end in fit.scale_interval_m_s if end]
+    assert [top - profile.max() for profile in profiles] == pytest.approx([depth] * len(profiles), abs=2e-3)
+
+
+def many_shots() -> Shots:
+    """Forty shots of a logistic curve of V50 720 m/s and scale 12 m/s."""
+    velocities = np.linspace(650, 800, 40)
+    complete = np.random.default_rng(5).random(40) < 1 / (1 + np.exp(-(velocities - 720) / 12))
+    return tuple(velocities[~complete].tolist()), tuple(velocities[complete].tolist())
+
+
+@links
+@pytest.mark.parametrize("case", ["mixed", "apart", "many", "touching unevenly"])
+def test_a_plain_fit_agrees_with_a_search_point_by_point(case: str, link: Link):
+    # Of two partial and one complete at one velocity a step with a third there is likelier than one with a half.
+    uneven: Shots = ((700, 720, 720), (720, 740, 750))
+    shots = {"mixed": MIXED, "apart": APART, "touching unevenly": uneven}.get(case) or many_shots()
+    fit = fitted(shots, link)
+    low, high = (690.0, 750.0) if case == "many" else (640.0, 810.0)
+    locations, scales = np.arange(low, high, 0.1), np.geomspace(1e-2, 1e4, 700)
+    all_of_them = likelihood(shots, link, 1.0 / scales, -(locations[:, None] - 720.0) / scales, penalised=False)
+    assert fit.log_likelihood == pytest.approx(all_of_them.max(), abs=2e-3)
+    inside = all_of_them >= fit.log_likelihood - 0.5 * chi2.ppf(0.95, 1)
+    found = locations[inside.any(axis=1)]
+    assert fit.v50_interval_m_s == pytest.approx((found[0], found[-1]), abs=0.11)
+    widths = scales[inside.any(axis=0)]
+    narrowest, widest = fit.scale_interval_m_s
+    assert widest == pytest.approx(widths[-1], rel=0.021)
+    assert narrowest == pytest.approx(widths[0], rel=0.021) if narrowest else widths[0] == scales[0]
+
+
+@links
+def test_symmetrical_shots_have_their_centre_as_v50(link: Link):
+    fit = fitted(((690, 705, 720), (700, 715, 730)), link)
+    assert fit.v50_m_s == pytest.approx(710.0, abs=1e-6)
+    low, high = fit.v50_interval_m_s
+    assert low is None or high is None or low + high == pytest.approx(1420.0, abs=1e-4)
+
+
+@links
+def test_shots_apart(link: Link):
+    """By the plain likelihood a step in the middle of the gap, and by the penalised one a curve."""
+    fit = fitted(APART, link)
+    assert (fit.v50_m_s, fit.scale_m_s, fit.log_likelihood) == (723.0, 0.0, 0.0)
+    low, high = fit.v50_interval_m_s
+    assert 690.0 < (low or 0.0) < 715.0 < 731.0 < (high or 0.0) < 760.0
+    assert (fit.v05_m_s, fit.v95_m_s, fit.scale_interval_m_s[0]) == (None, None, 0.0)
+    assert [fit.probability(v) for v in (722.9, 723.0, 723.1)] == [0.0, 0.5, 1.0]
+    fit = fitted(APART, link, penalised=True)
+    for value, interval in (
+        (fit.v05_m_s, fit.v05_interval_m_s),
+        (fit.v50_m_s, fit.v50_interval_m_s),
+        (fit.v95_m_s, fit.v95_interval_m_s),
+        (fit.scale_m_s, fit.scale_interval_m_s),
+    ):
+        assert None not in (value, *(interval or [None]))
+        assert interval[0] < value < interval[1]  # type: ignore[index, operator]
+    assert fit.probability(fit.v95_m_s or 0.0) == pytest.approx(0.95)
+
+
+def test_shots_that_touch():
+    fit = fitted(CASES["touching"], "probit")
+    assert (fit.v50_m_s, fit.scale_m_s) == (710.0, 0.0)
+    assert fit.log_likelihood == pytest.approx(2 * log(0.5))
+
+
+def test_few_shots_do_not_bound():
+    fit = fitted(CASES["two"], "logit")
+    assert (fit.v50_interval_m_s, fit.scale_interval_m_s) == ((None, None), (0.0, None))
+
+
+def test_two_velocities_have_half_a_shot_more_of_each_kind():
+    """With as many velocities as coefficients the logit's penalty adds half a shot to each count (Firth, 1993)."""
+    fit = fitted(((700, 700, 710), (700, 710, 710, 710)), "logit", penalised=True)
+    assert fit.probability(700.0) == pytest.approx(1.5 / 4.0, abs=1e-6)
+    assert fit.probability(710.0) == pytest.approx(3.5 / 5.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("penalised", [False, True])
+def test_scale_and_shift(penalised: bool):
+    """Velocities times two and shifted: so is every velocity."""
+    shots = APART if penalised else MIXED
+    partial, complete = (tuple(2.0 * v + 100.0 for v in kind) for kind in shots)
+    here, there = (fitted(each, "probit", penalised=penalised) for each in (shots, (partial, complete)))
+    assert there.v50_m_s == pytest.approx(2.0 * here.v50_m_s + 100.0, rel=1e-6)
+    assert there.v50_interval_m_s == pytest.approx([2.0 * (v or 0.0) + 100.0 for v in here.v50_interval_m_s], rel=1e-6)
+    assert there.scale_interval_m_s == pytest.approx([2.0 * (v or 0.0) for v in here.scale_interval_m_s], rel=1e-5)
+
+
+def test_no_end_is_below_zero():
+    """Where the profile crosses the level at a negative velocity only, the shots bound none."""
+    fit = fitted(((60.0,), (160.0, 230.0, 270.0, 280.0, 290.0, 330.0, 350.0)), "probit")
+    low, high = fit.v50_interval_m_s
+    assert low is None
+    assert high == pytest.approx(196.8, abs=0.1)
+    shots: Shots = ((8.0, 20.0, 31.0, 44.0, 55.0), (40.0, 62.0, 70.0, 85.0, 90.0))
+    fit = fitted(shots, "probit", penalised=True)
+    ends = (*fit.v50_interval_m_s, *(fit.v05_interval_m_s or ()), *(fit.v95_interval_m_s or ()))
+    assert all(end is None or end > 0.0 for end in ends)
+    partial, complete = (tuple(v + 700.0 for v in kind) for kind in shots)
+    [low, _] = fitted((partial, complete), "probit", penalised=True).v05_interval_m_s or (None, None)
+    assert 0.0 < (low or 0.0) < 700.0
+
+
+def test_a_penalised_curve_that_does_not_rise_or_whose_v50_is_negative_is_none():
+    assert fit_curve((700.0, 740.0, 770.0, 780.0), (750.0,), "probit", penalised=True) is None
+    assert fit_curve((1.0,), (2.0, 3.0, 40.0, 60.0, 80.0), "probit", penalised=True) is None
+
+
+def test_faster_shots_that_perforate_less_often():
+    with pytest.raises(NoAnswerError, match="no V50: the complete penetrations were no faster"):
+        fit_curve((710.0,), (700.0,), "probit")
+
+
+@links
+def test_the_velocities_of_5_and_95_percent(link: Link):
+    fit = fitted(MIXED, link)
+    assert [fit.probability(v or 0.0) for v in (fit.v05_m_s, fit.v95_m_s)] == pytest.approx([0.05, 0.95])
+
+
+@links
+def test_the_band_at_one_half_is_the_interval_of_v50(link: Link):
+    low, high = fitted(APART, link, penalised=True).v50_interval_m_s
+    for end, edge in ((low, 1), (high, 0)):
+        velocities = np.linspace((end or 0.0) - 5.0, (end or 0.0) + 5.0, 3).tolist()
+        assert penalised_band(*APART, link, velocities)[edge][1] == pytest.approx(0.5, abs=1e-5)
+
+
+def test_plain_intervals_hold_what_they_say():
+    """Coverage of 95 %, within the scatter of 100 firings of 60 shots."""
+    rng, inside = np.random.default_rng(11), 0
+    for _ in range(100):
+        velocities = rng.uniform(690.0, 750.0, 60)
+        complete = rng.normal(720.0, 10.0, 60) < velocities
+        shots = Likelihood(velocities[~complete].tolist(), velocities[complete].tolist(), "probit")
+        low, high = shots.quantile_interval(0.0)
+        inside += low <= (720.0 - shots.mean) / shots.deviation <= high
+    assert 88 <= inside <= 99
+
+
+def test_penalised_intervals_of_few_shots_hold_what_they_say():
+    """In 20 firings of 10 shots at least 90 %, which those of maximum likelihood do not reach."""
+    found = simulate("up and down", 10, 20, seed=3)
+    assert min(found[f"penalised likelihood: {name}"] for name in ("V50", "scale", "V05", "V95")) >= 18
+    assert found["maximum likelihood: scale"] < 18
