@@ -1,3 +1,4 @@
+import re
 import tracemalloc
 from pathlib import Path
 
@@ -20,18 +21,26 @@ def test_axes():
 
 
 @pytest.mark.parametrize(
-    "text", ["a", "=1", "a=", "a=1:2", "a=2:1:1", "a=1:2:0", "a=x", "a=0:1:1e-9", "a=1:nan:1", "a=1_0", "a=\u0661"]
+    ("text", "message"),
+    [
+        ("a", 'over: must be KEY=MIN:MAX:STEP or KEY=VALUE,VALUE,..., found "a"'),
+        ("a b=1", "over: must be KEY=MIN:MAX:STEP"),
+        ("=1", "over: must be KEY=MIN:MAX:STEP"),
+        ("a=", 'over a: must be MIN:MAX:STEP or VALUE,VALUE,... of finite numbers, found ""'),
+        ("a=1:2", 'over a: must be MIN:MAX:STEP or VALUE,VALUE,... of finite numbers, found "1:2"'),
+        ("a=1,x", "over a: must be MIN:MAX:STEP"),
+        ("a=1:nan:1", "over a: must be MIN:MAX:STEP"),
+        ("a=1_0", "over a: must be MIN:MAX:STEP"),
+        ("a=\u0661", "over a: must be MIN:MAX:STEP"),
+        ("a=2:1:1", "over a: max: must be at least min, which is 2, found 1"),
+        ("a=1:2:0", "over a: step: must be greater than 0, found 0"),
+        ("a=0:1:1e-9", "over a: must hold at most 100000 values, found 1e+09; widen the step"),
+        ("armour.ceramic=SiC", "over armour.ceramic: must be a key of numbers"),
+    ],
 )
-def test_texts_that_are_not_axes(text: str):
-    with pytest.raises(InputError, match="over"):
+def test_texts_that_are_not_axes(text: str, message: str):
+    with pytest.raises(InputError, match=re.escape(message)):
         axis_of(text)
-
-
-def test_an_axis_of_too_many_numbers(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.sweeps.cases.MAX_VALUES", 3)
-    assert len(axis_of("a=1,2,3").values) == 3
-    with pytest.raises(InputError, match="over a: must be at most 3 numbers, found more in 1,2,3,4"):
-        axis_of("a=1,2,3,4")
 
 
 def test_a_grid_gives_every_combination_once():
@@ -69,37 +78,17 @@ def test_rows_of_cases(tmp_path: Path):
         ("a,b\n", "at least one row"),
         ("a,b\n1,2\n\n3,x\n", 'line 4: b: must be a number, found "x"'),
         ("a,b\n1,\n", 'line 2: b: must be a number, found ""'),
-        ("a,b\n1,2,3\n", "line 2: must have 2 cells as the header has, found 3"),
         ("a,b\n1,2\n1\n", "line 3: must have 2 cells as the header has, found 1"),
-        ("a,b\n1,1_0\n", 'line 2: b: must be a number, found "1_0"'),
-        ("a,b\n1,inf\n", 'line 2: b: must be a number, found "inf"'),
-        ('a,b\n1,"2\n3"\n', "line 2: must close each quote on its line"),
         ("a,b\nx,1\ny,2\n", "line 2: a: must be a number.*\n.*line 3: a: must be a number"),
-        ("a;b\n1;2\n", "line 1: must separate columns by commas, found semicolons"),
         ("test\nx\n", 'line 2: test: must be a number, found "x"; unknown column; choose from .* armour.ceramic,'),
         ("a,a\n1,2\n", "line 1: a: must be the name of one column, found several"),
         ("a,\n1,2\n", "line 1: must name a key in each column, found none in 2"),
-        ("a\n1\0\n", "line 2: a: must be a number"),
-        ("a\n" + "1" * 200_000, "line 2: must be shorter than 100,000 characters"),
-        ("é\n1\n".encode("latin-1"), "line 1: must be UTF-8 text, found the byte 0xe9"),
-        ("a\n1\n".encode("utf-16"), "line 1: must be UTF-8 text, found the byte 0xff"),
     ],
 )
-def test_wrong_tables(tmp_path: Path, text: str | bytes, message: str):
-    (tmp_path / "cases.csv").write_bytes(text if isinstance(text, bytes) else text.encode())
+def test_wrong_tables(tmp_path: Path, text: str, message: str):
+    (tmp_path / "cases.csv").write_text(text)
     with pytest.raises(InputError, match=message):
         Cases(tmp_path / "cases.csv")
-
-
-@pytest.mark.parametrize("text", [b"\xef\xbb\xbfa,b\r\n1,2\r\n\r\n3,4", b'"a", b\n\n"1", 2 \n 3,"4"\n \n'])
-def test_tables_of_other_programs(tmp_path: Path, text: bytes):
-    (tmp_path / "cases.csv").write_bytes(text)
-    source = Cases(tmp_path / "cases.csv")
-    assert source.count == 2
-    assert {key: column.tolist() for key, column in source.rows(np.arange(2)).items()} == {
-        "a": [1, 3],
-        "b": [2, 4],
-    }
 
 
 def test_a_table_is_read_once(tmp_path: Path):
@@ -128,21 +117,11 @@ def test_names_stand_beside_numbers(tmp_path: Path):
         (",1", 'line 3: armour.ceramic: must be a name, found ""'),
         ("x" * 300 + ",1", "line 3: armour.ceramic: must be a name, found"),
         ("AD85,AD85", 'line 3: a: must be a number, found "AD85"'),
-        ("AD85", "line 3: must have 2 cells as the header has, found 1"),
-        ("AD85,1,2", "line 3: must have 2 cells as the header has, found 3"),
     ],
 )
 def test_wrong_lines_with_names(tmp_path: Path, line: str, message: str):
     with pytest.raises(InputError, match=message):
         Cases(csv_file(tmp_path / "cases.csv", "armour.ceramic,a", "AD85,1", line))
-
-
-@pytest.mark.parametrize(
-    ("name", "message"), [("cases.csv", "cannot be read"), (".", "cannot be read: is a directory")]
-)
-def test_what_is_not_a_table(tmp_path: Path, name: str, message: str):
-    with pytest.raises(InputError, match=message):
-        Cases(tmp_path / name)
 
 
 def test_a_table_of_many_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -32,12 +32,9 @@ def test_a_result_compares_and_is_plain_data():
     assert found != sweep(scenario(), {CERAMIC: [6.5, 400.0]})
     assert found != sweep(scenario(backing_mm=7.0), over)
     assert found.to_dict()["ballistic_limit_m_s"][1] is None
-
-
-def test_lists_and_arrays_of_any_number():
-    """A type checker accepts them too."""
-    over = {CERAMIC: np.arange(5, 7), "armour.ceramic": ["AD85"]}
-    assert sweep(scenario(), over, "areal_density_kg_m2").rows == 2
+    assert list(found) == [CERAMIC, "ballistic_limit_m_s"]
+    with pytest.raises(InputError, match='sweep: column: must name a column, found the text "foo"; choose from'):
+        found["foo"]
 
 
 def test_the_ballistic_limit_by_default():
@@ -75,17 +72,6 @@ def test_names_of_materials(tmp_path: Path, output: str | None):
     )
 
 
-def test_a_wrong_name_says_where_it_is():
-    with pytest.raises(InputError, match=r'armour.backing.*"6061"'):
-        sweep(scenario(), {"armour.backing": ["6061"]}, "areal_density_kg_m2")
-
-
-def test_names_in_a_table_of_cases(tmp_path: Path):
-    cases = csv_file(tmp_path / "cases.csv", f"armour.backing,{BACKING}", "5083-H3,7", "6061-T6,5")
-    found = sweep(scenario(), cases, "areal_density_kg_m2")
-    assert found["armour.backing"].tolist() == ["5083-H3", "6061-T6"]
-
-
 @pytest.mark.parametrize("output", [None, "t.csv"])
 def test_a_probability_without_the_error_of_the_model(output: str | None, tmp_path: Path):
     case = scenario().replaced({"uncertainty.model.included": False})
@@ -109,15 +95,12 @@ def test_rows_outside_what_the_model_was_compared_with():
 @pytest.mark.parametrize(
     ("values", "found"),
     [
-        ([], "must hold at least one value, found none"),
+        ([], "must be a sequence of finite numbers, or a range with min, max and step, found []"),
         ("4:8:2", "4:8:2"),
         ([[4.0]], "[[4.0]]"),
         ([4.0, np.nan], "[4.0, nan]"),
-        (6.0, "must be a sequence of numbers, or a range with min, max and step, found 6.0"),
         ({"min": 8.0, "max": 4.0, "step": 1.0}, "max: must be at least min, which is 8, found 4"),
-        ({"min": 4.0, "max": 8.0, "step": 0.0}, "step: must be greater than 0, found 0.0"),
-        ({"min": 4.0, "max": 8.0, "step": 1e-8}, "must hold at most 100,000 values"),
-        ((x for x in "ab"), "must be a sequence of numbers"),
+        ((x for x in "ab"), "must be a sequence of finite numbers"),
         ({"min": 4.0}, "max"),
     ],
 )
@@ -125,17 +108,6 @@ def test_wrong_values(values, found: str):
     with pytest.raises(InputError, match=CERAMIC) as error:
         sweep(scenario(), {CERAMIC: values})
     assert found in str(error.value)
-
-
-def test_a_range_of_names():
-    with pytest.raises(InputError, match=r"over armour\.ceramic: must be a sequence of names, found"):
-        sweep(scenario(), {"armour.ceramic": {"min": 1.0, "max": 2.0, "step": 1.0}})
-
-
-def test_a_run_that_does_not_end_names_the_key(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 5)
-    with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run"):
-        sweep(scenario(), {CERAMIC: [6.0]}, "outcome")
 
 
 def test_a_wrong_input_of_a_group_has_the_place_of_its_row(tmp_path: Path):
@@ -170,26 +142,14 @@ def test_a_wrong_row_is_told_by_the_name_of_the_argument(tmp_path: Path, output:
     ("arguments", "message"),
     [
         ({"over": None}, "sweep: over: must be a mapping or a path, found None"),
-        ({"over": [1]}, "sweep: over: must be a mapping or a path, found a list"),
-        ({"quantities": None}, "sweep: quantities: must be a name or a sequence of names, found None"),
         ({"quantities": ["outcome", "outcome"]}, "sweep: quantities: must not name anything twice"),
-        ({"threads": "2"}, "sweep: threads: must be a whole number, found"),
         ({"threads": 0}, "sweep: threads: must be at least 1, found 0"),
-        ({"on_progress": None}, "sweep: on_progress: must be a function, found None"),
+        ({"over": {"armour.ceramic": {"min": 1.0}}}, "over armour.ceramic: must be a sequence of names, found"),
     ],
 )
 def test_wrong_arguments(arguments: dict[str, Any], message: str):
     with pytest.raises(InputError, match=message):
         sweep(**{"scenario": scenario(), "over": {CERAMIC: [4.0]}, **arguments})
-
-
-def test_results_are_compared_and_searched():
-    found = sweep(scenario(), {CERAMIC: [4.0, 6.0]}, "areal_density_kg_m2")
-    assert found == sweep(scenario(), {CERAMIC: [4.0, 6.0]}, "areal_density_kg_m2")
-    assert found != sweep(scenario(), {CERAMIC: [4.0, 7.0]}, "areal_density_kg_m2")
-    assert list(found) == [CERAMIC, "areal_density_kg_m2"]
-    with pytest.raises(InputError, match='sweep: column: must name a column, found the text "foo"; choose from'):
-        found["foo"]
 
 
 def test_the_file_is_found_from_another_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

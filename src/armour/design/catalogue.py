@@ -25,7 +25,6 @@ from armour.scenario.schema import (
     Layer,
     Range,
     Threat,
-    omission,
 )
 from armour.units import MM
 
@@ -211,9 +210,7 @@ class Catalogue:
         for role in ("ceramic", "backing"):
             for place, layer in enumerate(getattr(self.section, role)):
                 thickness = layer.thickness_mm
-                if isinstance(thickness, Range) and (
-                    words := omission(thickness.values()[-1], thickness.max, thickness.step)
-                ):
+                if isinstance(thickness, Range) and (words := thickness.omission()):
                     yield f"{self._key(role, place)}: {words}"
 
     def has_costs(self) -> bool:

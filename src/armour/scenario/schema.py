@@ -3,7 +3,7 @@
 import json
 from collections.abc import Sequence
 from math import comb, floor, inf
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
@@ -134,18 +134,18 @@ class BallisticLimitSection(Section):
     """Width of the bracket at which the search ends."""
 
 
-class Range(Section):
+class Steps(Section):
     """Evenly spaced values from min; max is included if it is a whole number of steps away."""
 
-    min: ThicknessOrNone
+    min: float
     """Least value."""
-    max: Annotated[ThicknessOrNone, above("min", or_equal=True)]
+    max: Annotated[float, above("min", or_equal=True)]
     """Greatest value."""
     step: Positive
     """Distance between values."""
 
     @model_validator(mode="after")
-    def _countable(self) -> "Range":
+    def _countable(self) -> Self:
         if self.count() > MAX_VALUES:
             raise ValueError(f"must hold at most {MAX_VALUES} values, found {self.count():.7g}; widen the step")
         return self
@@ -158,10 +158,20 @@ class Range(Section):
         """Return the values, rounded to nine decimals to remove rounding errors."""
         return tuple(round(self.min + i * self.step, 9) for i in range(int(self.count())))
 
+    def omission(self) -> str:
+        """Return that the last value is not max; "" where it is."""
+        last = self.values()[-1]
+        omitted = self.max - last > 1e-3 * self.step
+        return f"the last value is {last:g}, since {self.max:g} is no whole number of steps away" if omitted else ""
 
-def omission(last: float, end: float, step: float) -> str:
-    """Return that the last value of a range is not its end; "" where it is."""
-    return f"the last value is {last:g}, since {end:g} is no whole number of steps away" * (end - last > 1e-3 * step)
+
+class Range(Steps):
+    """Evenly spaced thicknesses from min; max is included if it is a whole number of steps away."""
+
+    min: ThicknessOrNone
+    """Least value."""
+    max: Annotated[ThicknessOrNone, above("min", or_equal=True)]
+    """Greatest value."""
 
 
 def _above_zero(thickness: Any) -> Any:

@@ -1,7 +1,6 @@
 """Rows of a sweep: grids of values and tables of cases."""
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
@@ -9,11 +8,10 @@ from itertools import islice
 from math import prod
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
 from armour.csv_files import check_header, in_line_order, number, read_csv, wrong_width
 from armour.errors import InputError, Problem, choices, refuse
@@ -21,8 +19,8 @@ from armour.files import csv_value
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
 from armour.scenario.keys import describe, key_name, parts_of
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import MAX_VALUES, Range, omission
-from armour.scenario.sections import NOT_TINY, Section, above, validated
+from armour.scenario.schema import Steps
+from armour.scenario.sections import validated
 
 # More rows than a sweep can compute in years.
 MAX_ROWS = 10**12
@@ -34,14 +32,6 @@ MAX_NAME = 200
 MAX_SHOWN = 60
 # Rows that are read or checked at a time.
 BLOCK = 10_000
-
-
-class _Range(Section):
-    """Evenly spaced values."""
-
-    min: float
-    max: Annotated[float, above("min", or_equal=True)]
-    step: Annotated[float, Field(gt=0.0), NOT_TINY]
 
 
 @dataclass(frozen=True)
@@ -169,16 +159,8 @@ def _name(cell: str) -> str | None:
     return name if 0 < len(name) <= MAX_NAME else None
 
 
-def range_axis(key: str, low: float, high: float, step: float) -> Axis:
-    """Return the axis of evenly spaced values; raise a ValueError if they are none, or too many."""
-    # A range is one of thicknesses, which a value of another key may lie below.
-    above_low = Range.model_validate({"min": 0.0, "max": high - low, "step": step}).values()
-    values = tuple(round(low + value, 9) for value in above_low)
-    return Axis(key, values, omission(values[-1], high, step))
-
-
 def axis_of(text: str) -> Axis:
-    """Parse an axis from ``KEY=MIN:MAX:STEP`` or ``KEY=VALUE,VALUE,...``."""
+    """Parse an axis of numbers from ``KEY=MIN:MAX:STEP`` or ``KEY=VALUE,VALUE,...``."""
     key, _, values = text.rpartition("=")
     try:
         key = key_name(parts_of(key))
@@ -188,26 +170,13 @@ def axis_of(text: str) -> Axis:
     if key in NAMES.values():
         message = f'must be a key of numbers, found "{values}"; names are given by --cases, in a column {key}'
         raise InputError([Problem("sweep", f"over {key}", message)])
-    cells = values.split(":" if ":" in values else ",")
-    numbers = [number(cell) for cell in cells]
-    found = tuple(value for value in numbers if value is not None)
-    message = ""
-    if len(found) < len(cells):
-        wrong = cells[numbers.index(None)]
-        message = f'must be a finite number at each place of MIN:MAX:STEP or VALUE,VALUE,..., found "{wrong}"'
-    elif ":" in values and len(found) != 3:
-        message = f'must be MIN:MAX:STEP, found {len(found)} numbers in "{values}"'
-    elif ":" in values and found[1] < found[0]:
-        message = f"must have a MAX of at least MIN in MIN:MAX:STEP, found {values}"
-    elif ":" in values and found[2] <= 0.0:
-        message = f"must have a STEP greater than 0 in MIN:MAX:STEP, found {values}"
-    elif len(found) <= MAX_VALUES:
-        try:
-            return range_axis(key, *found) if ":" in values else Axis(key, found)
-        except ValueError:
-            pass
-    message = message or f"must be at most {MAX_VALUES:,} numbers, found more in {values[:40]}"
-    raise InputError([Problem("sweep", f"over {key}", message)])
+    is_range = ":" in values
+    cells = values.split(":" if is_range else ",")
+    numbers = [found for cell in cells if (found := number(cell)) is not None]
+    if len(numbers) < len(cells) or (is_range and len(numbers) != 3):
+        message = f'must be MIN:MAX:STEP or VALUE,VALUE,... of finite numbers, found "{values[:MAX_SHOWN]}"'
+        raise InputError([Problem("sweep", f"over {key}", message)])
+    return axis(key, dict(zip(("min", "max", "step"), numbers, strict=True)) if is_range else numbers)
 
 
 def source_of(over: Mapping[str, object] | str | PathLike[str]) -> Grid | Cases:
@@ -216,27 +185,24 @@ def source_of(over: Mapping[str, object] | str | PathLike[str]) -> Grid | Cases:
         return Cases(Path(over))
     if not over:
         raise InputError([Problem("sweep", "over", "must hold at least one key with its values, found none")])
-    return Grid(tuple(_axis(key, values) for key, values in over.items()))
+    return Grid(tuple(axis(key, values) for key, values in over.items()))
 
 
-def _axis(key: str, values: object) -> Axis:
-    """Return a key with its values."""
-    shown = describe(values) if isinstance(values, str) else repr(values)[:MAX_SHOWN]
+def axis(key: str, values: object) -> Axis:
+    """Return a key with its values: a sequence, or a mapping with min, max and step."""
     is_name = key in NAMES.values()
-    must = f"be a sequence of {'names' if is_name else 'numbers, or a range with min, max and step'}"
     if isinstance(values, Mapping) and not is_name:
-        section = validated(_Range, dict(values), f"sweep: over {key}")
-        with suppress(ValueError):
-            return range_axis(key, section.min, section.max, section.step)
-        must = f"hold at most {MAX_VALUES:,} values"
-    elif not isinstance(values, Mapping):
-        found = np.asarray(values)
-        if found.ndim == 1 and not found.size:
-            must, shown = "hold at least one value", "none"
-        elif found.ndim == 1 and found.dtype.kind in ("U" if is_name else "iuf"):
-            if is_name:
-                return Axis(key, tuple(found.tolist()))
-            if np.isfinite(found).all():
-                return Axis(key, tuple(found.astype(np.float64).tolist()))
-            must = "be finite numbers"
-    raise InputError([Problem("sweep", f"over {key}", f"must {must}, found {shown}")])
+        try:
+            steps = validated(Steps, dict(values), "")
+        except InputError as error:
+            raise InputError([Problem("sweep", f"over {key}", str(problem)) for problem in error.problems]) from None
+        return Axis(key, steps.values(), steps.omission())
+    found = np.asarray(values)
+    if found.ndim == 1 and found.size and found.dtype.kind in ("U" if is_name else "iuf"):
+        if is_name:
+            return Axis(key, tuple(found.tolist()))
+        if np.isfinite(found).all():
+            return Axis(key, tuple(found.astype(np.float64).tolist()))
+    must = f"must be a sequence of {'names' if is_name else 'finite numbers, or a range with min, max and step'}"
+    shown = describe(values) if isinstance(values, str) else repr(values)[:MAX_SHOWN]
+    raise InputError([Problem("sweep", f"over {key}", f"{must}, found {shown}")])

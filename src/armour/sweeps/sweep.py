@@ -2,9 +2,9 @@
 
 import shutil
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager, nullcontext
+from contextlib import closing, contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from hashlib import sha256
@@ -24,7 +24,7 @@ from armour.analysis.evaluate import check_keys, check_quantities, evaluate_grou
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.quantities import QUANTITIES, reads_of
 from armour.analysis.results import TableResult, same_columns
-from armour.errors import InputError, Problem, choices, refuse
+from armour.errors import InputError, Problem, choices
 from armour.files import reason
 from armour.scenario.checked import Names, checked
 from armour.scenario.inputs import ROLES
@@ -48,6 +48,8 @@ MANY_ROWS = 10**8
 PACKAGE = Path(__file__).resolve().parent.parent
 LIBRARIES = ("numba", "numpy")
 
+# Columns of values by key.
+Rows = Mapping[str, Any]
 # Callback after each chunk: its number of rows, and whether it was on disk already.
 OnChunk = Callable[[int, bool], None]
 
@@ -264,6 +266,7 @@ def write_sweep(
     for line in unanswered(scenario, quantities):
         tell(f"warning: {line}")
     warnings: Counter[str] = Counter()
+    compute = partial(chunk_of, scenario, quantities=quantities, threads=threads if workers is None else 1)
     with Store(output, job_of(scenario, source, quantities), replace=replace) as store:
         if not store.size:
             if size is None:
@@ -276,52 +279,19 @@ def write_sweep(
                 size = int(min(max(CHUNK_S / plan.row_s, 1.0), MAX_CHUNK))
             check_rows(scenario, source)
             store.begin(size)
-        starts = range(0, source.count, store.size)
-
-        def rows_at(start: int) -> dict[str, Any]:
-            return source.rows(np.arange(start, min(start + store.size, source.count)))
-
-        def missing() -> Iterator[int]:
-            there = set(store.starts())
-            for start in starts:
-                if start in there:
-                    on_chunk(min(store.size, source.count - start), True)
-                else:
-                    yield start
-
-        def checked() -> Iterator[Mapping[str, Any]]:
-            for start in starts:
-                rows = rows_at(start)
-                chunk = store.load(start, rows)
-                if chunk is None:
-                    tell(f"{store.path(start)}: damaged, computed anew")
-                    chunk = chunk_of(scenario, rows, quantities, threads)
-                warnings.update(chunk.warnings)
-                yield chunk.columns
-
         try:
-            with nullcontext(workers) if workers else _one_worker() as found:
-                each = threads if workers is None else 1
-                running: dict[Future[Chunk], int] = {}
-                new = missing()
-                try:
-                    while True:
-                        for start in islice(new, found.ahead - len(running)):
-                            rows = rows_at(start)
-                            running[found.executor.submit(chunk_of, scenario, rows, quantities, each)] = start
-                        if not running:
-                            break
-                        ended = wait(running, timeout=1.0, return_when=FIRST_COMPLETED).done
-                        if not ended:
-                            found.check()
-                        for future in ended:
-                            start, chunk = running.pop(future), future.result()
-                            store.save(start, chunk)
-                            on_chunk(min(store.size, source.count - start), False)
-                finally:
-                    for future in running:
-                        future.cancel()
-            store.finish(checked())
+            there = set(store.starts())
+            for start in there:
+                on_chunk(min(store.size, source.count - start), True)
+            missing = blocks_of(source, store.size, there)
+            with (
+                nullcontext(workers) if workers else _one_worker() as found,
+                closing(computed(missing, compute, found)) as chunks,
+            ):
+                for start, chunk in chunks:
+                    store.save(start, chunk)
+                    on_chunk(min(store.size, source.count - start), False)
+            store.finish(stored(store, blocks_of(source, store.size), compute, warnings, tell))
         except KeyboardInterrupt:
             done = sum(min(store.size, source.count - start) for start in store.starts())
             raise KeyboardInterrupt(f"{done:,} of {source.count:,} rows are done; {RESUME}") from None
@@ -337,22 +307,62 @@ def _one_worker() -> Iterator[Workers]:
         yield Workers(executor, number=1, ahead=2)
 
 
-def chunk_of(scenario: Scenario, rows: Mapping[str, Any], quantities: Sequence[str], threads: int | None) -> Chunk:
+def blocks_of(source: Grid | Cases, size: int, without: Container[int] = ()) -> Iterator[tuple[int, Rows]]:
+    """Yield rows of a source, so many at a time, with the place of the first; those of some first ones are left out."""
+    for start in range(0, source.count, size):
+        if start not in without:
+            yield start, source.rows(np.arange(start, min(start + size, source.count)))
+
+
+def chunk_of(scenario: Scenario, rows: Rows, quantities: Sequence[str], threads: int | None) -> Chunk:
     """Compute quantities for rows of values by key."""
     results, warnings = evaluate_groups(groups_of(scenario, rows), quantities, threads)
     return Chunk({**rows, **results}, warnings)
 
 
+def computed(
+    blocks: Iterator[tuple[int, Rows]], compute: Callable[[Rows], Chunk], workers: Workers
+) -> Generator[tuple[int, Chunk]]:
+    """Yield the chunks of blocks of rows as workers compute them, with the place of their first row."""
+    running: dict[Future[Chunk], int] = {}
+    try:
+        while True:
+            for start, rows in islice(blocks, workers.ahead - len(running)):
+                running[workers.executor.submit(compute, rows)] = start
+            if not running:
+                return
+            ended = wait(running, timeout=1.0, return_when=FIRST_COMPLETED).done
+            if not ended:
+                workers.check()
+            for future in ended:
+                yield running.pop(future), future.result()
+    finally:
+        for future in running:
+            future.cancel()
+
+
+def stored(
+    store: Store,
+    blocks: Iterable[tuple[int, Rows]],
+    compute: Callable[[Rows], Chunk],
+    warnings: Counter[str],
+    tell: Callable[[str], None],
+) -> Iterator[Mapping[str, Any]]:
+    """Yield the columns of stored chunks, and count their warnings; compute anew and tell what is damaged."""
+    for start, rows in blocks:
+        chunk = store.load(start, rows)
+        if chunk is None:
+            tell(f"{store.path(start)}: damaged, computed anew")
+            chunk = compute(rows)
+        warnings.update(chunk.warnings)
+        yield chunk.columns
+
+
 def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
     """Check the question, and that every key counts."""
-    problems: list[Problem] = []
-    try:
-        check_quantities(scenario, quantities, "sweep", "quantities")
-    except InputError as error:
-        problems += error.problems
+    check_quantities(scenario, quantities, "sweep", "quantities")
     if len(set(source.keys)) != len(source.keys):
-        problems.append(Problem("sweep", "over", "must not name a key twice"))
-    refuse(problems)
+        raise InputError([Problem("sweep", "over", "must not name a key twice")])
     first = {key: values[0].item() for key, values in source.rows(np.arange(1)).items()}
     check_keys(scenario, first, quantities, "sweep")
 
@@ -367,8 +377,7 @@ def unanswered(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
 
 def check_rows(scenario: Scenario, source: Grid | Cases) -> None:
     """Check all rows before the first chunk is computed."""
-    for start in range(0, source.count, BLOCK):
-        rows = source.rows(np.arange(start, min(start + BLOCK, source.count)))
+    for start, rows in blocks_of(source, BLOCK):
         for _ in scenarios_of(scenario, rows, partial(source.place, start)):
             pass
 
