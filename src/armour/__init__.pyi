@@ -23,11 +23,11 @@ from .errors import NoAnswerError as NoAnswerError
 from .errors import NoDesignError as NoDesignError
 from .errors import NoLimitError as NoLimitError
 from .errors import Problem as Problem
+from .planning.firing import ShotPlan as ShotPlan
+from .planning.firing import plan_shots as plan_shots
 from .planning.plan_tests import PlannedTest as PlannedTest
 from .planning.plan_tests import PlannedTests as PlannedTests
 from .planning.plan_tests import plan_tests as plan_tests
-from .planning.shot_plan import ShotPlan as ShotPlan
-from .planning.shot_plan import plan_shots as plan_shots
 from .reporting.show import plot as plot
 from .reporting.show import report as report
 from .scenario.evidence import ModelError as ModelError

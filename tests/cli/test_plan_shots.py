@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from armour.cli.plan_shots import EXAMPLES
-from armour.planning import shot_plan
+from armour.planning import firing
 
 NEXT = "next velocity"
 
@@ -143,13 +143,13 @@ def test_results_in_any_spelling_and_shots_that_repeat_others(
 def test_a_save_between_reading_and_writing_stays(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
     table, saved = folder / "f.csv", "velocity_m_s,result\n723,P\n770,C\n741,P\n"
     table.write_text("velocity_m_s,result\n723,P\n770,C\n")
-    plan_shots = shot_plan.plan_shots
+    plan_shots = firing.plan_shots
 
     def plan(*args: Any, **kwargs: Any) -> Any:
         table.write_text(saved)
         return plan_shots(*args, **kwargs)
 
-    monkeypatch.setattr(shot_plan, "plan_shots", plan)
+    monkeypatch.setattr(firing, "plan_shots", plan)
     options = ("plan", "shots", "wilkins", "f.csv", "--plot", "p.svg", "--velocity-m-s", "750", "--result", "complete")
     result = cli(*options)
     assert result.exit_code == 2

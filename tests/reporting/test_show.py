@@ -13,7 +13,7 @@ from armour.analysis.history import History
 from armour.analysis.impact import simulate
 from armour.analysis.results import TableResult
 from armour.errors import InputError
-from armour.planning.shot_plan import plan_shots
+from armour.planning.firing import plan_shots
 from armour.reporting.show import in_html, plot, report
 from armour.reporting.views.registry import VIEWS
 from armour.statistics.calibration import CalibrationResult, Residual

@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import lognorm, norm, t
 
 from armour.scenario.evidence import ModelError
-from armour.statistics.posterior import SCATTER_FACTOR, SCATTER_PERCENT, FiringPrior, posterior_of, prior_share
+from armour.statistics.posterior import SCATTER_FACTOR, SCATTER_PERCENT, FiringPrior, learned, posterior_of
 from tests.helpers.cases import SCENARIOS
 
 PRIOR = FiringPrior(720.0, ModelError(-1.0, 7.0, 12.0))
@@ -87,15 +87,15 @@ def test_partial_penetrations_alone_leave_v50_open_above():
 
 
 def test_many_shots_leave_the_prior_no_part():
-    prior = posterior_of(PRIOR, (), ()).estimate(0.95)
+    alone = posterior_of(PRIOR, (), ())
     dice = np.random.default_rng(1)
     velocities = dice.uniform(770.0, 830.0, 400)
     shots = posterior_of(PRIOR, tuple(velocities), tuple((dice.normal(800.0, 15.0, 400) < velocities).tolist()))
-    found = shots.estimate(0.95)
+    _, found, share, _ = learned(alone, shots, 0.95)
     assert found.v50_m_s == pytest.approx(800.0, abs=4.0)
     assert found.scatter_m_s == pytest.approx(15.0, abs=4.0)
-    assert prior_share(prior, found) < 0.002
-    assert prior_share(prior, prior) == 1.0
+    assert share < 0.002
+    assert learned(alone, alone, 0.95)[2] == 1.0
 
 
 def test_the_probability_of_a_requirement():

@@ -25,11 +25,9 @@ import numpy as np
 from scipy.special import log_ndtr
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.variants import Floats
-from armour.planning import bayesian
-from armour.planning.bayesian import Booleans
-from armour.planning.procedures import ShotSettings
-from armour.planning.shot_plan import LIMITS_PROBABILITY, PROCEDURES, limits_of
+from armour.analysis.variants import Bools, Floats
+from armour.planning.firing import LIMITS_PROBABILITY, limits_of
+from armour.planning.procedures import PROCEDURES, Firings, ShotSettings
 from armour.scenario.scenario import load_scenario
 from armour.statistics.posterior import FiringPrior, posterior_of, prior_of
 from armour.statistics.v50 import Shots
@@ -50,7 +48,7 @@ class Outcome(NamedTuple):
     """Shots of each firing, and whether its interval held V50; MOST shots where it did not end."""
 
     shots: Floats
-    held: Booleans
+    held: Bools
 
 
 class Intervals:
@@ -63,7 +61,7 @@ class Intervals:
         self.points = np.repeat(self.v50, nodes[1]), np.tile(scales, nodes[0])
         self.log_likelihood, *self.moments = np.zeros((4, count, nodes[0] * nodes[1]))
 
-    def add(self, velocities: Floats, complete: Booleans) -> None:
+    def add(self, velocities: Floats, complete: Bools) -> None:
         """Add a shot to each firing."""
         x = (velocities - self.centre)[:, None]
         z = (x - self.points[0]) / self.points[1]
@@ -93,7 +91,7 @@ class Intervals:
                 found[row] = [np.interp(0.0, roots[row, [near, far]], self.v50[[near, far]]) for near, far in sides]
         return found + self.centre
 
-    def keep(self, which: Booleans) -> None:
+    def keep(self, which: Bools) -> None:
         """Keep some of the firings."""
         self.log_likelihood, *self.moments = (array[which] for array in (self.log_likelihood, *self.moments))
 
@@ -141,7 +139,7 @@ def bayes(settings: ShotSettings, truths: Floats, scatters: Floats, dice: np.ran
     known = posterior_of(settings.prior, (), (), NODES)
     count = len(truths)
     shots, held = np.full(count, MOST), np.zeros(count, dtype=bool)
-    going, firings = np.arange(count), bayesian.Firings(known, settings, count, CANDIDATES)
+    going, firings = np.arange(count), Firings(known, settings, count, CANDIDATES)
     for number in range(1, MOST + 1):
         velocities = dice.normal(firings.aims(), MISS_M_S)
         firings.add(velocities, dice.normal(truths[going], scatters[going]) < velocities)
@@ -184,7 +182,7 @@ def requirement(deviations: float | None, scatter: float, firings: int, seed: in
         offsets = np.resize([1.0, -1.0], firings) * deviations * deviation_percent(prior) / 100.0
         truths, scatters = prior.limit_m_s * (1.0 + offsets), np.full(firings, scatter)
     shots, held = np.full(firings, MOST), np.zeros(firings, dtype=bool)
-    going, many = np.arange(firings), bayesian.Firings(known, settings, firings, CANDIDATES)
+    going, many = np.arange(firings), Firings(known, settings, firings, CANDIDATES)
     for number in range(1, MOST + 1):
         velocities = dice.normal(many.aims(), MISS_M_S)
         many.add(velocities, dice.normal(truths[going], scatters[going]) < velocities)

@@ -95,8 +95,7 @@ def plan_of_shots(
     as_json: AsJson = False,
 ) -> None:
     """Plan the next shot of a V50 firing, given the shots so far."""
-    from armour.planning.shot_plan import ABSURD_FACTOR, plan_shots
-    from armour.planning.shot_table import added, locked, with_shot
+    from armour.planning.firing import ABSURD_FACTOR, added, locked, plan_shots, with_shot
     from armour.reporting.views import planned_shots as view
     from armour.statistics.v50 import RESULTS, Shots, read_shots
 

@@ -1,20 +1,23 @@
-"""Rules for the next velocity of a V50 firing, by which a plan chooses it: up and down, Langlie's and Neyer's.
+"""Rules for the next velocity of a V50 firing and for its end: up and down, Langlie's, Neyer's and the Bayesian one.
 
-They share their settings, and most the end of a firing by the interval of V50 that `armour v50` recommends.
+The Bayesian procedure fires the shot that is expected to tell most, given the model's limit and its error.  What it is
+to tell is V50 or, with a requirement, whether the velocity at which a small part of shots perforates exceeds the
+required one.  A shot's gain is the expected reduction of the variance of this target by its result,
+Cov(target, result)^2 / Var(result) over the posterior.
 """
 
-from collections.abc import Iterator, Sequence
-from math import copysign
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from math import copysign, inf
 from typing import NamedTuple
 
 import numpy as np
 from scipy.special import log_ndtr
 
-from armour.analysis.variants import Floats
+from armour.analysis.variants import Bools, Floats
 from armour.errors import NoAnswerError
 from armour.statistics.curves import FittedCurve, Likelihood, fit_curve
-from armour.statistics.posterior import FiringPrior
-from armour.statistics.v50 import SPANS_M_S, MeanV50, Shots, mean_v50
+from armour.statistics.posterior import NODES, FiringPrior, Grid, Posterior, is_above, posterior_of
+from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, SPANS_M_S, MeanV50, Shots, mean_v50
 
 
 class ShotSettings(NamedTuple):
@@ -22,12 +25,12 @@ class ShotSettings(NamedTuple):
 
     estimate_m_s: float  # of V50: the model's ballistic limit
     scatter_m_s: float  # guess of the standard deviation of the response curve
-    limits_m_s: tuple[float, float] | None = None  # of V50; for Langlie's and Neyer's procedures
+    limits_m_s: tuple[float, float] = (-inf, inf)  # of V50; for Langlie's and Neyer's procedures
     half_width_m_s: float | None = None  # of the interval of V50 at which the firing ends; None: the rule's own end
     confidence: float = 0.95
     requirement_m_s: float | None = None
     requirement_fraction: float = 0.5  # part of shots that may perforate at the requirement
-    prior: FiringPrior | None = None
+    prior: FiringPrior | None = None  # for the Bayesian procedure
 
 
 class Aim(NamedTuple):
@@ -107,13 +110,12 @@ ALIKE, NEAR = 5, 0.02
 
 
 def next_by_langlie(shots: Shots, settings: ShotSettings) -> Aim:
-    """Return the velocity of the next shot by Langlie's one-shot test [Langlie1962]; the settings must have limits.
+    """Return the velocity of the next shot by Langlie's one-shot test [Langlie1962].
 
     The first shot is midway between the limits.  Each further one is midway between the last shot and the latest shot
     from which on as many penetrations were complete as partial; where there is none, midway between the last shot and
     the lower limit after a complete, the upper limit after a partial penetration.
     """
-    assert settings.limits_m_s is not None
     lower, upper = settings.limits_m_s
     if not shots.complete:
         return Aim(0.5 * (lower + upper), "the first shot is midway between the limits")
@@ -131,8 +133,7 @@ def next_by_langlie(shots: Shots, settings: ShotSettings) -> Aim:
 
 
 def langlie_doubts(shots: Shots, settings: ShotSettings) -> Iterator[str]:
-    """Give a warning where the shots leave the limits or stick at one; the settings must have limits."""
-    assert settings.limits_m_s is not None
+    """Give a warning where the shots leave the limits or stick at one."""
     lower, upper = settings.limits_m_s
     velocity, last = next_by_langlie(shots, settings).velocity_m_s, shots.complete[-ALIKE:]
     if not lower <= velocity <= upper:
@@ -163,7 +164,7 @@ INFORMATION = _weights(ARGUMENTS)
 
 
 def next_by_neyer(shots: Shots, settings: ShotSettings) -> Aim:
-    """Return the velocity of the next shot by Neyer's D-optimal test [Neyer1994]; the settings must have limits.
+    """Return the velocity of the next shot by Neyer's D-optimal test [Neyer1994].
 
     1. A binary search finds shots of both kinds, and brings their velocities within the guess of the scatter.
     2. Until shots of the two kinds overlap, so that V50 and scatter have unique estimates of maximum likelihood, V50 is
@@ -172,7 +173,6 @@ def next_by_neyer(shots: Shots, settings: ShotSettings) -> Aim:
 
     In parts 2 and 3 the next velocity is the one that makes the determinant of the Fisher information greatest.
     """
-    assert settings.limits_m_s is not None
     lower, upper = settings.limits_m_s
     velocities, complete = shots.velocities_m_s, shots.complete
     if not complete:
@@ -224,3 +224,157 @@ def _best(velocities: Sequence[float], v50: float, scatter: float) -> float:
     zero, one, two = weights.sum(), weights @ z, weights @ (z * z)
     gain = INFORMATION * (zero * ARGUMENTS**2 - 2.0 * one * ARGUMENTS + two)
     return v50 + scatter * float(ARGUMENTS[np.argmax(gain)])
+
+
+# Velocities that are examined, and those around the best of them; their range is that of V50 but for a probability at
+# each end, the wide one where the scatter is implausible, and some scatters more.
+CANDIDATES, TAIL, WIDE_TAIL, SCATTERS = 101, 1e-3, 0.025, 2.0
+# Continuations of the firing that are simulated to tell how many shots are still to be expected, the nodes of their
+# grid, their velocities and the most shots of each.
+FUTURES, FUTURE_NODES, FUTURE_CANDIDATES, MOST_SHOTS = 40, (101, 11), 61, 100
+
+
+def posterior(shots: Shots, settings: ShotSettings, nodes: tuple[int, int] = NODES) -> Posterior:
+    """Return the posterior given the shots; the settings must have a prior."""
+    assert settings.prior is not None
+    return posterior_of(settings.prior, shots.velocities_m_s, shots.complete, nodes)
+
+
+def next_bayesian(shots: Shots, settings: ShotSettings) -> Aim:
+    """Return the velocity of the next shot by the Bayesian procedure."""
+    known = posterior(shots, settings)
+    wanted = target(known.grid, settings)
+    velocities = candidates(known, settings, CANDIDATES)
+    step = velocities[1] - velocities[0]
+    for _ in range(2):
+        gained = gains(known.weights[None], wanted, known.grid.response(velocities))[0]
+        best = float(velocities[np.argmax(gained)])
+        velocities = np.clip(np.linspace(best - step, best + step, 21), MIN_VELOCITY_M_S, MAX_VELOCITY_M_S)
+    if settings.requirement_m_s is not None:
+        return Aim(best, "expected to tell most about whether the requirement is met")
+    before = known.variance(wanted)
+    after = max(before - float(gained.max()), 0.0)
+    change = f"from {before**0.5:.1f} to {after**0.5:.1f} m/s"
+    return Aim(best, f"expected to narrow the standard deviation of V50 most, {change}")
+
+
+def stopped_bayesian(shots: Shots, settings: ShotSettings) -> str:
+    """Return why the firing ends; "" if it goes on."""
+    known = posterior(shots, settings)
+    if settings.requirement_m_s is None:
+        return narrow_enough(known.estimate(settings.confidence).v50_interval_m_s, settings)
+    met = known.probability_above(settings.requirement_m_s, settings.requirement_fraction)
+    if 1.0 - settings.confidence < met < settings.confidence:
+        return ""
+    answer = "met" if met > 0.5 else "not met"
+    return f"the requirement is {answer} with a probability of {100.0 * settings.confidence:g} % or more"
+
+
+def target(grid: Grid, settings: ShotSettings) -> Floats:
+    """Return what is to become known, at the points of a grid."""
+    if settings.requirement_m_s is None:
+        return grid.v50_m_s
+    return is_above(grid, settings.requirement_m_s, settings.requirement_fraction)
+
+
+def gains(weights: Floats, target: Floats, response: Floats) -> Floats:
+    """Return the reduction of the variance of a target, (points,), that shots at m velocities are expected to give.
+
+    The weights of n distributions, (n, points), and the response at the velocities, (m, points), give (n, m).
+    """
+    probability = _product(weights, response).clip(1e-12, 1.0 - 1e-12)
+    mean = weights @ target
+    covariance = _product(weights * (target - mean[:, None]), response)
+    gained: Floats = covariance**2 / (probability * (1.0 - probability))
+    return gained
+
+
+def _product(weights: Floats, response: Floats) -> Floats:
+    """Return the sums over the points, (n, m)."""
+    # On a busy machine the threads of the linear algebra cost more than few distributions are worth.
+    few = len(weights) <= FUTURES
+    product: Floats = np.einsum("np,mp->nm", weights, response) if few else weights @ response.T
+    return product
+
+
+def candidates(known: Posterior, settings: ShotSettings, count: int) -> Floats:
+    """Return velocities to choose from, evenly spaced, m/s."""
+    assert settings.prior is not None
+    scatter, greatest = float(known.weights @ known.grid.scatter_m_s), settings.prior.greatest_scatter_m_s()
+    # Shots that contradict each other give a scatter beyond the prior, which is no reason to aim far away.
+    tail = TAIL if scatter <= greatest else WIDE_TAIL
+    low, high = known.grid.v50_quantiles(known.weights, (tail, 1.0 - tail))[0]
+    scatter = SCATTERS * min(scatter, greatest)
+    return np.linspace(max(low - scatter, MIN_VELOCITY_M_S), min(high + scatter, MAX_VELOCITY_M_S), count)
+
+
+class Firings:
+    """Many firings at once, each with a posterior over the points of one grid."""
+
+    def __init__(self, known: Posterior, settings: ShotSettings, count: int, velocities: int) -> None:
+        self.settings, self.grid = settings, known.grid
+        self.weights = np.tile(known.weights, (count, 1))
+        self.velocities = candidates(known, settings, velocities)
+        self.response = known.grid.response(self.velocities)
+        self.target = target(known.grid, settings)
+
+    def aims(self) -> Floats:
+        """Return the next velocity of each firing."""
+        best: Floats = self.velocities[gains(self.weights, self.target, self.response).argmax(axis=1)]
+        return best
+
+    def add(self, velocities: Floats, complete: Bools) -> None:
+        """Add a shot to each firing."""
+        response = self.grid.response(velocities)
+        self.weights *= np.where(complete[:, None], response, 1.0 - response)
+        self.weights /= self.weights.sum(axis=1, keepdims=True)
+
+    def intervals(self) -> Floats:
+        """Return the ends of the interval of V50 of each firing, (n, 2)."""
+        half = 0.5 * self.settings.confidence
+        return self.grid.v50_quantiles(self.weights, (0.5 - half, 0.5 + half))
+
+    def ended(self) -> Bools:
+        """Return whether each firing ends."""
+        if self.settings.requirement_m_s is None:
+            low, high = self.intervals().T
+            half = self.settings.half_width_m_s
+            return np.asarray(0.5 * (high - low) <= (inf if half is None else half))
+        met, sure = self.weights @ self.target, self.settings.confidence
+        return np.asarray((met >= sure) | (met <= 1.0 - sure))
+
+    def keep(self, which: Bools) -> None:
+        """Keep some of the firings."""
+        self.weights = self.weights[which]
+
+
+def expected_shots(shots: Shots, settings: ShotSettings) -> float | None:
+    """Return the median number of further shots in simulated continuations; None where it exceeds the most."""
+    known = posterior(shots, settings, FUTURE_NODES)
+    dice = np.random.default_rng(0)
+    truths = dice.choice(len(known.weights), FUTURES, p=known.weights)
+    v50, scatter = known.grid.v50_m_s[truths], known.grid.scatter_m_s[truths]
+    firings, needed = Firings(known, settings, FUTURES, FUTURE_CANDIDATES), np.full(FUTURES, np.inf)
+    going = np.arange(FUTURES)
+    for number in range(MOST_SHOTS + 1):
+        over = firings.ended()
+        needed[going[over]] = number
+        # More than half of them tell the median.
+        going = going[~over]
+        if len(going) < FUTURES / 2:
+            break
+        firings.keep(~over)
+        velocities = firings.aims()
+        firings.add(velocities, dice.normal(v50[going], scatter[going]) < velocities)
+    median = float(np.median(needed))
+    return median if np.isfinite(median) else None
+
+
+Rule = tuple[Callable[[Shots, ShotSettings], Aim], Callable[[Shots, ShotSettings], str]]
+# By procedure: the functions that give the velocity of the next shot, and why the firing ends.
+PROCEDURES: Mapping[str, Rule] = {
+    "bayesian": (next_bayesian, stopped_bayesian),
+    "neyer": (next_by_neyer, stopped),
+    "langlie": (next_by_langlie, stopped),
+    "up-and-down": (next_up_and_down, stopped_up_and_down),
+}

@@ -233,12 +233,19 @@ def _narrowed(axis: Floats, kept: NDArray[np.intp]) -> tuple[float, float]:
     return float(axis[max(kept.min() - 1, 0)]), float(axis[min(kept.max() + 1, len(axis) - 1)])
 
 
-def prior_share(prior: FiringEstimate, posterior: FiringEstimate) -> float:
-    """Return the part of the precision of V50, the inverse of its variance, that is the prior's; at most 1."""
-    return min(1.0, (posterior.standard_deviation_m_s / prior.standard_deviation_m_s) ** 2)
+def learned(
+    alone: Posterior, known: Posterior, confidence: float
+) -> tuple[FiringEstimate, FiringEstimate, float, tuple[str, ...]]:
+    """Return the estimates without and with shots, and warnings where they contradict each other.
+
+    Before the warnings comes the part of the precision of V50, the inverse of its variance, that is the prior's.
+    """
+    before, after = alone.estimate(confidence), known.estimate(confidence)
+    share = min(1.0, (after.standard_deviation_m_s / before.standard_deviation_m_s) ** 2)
+    return before, after, share, tuple(_contradictions(alone, known))
 
 
-def contradictions(prior: Posterior, posterior: Posterior) -> Iterator[str]:
+def _contradictions(prior: Posterior, posterior: Posterior) -> Iterator[str]:
     """Give a warning for each of V50 and scatter whose posterior lies beyond what the prior holds for plausible."""
     expected, found = prior.estimate(PLAUSIBLE), posterior.estimate(PLAUSIBLE)
     for name, value, (low, high) in (

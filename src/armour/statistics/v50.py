@@ -22,11 +22,10 @@ from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.curves import CDFS, FittedCurve, fit_curve
 from armour.statistics.posterior import (
     FiringEstimate,
-    contradictions,
+    learned,
     no_prior,
     posterior_of,
     prior_of,
-    prior_share,
 )
 from armour.units import missing_unit
 
@@ -273,11 +272,14 @@ def v50(
         for penalised in (False, True)
     )
     model = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
-    before, after, contradicted = (
-        _with_prior(scenario, model.ballistic_limit_m_s, shots, confidence)
-        if prior and scenario and model
-        else (None, None, ())
-    )
+    before, after, share = None, None, None
+    contradictions: tuple[str, ...] = ()
+    if prior and scenario and model:
+        known = prior_of(scenario, model.ballistic_limit_m_s)
+        if known is None:
+            raise no_prior(scenario)
+        given = posterior_of(known, shots.velocities_m_s, shots.complete)
+        before, after, share, contradictions = learned(posterior_of(known, (), ()), given, confidence)
     computed = f"V50 of the shots in {Path(shots.file).name}"
     if scenario is not None:
         computed += f": {scenario.subject(ANY_VELOCITY)}"
@@ -294,10 +296,10 @@ def v50(
         confidence=confidence,
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
         model_interval_m_s=None if model is None else model.interval_m_s,
-        warnings=() if model is None else (*_far_away(shots, model), *contradicted, *model.warnings),
+        warnings=() if model is None else (*_far_away(shots, model), *contradictions, *model.warnings),
         prior=before,
         posterior=after,
-        prior_share=None if before is None or after is None else prior_share(before, after),
+        prior_share=share,
     )._of(computed, scenario=scenario, shots=shots)
 
 
@@ -310,17 +312,6 @@ def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
             f"all shots, at {slowest:g} to {fastest:g} m/s, lie outside the model's 95 % interval of the limit, "
             f"{low:.0f} to {high:.0f} m/s; check that they were fired at this armour with this projectile"
         )
-
-
-def _with_prior(
-    scenario: Scenario, limit_m_s: float, shots: Shots, confidence: float
-) -> tuple[FiringEstimate, FiringEstimate, tuple[str, ...]]:
-    """Return prior and posterior of V50, and their contradictions; raise an InputError where there is no prior."""
-    prior = prior_of(scenario, limit_m_s)
-    if prior is None:
-        raise no_prior(scenario)
-    alone, known = (posterior_of(prior, *given) for given in (((), ()), (shots.velocities_m_s, shots.complete)))
-    return alone.estimate(confidence), known.estimate(confidence), tuple(contradictions(alone, known))
 
 
 def check_shots(shots: Shots, *, one_kind: bool = False) -> None:

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from armour.planning.shot_plan import plan_shots
+from armour.planning.firing import plan_shots
 from armour.reporting.chart import Line, Points, Rule
 from armour.reporting.table import Table
 from armour.reporting.views.planned_shots import chart, share_note, tables

@@ -26,7 +26,7 @@ from armour.reporting.text import interval, percent
 from armour.reporting.views.confidence import chance, error_note
 
 if TYPE_CHECKING:
-    from armour.planning.shot_plan import ShotPlan
+    from armour.planning.firing import ShotPlan
     from armour.statistics.posterior import FiringEstimate
     from armour.statistics.v50 import Shots
 

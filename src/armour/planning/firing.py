@@ -1,29 +1,31 @@
-"""Plan of a V50 firing: the velocity of the next shot, or the whole firing simulated."""
+"""Plan of a V50 firing: the velocity of the next shot, or the whole firing simulated, and the file of its shots."""
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+import os
+from codecs import BOM_UTF8
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
+from filelock import FileLock, Timeout
 from pydantic import Field
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result
+from armour.csv_files import read_csv
 from armour.errors import InputError, Problem, refuse
-from armour.planning import bayesian
+from armour.files import content_of, reason
 from armour.planning.procedures import (
-    Aim,
+    PROCEDURES,
     ShotSettings,
+    expected_shots,
     langlie_doubts,
     mean_of,
-    next_by_langlie,
-    next_by_neyer,
-    next_up_and_down,
     recommended_fit,
-    stopped,
-    stopped_up_and_down,
 )
 from armour.scenario.checked import checked
 from armour.scenario.evidence import ModelError
@@ -35,22 +37,14 @@ from armour.statistics.posterior import (
     FiringEstimate,
     FiringPrior,
     Posterior,
-    contradictions,
+    learned,
     no_prior,
     posterior_of,
     prior_of,
-    prior_share,
 )
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, MeanV50, Shots, check_shots
 
 Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
-# By procedure: the functions that give the velocity of the next shot, and why the firing ends.
-PROCEDURES: Mapping[str, tuple[Callable[[Shots, ShotSettings], Aim], Callable[[Shots, ShotSettings], str]]] = {
-    "bayesian": (bayesian.next_velocity, bayesian.stopped),
-    "neyer": (next_by_neyer, stopped),
-    "langlie": (next_by_langlie, stopped),
-    "up-and-down": (next_up_and_down, stopped_up_and_down),
-}
 HALF_WIDTH_M_S = 15.0
 # Probability of V50 within the limits of Langlie's and Neyer's procedures, unless they are given.
 LIMITS_PROBABILITY = 0.99
@@ -266,65 +260,91 @@ def plan_shots(
     prior = prior_of(scenario, limit.ballistic_limit_m_s, scatter_percent, scatter_factor)
     if prior is None and procedure == "bayesian":
         raise no_prior(scenario, "; or choose the procedure up-and-down, or neyer or langlie with limits of V50")
+    if limits_m_s is None and limited:
+        limits_m_s = limits_of(_known(prior, "limits_m_s", "which they follow from by default"))
+    rule_ends = procedure == "up-and-down" or (procedure == "bayesian" and requirement_m_s is not None)
     settings = ShotSettings(
         estimate_m_s=limit.ballistic_limit_m_s,
         scatter_m_s=limit.ballistic_limit_m_s * scatter_percent / 100.0,
-        limits_m_s=_limits(limits_m_s, prior) if limited else None,
-        half_width_m_s=HALF_WIDTH_M_S if half_width_m_s is None and procedure != "up-and-down" else half_width_m_s,
+        half_width_m_s=HALF_WIDTH_M_S if half_width_m_s is None and not rule_ends else half_width_m_s,
         confidence=confidence,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
         prior=prior,
     )
-    truth, before = None, len(fired.complete)
+    if limits_m_s is not None:
+        settings = settings._replace(limits_m_s=limits_m_s)
+    next_aim, why_stopped = PROCEDURES[procedure]
     if simulate:
         dice = np.random.default_rng(seed)
-        truth = _truth(true_v50_m_s, true_scatter_m_s, prior, fired, dice)
-        fired = simulated(procedure, fired, settings, truth, dice, on_progress)
-    next_aim, why_stopped = PROCEDURES[procedure]
+        if true_v50_m_s is None or true_scatter_m_s is None:
+            drawn = _known(prior, "true_v50_m_s", "to draw it from")
+            true_v50_m_s, true_scatter_m_s = _drawn(posterior_of(drawn, fired.velocities_m_s, fired.complete), dice)
+        for _ in range(MAX_SIMULATED):
+            if why_stopped(fired, settings):
+                break
+            velocity = aimed(next_aim(fired, settings).velocity_m_s)
+            complete = bool(dice.normal(true_v50_m_s, true_scatter_m_s) < velocity)
+            fired = replace(
+                fired, velocities_m_s=(*fired.velocities_m_s, velocity), complete=(*fired.complete, complete)
+            )
+            on_progress(1, None)
     ended = why_stopped(fired, settings)
     aim = None if ended else next_aim(fired, settings)
-    known = None if prior is None else posterior_of(prior, fired.velocities_m_s, fired.complete)
-    alone = None if prior is None else posterior_of(prior, (), ())
-    before_shots = None if alone is None else alone.estimate(confidence)
-    estimate = None if known is None else known.estimate(confidence)
-    contradicted = () if alone is None or known is None else tuple(contradictions(alone, known))
-    met = None
-    if known is not None and requirement_m_s is not None:
-        met = known.probability_above(requirement_m_s, requirement_fraction)
+    before, after, share, curve, met = None, None, None, None, None
+    contradictions: tuple[str, ...] = ()
+    if prior is not None:
+        alone, known = (posterior_of(prior, *of) for of in (((), ()), (fired.velocities_m_s, fired.complete)))
+        before, after, share, contradictions = learned(alone, known, confidence)
+        curve = _curve(alone, known, fired)
+        met = None if requirement_m_s is None else known.probability_above(requirement_m_s, requirement_fraction)
     return ShotPlan(
         procedure=procedure,
         fired=fired,
-        simulated=len(fired.complete) - before,
+        simulated=len(fired.complete) - len(given_shots.complete),
         next_velocity_m_s=None if aim is None else aimed(aim.velocity_m_s),
         reason="" if aim is None else aim.why,
         stopped=ended,
-        expected_shots=bayesian.expected_shots(fired, settings) if procedure == "bayesian" and aim else None,
+        expected_shots=expected_shots(fired, settings) if procedure == "bayesian" and aim else None,
         confidence=confidence,
-        half_width_m_s=None if requirement_m_s is not None and procedure == "bayesian" else settings.half_width_m_s,
+        half_width_m_s=settings.half_width_m_s,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
         probability_met=met,
-        limits_m_s=settings.limits_m_s,
-        prior=before_shots,
-        posterior=estimate,
-        prior_share=None if before_shots is None or estimate is None else prior_share(before_shots, estimate),
+        limits_m_s=limits_m_s,
+        prior=before,
+        posterior=after,
+        prior_share=share,
         recommended=None if procedure == "bayesian" else recommended_fit(fired, confidence),
         mean=mean_of(fired) if procedure == "up-and-down" else None,
         model_ballistic_limit_m_s=limit.ballistic_limit_m_s,
         model_error=limit.model_error,
-        true_v50_m_s=truth and truth[0],
-        true_scatter_m_s=truth and truth[1],
-        curve=None if alone is None or known is None else _curve(alone, known, fired),
-        contradicts_prior=bool(contradicted),
+        true_v50_m_s=true_v50_m_s,
+        true_scatter_m_s=true_scatter_m_s,
+        curve=curve,
+        contradicts_prior=bool(contradictions),
         warnings=(
-            *_far_shots(given_shots, prior),
-            *contradicted,
+            *(() if prior is None else _far_shots(given_shots, prior)),
+            *contradictions,
             *(langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
             *([f"the simulation stopped after {MAX_SIMULATED} shots without an end"] if simulate and aim else ()),
             *limit.warnings,
         ),
     )._of(scenario.subject(ANY_VELOCITY), scenario=scenario)
+
+
+def _known(prior: FiringPrior | None, key: str, purpose: str) -> FiringPrior:
+    """Return a prior that a setting, unless it is given, needs."""
+    if prior is None:
+        message = f"must be given: the error of the model, {purpose}, is not known"
+        raise InputError([Problem("plan_shots", key, message)])
+    return prior
+
+
+def _drawn(known: Posterior, dice: np.random.Generator) -> tuple[float, float]:
+    """Return V50 and scatter to simulate shots with, m/s."""
+    drawn = dice.choice(len(known.weights), p=known.weights)
+    return float(known.grid.v50_m_s[drawn]), float(known.grid.scatter_m_s[drawn])
 
 
 def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
@@ -337,20 +357,8 @@ def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
     return PlanCurve(tuple(velocities.tolist()), *(tuple(curve.tolist()) for curve in curves))
 
 
-def _limits(given: tuple[float, float] | None, prior: FiringPrior | None) -> tuple[float, float]:
-    """Return the limits of V50 that a procedure starts from."""
-    if given is not None:
-        return given
-    if prior is None:
-        message = "must be given: the error of the model, which they follow from by default, is not known"
-        raise InputError([Problem("plan_shots", "limits_m_s", message)])
-    return limits_of(prior)
-
-
-def _far_shots(shots: Shots, prior: FiringPrior | None) -> Iterator[str]:
+def _far_shots(shots: Shots, prior: FiringPrior) -> Iterator[str]:
     """Give a warning of shots whose velocity is far from any V50 that the prior expects."""
-    if prior is None:
-        return
     low, high = limits_of(prior, FAR_PROBABILITY)
     margin = FAR_PART * prior.limit_m_s
     if far := [f"{v:g}" for v in shots.velocities_m_s if not low - margin <= v <= high + margin]:
@@ -365,44 +373,77 @@ def limits_of(prior: FiringPrior, probability: float = LIMITS_PROBABILITY) -> tu
     return prior.error.interval(prior.limit_m_s, 0.5 * (1.0 - probability))
 
 
-def _truth(
-    v50_m_s: float | None,
-    scatter_m_s: float | None,
-    prior: FiringPrior | None,
-    fired: Shots,
-    dice: np.random.Generator,
-) -> tuple[float, float]:
-    """Return V50 and scatter to simulate shots with, m/s."""
-    if v50_m_s is not None and scatter_m_s is not None:
-        return v50_m_s, scatter_m_s
-    if prior is None:
-        message = "must be given: the error of the model, to draw it from, is not known"
-        raise InputError([Problem("plan_shots", "true_v50_m_s", message)])
-    known = posterior_of(prior, fired.velocities_m_s, fired.complete)
-    drawn = dice.choice(len(known.weights), p=known.weights)
-    return float(known.grid.v50_m_s[drawn]), float(known.grid.scatter_m_s[drawn])
-
-
-def simulated(
-    procedure: str,
-    fired: Shots,
-    settings: ShotSettings,
-    truth: tuple[float, float],
-    dice: np.random.Generator,
-    on_progress: OnProgress = ignore_progress,
-) -> Shots:
-    """Return shots with those that are simulated until the procedure ends the firing."""
-    next_aim, why_stopped = PROCEDURES[procedure]
-    for _ in range(MAX_SIMULATED):
-        if why_stopped(fired, settings):
-            break
-        velocity = aimed(next_aim(fired, settings).velocity_m_s)
-        result = bool(dice.normal(*truth) < velocity)
-        fired = Shots((*fired.velocities_m_s, velocity), (*fired.complete, result), fired.file, fired.names)
-        on_progress(1, None)
-    return fired
-
-
 def aimed(velocity_m_s: float) -> float:
     """Return a velocity to aim at, m/s: to a tenth, within the range of velocities."""
     return round(min(max(velocity_m_s, MIN_VELOCITY_M_S), MAX_VELOCITY_M_S), 1)
+
+
+HEADER = ("shot", "velocity_m_s", "result")
+# A command waits for others that add a shot to the same file, each of which takes a second or two.
+WAIT_S = 120.0
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Keep other commands from adding a shot to a file; the lock is a file beside it, since it is replaced itself."""
+    target = Path(os.path.realpath(path))
+    lock = FileLock(target.with_name(f".{target.name}.lock"), timeout=WAIT_S)
+    try:
+        held = lock.acquire()
+    except Timeout:
+        message = f"cannot be written: other commands have been adding shots to it for {WAIT_S:.0f} s"
+        raise InputError([Problem(str(path), "", message)]) from None
+    except OSError as error:
+        raise InputError([Problem(lock.lock_file, "", f"cannot be locked: {reason(error)}")]) from None
+    with held:
+        yield
+
+
+def with_shot(path: Path, velocity_m_s: float, result: str) -> bytes:
+    """Return the content of a file of shots, which need not exist, with one more; what `read_shots` read of it stays.
+
+    The row has the columns of the file, and its result is spelt as the one before.  A shot that repeats another is
+    named, in a column that all rows get if they have none, before the others.
+    """
+    content = content_of(path)
+    lines = [(1, [*HEADER])] if content is None else [*read_csv(path)]
+    content = f"{','.join(HEADER)}\n".encode() if content is None else content
+    (_, header), *shots = lines
+    names = [cells[header.index("shot")] for _, cells in shots] if "shot" in header else []
+    known = shots[-1][1][header.index("result")] if shots else result
+    texts = {
+        "shot": next_name(names, len(shots)),
+        "velocity_m_s": f"{velocity_m_s:g}" if float(f"{velocity_m_s:g}") == velocity_m_s else repr(velocity_m_s),
+        "result": _spelt(result, known),
+    }
+    row = [texts.get(name, "") for name in header]
+    if any(cells == row for _, cells in shots):
+        row = [texts["shot"], *row]
+        content = _named(content, [place for place, _ in lines])
+    end = b"\r\n" if b"\r\n" in content else b"\n"
+    return content + (b"" if content.endswith(b"\n") else end) + ",".join(row).encode() + end
+
+
+def _named(content: bytes, places: Sequence[int]) -> bytes:
+    """Return the content of a file with a column of names, numbers from 1, before the others of lines at places."""
+    lines = content.removeprefix(BOM_UTF8).splitlines(keepends=True)
+    for name, place in enumerate(places):
+        lines[place - 1] = f"{name or 'shot'},".encode() + lines[place - 1]
+    return (BOM_UTF8 if content.startswith(BOM_UTF8) else b"") + b"".join(lines)
+
+
+def _spelt(result: str, known: str) -> str:
+    """Return a result as a word, P or C, or PP or CP, in the case of a known one."""
+    word = {1: result[0], 2: f"{result[0]}p"}.get(len(known), result)
+    return word.upper() if known.isupper() else word.capitalize() if known.istitle() else word
+
+
+def next_name(names: Sequence[str], count: int) -> str:
+    """Return the name of the shot after a number of shots: one more than the greatest number that is a name."""
+    return str(max((int(name) for name in names if name.isdecimal()), default=count) + 1)
+
+
+def added(shots: Shots, velocity_m_s: float, complete: bool) -> Shots:
+    """Return shots with one more."""
+    names = (*shots.names, next_name(shots.names, len(shots.complete))) if shots.names else ()
+    return Shots((*shots.velocities_m_s, velocity_m_s), (*shots.complete, complete), shots.file, names)

@@ -1,0 +1,305 @@
+"""Rules for the next velocity: by hand, against published levels and against independent implementations."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+from scipy.stats import norm
+
+from armour.planning.procedures import (
+    Firings,
+    ShotSettings,
+    expected_shots,
+    gains,
+    next_bayesian,
+    next_by_langlie,
+    next_by_neyer,
+    next_up_and_down,
+    posterior,
+    stopped,
+    stopped_bayesian,
+    stopped_up_and_down,
+)
+from armour.scenario.evidence import ModelError
+from armour.statistics.posterior import FiringPrior, Posterior, posterior_of
+from armour.statistics.v50 import Shots
+
+UP_AND_DOWN = ShotSettings(720.0, 15.0)
+
+
+def test_the_first_shot_is_at_the_estimate_or_above_the_requirement():
+    assert next_up_and_down(Shots((), ()), UP_AND_DOWN).velocity_m_s == 720.0
+    required = UP_AND_DOWN._replace(requirement_m_s=700.0)
+    assert next_up_and_down(Shots((), ()), required).velocity_m_s == pytest.approx(700.0 + 75 * 0.3048)
+
+
+@pytest.mark.parametrize(
+    ("results", "feet"), [((False,), 100), ((True, True), -100), ((True, False), 50), ((False, False, True), -50)]
+)
+def test_the_steps_up_and_down(results: tuple[bool, ...], feet: float):
+    shots = Shots(tuple(700.0 + 10 * number for number in range(len(results))), results)
+    step = next_up_and_down(shots, UP_AND_DOWN).velocity_m_s - shots.velocities_m_s[-1]
+    assert step == pytest.approx(feet * 0.3048)
+
+
+def test_up_and_down_ends_with_three_of_each_kind_within_the_usual_span():
+    velocities, results = [700.0, 716.0, 701.0, 717.0, 702.0, 718.0], [False, True] * 3
+    assert stopped_up_and_down(Shots(tuple(velocities), tuple(results)), UP_AND_DOWN).startswith(
+        "3 partial and 3 complete"
+    )
+    assert stopped_up_and_down(Shots(tuple(velocities[:5]), tuple(results[:5])), UP_AND_DOWN) == ""
+    assert stopped_up_and_down(Shots((700.0, 750.0, 701.0, 751.0, 702.0, 752.0), tuple(results)), UP_AND_DOWN) == ""
+    assert stopped_up_and_down(Shots((), ()), UP_AND_DOWN) == ""
+
+
+LANGLIE = ShotSettings(750.0, 15.0, (600.0, 900.0))
+
+
+def test_a_sequence_by_hand():
+    results = (True, False, False, True, True, True, False)
+    # Shot, and the shot or limit that it is midway to.
+    expected = (
+        750.0,  # midway between the limits
+        675.0,  # complete: midway to the lower limit
+        712.5,  # 1 and 2 are one of each: midway between 2 and 1
+        806.25,  # 1 to 3 are one complete and two partial, 2 and 3 partial: midway to the upper limit
+        759.375,  # 3 and 4 are one of each
+        717.1875,  # 2 to 5 are two of each: midway between 5 and 2
+        658.59375,  # 6, 5, 4 complete, 3 and 2 partial, 1 complete: midway to the lower limit
+        687.890625,  # 6 and 7 are one of each
+    )
+    fired = Shots((), ())
+    for number, velocity in enumerate(expected):
+        assert next_by_langlie(fired, LANGLIE).velocity_m_s == velocity
+        if number < len(results):
+            fired = Shots((*fired.velocities_m_s, velocity), (*fired.complete, results[number]))
+
+
+def langlie(velocities: list[float], results: list[bool], low: float, high: float) -> float:
+    """The rule as it is stated: the latest p such that shots p to n hold as many of each kind."""
+    if not results:
+        return (low + high) / 2
+    balanced = [p for p in range(len(results)) if 2 * sum(results[p:]) == len(results[p:])]
+    other = velocities[max(balanced)] if balanced else low if results[-1] else high
+    return (velocities[-1] + other) / 2
+
+
+def test_all_sequences_of_eight_shots():
+    for results in product((False, True), repeat=8):
+        velocities: list[float] = []
+        for count in range(9):
+            found = next_by_langlie(Shots(tuple(velocities), results[:count]), LANGLIE).velocity_m_s
+            assert found == langlie(velocities, list(results[:count]), 600.0, 900.0)
+            velocities.append(found)
+
+
+def test_the_end_is_that_of_the_interval_of_v50():
+    velocities = (700.0, 740.0, 710.0, 730.0, 715.0, 722.0, 725.0, 720.0, 705.0, 735.0, 712.0, 728.0)
+    complete = (False, True, False, True, True, False, True, False, False, True, False, True)
+    wide, narrow = (LANGLIE._replace(half_width_m_s=half) for half in (50.0, 5.0))
+    assert stopped(Shots(velocities, complete), wide) == "the interval of V50 is within ± 50 m/s"
+    assert stopped(Shots(velocities, complete), narrow) == ""
+    assert stopped(Shots((700.0,), (False,)), wide) == ""
+
+
+# The example of [Wu2014], as the documentation of the R package gonogo
+# (Roediger, AFIT) lists it: levels, responses and, from the tenth on, the D-optimal levels that are recommended.
+LEVELS = (5.5, 16.5, 11.0, 13.8, 10.1, 14.7, 10.4, 11.7, 9.7, 7.3, 7.8, 8.1, 12.2, 8.5, 11.8)
+RESPONSES = tuple(map(bool, (0, 1, 0, 1, 0, 1, 1, 1, 1, 0, 0, 0, 1, 0, 1)))
+RECOMMENDED = {9: 7.26438, 10: 7.75467, 11: 8.08350, 12: 12.16394, 13: 8.51676, 14: 11.82596}
+NEYER = ShotSettings(11.0, 3.0, (0.0, 22.0))
+
+
+@pytest.mark.parametrize("count", RECOMMENDED)
+def test_the_published_d_optimal_levels(count: int):
+    # The levels are searched in steps of a thousandth of the scatter.
+    found = next_by_neyer(Shots(LEVELS[:count], RESPONSES[:count]), NEYER)
+    assert found.velocity_m_s == pytest.approx(RECOMMENDED[count], abs=2e-3)
+
+
+def shots(*fired: tuple[float, int]) -> Shots:
+    return Shots(tuple(level for level, _ in fired), tuple(bool(result) for _, result in fired))
+
+
+@pytest.mark.parametrize(
+    ("fired", "expected"),
+    [
+        ([], 11.0),
+        # All of one kind: the farthest of midway to the limit, two guesses of the scatter, and twice the range.
+        ([(11, 0)], 17.0),
+        ([(11, 0), (17, 0)], 23.0),
+        ([(11, 0), (17, 0), (23, 0)], 35.0),
+        ([(11, 1)], 5.0),
+        ([(11, 1), (5, 1)], -1.0),
+        # Apart by more than the guess: midway.
+        ([(11, 0), (17, 1)], 14.0),
+        ([(11, 0), (17, 1), (14, 1)], None),
+    ],
+)
+def test_the_binary_search(fired: list[tuple[float, int]], expected: float | None):
+    found = next_by_neyer(shots(*fired), NEYER)
+    if expected is None:
+        assert not found.why.startswith("binary search")
+    else:
+        assert found.velocity_m_s == expected
+
+
+def test_separated_shots_reduce_the_guess_of_the_scatter():
+    apart = [(11, 0), (17, 1), (13, 1)]
+    assert "guessed scatter of 3.0" in next_by_neyer(shots(*apart), NEYER).why
+    assert "guessed scatter of 2.4" in next_by_neyer(shots(*apart, (9, 0)), NEYER).why
+    # 2 m/s apart is more than the guess after two reductions: the binary search again.
+    assert next_by_neyer(shots(*apart, (9, 0), (18, 1)), NEYER).velocity_m_s == 12.0
+
+
+def neyer(levels: list[float], responses: list[bool], low: float, high: float, guess: float) -> float:
+    """Neyer's rules, step by step with a running guess, by plain sums and searches."""
+    x, y = np.array(levels), np.array(responses)
+    for count in range(len(x) + 1):
+        a, b = x[:count], y[:count]
+        if count == 0:
+            level = (low + high) / 2
+        elif not b.any():
+            level = max((high + a.max()) / 2, a.max() + 2 * guess, 2 * a.max() - a.min())
+        elif b.all():
+            level = min((low + a.min()) / 2, a.min() - 2 * guess, 2 * a.min() - a.max())
+        else:
+            gap = round(a[b].min() - a[~b].max(), 9)
+            middle = (a[b].min() + a[~b].max()) / 2
+            if gap > guess:
+                level = middle
+            elif gap >= 0:
+                level, guess = _d_optimal(a, middle, min(guess, np.ptp(a))), 0.8 * guess
+            else:
+                level = np.nan if count < len(x) else _by_likelihood(a, b)
+    return float(level)
+
+
+def _by_likelihood(x: np.ndarray, y: np.ndarray) -> float:
+    def lost(p: np.ndarray) -> float:
+        z = p[0] + p[1] * x
+        return -float(np.where(y, norm.logcdf(z), norm.logsf(z)).sum())
+
+    b = 1.0 / np.std(x)
+    intercept, slope = minimize(
+        lost, [-b * x.mean(), b], method="Nelder-Mead", options={"xatol": 1e-10, "fatol": 1e-12}
+    ).x
+    mu, sigma = float(np.clip(-intercept / slope, x.min(), x.max())), min(1 / slope, np.ptp(x))
+    return _d_optimal(x, mu, sigma)
+
+
+def _d_optimal(x: np.ndarray, mu: float, sigma: float) -> float:
+    """The level that makes the determinant of the information greatest, by determinants of 2 by 2 matrices."""
+
+    def information(levels: np.ndarray) -> np.ndarray:
+        z = (levels - mu) / sigma
+        weight = norm.pdf(z) ** 2 / (norm.cdf(z) * norm.sf(z))
+        rows = np.stack([np.ones_like(z), z])
+        found: np.ndarray = np.einsum("in,jn,n->nij", rows, rows, weight)
+        return found
+
+    candidates = mu + sigma * np.linspace(-4, 4, 4001)
+    totals = information(x).sum(axis=0) + information(candidates)
+    return float(candidates[np.argmax(np.linalg.det(totals))])
+
+
+def test_sequences_of_neyer_agree_with_an_independent_implementation():
+    dice = np.random.default_rng(5)
+    for _ in range(6):
+        truth, scatter = dice.uniform(600, 900), dice.uniform(5, 40)
+        fired = Shots((), ())
+        for _ in range(12):
+            settings = ShotSettings(750.0, 20.0, (600.0, 900.0))
+            found = next_by_neyer(fired, settings).velocity_m_s
+            levels, responses = list(fired.velocities_m_s), list(fired.complete)
+            x, y = np.array(levels), np.array(responses)
+            overlap = len(x) > 0 and 0 < sum(y) < len(y) and x[y].min() < x[~y].max()
+            if not overlap or x[y].mean() > x[~y].mean():
+                expected = neyer(levels, responses, 600.0, 900.0, 20.0)
+                assert found == pytest.approx(expected, abs=0.1)
+            result = bool(dice.normal(truth, scatter) < found)
+            fired = Shots((*fired.velocities_m_s, found), (*fired.complete, result))
+
+
+def test_shots_without_a_rising_curve():
+    flat = shots((10, 1), (14, 0), (9, 1), (15, 0))
+    found = next_by_neyer(flat, NEYER)
+    # After a partial penetration faster, by the best argument times the range.
+    assert found.velocity_m_s == pytest.approx(12.0 + 1.31525757633905 * 6.0)
+
+
+def test_a_shot_of_each_kind_at_one_velocity():
+    assert np.isfinite(next_by_neyer(shots((11, 0), (11, 1)), NEYER).velocity_m_s)
+
+
+PRIOR = FiringPrior(720.0, ModelError(0.0, 7.0, 12.0))
+BAYESIAN = ShotSettings(720.0, 14.4, half_width_m_s=15.0, prior=PRIOR)
+SHOTS = Shots((720.0, 770.0, 745.0), (False, True, False))
+
+
+def test_the_gain_is_the_expected_reduction_of_the_variance():
+    known = posterior(SHOTS, BAYESIAN)
+    velocity = 752.0
+    response = known.grid.response(np.array([velocity]))
+    expected = 0.0
+    for weights in (known.weights * response[0], known.weights * (1.0 - response[0])):
+        after = Posterior(known.grid, weights / weights.sum())
+        expected += weights.sum() * after.variance(known.grid.v50_m_s)
+    [[gain]] = gains(known.weights[None], known.grid.v50_m_s, response)
+    assert known.variance(known.grid.v50_m_s) - gain == pytest.approx(expected)
+
+
+def test_the_velocity_has_the_greatest_gain():
+    known = posterior(SHOTS, BAYESIAN)
+    aim = next_bayesian(SHOTS, BAYESIAN)
+    others = np.linspace(650.0, 850.0, 401)
+    gained = gains(known.weights[None], known.grid.v50_m_s, known.grid.response(others))[0]
+    assert aim.velocity_m_s == pytest.approx(others[np.argmax(gained)], abs=1.0)
+
+
+def test_the_first_shot_is_at_the_models_limit():
+    assert next_bayesian(Shots((), ()), BAYESIAN).velocity_m_s == pytest.approx(720.0, abs=2.0)
+
+
+def test_the_end_by_the_interval():
+    low, high = posterior(SHOTS, BAYESIAN).estimate(0.95).v50_interval_m_s
+    half = 0.5 * (high - low)
+    assert stopped_bayesian(SHOTS, BAYESIAN._replace(half_width_m_s=half + 0.1)).startswith("the interval of V50 is")
+    assert stopped_bayesian(SHOTS, BAYESIAN._replace(half_width_m_s=half - 0.1)) == ""
+
+
+@pytest.mark.parametrize(("required", "answer"), [(600.0, "is met"), (900.0, "is not met"), (745.0, "")])
+def test_the_end_by_a_requirement(required: float, answer: str):
+    settings = BAYESIAN._replace(half_width_m_s=None, requirement_m_s=required)
+    assert answer in stopped_bayesian(SHOTS, settings)
+    assert bool(stopped_bayesian(SHOTS, settings)) == bool(answer)
+
+
+def test_many_firings_at_once_choose_as_one_does():
+    known = posterior_of(PRIOR, (), (), (201, 31))
+    firings = Firings(known, BAYESIAN, 2, 401)
+    fired = [Shots((), ()), Shots((), ())]
+    for results in ((True, False), (True, True), (False, True)):
+        aims = firings.aims()
+        singles = [next_bayesian(each, BAYESIAN).velocity_m_s for each in fired]
+        assert aims == pytest.approx(singles, abs=2.0)
+        firings.add(aims, np.array(results))
+        fired = [
+            Shots((*each.velocities_m_s, float(aim)), (*each.complete, result))
+            for each, aim, result in zip(fired, aims, results, strict=True)
+        ]
+    for ends, each in zip(firings.intervals(), fired, strict=True):
+        assert ends == pytest.approx(posterior(each, BAYESIAN).estimate(0.95).v50_interval_m_s, abs=1.0)
+
+
+def test_fewer_shots_are_expected_for_a_wider_interval_and_as_shots_are_fired():
+    assert expected_shots(SHOTS, BAYESIAN) == expected_shots(SHOTS, BAYESIAN)
+    wide = expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=30.0))
+    narrow = expected_shots(SHOTS, BAYESIAN)
+    start = expected_shots(Shots((), ()), BAYESIAN)
+    assert wide is not None
+    assert narrow is not None
+    assert start is not None
+    assert 0 < wide < narrow < start
+    assert expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=0.5)) is None
