@@ -20,7 +20,7 @@ from mkdocs.structure.files import File
 
 import armour
 from armour.analysis.quantities import label_and_unit
-from armour.reporting.formats import markdown_table
+from armour.reporting.report import markdown_table
 from armour.reporting.views.library import entry_table
 from armour.scenario.inputs import INPUTS
 from armour.scenario.scenario import scenario_schema

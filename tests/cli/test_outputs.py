@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from armour.errors import InputError, Problem
-from armour.reporting import plots
+from armour.reporting import draw
 from armour.validation import figures
 from tests.helpers.cases import SCENARIOS
 
@@ -38,7 +38,7 @@ def test_no_file_is_written_where_one_cannot_be_drawn(cli, own: Path, monkeypatc
     def fails(*_: object) -> bytes:
         raise InputError([Problem("p.svg", "", "cannot be drawn")])
 
-    monkeypatch.setattr(plots, "rendered", fails)
+    monkeypatch.setattr(draw, "rendered", fails)
     before = contents(own)
     result = cli("simulate", "own.toml", "--history", "h.csv", "--plot", "p.svg")
     assert (result.exit_code, result.stderr) == (2, "p.svg: cannot be drawn\n")

@@ -7,7 +7,7 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.confidence import confidence
 from armour.design.optimise import optimise
-from armour.reporting.contents import Contents, contents_of
+from armour.reporting.scenario_report import Contents, contents_of
 from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
 from tests.helpers.cases import SCENARIOS, scenario

@@ -7,10 +7,9 @@ from html.parser import HTMLParser
 
 import pytest
 
-from armour.reporting.contents import Contents, contents_of
-from armour.reporting.formats import html_report
+from armour.reporting.html import html_report
 from armour.reporting.report import Card, Report, Section
-from armour.reporting.scenario_report import scenario_report
+from armour.reporting.scenario_report import Contents, contents_of, scenario_report
 from armour.reporting.table import Column, Table
 from armour.reporting.views import suite as suite_view
 from armour.scenario.scenario import load_scenario

@@ -5,9 +5,9 @@ from xml.etree import ElementTree
 
 import pytest
 
-from armour.reporting.chart import BLUE, INK, SOFT, VERMILION, Axis, Bars, Chart, Line, Panel, Points, Spans
-from armour.reporting.inline_svg import MAX_POINTS, inline_svg
-from armour.reporting.plots import draw
+from armour.reporting.charts import PALETTE, Axis, Bars, Chart, Line, Panel, Points, Spans
+from armour.reporting.draw import draw
+from armour.reporting.html import MAX_POINTS, inline_svg
 from armour.reporting.views import design as design_view
 from armour.reporting.views import impact as impact_view
 from tests.helpers.results import design_result, impact
@@ -40,9 +40,9 @@ def test_points_tell_their_values_with_units():
 
 def test_points_are_where_they_are_drawn():
     """Markers of matplotlib and circles have the same place."""
-    chart = one(Points([2.0, 4.0], [3.0, 7.0], label="p", colour=VERMILION))
+    chart = one(Points([2.0, 4.0], [3.0, 7.0], label="p", colour="vermilion"))
     root = ElementTree.fromstring(inline_svg(chart, "c"))
-    markers = [use for use in root.iter(f"{SVG}use") if VERMILION in use.attrib["style"]]
+    markers = [use for use in root.iter(f"{SVG}use") if PALETTE["vermilion"] in use.attrib["style"]]
     drawn = [(float(use.attrib["x"]), float(use.attrib["y"])) for use in markers]
     for circle, marker in zip(circles(chart), drawn[:2], strict=True):
         assert dist(circle, marker) < 0.2
@@ -72,7 +72,7 @@ def test_gaps_have_no_point():
 
 def test_colours_follow_the_theme():
     content = inline_svg(impact_view.chart(impact()), "c")
-    assert not [colour for colour in (INK, SOFT, BLUE) if colour in content]
+    assert not [colour for colour in ("ink", "soft", "blue") if PALETTE[colour] in content]
     assert {"var(--ink)", "var(--soft)", "var(--blue)"} <= set(re.findall(r"var\(--[a-z]+\)", content))
 
 

@@ -1,7 +1,6 @@
 import pytest
 
-from armour.reporting.formats import markdown_report, markdown_table, markdown_text
-from armour.reporting.report import Card, Report, Section
+from armour.reporting.report import Card, Report, Section, markdown_report, markdown_table, markdown_text
 from armour.reporting.table import Column, Table
 
 

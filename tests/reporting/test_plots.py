@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.contour import ContourSet
 from matplotlib.transforms import Bbox
 
-from armour.reporting.chart import Axis, Bars, Chart, Contours, Line, Map, Panel, Points, Rule, printable_chart
-from armour.reporting.plots import METADATA, draw, rendered
+from armour.reporting.charts import Axis, Bars, Chart, Contours, Line, Map, Panel, Points, Rule, printable_chart
+from armour.reporting.draw import METADATA, draw, rendered
 from armour.reporting.views import design as design_view
 from armour.reporting.views import impact as impact_view
 from armour.reporting.views import uncertainty as uncertainty_view

@@ -14,8 +14,7 @@ from armour.analysis.impact import simulate
 from armour.analysis.results import TableResult
 from armour.errors import InputError
 from armour.planning.firing import plan_shots
-from armour.reporting.show import in_html, plot, report
-from armour.reporting.views.registry import VIEWS
+from armour.reporting.show import VIEWS, in_html, plot, report
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import Shots, v50

@@ -62,6 +62,8 @@ def test_columns_show_attributes_values_and_functions_of_items():
     assert table.rows == (("a", 2.0, "rod", "aa"), ("b", None, "rod", "bb"))
     assert (table.headings(), table.title) == (["name", "length, mm", "kind", "twice"], "T")
     assert record(items[1], NAME, LENGTH).rows == (("b",),)
+    assert listing(items[1:], NAME, LENGTH).headings() == ["name"]
+    assert listing([], NAME, LENGTH).headings() == ["name", "length, mm"]
 
 
 def test_csv_has_keys_and_numbers_with_all_digits():

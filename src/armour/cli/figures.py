@@ -26,9 +26,9 @@ def figures(
 
     These are figs. 3 to 14 and the parity of table 3 and of bare plates; the values are written as CSV beside each.
     """
-    from armour.reporting import plots
+    from armour.reporting import draw
     from armour.reporting.table import csv_text
-    from armour.reporting.views import figure, suite
+    from armour.reporting.views import suite
     from armour.validation.figures import PARITIES, compute_figure, paper_figures, parity, read_figures
 
     path = paper_figures()
@@ -49,8 +49,8 @@ def figures(
                     table, chart = suite.parity_table(result), suite.chart(result)
                 else:
                     figures = [compute_figure(section, path.parent) for section in panels[name]]
-                    table, chart = figure.figure_table(figures), figure.chart(figures)
-                drawn = plots.rendered(chart, f".{image}")
+                    table, chart = suite.figure_table(figures), suite.figure_chart(figures)
+                drawn = draw.rendered(chart, f".{image}")
                 write({folder / f"{name}.csv": csv_text(table), folder / f"{name}.{image}": drawn})
                 count(1)
 

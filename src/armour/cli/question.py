@@ -43,7 +43,7 @@ def question(
             csv: Path | None = None,
             **options: Any,
         ) -> None:
-            from armour.reporting.views.registry import view_of
+            from armour.reporting.show import view_of
 
             check_outputs(csv=csv, plot=plot, force=force)
             settings = {f"--{name}": (key, options.pop(name)) for name, (key, _kind) in keys.items()}

@@ -64,8 +64,7 @@ def report(
 
 def _scenario_report(source: Path, changes: list[str], command: str, *, as_is: bool) -> "Report":
     from armour.analysis.quantities import DESIGNS
-    from armour.reporting.contents import contents_of
-    from armour.reporting.scenario_report import scenario_report
+    from armour.reporting.scenario_report import contents_of, scenario_report
 
     loaded = read_scenario(source, changes, (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS)), what="the report")
     say_if_compiling()

@@ -163,9 +163,9 @@ def respond(
     """
 
     def drawn() -> bytes | None:
-        from armour.reporting import plots
+        from armour.reporting import draw
 
-        return None if plot is None or chart is None else plots.rendered(chart().headed(of), plot.suffix.lower())
+        return None if plot is None or chart is None else draw.rendered(chart().headed(of), plot.suffix.lower())
 
     contents: dict[Path, bytes] = {}
     failed: ArmourError | None = None

@@ -52,7 +52,7 @@ def validate(
     Exits with 3 where a value lies outside its band. With --update, the tables have the values before the update, and
     only values that it keeps count.
     """
-    from armour.reporting.formats import markdown_report
+    from armour.reporting.report import markdown_report
     from armour.reporting.views import suite as view
     from armour.scenario.changes import changes_of
     from armour.validation.suite import load_suite

@@ -1,13 +1,17 @@
-"""A report: what its HTML and Markdown versions show."""
+"""A report: what its HTML and Markdown versions show, and its Markdown."""
 
+import re
 import sys
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import NamedTuple
 
 from armour import MODEL_VERSION, __version__
-from armour.reporting.chart import Chart
+from armour.files import printable
+from armour.reporting.charts import Chart
 from armour.reporting.table import Column, Table
+from armour.reporting.text import printable_lines
+from armour.scenario.scenario import Scenario
 
 ORIGIN = (
     "The model is that of the published paper “Modeling penetration of ceramic/metal lightweight armours by small and "
@@ -23,18 +27,6 @@ class Card(NamedTuple):
     subject: str
     statement: str
     detail: str
-
-
-class CrossSection(NamedTuple):
-    """Penetrator and layers of the armour, for a drawing to scale; lengths in mm."""
-
-    rod: str
-    rod_length: float
-    rod_diameter: float
-    ceramic: str
-    ceramic_thickness: float
-    backing: str
-    backing_thickness: float
 
 
 @dataclass(frozen=True)
@@ -59,7 +51,7 @@ class Report:
     charts: tuple[Chart, ...]
     cards: tuple[Card, ...] = ()
     warnings: tuple[str, ...] = ()
-    cross_section: CrossSection | None = None
+    cross_section: Scenario | None = None  # of the armour that is drawn to scale
     passed: bool | None = None  # of a suite
     byline: tuple[tuple[str, str], ...] = ()  # such as the author: what it is, and its text
     remarks: tuple[str, ...] = ()  # on the armour that is reported, after the lead
@@ -71,3 +63,56 @@ def origin_section(command: str) -> Section:
     versions += [(name, version(name)) for name in PACKAGES]
     table = Table((Column("program"), Column("version")), tuple(versions))
     return Section("Origin", (ORIGIN, "Made by:"), command, "console", (table,))
+
+
+def markdown_table(table: Table) -> str:
+    """Format a table as Markdown, without its title."""
+    lines = [
+        [markdown_text(heading) for heading in table.headings()],
+        ["---:" if column.numeric else "---" for column in table.columns],
+        *([markdown_text(text) for text in texts] for texts in table.texts()),
+    ]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def markdown_text(text: str) -> str:
+    """Escape the markup and the control characters of a text, and join its lines."""
+    text = re.sub(r"[\\|*_<>`\[~$&]", r"\\\g<0>", printable(" ".join(text.split())))
+    # What begins a heading, a list or a rule at the start of a line.
+    return re.sub(r"^(#{0,5}|\d{0,9})([#+\-.)])(?=[ -]|$)", r"\1\\\2", text)
+
+
+def markdown_report(report: Report) -> str:
+    """Format a report as Markdown, without its charts."""
+    parts = [f"# {markdown_text(report.title)}"]
+    if report.byline:
+        parts.append(", ".join(markdown_text(f"{name}: {text}") for name, text in report.byline))
+    parts += (markdown_text(words) for words in (report.lead, *report.remarks))
+    if report.cards:
+        cards = ([markdown_text(text) for text in card] for card in report.cards)
+        parts.append(
+            "\n".join(
+                f"* {subject}: **{words}**" + (f"; {detail}" if detail else "") for subject, words, detail in cards
+            )
+        )
+    parts += (f"Warning: {markdown_text(warning)}" for warning in report.warnings)
+    for section in report.sections:
+        parts += _section(section)
+    return "\n\n".join(parts) + "\n"
+
+
+def _section(section: Section) -> list[str]:
+    parts = [f"## {markdown_text(section.heading)}", *(markdown_text(words) for words in section.paragraphs)]
+    if section.code:
+        parts.append(_fenced(section.code, section.language))
+    parts += (markdown_table(table) for table in section.tables)
+    if section.notes:
+        parts.append("\n".join(f"* {markdown_text(name)}: {markdown_text(note)}." for name, note in section.notes))
+    return parts
+
+
+def _fenced(text: str, language: str) -> str:
+    """Return text within a fence longer than any in it."""
+    text = printable_lines(text)
+    fence = "`" * max(3, 1 + max((len(run) for run in re.findall("`+", text)), default=0))
+    return f"{fence}{language}\n{text.rstrip()}\n{fence}"

@@ -1,38 +1,205 @@
 """Report on a scenario: its answer, and the results that explain it and say how reliable it is."""
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from math import inf
+from typing import NamedTuple
 
 from armour import __version__
-from armour.design.optimise import OBJECTIVES
-from armour.errors import Note
-from armour.reporting.chart import Chart
-from armour.reporting.contents import AgainstThreat, Contents, asks_for_design
-from armour.reporting.report import Card, CrossSection, Report, Section, origin_section
-from armour.reporting.table import Column, Table, filled, in_words, listing
-from armour.reporting.views import design as designs
-from armour.reporting.views import impact as impacts
-from armour.reporting.views import sensitivity, uncertainty
+from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, not_monotonic
+from armour.analysis.confidence import ConfidenceResult, of_limit, without_limit
+from armour.analysis.energy import EnergyBalance, energy_balance
+from armour.analysis.impact import ImpactResult, simulate
+from armour.analysis.progress import OnProgress, ignore_progress
+from armour.design.optimise import OBJECTIVES, DesignResult, optimise
+from armour.errors import NoLimitError, Note
+from armour.reporting.charts import Chart
+from armour.reporting.report import Card, Report, Section, origin_section
+from armour.reporting.table import Column, Table, in_words, listing
+from armour.reporting.views import design as design_view
+from armour.reporting.views import impact as impact_view
+from armour.reporting.views import sensitivity as sensitivity_view
+from armour.reporting.views import uncertainty as uncertainty_view
 from armour.reporting.views.confidence import DEFEAT, SAMPLED_ALONE, chance, extrapolation, from_tests
-from armour.reporting.views.design import (
-    AREAL_DENSITY,
-    BALLISTIC_LIMIT,
-    COST,
-    MARGIN,
-    REQUIRED,
-    best_table,
-    frontier_table,
-    margin_notes,
-    margin_table,
-    pair_table,
-    pareto_table,
-    required_margins,
-)
-from armour.reporting.views.impact import energy_table, stage_table
+from armour.reporting.views.design import AREAL_DENSITY, BALLISTIC_LIMIT, COST, MARGIN, REQUIRED, required_margins
 from armour.reporting.views.library import entry_table
-from armour.scenario.inputs import INPUTS
-from armour.scenario.scenario import title_beside
-from armour.units import MM
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, ROLES, VELOCITY
+from armour.scenario.library import LibraryEntry
+from armour.scenario.scenario import Scenario, title_beside
+from armour.scenario.schema import Threat
+from armour.statistics.sensitivity import SensitivityResult, sensitivity
+from armour.statistics.uncertainty import UncertaintyResult, probability_of_perforation, uncertainty
+
+
+class AgainstThreat(NamedTuple):
+    """The armour of a report against one threat."""
+
+    threat: str  # projectile and velocity, or its name
+    defeated: bool
+    margin_m_s: float | None  # None where the ballistic limit is outside the range searched
+    required_margin_m_s: float
+    probability_of_defeat: float | None  # None where it is not known
+    sampled: bool = False  # whether it is that of the scenario's distributions
+
+
+@dataclass(frozen=True)
+class Contents:
+    """Results of a scenario as it was read, and of its answer: the armour against the threat that governs it."""
+
+    scenario: Scenario
+    answer: Scenario
+    design: DesignResult | None  # None for the scenario's own armour
+    threats: tuple[AgainstThreat, ...]
+    governing: str  # threat that the margin exceeds the least
+    impact: ImpactResult  # with its history
+    limit: LimitResult | None  # None where it is outside the range searched
+    confidence: ConfidenceResult
+    energy: EnergyBalance
+    sensitivity: SensitivityResult
+    uncertainty: UncertaintyResult | None  # None without distributions that apply to the answer
+    entries: tuple[LibraryEntry, ...]  # projectile and materials
+    warnings: tuple[str, ...]
+
+
+def asks_for_design(scenario: Scenario) -> bool:
+    """Return whether a scenario asks for the best design."""
+    return scenario.optimise is not None or scenario.design is not None or bool(scenario.threat)
+
+
+def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *, as_is: bool = False) -> Contents:
+    """Answer a scenario and gather the results that a report shows.
+
+    The armour is the best design where the scenario asks for one, unless it is to be reported as it is.
+    """
+
+    def on_part(done: int, _total: int | None) -> None:
+        on_progress(done, None)
+
+    design = optimise(scenario, on_progress=on_part) if asks_for_design(scenario) and not as_is else None
+    faced = _faced(scenario if design is None else _with_best(scenario, design))
+    threats = (
+        [_against(*each) for each in faced] if design is None else [_passed(design, threat) for _, threat in faced]
+    )
+    sampled = scenario.uncertainty is not None and bool(scenario.uncertainty.inputs())
+    misplaced = [_misplaced(scenario, against) for against, _ in faced]
+    if sampled:
+        threats = [
+            found if wrong else _sampled(found, against, on_part)
+            for found, (against, _), wrong in zip(threats, faced, misplaced, strict=True)
+        ]
+    if design is None:
+        place = min(range(len(threats)), key=lambda index: _excess(threats[index]))
+    else:
+        place = [found.threat for found in threats].index(design.best.governing)
+        probabilities = {found.threat: found.probability_of_defeat for found in threats}
+        best = replace(design.best, probabilities_of_defeat=probabilities)
+        design = replace(design, best=best)._of(**design._question)
+    answer = faced[place][0]
+    impact = simulate(answer, history=True)
+    limit, sure = _limit(answer)
+    return Contents(
+        scenario=scenario,
+        answer=answer,
+        design=design,
+        threats=tuple(threats),
+        governing=threats[place].threat,
+        impact=impact,
+        limit=limit,
+        confidence=sure,
+        energy=energy_balance(answer, impact),
+        sensitivity=sensitivity(answer, on_progress=on_part),
+        uncertainty=uncertainty(answer, on_progress=on_part) if sampled and not misplaced[place] else None,
+        entries=tuple(entry for role in ROLES if (entry := answer.entry_of(role)) is not None),
+        warnings=(
+            *(impact.warnings if design is None else design.warnings),
+            *(() if limit is None else not_monotonic(limit)),
+            *dict.fromkeys(warning for found in misplaced for warning in found),
+        ),
+    )
+
+
+def _limit(scenario: Scenario) -> tuple[LimitResult | None, ConfidenceResult]:
+    """Return the ballistic limit, None outside the range searched, and the confidence in the armour."""
+    try:
+        limit = ballistic_limit(scenario)
+    except NoLimitError as error:
+        reason = "there is no ballistic limit in the range searched"
+        return None, without_limit(scenario, reason, above=error.above)
+    return limit, of_limit(scenario, limit.ballistic_limit_m_s, scenario.impact.velocity_m_s)
+
+
+def _faced(scenario: Scenario) -> list[tuple[Scenario, Threat]]:
+    """Return every threat, with the scenario of its impact."""
+    impact = scenario.impact
+    if not scenario.threat:
+        return [(scenario, Threat(projectile=impact.projectile, velocity_m_s=impact.velocity_m_s))]
+    return [
+        (scenario.replaced({"impact.projectile": threat.projectile, VELOCITY: threat.velocity_m_s}), threat)
+        for threat in scenario.threat
+    ]
+
+
+def _against(scenario: Scenario, threat: Threat) -> AgainstThreat:
+    limit, sure = _limit(scenario)
+    margin = None if limit is None else limit.ballistic_limit_m_s - threat.velocity_m_s
+    defeated = simulate(scenario).outcome == "defeated"
+    return AgainstThreat(threat.title, defeated, margin, threat.margin_m_s, sure.probability_of_defeat)
+
+
+def _excess(found: AgainstThreat) -> float:
+    """Return by how much the margin against a threat exceeds the one required, m/s."""
+    if found.margin_m_s is None:
+        return inf if found.defeated else -inf
+    return found.margin_m_s - found.required_margin_m_s
+
+
+def _passed(design: DesignResult, threat: Threat) -> AgainstThreat:
+    """Return the best design against a threat."""
+    best, name = design.best, threat.title
+    return AgainstThreat(name, True, best.margins_m_s[name], threat.margin_m_s, best.probabilities_of_defeat[name])
+
+
+def _sampled(found: AgainstThreat, scenario: Scenario, on_part: OnProgress) -> AgainstThreat:
+    """Return an armour against a threat with the probability of the distributions, if the model's error is in them."""
+    if scenario.model_error() is None and not scenario.excludes_error():
+        return found
+    perforation = probability_of_perforation(scenario, on_progress=on_part)
+    return found._replace(probability_of_defeat=1.0 - perforation.value, sampled=True)
+
+
+def _with_best(scenario: Scenario, result: DesignResult) -> Scenario:
+    """Return the scenario with the best design."""
+    best = result.best
+    changes: dict[str, object] = {
+        "armour.backing": best.backing,
+        CERAMIC: best.ceramic_thickness_mm,
+        BACKING: best.backing_thickness_mm,
+    }
+    densities = {"backing.density_kg_m3": best.backing_density_kg_m3}
+    if best.ceramic:
+        changes["armour.ceramic"] = best.ceramic
+        densities["ceramic.density_kg_m3"] = best.ceramic_density_kg_m3
+    answer = scenario.replaced(changes)
+    own = answer.inputs()
+    different = {name: value for name, value in densities.items() if value != own[name]}
+    return answer.with_inputs(different) if different else answer
+
+
+def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:
+    """Return a warning for each distribution that is about another value than the answer's."""
+    if scenario.uncertainty is None:
+        return ()
+    own, found = scenario.inputs(), answer.inputs()
+    return tuple(
+        Note(
+            f"is given for another value than {found[name]:g}, that of the armour and threat reported; "
+            "the report has no sampled probability of perforation",
+            f"uncertainty.{name}",
+        )
+        for name, distribution in scenario.uncertainty.inputs().items()
+        if name in found
+        and ((distribution.placed and own.get(name) != found[name]) or not distribution.contains(found[name]))
+    )
 
 
 def scenario_report(contents: Contents, command: str) -> Report:
@@ -45,14 +212,14 @@ def scenario_report(contents: Contents, command: str) -> Report:
         remarks=_remarks(contents),
         sections=(
             _energy(contents),
-            *(Section(heading, tables=(filled(table),)) for heading, table in _tables(contents)),
+            *(Section(heading, tables=(table,)) for heading, table in _tables(contents)),
             Section("Scenario", code=scenario.to_toml(), language="toml"),
             origin_section(command),
         ),
         charts=tuple(_charts(contents)),
         cards=(*_armour(contents), _outcome(contents), _reliability(contents)),
         warnings=(*map(_told, contents.warnings), *_extrapolated(contents), *_without_margin(contents)),
-        cross_section=_cross_section(contents),
+        cross_section=contents.answer,
     )
 
 
@@ -119,7 +286,7 @@ def _outcome(contents: Contents) -> Card:
         subject = "Perforated by" if perforating else "Defeats"
         named = (found.threat for found in perforating or contents.threats)
         distributed = any(found.sampled for found in contents.threats)
-        details = (_against(found, exact=distributed and not found.sampled) for found in contents.threats)
+        details = (_against_words(found, exact=distributed and not found.sampled) for found in contents.threats)
         return Card(subject, " and ".join(named), "; ".join(details))
     against = f"{impact.projectile} at {impact.velocity_m_s:g} m/s"
     limit = "ballistic limit outside the range searched"
@@ -133,7 +300,7 @@ def _outcome(contents: Contents) -> Card:
     return Card("Defeats", against, limit)
 
 
-def _against(found: AgainstThreat, *, exact: bool) -> str:
+def _against_words(found: AgainstThreat, *, exact: bool) -> str:
     """Return the outcome against one of several threats, with its margin and probability."""
     outcome = "" if found.defeated else "perforates; "
     margin = "limit outside the range searched"
@@ -184,7 +351,7 @@ def _told(warning: str) -> str:
 
 def _without_margin(contents: Contents) -> list[str]:
     ask = "design.confidence = 0.95 in the scenario designs for a probability of 95 %"
-    return [] if contents.design is None else margin_notes(contents.design.best, ask)
+    return [] if contents.design is None else design_view.margin_notes(contents.design.best, ask)
 
 
 def _energy(contents: Contents) -> Section:
@@ -194,7 +361,7 @@ def _energy(contents: Contents) -> Section:
         "The losses are the powers integrated along the run, apart from the motion: "
         f"the balance closes to {abs(energy.difference):.1g} J.",
     )
-    return Section("Energy balance of the projectile", words, tables=(energy_table(energy),))
+    return Section("Energy balance of the projectile", words, tables=(impact_view.energy_table(energy),))
 
 
 def _tables(contents: Contents) -> Iterator[tuple[str, Table]]:
@@ -202,21 +369,21 @@ def _tables(contents: Contents) -> Iterator[tuple[str, Table]]:
     design = contents.design
     if design is not None:
         required = required_margins(contents.scenario)
-        yield "Best design", best_table(design, required)
+        yield "Best design", design_view.best_table(design, required)
         if len(design.threats) > 1 or design.best.probabilities:
-            yield "Margins against the threats", margin_table(design, required)
+            yield "Margins against the threats", design_view.margin_table(design, required)
         if len(design.pairs) > 1:
-            yield "Pairs of materials", pair_table(design)
+            yield "Pairs of materials", design_view.pair_table(design)
         else:
-            yield "Required ceramic for each back plate", frontier_table(design)
+            yield "Required ceramic for each back plate", design_view.frontier_table(design)
         if design.pareto:
-            yield "Pareto front", pareto_table(design)
+            yield "Pareto front", design_view.pareto_table(design)
     elif len(contents.threats) > 1:
         yield "Margins against the threats", _margins(contents)
-    yield "Stages of the impact", stage_table(contents.impact)
+    yield "Stages of the impact", impact_view.stage_table(contents.impact)
     if contents.uncertainty is not None:
-        yield "Results under uncertain inputs", uncertainty.estimate_table(contents.uncertainty)
-    yield "Sensitivity to the inputs", sensitivity.elasticity_table(contents.sensitivity)
+        yield "Results under uncertain inputs", uncertainty_view.estimate_table(contents.uncertainty)
+    yield "Sensitivity to the inputs", sensitivity_view.elasticity_table(contents.sensitivity)
     for entry in contents.entries:
         yield f"{entry.kind.capitalize()}: {entry.name}", _in_words(entry_table(entry))
 
@@ -251,25 +418,12 @@ def _in_words(table: Table) -> Table:
 
 def _charts(contents: Contents) -> Iterator[Chart]:
     if contents.design is not None:
-        yield designs.frontier_chart(contents.design)
+        yield design_view.frontier_chart(contents.design)
         if contents.design.pareto:
-            yield designs.pareto_chart(contents.design)
+            yield design_view.pareto_chart(contents.design)
     if contents.uncertainty is not None:
-        yield uncertainty.chart(contents.uncertainty)
-    yield sensitivity.chart(contents.sensitivity)
+        yield uncertainty_view.chart(contents.uncertainty)
+    yield sensitivity_view.chart(contents.sensitivity)
     # The low chart before the high one, so that the first printed page has room for it.
-    yield impacts.energy_chart(contents.energy)
-    yield impacts.chart(contents.impact)
-
-
-def _cross_section(contents: Contents) -> CrossSection:
-    armour, parameters = contents.answer.armour, contents.answer.core_armour()
-    return CrossSection(
-        rod=contents.answer.impact.projectile,
-        rod_length=parameters.L0 / MM,
-        rod_diameter=parameters.D0 / MM,
-        ceramic=armour.ceramic or "",
-        ceramic_thickness=armour.ceramic_thickness_mm,
-        backing=armour.backing,
-        backing_thickness=armour.backing_thickness_mm,
-    )
+    yield impact_view.energy_chart(contents.energy)
+    yield impact_view.chart(contents.impact)

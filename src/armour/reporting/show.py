@@ -1,7 +1,8 @@
-"""Results as figures, as reports and in notebooks."""
+"""Results as figures, as reports and in notebooks, each by the view of its class."""
 
 from copy import copy
 from dataclasses import replace
+from importlib import import_module
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.errors import InputError, Problem, refuse
 from armour.files import unwritable, write_files, wrong_ending
-from armour.reporting.views.registry import view_of
 from armour.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -23,6 +23,29 @@ if TYPE_CHECKING:
 # Texts of a scenario that no result depends on.
 TEXTS = {"title", "author", "project", "date"}
 REPORT_ENDINGS = (".html", ".md")
+# By the name of the class, so that no other class need be imported.  Each module has ``tables(result)``, and where a
+# result is drawn or written ``chart(result)`` and ``csv(result)``.
+VIEWS = {
+    "CalibrationResult": "calibration",
+    "Comparison": "comparison",
+    "ConfidenceResult": "confidence",
+    "DesignResult": "design",
+    "FiringResult": "v50",
+    "ImpactResult": "impact",
+    "LimitResult": "ballistic_limit",
+    "PlannedTests": "planned_tests",
+    "SensitivityResult": "sensitivity",
+    "ShotPlan": "planned_shots",
+    "SuiteResult": "suite",
+    "SweepResult": "sweep",
+    "UncertaintyResult": "uncertainty",
+}
+
+
+def view_of(result: object) -> Any:
+    """Return the module that shows a result; None for what is not shown by itself, such as a history."""
+    name = VIEWS.get(type(result).__name__)
+    return None if name is None else import_module(f"armour.reporting.views.{name}")
 
 
 def plot(
@@ -60,7 +83,7 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
     >>> figure = armour.plot(armour.simulate(scenario, history=True))
     >>> figure.savefig("impact.png")
     """
-    from armour.reporting.plots import draw
+    from armour.reporting.draw import draw
 
     view = view_of(result)
     if not hasattr(view, "chart"):
@@ -88,7 +111,7 @@ def _wrong(key: str, message: str) -> InputError:
 
 def in_html(result: "Result") -> str | None:
     """Return the tables of a result as HTML, for a notebook; None where it has none."""
-    from armour.reporting.formats import html_tables
+    from armour.reporting.html import html_tables
 
     if (view := view_of(result)) is None:
         return None
@@ -123,8 +146,7 @@ def report(
     NoAnswerError
         If the question of the scenario has no answer.
     """
-    from armour.reporting.contents import contents_of
-    from armour.reporting.scenario_report import scenario_report
+    from armour.reporting.scenario_report import contents_of, scenario_report
     from armour.reporting.views import suite
 
     path = Path(path)
@@ -140,6 +162,10 @@ def report(
 
 def report_text(made: "Report", path: Path) -> str:
     """Return a report in the format of a file, HTML or Markdown."""
-    from armour.reporting.formats import html_report, markdown_report
+    if path.suffix.lower() == ".md":
+        from armour.reporting.report import markdown_report
 
-    return markdown_report(made) if path.suffix.lower() == ".md" else html_report(made)
+        return markdown_report(made)
+    from armour.reporting.html import html_report
+
+    return html_report(made)

@@ -2,7 +2,7 @@
 
 import csv
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from io import StringIO
 from math import isfinite
 from typing import Any
@@ -78,25 +78,24 @@ def between(result: Any, unit: str = "", of: str = "", *, prose: bool = False) -
     return Column(f"{percent(result.confidence)} interval{of}", unit, prose=prose)
 
 
-def listing(items: Iterable[Any], *sources: Source, title: str = "") -> Table:
-    """Make a table with a row for each item."""
-    rows = tuple(tuple(_cell(item, source) for source in sources) for item in items)
-    return Table(tuple(_column(source) for source in sources), rows, title)
+def deviation_percent(value: float | None, known: float) -> float | None:
+    """Return the deviation of a value from a known one, per cent."""
+    return None if value is None else 100.0 * (value / known - 1.0)
+
+
+def listing(items: Iterable[Any], *sources: Source, title: str = "", rest: str = "") -> Table:
+    """Make a table with a row for each item, without the columns that are empty in all of them."""
+    rows = [[_cell(item, source) for source in sources] for item in items]
+    columns = [_column(source) for source in sources]
+    kept = [index for index, column in enumerate(columns) if not rows or any(column.text(row[index]) for row in rows)]
+    shown = tuple(tuple(row[index] for index in kept) for row in rows)
+    return Table(tuple(columns[index] for index in kept), shown, title, rest=rest)
 
 
 def record(item: Any, *sources: Source, title: str = "") -> Table:
     """Make a table of one item, which leaves out quantities without a value."""
     known = [(_column(source), value) for source in sources if (value := _cell(item, source)) is not None]
     return Table(tuple(column for column, _ in known), (tuple(value for _, value in known),), title, record=True)
-
-
-def filled(table: Table) -> Table:
-    """Return a table without the columns that have no value."""
-    if not table.rows:
-        return table
-    kept = [index for index, texts in enumerate(zip(*table.texts(), strict=True)) if any(texts)]
-    rows = tuple(tuple(row[index] for index in kept) for row in table.rows)
-    return replace(table, columns=tuple(table.columns[index] for index in kept), rows=rows)
 
 
 def _column(source: Source) -> Column:

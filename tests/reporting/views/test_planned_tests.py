@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from armour.planning.plan_tests import PlannedTests, ScatterSource, plan_tests
-from armour.reporting.chart import Contours, Line, Map, Points
+from armour.reporting.charts import Contours, Line, Map, Points
 from armour.reporting.show import plot
 from armour.reporting.views.planned_tests import (
     GAIN,

@@ -7,13 +7,13 @@ from xml.etree import ElementTree
 
 import pytest
 
-from armour.reporting.formats import markdown_report
+from armour.reporting.report import markdown_report
 from armour.reporting.table import Table, csv_text
 from armour.reporting.views import suite as suite_view
-from armour.reporting.views.figure import figure_table
 from armour.reporting.views.suite import (
     check_groups,
     check_table,
+    figure_table,
     junit,
     note_rows,
     parity_table,

@@ -1,21 +1,16 @@
 """A ballistic limit."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
-from armour.analysis.ballistic_limit import curve_velocities, residual_velocity_curve
-from armour.reporting.chart import GREEN, INK, VERMILION, Chart, Line
-from armour.reporting.panels import needed, residual_velocity_panel, velocity_rule
+from armour.analysis.ballistic_limit import LimitResult, curve_velocities, residual_velocity_curve
+from armour.analysis.impact import ImpactResult
+from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, listing, record
 from armour.reporting.text import interval
 from armour.reporting.views.confidence import error_note
 
-if TYPE_CHECKING:
-    from armour.analysis.ballistic_limit import LimitResult
-    from armour.analysis.impact import ImpactResult
 
-
-def limit_table(result: "LimitResult") -> Table:
+def limit_table(result: LimitResult) -> Table:
     """Return a ballistic limit, quantity by quantity."""
     return record(
         result,
@@ -28,11 +23,11 @@ def limit_table(result: "LimitResult") -> Table:
     )
 
 
-def _interval(result: "LimitResult") -> str | None:
+def _interval(result: LimitResult) -> str | None:
     return None if result.interval_m_s is None else interval(result.interval_m_s, ".0f")
 
 
-def crossing_table(result: "LimitResult") -> Table:
+def crossing_table(result: LimitResult) -> Table:
     """Return every change of the outcome with the velocity."""
     return listing(
         result.crossings,
@@ -42,7 +37,7 @@ def crossing_table(result: "LimitResult") -> Table:
     )
 
 
-def tables(result: "LimitResult") -> list[Table | str]:
+def tables(result: LimitResult) -> list[Table | str]:
     """Return all tables of a ballistic limit, and what was looked at; the changes of the outcome only where several."""
     low, high = result.scanned_range_m_s
     scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
@@ -57,19 +52,19 @@ def tables(result: "LimitResult") -> list[Table | str]:
     ]
 
 
-def limit_chart(limit: "LimitResult", curve: Sequence["ImpactResult"]) -> Chart:
+def limit_chart(limit: LimitResult, curve: Sequence[ImpactResult]) -> charts.Chart:
     """Describe the residual velocity over impact velocity, in the order of the curve, with the ballistic limit."""
     impact = [result.impact_velocity_m_s for result in curve]
     series = (
-        Line(impact, impact, ":", 1.0, label="no armour", colour=INK),
-        Line(impact, [result.residual_velocity_m_s for result in curve], label="projectile"),
-        Line(impact, [result.plug_velocity_m_s for result in curve], "--", label="plug", colour=GREEN),
-        velocity_rule("ballistic limit", limit.ballistic_limit_m_s, VERMILION),
+        charts.Line(impact, impact, ":", 1.0, label="no armour", colour="ink"),
+        charts.Line(impact, [result.residual_velocity_m_s for result in curve], label="projectile"),
+        charts.Line(impact, [result.plug_velocity_m_s for result in curve], "--", label="plug", colour="green"),
+        charts.velocity_rule("ballistic limit", limit.ballistic_limit_m_s, "vermilion"),
     )
-    return Chart("", (residual_velocity_panel(series, limits=(impact[0], impact[-1])),))
+    return charts.Chart("", (charts.residual_velocity_panel(series, limits=(impact[0], impact[-1])),))
 
 
-def chart(result: "LimitResult") -> Chart:
+def chart(result: LimitResult) -> charts.Chart:
     """Describe the residual velocity over impact velocity, which is computed here, with the ballistic limit."""
-    scenario = needed(result, "scenario")
+    scenario = charts.needed(result, "scenario")
     return limit_chart(result, residual_velocity_curve(scenario, curve_velocities(result, scenario)))

@@ -2,19 +2,26 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from armour.analysis.quantities import label_and_unit
-from armour.reporting.chart import Axis, Chart, Panel
-from armour.reporting.panels import agreement_panel, bars_panel, grouped, quantity_axis
-from armour.reporting.table import Cell, Column, Source, Table, between, column_of, filled, in_words, listing, record
+from armour.reporting import charts
+from armour.reporting.table import (
+    Cell,
+    Column,
+    Source,
+    Table,
+    between,
+    column_of,
+    deviation_percent,
+    in_words,
+    listing,
+    record,
+)
 from armour.reporting.text import interval
-
-if TYPE_CHECKING:
-    from armour.statistics.calibration import CalibrationResult, Residual
+from armour.statistics.calibration import CalibrationResult, Residual
 
 
-def calibration_table(result: "CalibrationResult") -> Table:
+def calibration_table(result: CalibrationResult) -> Table:
     """Return the quality of a fit to tests."""
     uncertainties, prior = result.weights == "uncertainties", _has_prior(result)
     return record(
@@ -31,7 +38,7 @@ def calibration_table(result: "CalibrationResult") -> Table:
     )
 
 
-def _agreement(result: "CalibrationResult") -> list[Source]:
+def _agreement(result: CalibrationResult) -> list[Source]:
     """Return how well the uncertainties of the tests, if they have them, explain the deviations."""
     if result.weights != "uncertainties":
         return []
@@ -47,13 +54,13 @@ def _error(label: str, value: float | None) -> Source:
     return (Column(label), "too few tests") if value is None else (Column(label, "%", ".2f"), value)
 
 
-def _has_prior(result: "CalibrationResult") -> bool:
+def _has_prior(result: CalibrationResult) -> bool:
     return any(coefficient.prior_share is not None for coefficient in result.coefficients)
 
 
-def coefficient_table(result: "CalibrationResult") -> Table:
+def coefficient_table(result: CalibrationResult) -> Table:
     """Return the fitted coefficients with their intervals, or the reason why one is not identified."""
-    table = listing(
+    return listing(
         result.coefficients,
         (Column("coefficient", prose=True), lambda c: in_words(c.name)),
         (Column("estimate", spec=".4g"), lambda c: "not identified" if c.estimate is None else c.estimate),
@@ -63,7 +70,6 @@ def coefficient_table(result: "CalibrationResult") -> Table:
             lambda c: None if c.prior_share is None else 100.0 * c.prior_share,
         ),
     )
-    return filled(table)
 
 
 PRIOR_NOTE = (
@@ -72,7 +78,7 @@ PRIOR_NOTE = (
 )
 
 
-def law_table(result: "CalibrationResult") -> Table:
+def law_table(result: CalibrationResult) -> Table:
     """Return the laws that were compared."""
     few = "too few tests"
     without = "none with a prior" if _has_prior(result) else few
@@ -92,7 +98,7 @@ def law_table(result: "CalibrationResult") -> Table:
     )
 
 
-def correlation_table(result: "CalibrationResult") -> Table:
+def correlation_table(result: CalibrationResult) -> Table:
     """Return the correlations of the coefficients, which are numbered in the heading."""
     names = [
         f"{number} {in_words(coefficient.name)}" for number, coefficient in enumerate(result.coefficients, start=1)
@@ -102,9 +108,9 @@ def correlation_table(result: "CalibrationResult") -> Table:
     return Table((Column("correlation", prose=True), *numbers), tuple(rows))
 
 
-def residual_table(result: "CalibrationResult") -> Table:
+def residual_table(result: CalibrationResult) -> Table:
     """Return measured and computed values, test by test; one-sided tests have a bound and no deviation."""
-    table = listing(
+    return listing(
         result.residuals,
         column_of("test", prose=True),
         (Column("quantity", prose=True), lambda r: label_and_unit(r.quantity)[0]),
@@ -119,15 +125,9 @@ def residual_table(result: "CalibrationResult") -> Table:
         ),
         (Column("bound met"), lambda r: "" if not r.bound else "yes" if r.met else "no"),
     )
-    return filled(table)
 
 
-def deviation_percent(value: float | None, measured: float) -> float | None:
-    """Return the deviation of a value from the measured one, per cent."""
-    return None if value is None else 100.0 * (value / measured - 1.0)
-
-
-def tables(result: "CalibrationResult") -> list[Table | str]:
+def tables(result: CalibrationResult) -> list[Table | str]:
     """Return all tables of a calibration."""
     found: list[Table | str] = [law_table(result)] if result.laws else []
     found += [calibration_table(result), coefficient_table(result)]
@@ -141,12 +141,12 @@ def tables(result: "CalibrationResult") -> list[Table | str]:
 MAX_ROWS = 40
 
 
-def chart(result: "CalibrationResult") -> Chart:
+def chart(result: CalibrationResult) -> charts.Chart:
     """Describe computed over measured values, and the deviations test by test, fitted and left out."""
     words = {"": "measured", "at least": "defeated at", "at most": "perforated at"}
     panels = []
-    for quantity, residuals in grouped(result.residuals, lambda residual: residual.quantity).items():
-        by_bound = grouped(residuals, lambda residual: residual.bound)
+    for quantity, residuals in charts.grouped(result.residuals, lambda residual: residual.quantity).items():
+        by_bound = charts.grouped(residuals, lambda residual: residual.bound)
         groups = {
             words[bound] if bound else "tests": [
                 (residual.test, words[bound], residual.measured, residual.computed, residual.uncertainty or 0.0)
@@ -155,17 +155,17 @@ def chart(result: "CalibrationResult") -> Chart:
             for bound in words
             if bound in by_bound
         }
-        panels.append(agreement_panel(quantity, "measured", groups))
+        panels.append(charts.agreement_panel(quantity, "measured", groups))
         if "" in by_bound:
             panels.append(_deviation_panel(quantity, by_bound[""]))
     given = any(residual.uncertainty for residual in result.residuals)
     note = "Error bars are one standard deviation of the measured value to either side." if given else ""
-    return Chart(f"Calibration to {Path(result.tests).name}", tuple(panels), note)
+    return charts.Chart(f"Calibration to {Path(result.tests).name}", tuple(panels), note)
 
 
-def _deviation_panel(quantity: str, residuals: Sequence["Residual"]) -> Panel:
+def _deviation_panel(quantity: str, residuals: Sequence[Residual]) -> charts.Panel:
     """Describe deviations from measured values as bars; of many tests those with the largest."""
-    title = f"Deviation of the {quantity_axis(quantity).label}"
+    title = f"Deviation of the {charts.quantity_axis(quantity).label}"
     shown = list(residuals)
     if len(shown) > MAX_ROWS:
         shown = sorted(shown, key=lambda r: -abs(deviation_percent(r.computed, r.measured) or 0.0))[:MAX_ROWS]
@@ -174,5 +174,5 @@ def _deviation_panel(quantity: str, residuals: Sequence["Residual"]) -> Panel:
         "fitted": [deviation_percent(residual.computed, residual.measured) for residual in shown],
         "leave-one-out": [deviation_percent(residual.left_out, residual.measured) for residual in shown],
     }
-    x, names = Axis("deviation", "%", spec="+.2f"), tuple(residual.test for residual in shown)
-    return bars_panel(x, names, values, title)
+    x, names = charts.Axis("deviation", "%", spec="+.2f"), tuple(residual.test for residual in shown)
+    return charts.bars_panel(x, names, values, title)

@@ -1,44 +1,43 @@
 """A comparison with closed-form formulas."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from armour.analysis.closed_forms import residual_velocity
-from armour.reporting.chart import COLOURS, ORANGE, PURPLE, STYLES, Chart, Line, Series
-from armour.reporting.panels import residual_velocity_panel, velocity_rule
-from armour.reporting.table import Column, Table, column_of, listing, record
+from armour.reporting import charts
+from armour.reporting.table import Column, Source, Table, column_of, deviation_percent, listing, record
 from armour.reporting.views.suite import error_table
-
-if TYPE_CHECKING:
-    from armour.validation.comparison import Comparison
+from armour.validation.comparison import Comparison
 
 
-def comparison_table(result: "Comparison") -> Table:
+def comparison_table(result: Comparison) -> Table:
     """Return ballistic limits by the model, by Florence, with the thicknesses that are best by his, and by the rule."""
     found = result.limit.ballistic_limit_m_s
-    table = listing(
-        result.florence,
-        (
-            Column("formula", prose=True),
-            lambda f: f"Florence, {f.projectile} ({f.mass_g:g} g, {f.diameter_mm:g} mm)",
-        ),
-        column_of("ballistic_limit_m_s", ".1f"),
-        (Column("difference from the model", "%", "+.1f"), lambda f: 100.0 * (f.ballistic_limit_m_s / found - 1.0)),
-        column_of("best_ceramic_thickness_mm", ".2f", "optimal ceramic thickness"),
-        column_of("best_backing_thickness_mm", ".2f", "optimal back plate thickness"),
-        column_of("best_thickness_ratio", ".2f", "thickness ratio"),
-        column_of("best_ballistic_limit_m_s", ".1f", "Florence's limit of the optimum"),
-        column_of("model_ballistic_limit_m_s", ".1f", "model's limit of the optimum"),
+    formulas: dict[str, Any] = {
+        "this model": result.limit,
+        **{f"Florence, {f.projectile} ({f.mass_g:g} g, {f.diameter_mm:g} mm)": f for f in result.florence},
+        **{f"areal density rule, p = {rule.p:.4g}": rule for rule in result.rules},
+    }
+
+    def difference(name: str) -> float | None:
+        return deviation_percent(formulas[name].ballistic_limit_m_s, found) if name != "this model" else None
+
+    def of(key: str, label: str, spec: str) -> Source:
+        return column_of(key, spec, label), lambda name: getattr(formulas[name], key, None)
+
+    return listing(
+        formulas,
+        (Column("formula", prose=True), str),
+        of("ballistic_limit_m_s", "ballistic limit", ".1f"),
+        (Column("difference from the model", "%", "+.1f"), difference),
+        of("best_ceramic_thickness_mm", "optimal ceramic thickness", ".2f"),
+        of("best_backing_thickness_mm", "optimal back plate thickness", ".2f"),
+        of("best_thickness_ratio", "thickness ratio", ".2f"),
+        of("best_ballistic_limit_m_s", "Florence's limit of the optimum", ".1f"),
+        of("model_ballistic_limit_m_s", "model's limit of the optimum", ".1f"),
     )
-    empty = (None,) * 5
-    rules = [
-        (f"areal density rule, p = {rule.p:.4g}", limit, 100.0 * (limit / found - 1.0), *empty)
-        for rule in result.rules
-        for limit in [rule.ballistic_limit_m_s]
-    ]
-    return Table(table.columns, (("this model", found, None, *empty), *table.rows, *rules))
 
 
-def rule_note(result: "Comparison") -> str:
+def rule_note(result: Comparison) -> str:
     """Return what the rule of areal density is fitted to, or why it is not."""
     if not result.rules:
         return f"areal density rule: none, without tests of this round and these materials; there are {result.tests}"
@@ -46,7 +45,7 @@ def rule_note(result: "Comparison") -> str:
     return f"areal density rule: k A^p, {factors} (m/s, kg/m²), fitted to the {result.tests}"
 
 
-def fit_table(result: "Comparison") -> Table:
+def fit_table(result: Comparison) -> Table:
     """Return the fits to the model's residual velocities."""
     return listing(
         result.fits,
@@ -57,7 +56,7 @@ def fit_table(result: "Comparison") -> Table:
     )
 
 
-def tables(result: "Comparison") -> list[Table | str]:
+def tables(result: Comparison) -> list[Table | str]:
     """Return all tables of a comparison."""
     low, high = result.fitted_m_s
     return [
@@ -71,17 +70,17 @@ def tables(result: "Comparison") -> list[Table | str]:
     ]
 
 
-def chart(result: "Comparison") -> Chart:
+def chart(result: Comparison) -> charts.Chart:
     """Describe the residual velocity by the model and by fits to it, with Florence's ballistic limits."""
     found = result.limit.ballistic_limit_m_s
     impact = [impact.impact_velocity_m_s for impact in result.curve]
     residual = [impact.residual_velocity_m_s for impact in result.curve]
-    series: list[Series] = [Line(impact, residual, label=f"this model: ballistic limit {found:.1f} m/s")]
-    for fit, colour, style in zip(result.fits, COLOURS[1:], STYLES[1:], strict=False):
+    series: list[charts.Series] = [charts.Line(impact, residual, label=f"this model: ballistic limit {found:.1f} m/s")]
+    for fit, colour, style in zip(result.fits, charts.COLOURS[1:], charts.STYLES[1:], strict=False):
         fitted = [residual_velocity(velocity, found, fit.ratio, fit.exponent) for velocity in impact]
         label = f"{fit.name}: ratio {fit.ratio:.3f}, exponent {fit.exponent:.2f}"
-        series.append(Line(impact, fitted, style, label=label, colour=colour))
-    for florence, colour, style in zip(result.florence, (ORANGE, PURPLE), (":", "--"), strict=False):
+        series.append(charts.Line(impact, fitted, style, label=label, colour=colour))
+    for florence, colour, style in zip(result.florence, ("orange", "purple"), (":", "--"), strict=False):
         label = f"Florence, {florence.projectile}: ballistic limit"
-        series.append(velocity_rule(label, florence.ballistic_limit_m_s, colour, style))
-    return Chart("", (residual_velocity_panel(series),))
+        series.append(charts.velocity_rule(label, florence.ballistic_limit_m_s, colour, style))
+    return charts.Chart("", (charts.residual_velocity_panel(series),))

@@ -1,14 +1,9 @@
 """The probability that an armour defeats its threat."""
 
-from typing import TYPE_CHECKING
-
+from armour.analysis.confidence import ConfidenceResult
+from armour.analysis.results import Result
 from armour.reporting.table import Column, Table, column_of, record
-
-if TYPE_CHECKING:
-    from armour.analysis.confidence import ConfidenceResult
-    from armour.analysis.results import Result
-    from armour.scenario.evidence import ModelError
-
+from armour.scenario.evidence import ModelError
 
 DEFEAT = Column("probability of defeating the threat", prose=True)
 
@@ -32,7 +27,7 @@ def chance(probability: float | None) -> str:
     return "above 99.5 %" if probability > 0.995 else f"{100.0 * probability:.0f} %"
 
 
-def error_note(result: "Result", error: "ModelError | None") -> str:
+def error_note(result: Result, error: ModelError | None) -> str:
     """Return what the error of the model is and rests on, in a sentence, for a result."""
     if error is None:
         scenario = result._question.get("scenario")
@@ -40,18 +35,18 @@ def error_note(result: "Result", error: "ModelError | None") -> str:
     return "; ".join([from_tests(error), *extrapolation(error)])
 
 
-def from_tests(error: "ModelError") -> str:
+def from_tests(error: ModelError) -> str:
     """Return what the error of the model is, and what it is estimated from."""
     mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
     return f"error of the model: {mean}± {error.scale_percent:.1f} %, from {error.source}"
 
 
-def extrapolation(error: "ModelError") -> list[str]:
+def extrapolation(error: ModelError) -> list[str]:
     """Return what the error of the model is extrapolated from, if it is."""
     return [f"extrapolated from {', '.join(error.extrapolated)}"] if error.extrapolated else []
 
 
-def confidence_note(result: "ConfidenceResult") -> str:
+def confidence_note(result: ConfidenceResult) -> str:
     """Return what the probability rests on, or why it is not known."""
     if result.model_error is None or result.probability_of_defeat is None:
         return f"the probability of defeating the threat is not known: {result.reason}"
@@ -61,11 +56,11 @@ def confidence_note(result: "ConfidenceResult") -> str:
 BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
 
 
-def confidence_table(result: "ConfidenceResult") -> Table:
+def confidence_table(result: ConfidenceResult) -> Table:
     """Return the ballistic limit and the probability that it exceeds the impact velocity."""
     return record(result, BALLISTIC_LIMIT, (DEFEAT, chance(result.probability_of_defeat)))
 
 
-def tables(result: "ConfidenceResult") -> list[Table | str]:
+def tables(result: ConfidenceResult) -> list[Table | str]:
     """Return the probability, and what it rests on."""
     return [confidence_table(result), confidence_note(result)]

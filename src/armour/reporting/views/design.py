@@ -2,19 +2,14 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from armour.design.optimise import OBJECTIVES
-from armour.reporting.chart import INK, ORANGE, VERMILION, Axis, Chart, Line, Panel, Points, Series
-from armour.reporting.panels import grouped, look_of, quantity_axis
-from armour.reporting.table import Column, Source, Table, column_of, csv_text, filled, listing, record
+from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult
+from armour.reporting import charts
+from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
 from armour.reporting.text import interval, number, percent
 from armour.reporting.views.confidence import DEFEAT, chance, error_note
-
-if TYPE_CHECKING:
-    from armour.design.optimise import BestDesign, Design, DesignResult
-    from armour.scenario.scenario import Scenario
-
+from armour.scenario.scenario import Scenario
 
 # Probability of defeat below which the notes say how to ask for more.
 LOW = 0.75
@@ -48,18 +43,18 @@ GOVERNED_BY = Column("governed by", prose=True)
 MARGIN, REQUIRED = column_of("margin_m_s", "+.1f"), Column("required margin", "m/s", "+.1f")
 
 
-def required_margins(scenario: "Scenario | None") -> dict[str, float]:
+def required_margins(scenario: Scenario | None) -> dict[str, float]:
     """Return the margins that the threats of a scenario require, m/s, by threat."""
     threats = () if scenario is None else scenario.threat
     return {threat.title: threat.margin_m_s for threat in threats if threat.margin_m_s}
 
 
-def best_table(result: "DesignResult", required: Mapping[str, float]) -> Table:
+def best_table(result: DesignResult, required: Mapping[str, float]) -> Table:
     """Return the best design, quantity by quantity."""
     return _design_record(result.best, f"{OBJECTIVES[result.minimised].least} design", required)
 
 
-def _design_record(design: "BestDesign", title: str, required: Mapping[str, float]) -> Table:
+def _design_record(design: BestDesign, title: str, required: Mapping[str, float]) -> Table:
     limit: Source = BALLISTIC_LIMIT
     if design.ballistic_limit_m_s is None:
         limit = Column("ballistic limit"), "outside the range"
@@ -95,7 +90,7 @@ def _aligned(table: Table) -> Table:
     return replace(table, columns=tuple(columns))
 
 
-def frontier_table(result: "DesignResult") -> Table:
+def frontier_table(result: DesignResult) -> Table:
     """Return, for each back plate of the best pair, the least ceramic that passes, with notes on some."""
     backings = (design.backing_thickness_mm for design in result.frontier)
     several = len(result.threats) > 1
@@ -118,10 +113,10 @@ def frontier_table(result: "DesignResult") -> Table:
         (GOVERNED_BY, lambda design: governing.get(design.backing_thickness_mm)),
         (Column("note"), note),
     )
-    return filled(_aligned(table))
+    return _aligned(table)
 
 
-def left_out(result: "DesignResult") -> str:
+def left_out(result: DesignResult) -> str:
     """Return the back plates without a row in the frontier, on which no ceramic passes."""
     first, last = result.without_mm[0], result.without_mm[-1]
     plates = f"{first:g} to {last:g}" if len(result.without_mm) > 2 else ", ".join(f"{t:g}" for t in result.without_mm)
@@ -132,7 +127,7 @@ def _thicknesses(design: Any) -> tuple[float, float]:
     return design.ceramic_thickness_mm, design.backing_thickness_mm
 
 
-def margin_table(result: "DesignResult", required: Mapping[str, float]) -> Table:
+def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
     """Return the best design's margin against each threat, and the probabilities of defeat and of perforation."""
     # Imported here because commands without tables do not need scipy.
     from armour.analysis.estimates import CONFIDENCE
@@ -141,7 +136,7 @@ def margin_table(result: "DesignResult", required: Mapping[str, float]) -> Table
     defeat = best.probabilities_of_defeat
     values = {threat: estimate.value for threat, estimate in best.probabilities.items()}
     ends = {threat: (estimate.low, estimate.high) for threat, estimate in best.probabilities.items()}
-    table = listing(
+    return listing(
         best.margins_m_s,
         (Column("threat", prose=True), str),
         (MARGIN, best.margins_m_s.__getitem__),
@@ -151,10 +146,9 @@ def margin_table(result: "DesignResult", required: Mapping[str, float]) -> Table
         (Column(f"{percent(CONFIDENCE)} interval, by sampling"), lambda threat: interval(ends.get(threat), ".4f")),
         (Column("note"), lambda threat: "governs" if threat == best.governing else ""),
     )
-    return filled(table)
 
 
-def pair_table(result: "DesignResult") -> Table:
+def pair_table(result: DesignResult) -> Table:
     """Return every pair of materials with its best design, or the reason why it has none."""
     several = len(result.threats) > 1
     shown = [CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST]
@@ -166,23 +160,23 @@ def pair_table(result: "DesignResult") -> Table:
         (GOVERNED_BY, lambda pair: getattr(pair.best, "governing", None) if several else None),
         (Column("result", prose=True), lambda pair: pair.reason or "best"),
         title="pairs of materials",
+        rest="--json",
     )
-    return replace(filled(_aligned(table)), rest="--json")
+    return _aligned(table)
 
 
-def pareto_table(result: "DesignResult") -> Table:
+def pareto_table(result: DesignResult) -> Table:
     """Return the designs of the Pareto front."""
     columns = (CERAMIC, BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN)
-    table = listing(result.pareto, *columns, title="Pareto front")
-    return replace(filled(_aligned(table)), rest="--csv FILE")
+    return _aligned(listing(result.pareto, *columns, title="Pareto front", rest="--csv FILE"))
 
 
-def csv(result: "DesignResult") -> str:
+def csv(result: DesignResult) -> str:
     """Return the Pareto front or, where none is asked for, the frontier as CSV."""
     return csv_text(pareto_table(result) if result.pareto else frontier_table(result))
 
 
-def tables(result: "DesignResult") -> list[Table | str]:
+def tables(result: DesignResult) -> list[Table | str]:
     """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
     required = required_margins(result._question.get("scenario"))
     found: list[Table | str] = [best_table(result, required)]
@@ -200,7 +194,7 @@ def tables(result: "DesignResult") -> list[Table | str]:
     return [*found, f"{number(result.examined, 'd')} designs computed", note, *margin_notes(result.best)]
 
 
-def margin_notes(best: "BestDesign", ask: str = ASK) -> list[str]:
+def margin_notes(best: BestDesign, ask: str = ASK) -> list[str]:
     """Return how likely a design without a margin is perforated, and how to ask for more, where its margin is low."""
     error = best.model_error
     least = min((p for p in best.probabilities_of_defeat.values() if p is not None), default=1.0)
@@ -211,10 +205,10 @@ def margin_notes(best: "BestDesign", ask: str = ASK) -> list[str]:
 
 
 # Looks of the best designs, on the grid and between its values.
-BEST: dict[str, Any] = {"marker": "*", "size": 11.0, "colour": VERMILION}
+BEST: dict[str, Any] = {"marker": "*", "size": 11.0, "colour": "vermilion"}
 
 
-REFINED: dict[str, Any] = {"marker": "D", "colour": ORANGE}
+REFINED: dict[str, Any] = {"marker": "D", "colour": "orange"}
 
 
 # Pairs of materials beside the best that are marked.
@@ -223,12 +217,12 @@ MAX_PAIRS = 11
 
 # What designs are compared by, named as in their tables.
 CRITERIA = {
-    column.key: Axis(column.label, column.unit, spec=spec)
+    column.key: charts.Axis(column.label, column.unit, spec=spec)
     for column, spec in ((AREAL_DENSITY, ".2f"), (THICKNESS, ".5g"), (COST, ".2f"), (MARGIN, "+.1f"))
 }
 
 
-def chart(result: "DesignResult") -> Chart:
+def chart(result: DesignResult) -> charts.Chart:
     """Describe the designs of a search: the frontier, the best of other pairs, and the Pareto front."""
     frontier = frontier_chart(result)
     if not result.pareto:
@@ -242,26 +236,26 @@ def chart(result: "DesignResult") -> Chart:
     return replace(frontier, panels=panels, note=" ".join(filter(None, (frontier.note, pareto.note, money))))
 
 
-def _others(result: "DesignResult") -> Sequence[tuple[str, str, "Design"]]:
+def _others(result: DesignResult) -> Sequence[tuple[str, str, Design]]:
     """Return the pairs of materials beside the best that are marked: their names, why they lose and their designs."""
     found = [(_pair(pair), pair.reason, pair.best) for pair in result.pairs if pair.best is not None and pair.reason]
     return found[:MAX_PAIRS]
 
 
-def _looks(result: "DesignResult") -> dict[str, dict[str, Any]]:
+def _looks(result: DesignResult) -> dict[str, dict[str, Any]]:
     """Return colour and marker of every pair of materials."""
     names = [_pair(result.best), *(name for name, *_ in _others(result)), *map(_pair, result.pareto)]
-    return {name: look_of(index) for index, name in enumerate(dict.fromkeys(names))}
+    return {name: charts.look_of(index) for index, name in enumerate(dict.fromkeys(names))}
 
 
-def frontier_chart(result: "DesignResult") -> Chart:
+def frontier_chart(result: DesignResult) -> charts.Chart:
     """Describe the criterion minimised and the required ceramic over the back plate, for the best pair and others."""
-    x = quantity_axis("armour.backing_thickness_mm")
+    x = charts.quantity_axis("armour.backing_thickness_mm")
     # The legend is that of the first panel.
     required = tuple(replace(item, label="") for item in _frontier(result, "ceramic_thickness_mm"))
     panels = (
-        Panel(x, CRITERIA[result.minimised], _frontier(result, result.minimised)),
-        Panel(x, quantity_axis("required_ceramic_thickness_mm"), required, shares_x=True),
+        charts.Panel(x, CRITERIA[result.minimised], _frontier(result, result.minimised)),
+        charts.Panel(x, charts.quantity_axis("required_ceramic_thickness_mm"), required, shares_x=True),
     )
     pairs = sum(pair.best is not None for pair in result.pairs)
     notes = []
@@ -273,10 +267,10 @@ def frontier_chart(result: "DesignResult") -> Chart:
         notes.append(
             f"Where the ceramic is {result.ceramic_min_mm:g} mm, the least of its range, less may be required."
         )
-    return Chart("Required ceramic for each back plate", panels, " ".join(notes))
+    return charts.Chart("Required ceramic for each back plate", panels, " ".join(notes))
 
 
-def _frontier(result: "DesignResult", key: str) -> tuple[Series, ...]:
+def _frontier(result: DesignResult, key: str) -> tuple[charts.Series, ...]:
     """Describe a quantity of the frontier, of the best designs of other pairs and of the best of all."""
     looks, pair = _looks(result), _pair(result.best)
     text = [_design_text(design, result.minimised) for design in result.frontier]
@@ -289,36 +283,38 @@ def _frontier(result: "DesignResult", key: str) -> tuple[Series, ...]:
         marks.append(("refined", _design_text(result.refined, result.minimised), result.refined, REFINED))
     backing = [design.backing_thickness_mm for design in result.frontier]
     values = [getattr(design, key) for design in result.frontier]
-    series: list[Series] = [Line(backing, values, label=pair, text=tuple(text), **looks[pair])]
+    series: list[charts.Series] = [charts.Line(backing, values, label=pair, text=tuple(text), **looks[pair])]
     for name, detail, design, look in marks:
         words = (f"{name}\n{_design_text(design, result.minimised)}",)
         place = [design.backing_thickness_mm], [getattr(design, key)]
-        series.append(Points(*place, label=f"{name}: {detail}", text=words, **look))
+        series.append(charts.Points(*place, label=f"{name}: {detail}", text=words, **look))
     return tuple(series)
 
 
-def pareto_chart(result: "DesignResult") -> Chart:
+def pareto_chart(result: DesignResult) -> charts.Chart:
     """Describe the Pareto front over its first two criteria, a series for each pair of materials."""
     looks = _looks(result)
     x, y = result.criteria[:2]
-    series: list[Series] = []
+    series: list[charts.Series] = []
     if len(result.criteria) == 2:
         # The points on it have the words.
         front = sorted(result.pareto, key=lambda design: getattr(design, x))
-        series.append(Line(*_at(front, x, y), ":", 1.0, label="Pareto front", colour=INK, text=("",) * len(front)))
-    for name, designs in grouped(result.pareto, _pair).items():
+        series.append(
+            charts.Line(*_at(front, x, y), ":", 1.0, label="Pareto front", colour="ink", text=("",) * len(front))
+        )
+    for name, designs in charts.grouped(result.pareto, _pair).items():
         text = tuple(f"{name}\n{_design_text(design, *result.criteria)}" for design in designs)
-        series.append(Points(*_at(designs, x, y), filled=False, label=name, text=text, **looks[name]))
+        series.append(charts.Points(*_at(designs, x, y), filled=False, label=name, text=text, **looks[name]))
     words = (f"best\n{_design_text(result.best, *result.criteria)}",)
-    series.append(Points(*_at([result.best], x, y), label="best", text=words, **BEST))
+    series.append(charts.Points(*_at([result.best], x, y), label="best", text=words, **BEST))
     notes = ""
     if len(result.criteria) > 2:
         hidden = " and ".join(CRITERIA[key].label for key in result.criteria[2:])
         notes = f"A design of the front that another one beats in both criteria drawn is better in {hidden}."
-    return Chart("Pareto front", (Panel(CRITERIA[x], CRITERIA[y], tuple(series)),), notes)
+    return charts.Chart("Pareto front", (charts.Panel(CRITERIA[x], CRITERIA[y], tuple(series)),), notes)
 
 
-def _at(designs: Iterable["Design"], x: str, y: str) -> tuple[list[float], list[float]]:
+def _at(designs: Iterable[Design], x: str, y: str) -> tuple[list[float], list[float]]:
     """Return two quantities of designs."""
     places = [(getattr(design, x), getattr(design, y)) for design in designs]
     return [place[0] for place in places], [place[1] for place in places]
@@ -328,7 +324,7 @@ def _pair(item: Any) -> str:
     return f"{item.ceramic} on {item.backing}" if item.ceramic else str(item.backing)
 
 
-def _design_text(design: "Design", *criteria: str) -> str:
+def _design_text(design: Design, *criteria: str) -> str:
     """Return the thicknesses of a design and its values of criteria."""
     values = (f"{CRITERIA[key].label} {CRITERIA[key].text(getattr(design, key))}" for key in criteria)
     return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])

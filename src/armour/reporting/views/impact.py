@@ -1,36 +1,17 @@
 """An impact: its result, stages, history and energy."""
 
 from dataclasses import fields, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from armour.analysis.energy import EnergyBalance
+from armour.analysis.history import History
+from armour.analysis.impact import ImpactResult
 from armour.errors import InputError, Problem
-from armour.reporting.chart import (
-    BLUE,
-    GREEN,
-    INK,
-    ORANGE,
-    PURPLE,
-    SOFT,
-    STYLES,
-    VERMILION,
-    Axis,
-    Bars,
-    Chart,
-    Line,
-    Panel,
-    Spans,
-)
+from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
 from armour.reporting.views.confidence import SAMPLED_ALONE
 from armour.reporting.views.confidence import tables as confidence_tables
-
-if TYPE_CHECKING:
-    from armour.analysis.energy import EnergyBalance
-    from armour.analysis.history import History
-    from armour.analysis.impact import ImpactResult
-
 
 STAGES = {
     "i": "intact ceramic, penetrated; rod erodes",
@@ -45,7 +26,7 @@ STAGES = {
 }
 
 
-def tables(result: "ImpactResult") -> list[Table | str]:
+def tables(result: ImpactResult) -> list[Table | str]:
     """Return the result of an impact, and the probability that the armour defeats the threat where it was computed."""
     found: list[Table | str] = [impact_table(result), stage_table(result)]
     if (confidence := result._question.get("confidence")) is not None:
@@ -56,7 +37,7 @@ def tables(result: "ImpactResult") -> list[Table | str]:
     return found
 
 
-def impact_table(result: "ImpactResult") -> Table:
+def impact_table(result: ImpactResult) -> Table:
     """Return the result of an impact, quantity by quantity."""
     return record(
         result,
@@ -73,7 +54,7 @@ def impact_table(result: "ImpactResult") -> Table:
     )
 
 
-def stage_table(result: "ImpactResult") -> Table:
+def stage_table(result: ImpactResult) -> Table:
     """Return the stages of an impact with the projectile's losses in each."""
     return listing(
         result.stages,
@@ -87,19 +68,19 @@ def stage_table(result: "ImpactResult") -> Table:
     )
 
 
-def history_table(history: "History") -> Table:
+def history_table(history: History) -> Table:
     """Return a run over time, an instant a row."""
     names = [field.name for field in fields(history)]
     values = [getattr(history, name).tolist() for name in names]
     return Table(tuple(Column(name, key=name) for name in names), tuple(zip(*values, strict=True)))
 
 
-def csv(result: "ImpactResult") -> str | None:
+def csv(result: ImpactResult) -> str | None:
     """Return the run over time as CSV; None where it was not kept."""
     return None if result.history is None else csv_text(history_table(result.history))
 
 
-def energy_table(energy: "EnergyBalance") -> Table:
+def energy_table(energy: EnergyBalance) -> Table:
     """Return the projectile's loss of kinetic energy, stage by stage; the last row is the sum."""
     found = [(f"{row.stage}: {STAGES[row.stage]}", row.eroded, row.braked) for row in energy.rows]
     found.append(("all stages", sum(row.eroded for row in energy.rows), sum(row.braked for row in energy.rows)))
@@ -115,7 +96,7 @@ def energy_table(energy: "EnergyBalance") -> Table:
     return Table(columns, tuple(rows))
 
 
-def chart(result: "ImpactResult") -> Chart:
+def chart(result: ImpactResult) -> charts.Chart:
     """Describe an impact over time, from its history: velocities, rod length, depth and bulge, with its stages."""
     history = result.history
     if history is None:
@@ -131,24 +112,24 @@ def chart(result: "ImpactResult") -> Chart:
         "target W": history.target_velocity_m_s,
     }
     depths = {"depth Z": history.depth_mm, "bulge h": history.bulge_height_mm}
-    x = Axis("time since impact", "µs", limits=(0.0, max(shown, 1e-9)), spec=".2f")
+    x = charts.Axis("time since impact", "µs", limits=(0.0, max(shown, 1e-9)), spec=".2f")
     stages = [stage for stage in result.stages if stage.start_us < shown]
     words = (f"stage {s.stage}: {STAGES[s.stage]}\n{s.start_us:.4g} to {s.end_us:.4g} µs" for s in stages)
     ends = [min(stage.end_us, shown) for stage in stages]
     names = tuple(stage.stage for stage in stages)
-    spans = Spans([stage.start_us for stage in stages], ends, names, text=tuple(words))
-    panels: list[Panel] = []
-    colours = iter((BLUE, ORANGE, GREEN, INK, PURPLE, VERMILION))
+    spans = charts.Spans([stage.start_us for stage in stages], ends, names, text=tuple(words))
+    panels: list[charts.Panel] = []
+    colours = iter(("blue", "orange", "green", "ink", "purple", "vermilion"))
     for y, height, curves in (
-        (Axis("velocity", "m/s", spec=".1f"), 1.1, velocities),
-        (Axis("rod length", "mm", from_zero=True, spec=".2f"), 0.65, {"rod length L": history.length_mm}),
-        (Axis("depth, bulge", "mm", spec=".2f"), 0.75, depths),
+        (charts.Axis("velocity", "m/s", spec=".1f"), 1.1, velocities),
+        (charts.Axis("rod length", "mm", from_zero=True, spec=".2f"), 0.65, {"rod length L": history.length_mm}),
+        (charts.Axis("depth, bulge", "mm", spec=".2f"), 0.75, depths),
     ):
         lines = (
-            Line(time, values[seen].tolist(), style, label=label, colour=next(colours))
-            for (label, values), style in zip(curves.items(), STYLES, strict=False)
+            charts.Line(time, values[seen].tolist(), style, label=label, colour=next(colours))
+            for (label, values), style in zip(curves.items(), charts.STYLES, strict=False)
         )
-        panels.append(Panel(x, y, (spans, *lines), height=height, shares_x=bool(panels)))
+        panels.append(charts.Panel(x, y, (spans, *lines), height=height, shares_x=bool(panels)))
         # The first panel alone names the stages.
         spans = replace(spans, names=(), text=())
     outcome = f"Impact: {result.outcome} at {result.impact_velocity_m_s:g} m/s"
@@ -159,7 +140,7 @@ def chart(result: "ImpactResult") -> Chart:
     caption = f"Stages: {'; '.join(parts)}."
     if shown < result.duration_us:
         caption = f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs. {caption}"
-    return Chart(outcome, tuple(panels), caption, width=6.0)
+    return charts.Chart(outcome, tuple(panels), caption, width=6.0)
 
 
 def _stage_words(stage: str) -> str:
@@ -167,19 +148,19 @@ def _stage_words(stage: str) -> str:
     return STAGES[stage].replace(";", ",")
 
 
-def energy_chart(energy: "EnergyBalance") -> Chart:
+def energy_chart(energy: EnergyBalance) -> charts.Chart:
     """Describe the projectile's loss of kinetic energy, stage by stage."""
     categories = (*(f"{index}. stage {row.stage}" for index, row in enumerate(energy.rows, start=1)), "remaining")
     _, eroded, braked, *_ = (column.label for column in energy_table(energy).columns)
-    looks = ((eroded, ORANGE), (braked, BLUE), ("remaining in the projectile", SOFT))
+    looks = ((eroded, "orange"), (braked, "blue"), ("remaining in the projectile", "soft"))
     parts = np.array([*((row.eroded, row.braked, 0.0) for row in energy.rows), (0.0, 0.0, energy.left)])
     share = 100.0 / energy.before if energy.before > 0.0 else 0.0
     series = []
     for (label, colour), values, ends in zip(looks, parts.T, parts.cumsum(axis=1).T, strict=True):
         shown = zip(categories, values, strict=True)
         text = tuple(f"{name}: {label}\n{value:.2f} J, {share * value:.1f} %" for name, value in shown)
-        series.append(Bars((ends - values).tolist(), ends.tolist(), label=label, colour=colour, text=text))
-    x = Axis("kinetic energy", "J", from_zero=True)
-    panel = Panel(x, Axis(categories=categories), tuple(series))
+        series.append(charts.Bars((ends - values).tolist(), ends.tolist(), label=label, colour=colour, text=text))
+    x = charts.Axis("kinetic energy", "J", from_zero=True)
+    panel = charts.Panel(x, charts.Axis(categories=categories), tuple(series))
     codes = dict.fromkeys(f"{row.stage}, {_stage_words(row.stage)}" for row in energy.rows)
-    return Chart("Where the projectile's energy went", (panel,), f"Stages: {'; '.join(codes)}.")
+    return charts.Chart("Where the projectile's energy went", (panel,), f"Stages: {'; '.join(codes)}.")

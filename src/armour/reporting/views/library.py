@@ -1,14 +1,8 @@
 """The library of projectiles and materials, and what is shipped."""
 
-from typing import TYPE_CHECKING
-
 from armour.files import read_toml, shipped_files, shipped_suites
 from armour.reporting.table import Column, Table, column_of, listing
-from armour.scenario.library import OPTIONAL
-
-if TYPE_CHECKING:
-    from armour.scenario.library import Kind, Library, LibraryEntry
-
+from armour.scenario.library import OPTIONAL, Kind, Library, LibraryEntry
 
 # Shipped tables of tests, which have no title, and what they are for.
 TESTS = {
@@ -18,7 +12,7 @@ TESTS = {
 }
 
 
-def library_table(library: "Library", kind: "Kind") -> Table:
+def library_table(library: Library, kind: Kind) -> Table:
     """Return the library's entries of a kind: name, the numbers that every entry has, 4 digits, and description."""
     entries = library.entries[kind].values()
     keys = dict.fromkeys(key for entry in entries for key in entry.values if key not in OPTIONAL)
@@ -30,7 +24,7 @@ def library_table(library: "Library", kind: "Kind") -> Table:
     )
 
 
-def library_tables(library: "Library") -> list[Table | str]:
+def library_tables(library: Library) -> list[Table | str]:
     """Return a table of every kind of entry."""
     return [library_table(library, kind) for kind in library.entries]
 
@@ -52,12 +46,12 @@ def shipped_tables() -> list[Table | str]:
     ]
 
 
-def entry_table(entry: "LibraryEntry") -> Table:
+def entry_table(entry: LibraryEntry) -> Table:
     """Return the values of an entry of the library, with status and source."""
     columns = (Column("key"), Column("value", spec="g"), Column("status"), Column("source", prose=True))
     return Table(columns, tuple((key, v.value, v.status, v.source) for key, v in entry.values.items()))
 
 
-def entry_tables(entry: "LibraryEntry") -> list[Table | str]:
+def entry_tables(entry: LibraryEntry) -> list[Table | str]:
     """Return the description and the table of an entry."""
     return [*([entry.description] if entry.description else []), entry_table(entry)]

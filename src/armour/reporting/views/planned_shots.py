@@ -2,39 +2,21 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from armour.reporting.chart import (
-    BLUE,
-    GREEN,
-    INK,
-    PURPLE,
-    SOFT,
-    VERMILION,
-    Axis,
-    Chart,
-    Line,
-    Panel,
-    Points,
-    Rule,
-    Series,
-)
+from armour.planning.firing import ShotPlan
+from armour.reporting import charts
 from armour.reporting.table import Column, Source, Table, column_of, listing, record
 from armour.reporting.text import interval, percent
 from armour.reporting.views.confidence import chance, error_note
-
-if TYPE_CHECKING:
-    from armour.planning.firing import ShotPlan
-    from armour.statistics.posterior import FiringEstimate
-    from armour.statistics.v50 import Shots
-
+from armour.statistics.posterior import FiringEstimate
+from armour.statistics.v50 import Shots
 
 SCATTER_ASSUMED = "the prior of the scatter is an assumption, which the model says nothing of"
 
 
-def tables(plan: "ShotPlan") -> list[Table | str]:
+def tables(plan: ShotPlan) -> list[Table | str]:
     """Return all tables of a plan of shots, with notes on them."""
     found: list[Table | str] = [_plan_table(plan)]
     if plan.stopped and not plan.fired.complete:
@@ -54,7 +36,7 @@ def tables(plan: "ShotPlan") -> list[Table | str]:
     return found
 
 
-def _plan_table(plan: "ShotPlan") -> Table:
+def _plan_table(plan: ShotPlan) -> Table:
     """Return what is next, what ends the firing, and what is known of it."""
     fraction, more = plan.requirement_fraction, plan.expected_shots
     fit, mean = plan.recommended, plan.mean
@@ -86,7 +68,7 @@ def _plan_table(plan: "ShotPlan") -> Table:
     )
 
 
-def prior_table(prior: "FiringEstimate", posterior: "FiringEstimate", level: float) -> Table:
+def prior_table(prior: FiringEstimate, posterior: FiringEstimate, level: float) -> Table:
     """Return V50 and the scatter before and after the shots."""
     between = f"{percent(level)} interval"
     return listing(
@@ -110,7 +92,7 @@ def share_note(share: float) -> str:
     )
 
 
-def _shot_table(plan: "ShotPlan") -> Table:
+def _shot_table(plan: ShotPlan) -> Table:
     """Return the shots in their order."""
     fired = plan.fired
     numbers = map(str, range(1, len(fired.complete) + 1))
@@ -129,59 +111,65 @@ def _shot_table(plan: "ShotPlan") -> Table:
     )
 
 
-KINDS = (("partial penetration", False, GREEN, "o"), ("complete penetration", True, VERMILION, "^"))
+KINDS = (("partial penetration", False, "green", "o"), ("complete penetration", True, "vermilion", "^"))
 
 
-def chart(plan: "ShotPlan") -> Chart:
+def chart(plan: ShotPlan) -> charts.Chart:
     """Describe prior and posterior of V50, the shots, and the next velocity."""
     known = [*plan.fired.velocities_m_s, plan.model_ballistic_limit_m_s, *(plan.limits_m_s or ())]
     x = list(plan.curve.velocity_m_s) if plan.curve else np.linspace(0.9 * min(known), 1.1 * max(known), 201).tolist()
     limits = (x[0], x[-1])
-    shots: list[Series] = [*shot_points(plan.fired)]
+    shots: list[charts.Series] = [*shot_points(plan.fired)]
     if plan.curve:
-        shots.insert(0, Line(x, plan.curve.probability, label="probability by the posterior", colour=BLUE))
+        shots.insert(0, charts.Line(x, plan.curve.probability, label="probability by the posterior", colour="blue"))
     elif plan.recommended:
         fit = plan.recommended
-        shots.insert(0, Line(x, [fit.probability(v) for v in x], label=f"{fit.curve}, {fit.method}", colour=BLUE))
+        shots.insert(
+            0, charts.Line(x, [fit.probability(v) for v in x], label=f"{fit.curve}, {fit.method}", colour="blue")
+        )
     shots += _rules(plan, limits, label=not plan.curve)
-    probability = Axis("probability of complete penetration", limits=(-0.05, 1.05))
+    probability = charts.Axis("probability of complete penetration", limits=(-0.05, 1.05))
     panels = [
-        Panel(Axis("impact velocity", "m/s", limits=limits), probability, tuple(shots), shares_x=bool(plan.curve))
+        charts.Panel(
+            charts.Axis("impact velocity", "m/s", limits=limits), probability, tuple(shots), shares_x=bool(plan.curve)
+        )
     ]
     note = ""
     if plan.curve and plan.posterior:
-        v50: list[Series] = [
-            Line(x, plan.curve.prior, label="prior: the model with its error", colour=PURPLE, style="--"),
-            Line(x, plan.curve.posterior, label="posterior: with the shots", colour=BLUE),
+        v50: list[charts.Series] = [
+            charts.Line(x, plan.curve.prior, label="prior: the model with its error", colour="purple", style="--"),
+            charts.Line(x, plan.curve.posterior, label="posterior: with the shots", colour="blue"),
             *_rules(plan, limits, label=True),
         ]
-        density = Axis("probability density of V50", "s/m", from_zero=True)
-        panels.insert(0, Panel(Axis("impact velocity", "m/s", limits=limits), density, tuple(v50)))
+        density = charts.Axis("probability density of V50", "s/m", from_zero=True)
+        panels.insert(0, charts.Panel(charts.Axis("impact velocity", "m/s", limits=limits), density, tuple(v50)))
         ends = interval(plan.posterior.v50_interval_m_s, ".1f")
         note = f"Posterior: V50 {plan.posterior.v50_m_s:.1f} m/s, {percent(plan.confidence)} interval {ends} m/s."
     fired = len(plan.fired.complete)
     file = f" in {Path(plan.fired.file).name}" if fired and plan.fired.file != "shots" else ""
     title = f"V50 firing, {plan.procedure}: {fired} shots{file}"
-    return Chart(title, tuple(panels), " ".join(filter(None, (note, f"{plan.stopped}." if plan.stopped else ""))))
+    return charts.Chart(
+        title, tuple(panels), " ".join(filter(None, (note, f"{plan.stopped}." if plan.stopped else "")))
+    )
 
 
-def shot_points(shots: "Shots") -> Iterator[Points]:
+def shot_points(shots: Shots) -> Iterator[charts.Points]:
     """Describe the shots of each kind, as points at their probabilities, 0 and 1."""
     for kind, complete, colour, marker in KINDS:
         if velocities := shots.of(complete=complete):
             words = tuple(f"{kind} at {velocity:g} m/s" for velocity in velocities)
             heights = [float(complete)] * len(velocities)
-            yield Points(velocities, heights, marker, label=kind, colour=colour, text=words)
+            yield charts.Points(velocities, heights, marker, label=kind, colour=colour, text=words)
 
 
-def _rules(plan: "ShotPlan", limits: tuple[float, float], *, label: bool) -> list[Series]:
+def _rules(plan: ShotPlan, limits: tuple[float, float], *, label: bool) -> list[charts.Series]:
     """Return lines at the next velocity and the required one, named once."""
     lines = (
-        ("next shot", plan.next_velocity_m_s, INK, ":"),
-        ("requirement", plan.requirement_m_s, SOFT, "-."),
+        ("next shot", plan.next_velocity_m_s, "ink", ":"),
+        ("requirement", plan.requirement_m_s, "soft", "-."),
     )
     return [
-        Rule(at, style, label=f"{name} {at:.1f} m/s" if label else "", colour=colour)
+        charts.Rule(at, style, label=f"{name} {at:.1f} m/s" if label else "", colour=colour)
         for name, at, colour, style in lines
         if at is not None and limits[0] <= at <= limits[1]
     ]

@@ -3,21 +3,17 @@
 import re
 from collections import Counter
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from armour.analysis.quantities import label_and_unit
-from armour.reporting.chart import INK, VERMILION, Axis, Chart, Contours, Line, Map, Panel, Points, Series
-from armour.reporting.panels import quantity_axis
+from armour.planning.plan_tests import PlannedTest, PlannedTests
+from armour.reporting import charts
 from armour.reporting.table import Cell, Column, Table, column_of, record
 from armour.reporting.text import percent
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
 from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
-
-if TYPE_CHECKING:
-    from armour.planning.plan_tests import PlannedTest, PlannedTests
-
 
 CRITERIA = {
     "D": "D, the smallest confidence region of the fitted inputs",
@@ -44,7 +40,7 @@ NOTE = (
 SLOPES = "a slope is the relative change of the flow stress per projectile diameter of the layer's thickness"
 
 
-def plan_table(result: "PlannedTests") -> Table:
+def plan_table(result: PlannedTests) -> Table:
     """Return what the tests are planned for."""
     of = "ballistic limit" if result.measure == "limit" else "impact velocity"
     why = "the candidates do not determine the inputs" if result.not_identified else "too few tests"
@@ -73,7 +69,7 @@ def percent_of(part: float) -> str:
     return percent(int(1000.0 * part) / 1000.0)
 
 
-def step_table(result: "PlannedTests") -> Table:
+def step_table(result: PlannedTests) -> Table:
     """Return the tests in their order, with what is known after each."""
     steps = result.planned[0 if _known(result.planned[0]) else 1 :]
     keys = list(result.candidates)
@@ -107,17 +103,17 @@ def _half_width(name: str) -> Column:
     return Column(f"± {words}", unit, ".3g")
 
 
-def _known(step: "PlannedTest") -> bool:
+def _known(step: PlannedTest) -> bool:
     return any(value is not None for value in (*step.half_widths.values(), *step.limit_half_widths_m_s))
 
 
-def tables(result: "PlannedTests") -> list[Table | str]:
+def tables(result: PlannedTests) -> list[Table | str]:
     """Return all tables of planned tests."""
     slopes = [SLOPES] if any(name.endswith("_slope") for name in result.values) else []
     return [plan_table(result), step_table(result), NOTE, *slopes]
 
 
-def form_table(result: "PlannedTests", tests: Tests | None) -> Table:
+def form_table(result: PlannedTests, tests: Tests | None) -> Table:
     """Return a table of tests for `armour calibrate` whose measured values are to be filled in.
 
     It has the tests made before, too; the names of the planned tests go on from theirs.
@@ -162,7 +158,7 @@ MARKS: tuple[dict[str, Any], ...] = (
 )
 
 
-def chart(result: "PlannedTests") -> Chart:
+def chart(result: PlannedTests) -> charts.Chart:
     """Describe the gain of one more test over the inputs that vary, with the planned tests and their numbers.
 
     It is a map over two of them, by preference the thicknesses, or a curve over one; the greatest gain is shown where
@@ -174,21 +170,20 @@ def chart(result: "PlannedTests") -> Chart:
         keys += [key for key in varied if key not in keys][:1]
     columns = [np.array(result.candidates[key]) for key in keys]
     gains = np.array(result.sensitivities or [np.nan] * len(columns[0]))
-    axes = [quantity_axis(key) for key in keys]
+    axes = [charts.quantity_axis(key) for key in keys]
     places: list[tuple[Any, ...]] = [tuple(step.inputs[key] for key in keys) for step in result.planned[1:]]
     if len(keys) == 1:
-        axes.append(Axis(GAIN, spec=".2f"))
+        axes.append(charts.Axis(GAIN, spec=".2f"))
         x = np.unique(columns[0])
         best = [float(np.nanmax(gains[columns[0] == value])) if result.sensitivities else None for value in x]
-        series: list[Series] = [Line(x.tolist(), best, label="candidates", marker="." if len(x) < 40 else "")]
+        series: list[charts.Series] = [
+            charts.Line(x.tolist(), best, label="candidates", marker="." if len(x) < 40 else "")
+        ]
         where = dict(zip(x.tolist(), best, strict=True))
         points: list[tuple[Any, ...]] = [(place[0], where[float(place[0])]) for place in places]
     else:
-        x, y = (np.unique(column) for column in columns)
-        z = np.full((len(y), len(x)), np.nan)
         order = np.argsort(gains, kind="stable")  # the greatest is written last
-        z[np.searchsorted(y, columns[1][order]), np.searchsorted(x, columns[0][order])] = gains[order]
-        series = _map(x, y, z)
+        series = _map(*charts.on_grid(columns[0][order], columns[1][order], gains[order]))
         points = places
     velocities = _velocities(result)
     repeats = Counter(points)
@@ -199,14 +194,14 @@ def chart(result: "PlannedTests") -> Chart:
         xs, ys = zip(*some, strict=True)
         shots = [[v for place, v in zip(points, velocities, strict=False) if place == point] for point in some]
         text = tuple(f"at {velocities_in_words(of_point)}" for of_point in shots) if velocities else ()
-        series.append(Points(xs, ys, label=label, colour=VERMILION, text=text, **look))
+        series.append(charts.Points(xs, ys, label=label, colour="vermilion", text=text, **look))
     note = GAINS if result.sensitivities else "The planned tests do not determine the inputs, so that no gain is shown."
     if velocities:
         note += f" The planned shots are at {velocities_in_words(velocities)}."
-    return Chart("", (Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
+    return charts.Chart("", (charts.Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
 
 
-def _velocities(result: "PlannedTests") -> list[float]:
+def _velocities(result: PlannedTests) -> list[float]:
     """Return the impact velocities of planned shots, m/s; none where the limit is measured."""
     return [float(step.inputs[VELOCITY]) for step in result.planned[1:]] if result.measure == "outcome" else []
 
@@ -219,14 +214,10 @@ def velocities_in_words(velocities: Iterable[float]) -> str:
     return f"{', '.join([*found[:-2], ' and '.join(found[-2:])])} m/s"
 
 
-def _map(x: Any, y: Any, z: Any) -> list[Series]:
+def _map(x: Any, y: Any, z: Any) -> list[charts.Series]:
     """Describe gains over a full grid as colours with contours, and those of other candidates as points."""
-    rows = [[float(value) if np.isfinite(value) else None for value in row] for row in z]
     if np.isfinite(z).all() and min(z.shape) > 1:
-        gains: list[Series] = [Map(x.tolist(), y.tolist(), rows, GAIN)]
-        if z.min() < z.max():
-            gains.append(Contours(x.tolist(), y.tolist(), rows, levels=6, label="lines of equal gain", colour=INK))
-        return gains
+        return charts.map_series(x, y, z, GAIN, "lines of equal gain", levels=6)
     js, i = np.nonzero(np.isfinite(z)) if np.isfinite(z).any() else np.nonzero(np.isnan(z))
     words = tuple(f"gain {value:.2f}" for value in z[js, i])
-    return [Points(x[i].tolist(), y[js].tolist(), label="candidates", filled=False, text=words)]
+    return [charts.Points(x[i].tolist(), y[js].tolist(), label="candidates", filled=False, text=words)]

@@ -1,22 +1,16 @@
 """A sensitivity analysis."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from armour.analysis.quantities import label_and_unit
-from armour.reporting.chart import Axis, Chart
-from armour.reporting.panels import bars_panel, quantity_axis
+from armour.reporting import charts
 from armour.reporting.table import Column, Source, Table, column_of, in_words, listing, record
-
-if TYPE_CHECKING:
-    from armour.statistics.sensitivity import SensitivityResult
-
+from armour.statistics.sensitivity import SensitivityResult
 
 ELASTICITY_NOTE = "% per %: change of the answer, in per cent of it, when the input grows by 1 %"
 
 
-def sensitivity_table(result: "SensitivityResult") -> Table:
+def sensitivity_table(result: SensitivityResult) -> Table:
     """Return the answers whose elasticities are given."""
     sources: list[Source] = []
     for name, value in result.answers.items():
@@ -26,7 +20,7 @@ def sensitivity_table(result: "SensitivityResult") -> Table:
     return record(result, *sources)
 
 
-def elasticity_table(result: "SensitivityResult") -> Table:
+def elasticity_table(result: SensitivityResult) -> Table:
     """Return the elasticities: the change of each answer that has a value, in per cent, when an input grows by 1 %."""
     answers = [name for name, value in result.answers.items() if value is not None]
     return listing(
@@ -40,20 +34,20 @@ def elasticity_table(result: "SensitivityResult") -> Table:
     )
 
 
-def tables(result: "SensitivityResult") -> list[Table | str]:
+def tables(result: SensitivityResult) -> list[Table | str]:
     """Return all tables of a sensitivity analysis."""
     return [sensitivity_table(result), elasticity_table(result), ELASTICITY_NOTE]
 
 
-def chart(result: "SensitivityResult") -> Chart:
+def chart(result: SensitivityResult) -> charts.Chart:
     """Describe the elasticities of every answer as bars, the inputs of the largest on top."""
     answers = [name for name, value in result.answers.items() if value is not None]
     largest = [max((abs(item.elasticities[name] or 0.0) for name in answers), default=0.0) for item in result.inputs]
     inputs = [result.inputs[index] for index in np.argsort(-np.array(largest), kind="stable")]
     # Without an elasticity an input, such as the velocity for the ballistic limit, has no row.
     inputs = [item for item in inputs if any(item.elasticities[answer] is not None for answer in answers)]
-    names = tuple(quantity_axis(item.input).label for item in inputs)
-    values = {quantity_axis(answer).label: [item.elasticities[answer] for item in inputs] for answer in answers}
-    x = Axis("change per % of the input", "%", spec="+.3f")
+    names = tuple(charts.quantity_axis(item.input).label for item in inputs)
+    values = {charts.quantity_axis(answer).label: [item.elasticities[answer] for item in inputs] for answer in answers}
+    x = charts.Axis("change per % of the input", "%", spec="+.3f")
     note = "Inputs are in the order of their longest bars."
-    return Chart("Sensitivity to the inputs", (bars_panel(x, names, values),), note)
+    return charts.Chart("Sensitivity to the inputs", (charts.bars_panel(x, names, values),), note)

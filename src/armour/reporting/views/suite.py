@@ -1,35 +1,30 @@
-"""A suite of cases."""
+"""A suite of cases, and the figures of the paper."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 from math import floor, log10
-from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from armour import __version__
+from armour.analysis.quantities import QUANTITIES
 from armour.files import printable
-from armour.reporting.chart import Chart
-from armour.reporting.panels import COLUMN_INCHES, agreement_panel, grouped
+from armour.reporting import charts
 from armour.reporting.report import Report, Section, origin_section
-from armour.reporting.table import Column, Table, column_of, filled, listing
+from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import number
 from armour.scenario.sections import TINY
+from armour.validation.figures import Figure
+from armour.validation.rivals import Error
+from armour.validation.suite import Case
+from armour.validation.validate import Check, Status, SuiteResult, TableSummary, Update
 
-if TYPE_CHECKING:
-    from armour.validation.rivals import Error
-    from armour.validation.suite import Case
-    from armour.validation.validate import Check, Status, SuiteResult, TableSummary, Update
 
-
-def check_groups(result: "SuiteResult") -> dict[str, list["Check"]]:
+def check_groups(result: SuiteResult) -> dict[str, list[Check]]:
     """Return the checks of a suite by table; those of no table are "cases"."""
-    groups: dict[str, list[Check]] = {}
-    for check in result.checks:
-        groups.setdefault(check.case.group or "cases", []).append(check)
-    return groups
+    return charts.grouped(result.checks, lambda check: check.case.group or "cases")
 
 
-def check_table(checks: Sequence["Check"], title: str = "") -> Table:
+def check_table(checks: Sequence[Check], title: str = "") -> Table:
     """Return expected and computed values with the bands they are held to."""
     units = {check.case.unit for check in checks}
     shared = units.pop() if len(units) == 1 else ""
@@ -48,7 +43,7 @@ def check_table(checks: Sequence["Check"], title: str = "") -> Table:
     )
 
 
-def _decimals(case: "Case") -> int:
+def _decimals(case: Case) -> int:
     """Return the decimals of a computed value: one more than those of the expected value and of its band."""
     given = len(Column("", spec=".10g").text(case.expected).partition(".")[2])
     of_band = -floor(log10(case.band)) if case.band else 0
@@ -59,14 +54,14 @@ def _decimal(value: float | str | None, decimals: int, sign: str = "") -> str | 
     return None if value is None else number(value, f"{sign}.{decimals}f")
 
 
-def failure(check: "Check") -> str:
+def failure(check: Check) -> str:
     """Return expected and computed value of a check, with the band."""
     table = check_table([check])
     found = zip(table.columns[1:-1], table.texts()[0][1:-1], strict=True)
     return ", ".join(f"{column.label} {text} {column.unit}".rstrip() for column, text in found if text)
 
 
-def summary_table(result: "SuiteResult") -> Table:
+def summary_table(result: SuiteResult) -> Table:
     """Return the deviations of each table of a suite as a whole, except those of rows in files."""
     return listing(
         [summary for summary in result.summaries if not _of_file(result, summary.name)],
@@ -82,7 +77,7 @@ def summary_table(result: "SuiteResult") -> Table:
     )
 
 
-def group_table(result: "SuiteResult", name: str) -> Table:
+def group_table(result: SuiteResult, name: str) -> Table:
     """Return the relative deviations of a table whose rows are in a file, all of them and by group."""
     return listing(
         [summary for summary in result.summaries if summary.name == name],
@@ -97,7 +92,7 @@ def group_table(result: "SuiteResult", name: str) -> Table:
     )
 
 
-def held_to(summary: "TableSummary") -> str:
+def held_to(summary: TableSummary) -> str:
     """Return mean and root mean square of a table or group with the bands that they are held to."""
     unit, parts = summary.unit, []
     if summary.rms_band is not None:
@@ -108,17 +103,17 @@ def held_to(summary: "TableSummary") -> str:
     return ", ".join(parts)
 
 
-def group_notes(result: "SuiteResult") -> list[tuple[str, str]]:
+def group_notes(result: SuiteResult) -> list[tuple[str, str]]:
     """Return the groups of rows of files that leave their bands, with these."""
     outside = [summary for summary in result.summaries if summary.status == "outside"]
     return [(summary.full_name, held_to(summary)) for summary in outside if _of_file(result, summary.name)]
 
 
-def _of_file(result: "SuiteResult", table: str) -> bool:
+def _of_file(result: SuiteResult, table: str) -> bool:
     return any(check.case.cells for check in result.checks if check.case.group == table)
 
 
-def error_table(errors: "Sequence[Error]") -> Table:
+def error_table(errors: Sequence[Error]) -> Table:
     """Return the errors of every prediction that a table compares."""
     return listing(
         errors,
@@ -133,7 +128,7 @@ def error_table(errors: "Sequence[Error]") -> Table:
     )
 
 
-def note_rows(checks: Sequence["Check"]) -> list[tuple[str, str]]:
+def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
     """Return why cases are not scored, have no answer or have their band; the same note of a table once."""
     notes: dict[tuple[str, str], None] = {}
     for check in checks:
@@ -145,7 +140,7 @@ def note_rows(checks: Sequence["Check"]) -> list[tuple[str, str]]:
     return list(notes)
 
 
-def verdict(result: "SuiteResult") -> str:
+def verdict(result: SuiteResult) -> str:
     """Return the outcome of a suite in a line."""
     scored = result.count("within", "outside", "no answer")
     parts = [f"{result.count('within')} of {scored} within their bands"]
@@ -156,7 +151,7 @@ def verdict(result: "SuiteResult") -> str:
     return ", ".join(parts) + (f"; {unscored} shown but not scored" if unscored else "")
 
 
-def suite_tables(result: "SuiteResult") -> list[Table]:
+def suite_tables(result: SuiteResult) -> list[Table]:
     """Return the tables of a suite: the cases of each table or its groups, the tables as a whole, and the errors.
 
     Of the rows of a file, those outside their bands, or without an answer, follow the groups.
@@ -174,14 +169,14 @@ def suite_tables(result: "SuiteResult") -> list[Table]:
     return found
 
 
-def tables(result: "SuiteResult") -> list[Table | str]:
+def tables(result: SuiteResult) -> list[Table | str]:
     """Return the tables of a suite, why cases are outside their bands or not scored, and the outcome in a line."""
     notes = note_rows([check for check in result.checks if check.status != "within" and not check.in_group])
     notes += group_notes(result)
     return [*suite_tables(result), "", *(f"{name}: {note}" for name, note in notes), verdict(result)]
 
 
-def update_table(updates: Sequence["Update"]) -> Table:
+def update_table(updates: Sequence[Update]) -> Table:
     """Return the expected values that an update changes."""
     return listing(
         updates,
@@ -191,7 +186,7 @@ def update_table(updates: Sequence["Update"]) -> Table:
     )
 
 
-def parity_table(result: "SuiteResult") -> Table:
+def parity_table(result: SuiteResult) -> Table:
     """Return expected and computed values of a suite's tables."""
     return listing(
         result.checks,
@@ -207,32 +202,32 @@ def parity_table(result: "SuiteResult") -> Table:
 LEFT_OUT = "of no table, of outcomes, of relative differences and without an answer"
 
 
-def chart(result: "SuiteResult") -> Chart:
+def chart(result: SuiteResult) -> charts.Chart:
     """Describe computed over expected values of a suite's tables, or else of its cases, a panel for each quantity."""
     numbers = [check for check in result.checks if check.deviation is not None and check.case.measured is None]
     checks = [check for check in numbers if check.case.group] or numbers
     panels = []
-    for quantity, same in grouped(checks, lambda check: check.case.quantity).items():
+    for quantity, same in charts.grouped(checks, lambda check: check.case.quantity).items():
         groups = {
             group or "cases": [
                 (check.case.name, "expected", check.case.expected, check.computed, 0.0) for check in found
             ]
-            for group, found in grouped(same, lambda check: check.case.group).items()
+            for group, found in charts.grouped(same, lambda check: check.case.group).items()
         }
         # A band that all have in common, as a part of the expected values; else a tenth.
         bands = {round((c.case.band or 0.0) / abs(c.case.expected), 4) for c in same if abs(c.case.expected) > TINY}
         [part] = bands if len(bands) == 1 else [0.0]
-        panels.append(agreement_panel(quantity, "expected", groups, part or 0.1))
+        panels.append(charts.agreement_panel(quantity, "expected", groups, part or 0.1))
     left_out = len(result.checks) - len(checks)
     note = f"{left_out} of {len(result.checks)} cases are not shown: those {LEFT_OUT}." if left_out else ""
-    return Chart("", tuple(panels), note, width=COLUMN_INCHES)
+    return charts.Chart("", tuple(panels), note, width=charts.COLUMN_INCHES)
 
 
-def report(result: "SuiteResult", command: str = "") -> Report:
+def report(result: SuiteResult, command: str = "") -> Report:
     """Report the outcome of a suite: verdict, tables, and the reasons for the bands; with a command, its origin."""
     sources = {name: _source(checks) for name, checks in check_groups(result).items()}
     sections = [
-        Section(table.title[:1].upper() + table.title[1:], sources.get(table.title, ()), tables=(filled(table),))
+        Section(table.title[:1].upper() + table.title[1:], sources.get(table.title, ()), tables=(table,))
         for table in suite_tables(result)
     ]
     own = [check for check in result.checks if check.status != "not scored" and not check.case.group]
@@ -251,7 +246,7 @@ def report(result: "SuiteResult", command: str = "") -> Report:
     )
 
 
-def _source(checks: "list[Check]") -> tuple[str, ...]:
+def _source(checks: list[Check]) -> tuple[str, ...]:
     """Return source and reason of a table, which all its rows share."""
     case = checks[0].case
     parts = [text for text in (case.source, f"band: {case.reason}" if case.reason else "") if text]
@@ -259,7 +254,7 @@ def _source(checks: "list[Check]") -> tuple[str, ...]:
     return (text[:1].upper() + text[1:],) if case.group and parts else ()
 
 
-def junit(result: "SuiteResult", seconds: float) -> bytes:
+def junit(result: SuiteResult, seconds: float) -> bytes:
     """Format the outcome of a suite: a test case for every case, and for every table that is held to a band.
 
     The time in seconds is that of all cases, most of which are computed together.
@@ -282,7 +277,7 @@ def junit(result: "SuiteResult", seconds: float) -> bytes:
     return bytes(ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True))
 
 
-def _add(suite: ElementTree.Element, group: str, name: str, status: "Status", message: str) -> None:
+def _add(suite: ElementTree.Element, group: str, name: str, status: Status, message: str) -> None:
     from armour.validation.validate import FAILED
 
     case = ElementTree.SubElement(suite, "testcase", classname=printable(group), name=printable(name))
@@ -290,3 +285,54 @@ def _add(suite: ElementTree.Element, group: str, name: str, status: "Status", me
         ElementTree.SubElement(case, "failure", message=printable(message))
     elif status == "not scored":
         ElementTree.SubElement(case, "skipped", message=printable(message))
+
+
+def figure_table(panels: Sequence[Figure]) -> Table:
+    """Return the curves of a figure, a column each; its panels, of equally many points, side by side."""
+    quantities = {quantity.label for quantity in QUANTITIES.values()}
+    columns: dict[str, Sequence[float | None]] = {}
+    for panel in panels:
+        y_label = panel.section.y_label
+        columns[panel.section.x_label] = panel.x
+        for curve in panel.curves:
+            # The label of a curve may name its quantity, or what the curve differs in.
+            named = curve.label.rpartition(", ")[2] in quantities
+            columns[f"{curve.label}, {y_label.rpartition(', ')[2]}" if named else f"{curve.label}: {y_label}"] = (
+                curve.values
+            )
+    return Table(
+        tuple(Column(label, spec="g", key=label) for label in columns), tuple(zip(*columns.values(), strict=True))
+    )
+
+
+def figure_chart(panels: Sequence[Figure]) -> charts.Chart:
+    """Describe a figure of the paper: the model's curves, with the numbers of the paper's text as marks."""
+    drawn: list[charts.Panel] = []
+    for panel in map(_figure_panel, panels):
+        named = {item.label for other in drawn for item in other.series}
+        series = (replace(item, label="") if item.label in named else item for item in panel.series)
+        drawn.append(replace(panel, series=tuple(series)))
+    return charts.Chart(panels[0].section.title, tuple(drawn), width=charts.COLUMN_INCHES)
+
+
+def _figure_panel(figure: Figure) -> charts.Panel:
+    section = figure.section
+    series: list[charts.Series] = [
+        charts.Line(figure.x, curve.values, charts.STYLES[index], label=curve.label, colour=charts.COLOURS[index])
+        for index, curve in enumerate(figure.curves)
+    ]
+    series += (
+        charts.Rule(level.value, ":", vertical=False, label=level.label, colour="ink") for level in section.level
+    )
+    colours = {curve.label: colour for curve, colour in zip(figure.curves, charts.COLOURS, strict=False)}
+    for mark, marker, size in zip(section.mark, ("*", "D", "s"), (9.0, 5.0, 5.0), strict=False):
+        xs, ys = zip(*mark.points, strict=True)
+        ends, colour = tuple((low, high) for low, high in mark.x_ends), colours.get(mark.of, "soft")
+        series.append(charts.Points(xs, ys, marker, size, x_ends=ends, label=mark.label, colour=colour))
+    shown = [value for curve in figure.curves for value in curve.values if value is not None]
+    from_zero = bool(shown) and min(shown) < 0.3 * max(shown)
+    x, y = (
+        charts.Axis(section.x_label, limits=(figure.x[0], figure.x[-1])),
+        charts.Axis(section.y_label, from_zero=from_zero),
+    )
+    return charts.Panel(x, y, tuple(series))

@@ -1,28 +1,24 @@
 """A sweep."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from armour.errors import InputError, Problem
-from armour.reporting.chart import COLOURS, INK, VERMILION, Chart, Contours, Line, Map, Panel, Series
-from armour.reporting.panels import bars_panel, look_of, quantity_axis, widened
+from armour.reporting import charts
 from armour.reporting.table import Table, column_of
 from armour.scenario.inputs import BACKING, CERAMIC
+from armour.scenario.scenario import Scenario
+from armour.sweeps.sweep import SweepResult
 from armour.units import MM
-
-if TYPE_CHECKING:
-    from armour.scenario.scenario import Scenario
-    from armour.sweeps.sweep import SweepResult
-
 
 # Rows of a sweep that are shown.
 SWEEP_ROWS = 20
 
 
-def tables(result: "SweepResult") -> list[Table | str]:
+def tables(result: SweepResult) -> list[Table | str]:
     """Return the first rows of a sweep."""
     columns = result.columns
     shown = tuple(zip(*(values[:SWEEP_ROWS].tolist() for values in columns.values()), strict=True))
@@ -31,7 +27,7 @@ def tables(result: "SweepResult") -> list[Table | str]:
     return [Table(tuple(headings), shown), *notes]
 
 
-def chart(result: "SweepResult") -> Chart:
+def chart(result: SweepResult) -> charts.Chart:
     """Describe the first quantity of a sweep that is a number over its one or two keys."""
     if len(result.keys) > 2:
         raise _undrawn(f"must be a sweep over one or two keys, found {len(result.keys)}")
@@ -54,13 +50,13 @@ Floats = NDArray[np.float64]
 MAX_MARKERS = 40
 
 
-def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, scenario: "Scenario") -> Chart:
+def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, scenario: Scenario) -> charts.Chart:
     """Describe a quantity over one key of a sweep, as a curve, or two, as a map; thicknesses have areal densities.
 
     Over a key of names there is a bar for each name, and over such a key and numbers a curve for each.
     """
-    axes = [quantity_axis(key) for key in keys]
-    answer = quantity_axis(name)
+    axes = [charts.quantity_axis(key) for key in keys]
+    answer = charts.quantity_axis(name)
     title = _sweep_title(answer.label, *(axis.label for axis in axes))
     found = table[name]
     missing = np.count_nonzero(np.isnan(found))
@@ -70,38 +66,36 @@ def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, sce
         names = tuple(dict.fromkeys(table[named[0]].tolist()))
         values = {
             label: [
-                dict(zip(table[named[0]][own].tolist(), _or_none(found[own]), strict=True)).get(name) for name in names
+                dict(zip(table[named[0]][own].tolist(), found[own].tolist(), strict=True)).get(name) for name in names
             ]
             for label, own in _by_name(table, named[1:])
         }
-        return Chart(title, (bars_panel(answer, names, values),), note)
+        return charts.Chart(title, (charts.bars_panel(answer, names, values),), note)
     if len(keys) == 1 or named:
         [key] = [key for key in keys if key not in named]
         # The axis reaches rows without an answer too, and a single row has a point.
-        across = quantity_axis(
-            key, limits=widened(table[key].tolist()) if missing or len(set(table[key])) == 1 else None
+        across = charts.quantity_axis(
+            key, limits=charts.widened(table[key].tolist()) if missing or len(set(table[key])) == 1 else None
         )
         curves = []
         for index, (label, own) in enumerate(_by_name(table, named)):
             order = np.flatnonzero(own)[np.argsort(table[key][own], kind="stable")]
-            look = look_of(index) if len(order) <= MAX_MARKERS else {"colour": COLOURS[index % len(COLOURS)]}
-            curves.append(Line(table[key][order].tolist(), _or_none(found[order]), label=label, **look))
-        return Chart(title, (Panel(across, answer, tuple(curves), height=1.1),), note)
-    x, y = (np.unique(table[key]) for key in keys)
-    z = np.full((len(y), len(x)), np.nan)
-    z[np.searchsorted(y, table[keys[1]]), np.searchsorted(x, table[keys[0]])] = table[name]
-    rows = [_or_none(row) for row in z]
-    series: list[Series] = [Map(x.tolist(), y.tolist(), rows, answer.heading)]
-    if min(z.shape) > 1 and np.isfinite(z).any() and np.nanmin(z) < np.nanmax(z):
-        label = f"lines of equal {answer.heading}"
-        series.append(Contours(x.tolist(), y.tolist(), rows, levels=8, label=label, colour=INK))
+            look = (
+                charts.look_of(index)
+                if len(order) <= MAX_MARKERS
+                else {"colour": charts.COLOURS[index % len(charts.COLOURS)]}
+            )
+            curves.append(charts.Line(table[key][order].tolist(), found[order].tolist(), label=label, **look))
+        return charts.Chart(title, (charts.Panel(across, answer, tuple(curves), height=1.1),), note)
+    x, y, z = charts.on_grid(table[keys[0]], table[keys[1]], found)
+    series = charts.map_series(x, y, z, answer.heading, f"lines of equal {answer.heading}", levels=8)
     if set(keys) == {CERAMIC, BACKING} and min(z.shape) > 1:
         ceramic, backing = np.meshgrid(x, y) if keys[0] == CERAMIC else np.meshgrid(x, y)[::-1]
         armour = scenario.core_armour()
-        areal = (armour.rho_c * MM * ceramic + armour.rho_B * MM * backing).tolist()
-        label = f"lines of equal {quantity_axis('areal_density_kg_m2').heading}"
-        series.append(Contours(x.tolist(), y.tolist(), areal, "dashed", 5, label=label, colour=VERMILION))
-    return Chart(title, (Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
+        areal = armour.rho_c * MM * ceramic + armour.rho_B * MM * backing
+        label = f"lines of equal {charts.quantity_axis('areal_density_kg_m2').heading}"
+        series.append(charts.Contours(x, y, areal, "dashed", 5, label=label, colour="vermilion"))
+    return charts.Chart(title, (charts.Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
 
 
 def _by_name(table: Mapping[str, Any], keys: Sequence[str]) -> list[tuple[str, Any]]:
@@ -120,7 +114,3 @@ def _sweep_title(answer: str, first: str, second: str = "") -> str:
         words, others = words[:-1], others[:-1]
     over = f"{' '.join(words)} and {second}" if second else first
     return f"{answer[:1].upper()}{answer[1:]} over {over}"
-
-
-def _or_none(values: Floats) -> list[float | None]:
-    return [float(value) if np.isfinite(value) else None for value in values]

@@ -1,17 +1,12 @@
 """A propagated uncertainty."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-from armour.reporting.chart import INK, SOFT, VERMILION, Axis, Band, Chart, Line, Panel, Points, Series
-from armour.reporting.panels import bars_panel, needed, quantity_axis, velocity_rule, widened
+from armour.reporting import charts
 from armour.reporting.table import Column, Table, between, column_of, in_words, listing, record
 from armour.reporting.text import interval, percent
 from armour.reporting.views.confidence import SAMPLED_ALONE, error_note
-
-if TYPE_CHECKING:
-    from armour.statistics.uncertainty import UncertaintyResult
-
+from armour.statistics.uncertainty import UncertaintyResult
 
 # What the intervals of a propagated uncertainty are of.
 SAMPLING = ", by sampling"
@@ -26,7 +21,7 @@ SAMPLING_NOTE = (
 INDEX_NOTE = "indices are from 0 to 1; estimates of small and large ones, and their intervals, may fall outside"
 
 
-def uncertainty_table(result: "UncertaintyResult") -> Table:
+def uncertainty_table(result: UncertaintyResult) -> Table:
     """Return the samples, and the ballistic limit with and without them."""
     return record(
         result,
@@ -37,7 +32,7 @@ def uncertainty_table(result: "UncertaintyResult") -> Table:
     )
 
 
-def estimate_table(result: "UncertaintyResult") -> Table:
+def estimate_table(result: UncertaintyResult) -> Table:
     """Return the estimated probability, quantiles and mean."""
     # Imported here because commands without tables do not need scipy.
     from armour.analysis.estimates import Estimate
@@ -62,7 +57,7 @@ def estimate_table(result: "UncertaintyResult") -> Table:
     return Table(columns, tuple(rows))
 
 
-def index_table(result: "UncertaintyResult") -> Table:
+def index_table(result: UncertaintyResult) -> Table:
     """Return the Sobol' indices of each input, and the ballistic limits at its quantiles."""
     return listing(
         result.inputs,
@@ -82,7 +77,7 @@ def index_table(result: "UncertaintyResult") -> Table:
     )
 
 
-def tables(result: "UncertaintyResult") -> list[Table | str]:
+def tables(result: UncertaintyResult) -> list[Table | str]:
     """Return all tables of a propagated uncertainty."""
     found: list[Table | str] = [uncertainty_table(result), estimate_table(result), SAMPLING_NOTE, index_table(result)]
     estimates = [estimate for index in result.inputs for estimate in (index.first, index.total) if estimate]
@@ -103,9 +98,13 @@ def tables(result: "UncertaintyResult") -> list[Table | str]:
 SHOWN_PROBABILITY = 0.002
 
 
-def chart(result: "UncertaintyResult") -> Chart:
+def chart(result: UncertaintyResult) -> charts.Chart:
     """Describe the probability of perforation over velocity, and the ballistic limits at quantiles of each input."""
-    curve, p, at = result.curve, result.probability_of_perforation, needed(result, "scenario").impact.velocity_m_s
+    curve, p, at = (
+        result.curve,
+        result.probability_of_perforation,
+        charts.needed(result, "scenario").impact.velocity_m_s,
+    )
     found, level = result.deterministic_m_s, percent(result.confidence)
     points = list(zip(curve.velocity_m_s, curve.probability, curve.low, curve.high, strict=True))
     text = tuple(
@@ -114,31 +113,41 @@ def chart(result: "UncertaintyResult") -> Chart:
     )
     label = f"at {at:g} m/s: {p.value:.3f}, {p.low:.3f} to {p.high:.3f} by sampling"
     quantiles = {name: result.ballistic_limit_m_s[name].value for name in ("V05", "V50", "V95")}
-    series: list[Series] = [
-        Band(curve.velocity_m_s, curve.low, curve.high),
-        Line(curve.velocity_m_s, curve.probability, label=f"probability, with its {level} band by sampling", text=text),
-        velocity_rule("nominal ballistic limit", found, INK, ":"),
-        *(velocity_rule(*item, SOFT, style) for item, style in zip(quantiles.items(), ("-.", "-", "--"), strict=True)),
-        Points(
-            [at], [p.value], y_ends=((p.low, p.high),), label=label, colour=VERMILION, text=(f"perforated {label}",)
+    series: list[charts.Series] = [
+        charts.Band(curve.velocity_m_s, curve.low, curve.high),
+        charts.Line(
+            curve.velocity_m_s, curve.probability, label=f"probability, with its {level} band by sampling", text=text
+        ),
+        charts.velocity_rule("nominal ballistic limit", found, "ink", ":"),
+        *(
+            charts.velocity_rule(*item, "soft", style)
+            for item, style in zip(quantiles.items(), ("-.", "-", "--"), strict=True)
+        ),
+        charts.Points(
+            [at],
+            [p.value],
+            y_ends=((p.low, p.high),),
+            label=label,
+            colour="vermilion",
+            text=(f"perforated {label}",),
         ),
     ]
     uncertain = [velocity for velocity, value, *_ in points if SHOWN_PROBABILITY < value < 1.0 - SHOWN_PROBABILITY]
     changed = [limit for index in result.inputs for limit in index.limits_m_s]
-    x = Axis(
+    x = charts.Axis(
         "velocity",
         "m/s",
         spec=".1f",
-        limits=widened([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *changed]),
+        limits=charts.widened([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *changed]),
     )
-    panels = [Panel(x, Axis("probability of perforation", limits=(0.0, 1.0)), tuple(series))]
+    panels = [charts.Panel(x, charts.Axis("probability of perforation", limits=(0.0, 1.0)), tuple(series))]
     if result.inputs:
-        names = tuple(quantity_axis(index.input).label for index in result.inputs)
+        names = tuple(charts.quantity_axis(index.input).label for index in result.inputs)
         values = {
             f"input at its {quantile} quantile": [index.limits_m_s[side] for index in result.inputs]
             for side, quantile in enumerate(("5 %", "95 %"))
         }
         title = "Ballistic limit with one input changed"
-        swings = bars_panel(x, names, values, title, found)
+        swings = charts.bars_panel(x, names, values, title, found)
         panels.append(replace(swings, shares_x=True))
-    return Chart("Probability of perforation", tuple(panels))
+    return charts.Chart("Probability of perforation", tuple(panels))

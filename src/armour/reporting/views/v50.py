@@ -1,23 +1,18 @@
 """V50 from firing results."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from armour.errors import InputError, Problem
-from armour.reporting.chart import INK, PURPLE, SOFT, Axis, Band, Chart, Line, Panel, Points, Series
-from armour.reporting.panels import needed, quantity_axis, velocity_rule
+from armour.reporting import charts
 from armour.reporting.table import Column, Source, Table, between, column_of, listing, record
 from armour.reporting.text import interval, percent
 from armour.reporting.views.planned_shots import SCATTER_ASSUMED, prior_table, share_note, shot_points
 from armour.scenario.inputs import VELOCITY
-
-if TYPE_CHECKING:
-    from armour.statistics.curves import FittedCurve
-    from armour.statistics.v50 import FiringResult
+from armour.statistics.curves import FittedCurve, penalised_band
+from armour.statistics.v50 import FiringResult
 
 
-def v50_table(result: "FiringResult") -> Table:
+def v50_table(result: FiringResult) -> Table:
     """Return the extreme velocities of the shots, and the mean of MIL-STD-662F."""
     mean = result.mean
     rule: list[Source] = [(Column("V50, mean"), "none: too few shots of each kind within the span allowed")]
@@ -44,7 +39,7 @@ def v50_table(result: "FiringResult") -> Table:
     )
 
 
-def recommended_table(fit: "FittedCurve", level: float) -> Table:
+def recommended_table(fit: FittedCurve, level: float) -> Table:
     """Return the velocities and the scale of the recommended curve, with their intervals."""
     rows = (
         ("V50", fit.v50_m_s, fit.v50_interval_m_s),
@@ -57,7 +52,7 @@ def recommended_table(fit: "FittedCurve", level: float) -> Table:
     return Table(columns, cells, f"recommended: {fit.curve}, {fit.method}")
 
 
-def curve_table(result: "FiringResult") -> Table:
+def curve_table(result: FiringResult) -> Table:
     """Return all fitted curves, with their intervals."""
     return listing(
         (*result.penalised_fits, *result.fits),
@@ -82,7 +77,7 @@ MEAN_NOTES = {
 }
 
 
-def tables(result: "FiringResult") -> list[Table | str]:
+def tables(result: FiringResult) -> list[Table | str]:
     """Return all tables of firing results, with notes on them."""
     found: list[Table | str] = [v50_table(result)]
     if result.mean is not None:
@@ -120,16 +115,13 @@ def tables(result: "FiringResult") -> list[Table | str]:
 POSTERIOR = 0.4
 
 
-def chart(result: "FiringResult") -> Chart:
+def chart(result: FiringResult) -> charts.Chart:
     """Describe shots, the recommended curve with its band, V50, and the model's ballistic limit where there is one."""
-    shots = needed(result, "shots")
+    shots = charts.needed(result, "shots")
     if not result.fits:
         message = "must have a curve to draw, and these shots have none"
         raise InputError([Problem(shots.file, "", message)])
-    # scipy is slow to import, and no other chart needs it.
-    from armour.statistics.curves import penalised_band
-
-    series: list[Series] = [*shot_points(shots)]
+    series: list[charts.Series] = [*shot_points(shots)]
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
     reach, margin = fastest - slowest or 0.01 * fastest, 0.1 * (fastest - slowest)
     model, mean, between = result.model_ballistic_limit_m_s, result.mean, f"{percent(result.confidence)} interval"
@@ -148,31 +140,33 @@ def chart(result: "FiringResult") -> Chart:
     label = f"{fit.curve}, {fit.method}: V50 {fit.v50_m_s:.1f} m/s"
     if fit is result.recommended:
         band = penalised_band(shots.of(complete=False), shots.of(complete=True), fit.curve, x, result.confidence)
-        series.insert(0, Band(x, *(edge.tolist() for edge in band)))
+        series.insert(0, charts.Band(x, *(edge.tolist() for edge in band)))
         label += f", with its {percent(result.confidence)} band"
-    series.append(Line(x, [fit.probability(v) for v in x], label=label))
+    series.append(charts.Line(x, [fit.probability(v) for v in x], label=label))
     if low <= fit.v50_m_s <= high:
         start, end = (edge if e is None else e for e, edge in zip(fit.v50_interval_m_s, (low, high), strict=True))
         words = (f"V50 {fit.v50_m_s:.1f} m/s\n{between} {between_ends}",)
         bar = ((start, end),) if bounded else ()
-        series.append(Points([fit.v50_m_s], [0.5], x_ends=bar, text=words))
+        series.append(charts.Points([fit.v50_m_s], [0.5], x_ends=bar, text=words))
     if after is not None:
         name = f"posterior with the model as prior: V50 {after.v50_m_s:.1f} m/s"
         bar = (after.v50_interval_m_s,)
-        series.append(Points([after.v50_m_s], [POSTERIOR], "D", label=name, colour=PURPLE, x_ends=bar, text=(name,)))
+        series.append(
+            charts.Points([after.v50_m_s], [POSTERIOR], "D", label=name, colour="purple", x_ends=bar, text=(name,))
+        )
     if mean is not None:
         name = "mean of shots" if mean.rule == "no usual rule" else "MIL-STD-662F"
-        series.append(velocity_rule(f"{name}: V50", mean.v50_m_s, SOFT))
+        series.append(charts.velocity_rule(f"{name}: V50", mean.v50_m_s, "soft"))
     bar_is = "The bar at one half is the {} of V50, {}." if bounded else "The {} of V50 is {}."
     notes = [bar_is.format(between, between_ends)]
     if after is not None:
         notes.append(f"The bar with a diamond is that of the posterior, {interval(after.v50_interval_m_s, '.1f')} m/s.")
     if model is not None and low <= model <= high:
-        series.append(velocity_rule("this model: ballistic limit", model, INK, ":"))
+        series.append(charts.velocity_rule("this model: ballistic limit", model, "ink", ":"))
     elif model is not None:
         notes.append(f"The model's ballistic limit, {model:.1f} m/s, is outside the axis.")
     axes = (
-        quantity_axis(VELOCITY, limits=(low, high)),
-        Axis("probability of complete penetration", limits=(-0.02, 1.02)),
+        charts.quantity_axis(VELOCITY, limits=(low, high)),
+        charts.Axis("probability of complete penetration", limits=(-0.02, 1.02)),
     )
-    return Chart("", (Panel(*axes, tuple(series), height=1.1),), " ".join(notes))
+    return charts.Chart("", (charts.Panel(*axes, tuple(series), height=1.1),), " ".join(notes))

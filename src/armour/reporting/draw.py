@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import singledispatch
 from io import BytesIO
-from math import nan
 from typing import Any
 
 import matplotlib as mpl
@@ -15,28 +14,13 @@ from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from armour.reporting.chart import (
-    INK,
-    SOFT,
-    Band,
-    Bars,
-    Chart,
-    Contours,
-    Line,
-    Map,
-    Numbers,
-    Panel,
-    Points,
-    Rule,
-    Series,
-    Spans,
-    printable_chart,
-)
+from armour.reporting import charts
 from armour.reporting.text import wrapped
 
 # Formats of files, with what keeps two files of a chart the same.
 METADATA: dict[str, Any] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 FONT, TITLE = 9.0, 10.0
+INK, SOFT = charts.PALETTE["ink"], charts.PALETTE["soft"]
 STYLE: Any = {
     "axes.axisbelow": True,
     "axes.edgecolor": INK,
@@ -77,9 +61,9 @@ class NotebookFigure(Figure):
         return saved(self, ".png", dpi=NOTEBOOK_DPI)
 
 
-def draw(chart: Chart, width: float | None = None) -> Figure:
+def draw(chart: charts.Chart, width: float | None = None) -> Figure:
     """Draw a chart in its own or another width, inches; the first axes are those of the panels, in their order."""
-    chart = printable_chart(chart)
+    chart = charts.printable_chart(chart)
     width = width or chart.width
     labels = [item.label for panel in chart.panels for item in panel.series if item.label]
     columns = _legend_columns(labels, width)
@@ -117,12 +101,12 @@ def _legend_columns(labels: Sequence[str], width: float) -> int:
     return max(1, min(3, len(labels), _characters(width, 8.0) // longest))
 
 
-def _height(panel: Panel, width: float) -> float:
+def _height(panel: charts.Panel, width: float) -> float:
     """Return the height of a panel, inches."""
     if panel.square:
         return width - SIDE_INCHES + LABELS_INCHES
     if panel.y.categories:
-        slots = max((item.slots for item in panel.series if isinstance(item, Bars)), default=1)
+        slots = max((item.slots for item in panel.series if isinstance(item, charts.Bars)), default=1)
         lines = max(_category(name).count("\n") + 1 for name in panel.y.categories)
         row = max(BAR_INCHES * slots + ROW_INCHES, LINE_INCHES * lines)
         return LABELS_INCHES + row * len(panel.y.categories)
@@ -133,7 +117,7 @@ def _category(name: str) -> str:
     return "\n".join(wrapped(name, CATEGORY_CHARACTERS)) or name
 
 
-def _draw_panel(axes: Axes, panel: Panel) -> None:
+def _draw_panel(axes: Axes, panel: charts.Panel) -> None:
     if panel.x.limits is not None:
         axes.set_xlim(panel.x.limits)
     if panel.y.limits is not None:
@@ -141,7 +125,7 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
     for item in panel.series:
         # A label that begins with an underscore has no place in a legend.
         label = f" {item.label}" if item.label.startswith("_") else item.label
-        _draw_series(replace(item, label=label), axes)
+        _draw_series(replace(item, label=label, colour=charts.PALETTE[item.colour]), axes)
     if panel.x.from_zero:
         axes.set_xlim(left=0.0)
     if panel.y.from_zero:
@@ -157,32 +141,34 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
     _label_contours(axes)
 
 
-def _floats(values: Numbers) -> list[float]:
-    return [nan if value is None else value for value in values]
-
-
 @singledispatch
-def _draw_series(item: Series, _axes: Axes) -> None:
+def _draw_series(item: charts.Series, _axes: Axes) -> None:
     """Draw a series into axes."""
     raise TypeError(f"must be a series, found {type(item).__name__}")
 
 
 @_draw_series.register
-def _(item: Line, axes: Axes) -> None:
-    style: Any = {"color": item.colour, "linestyle": item.style, "linewidth": item.width, "markerfacecolor": "none"}
-    axes.plot(_floats(item.x), _floats(item.y), marker=item.marker, markersize=5.0, label=item.label, **style)
+def _(item: charts.Line, axes: Axes) -> None:
+    style: Any = {
+        "color": item.colour,
+        "linestyle": item.style,
+        "linewidth": item.width,
+        "markerfacecolor": "none",
+    }
+    style |= {"marker": item.marker, "markersize": 5.0, "label": item.label}
+    axes.plot(np.array(item.x, float), np.array(item.y, float), **style)
 
 
 @_draw_series.register
-def _(item: Points, axes: Axes) -> None:
-    x, y = np.array(_floats(item.x)), np.array(_floats(item.y))
+def _(item: charts.Points, axes: Axes) -> None:
+    x, y = np.array(item.x, float), np.array(item.y, float)
     # Markers on an edge are not cut, so that those beyond fixed limits must be left out.
     for values, limits, free in (
         (x, axes.get_xlim(), axes.get_autoscalex_on()),
         (y, axes.get_ylim(), axes.get_autoscaley_on()),
     ):
         if not free:
-            values[(values < limits[0]) | (values > limits[1])] = nan
+            values[(values < limits[0]) | (values > limits[1])] = np.nan
     for ends, values, axis in ((item.x_ends, x, "xerr"), (item.y_ends, y, "yerr")):
         if ends:
             low, high = np.array(ends).T
@@ -190,7 +176,13 @@ def _(item: Points, axes: Axes) -> None:
             lengths = np.array([values - low, high - values]).tolist()
             bars: Any = {axis: lengths, "fmt": "none", "ecolor": item.colour, "capsize": 3.0}
             axes.errorbar(x, y, **bars)
-    style: Any = {"color": item.colour, "markersize": item.size, "linestyle": "none", "clip_on": False, "zorder": 4}
+    style: Any = {
+        "color": item.colour,
+        "markersize": item.size,
+        "linestyle": "none",
+        "clip_on": False,
+        "zorder": 4,
+    }
     if not item.filled:
         style["markerfacecolor"] = "none"
     elif item.marker == "*" or item.label:
@@ -199,26 +191,26 @@ def _(item: Points, axes: Axes) -> None:
 
 
 @_draw_series.register
-def _(item: Band, axes: Axes) -> None:
-    low, high = _floats(item.low), _floats(item.high)
-    axes.fill_between(_floats(item.x), low, high, color=item.colour, alpha=0.3, linewidth=0, label=item.label or None)
+def _(item: charts.Band, axes: Axes) -> None:
+    style: Any = {"color": item.colour, "alpha": 0.3, "linewidth": 0, "label": item.label or None}
+    axes.fill_between(*np.array([item.x, item.low, item.high], float), **style)
 
 
 @_draw_series.register
-def _(item: Bars, axes: Axes) -> None:
-    starts, ends = np.array(_floats(item.starts)), np.array(_floats(item.ends))
+def _(item: charts.Bars, axes: Axes) -> None:
+    starts, ends = np.array(item.starts, float), np.array(item.ends, float)
     style: Any = {"height": 0.8 / item.slots, "color": item.colour, "label": item.label or None}
-    axes.barh(bar_places(item), ends - starts, left=starts, **style)
+    axes.barh(item.places, ends - starts, left=starts, **style)
 
 
 @_draw_series.register
-def _(item: Rule, axes: Axes) -> None:
+def _(item: charts.Rule, axes: Axes) -> None:
     draw_line = axes.axvline if item.vertical else axes.axhline
     draw_line(item.at, color=item.colour, linestyle=item.style, linewidth=1.0, label=item.label or None)
 
 
 @_draw_series.register
-def _(item: Spans, axes: Axes) -> None:
+def _(item: charts.Spans, axes: Axes) -> None:
     for start, end in list(zip(item.starts, item.ends, strict=True))[::2]:
         axes.axvspan(start, end, color=SOFT, alpha=0.18, linewidth=0)
     low, high = axes.get_xlim()
@@ -230,8 +222,8 @@ def _(item: Spans, axes: Axes) -> None:
 
 
 @_draw_series.register
-def _(item: Map, axes: Axes) -> None:
-    z = np.ma.masked_invalid([_floats(row) for row in item.z])
+def _(item: charts.Map, axes: Axes) -> None:
+    z = np.ma.masked_invalid(np.array(item.z, float))
     # The light part of the scale alone, on which lines and labels are legible.
     colours = ListedColormap(mpl.colormaps["Blues"](np.linspace(0.02, 0.5, 256)))
     axes.grid(visible=False)
@@ -240,8 +232,8 @@ def _(item: Map, axes: Axes) -> None:
 
 
 @_draw_series.register
-def _(item: Contours, axes: Axes) -> None:
-    z = np.ma.masked_invalid([_floats(row) for row in item.z])
+def _(item: charts.Contours, axes: Axes) -> None:
+    z = np.ma.masked_invalid(np.array(item.z, float))
     levels = MaxNLocator(item.levels).tick_values(z.min(), z.max())
     inside = levels[(levels > z.min()) & (levels < z.max())]
     axes.contour(item.x, item.y, z, levels=inside, colors=item.colour, linewidths=0.8, linestyles=item.style)
@@ -274,11 +266,6 @@ def _distances(points: Any, others: Any) -> Any:
     return np.linalg.norm(points[:, None] - others, axis=2).min(axis=1, initial=np.inf)
 
 
-def bar_places(item: Bars) -> Any:
-    """Return where the bars of a series are on the y axis."""
-    return np.arange(len(item.ends)) + 0.8 * ((item.slot + 0.5) / item.slots - 0.5)
-
-
 def saved(figure: Figure, suffix: str, **options: Any) -> bytes:
     """Return a figure as a file of the format that the suffix names, a key of `METADATA`."""
     content = BytesIO()
@@ -287,6 +274,6 @@ def saved(figure: Figure, suffix: str, **options: Any) -> bytes:
     return content.getvalue()
 
 
-def rendered(chart: Chart, suffix: str) -> bytes:
+def rendered(chart: charts.Chart, suffix: str) -> bytes:
     """Return a chart as a file of the format that the suffix names, a key of `METADATA`."""
     return saved(draw(chart), suffix)

@@ -1,23 +1,38 @@
-"""Charts as SVG within a page: in the page's colours, with the values of points shown on hover, focus and touch."""
+"""Reports and tables as HTML: one self-contained page without scripts, with its charts as SVG.
+
+The charts have the page's colours, and show the values of points on hover, focus and touch.
+"""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from math import dist, inf
-from typing import TYPE_CHECKING
+from itertools import product
+from math import dist, inf, isfinite
+from operator import mul
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
-from armour.reporting.chart import BLUE, INK, SOFT, Bars, Chart, Line, Panel, Points, Series, Spans, printable_chart
-from armour.reporting.plots import bar_places, draw, saved
-from armour.reporting.text import wrapped
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from armour.reporting.charts import PALETTE, Bars, Chart, Line, Panel, Points, Series, Spans, printable_chart
+from armour.reporting.report import Report
+from armour.reporting.table import Table
+from armour.reporting.text import printable_lines, unbroken, wrapped
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+# Heights of a heading and of a character of a note, in the points of a chart.
+HEADING_POINTS, NOTE_POINTS = 40.0, 0.2
+# Options of the command line, and names with a number, such as "6061-T6", at whose hyphens no line may end.
+OPTION = re.compile(r"(?<![\w-])--[a-z]+(-[a-z]+)*(?![\w-])")
+NAME = re.compile(r"(?<![\w-])(?=[\w-]*\d)\w+(-\w+)+(?![\w-])")
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 WIDTH_INCHES, POINTS_PER_INCH = 4.2, 72
 # Colours that follow the theme of the page.
-THEME = {INK: "var(--ink)", SOFT: "var(--soft)", BLUE: "var(--blue)"}
+THEME = {PALETTE[name]: f"var(--{name})" for name in ("ink", "soft", "blue")}
 # Points of a series with a tooltip, and their least distance on a curve and radius, points of 1/72 inch.
 MAX_POINTS, SPACING, RADIUS = 200, 4.0, 6.0
 # Height of a line of a tooltip and its distance from the point, points.
@@ -26,11 +41,60 @@ LINE_HEIGHT, ABOVE = 10.5, 8.0
 CHARACTER, LINE_CHARACTERS = 5.0, 54
 
 
+def html_report(report: Report) -> str:
+    """Format a report as HTML."""
+    drawn = [_drawn(chart, number) for number, chart in enumerate(report.charts, start=1) if chart.panels]
+    return _rendered("report.html", report=report, columns=_columns(drawn))
+
+
+def html_tables(tables: Iterable[Table | str]) -> str:
+    """Format tables and notes as HTML, which is a part of a page."""
+    return _rendered("notebook.html", tables=list(tables))
+
+
+def _rendered(template: str, **context: Any) -> str:
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"),
+        autoescape=True,
+        # Control characters are escaped, and no line of a text ends between a number and its unit.
+        finalize=lambda value: unbroken(printable_lines(value)) if type(value) is str else value,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"zip": zip, "whole": _whole, "printable": printable_lines, "unbroken": unbroken}
+    return environment.get_template(template).render(context) + "\n"
+
+
+def _whole(text: str) -> Markup:
+    """Return a text with marks on options and names, so that no line ends within one."""
+    marked = NAME.sub(r"<span>\g<0></span>", str(escape(printable_lines(text))))
+    return Markup(OPTION.sub(r"<code>\g<0></code>", marked))
+
+
+def _drawn(chart: Chart, number: int) -> dict[str, Any]:
+    """Return a chart as the template shows it, with its height in points."""
+    svg = inline_svg(chart, f"chart{number}")
+    *_, height = svg.partition('viewBox="')[2].partition('"')[0].split()
+    points = HEADING_POINTS + NOTE_POINTS * len(chart.note) + float(height)
+    return {"number": number, "chart": chart, "svg": Markup(svg), "height": points}
+
+
+def _columns(drawn: list[dict[str, Any]]) -> list[list[dict[str, Any]]]:
+    """Share charts between two columns of as nearly the same height as possible."""
+    heights = [chart["height"] for chart in drawn]
+    signs = min(product((1, -1), repeat=len(drawn)), key=lambda signs: abs(sum(map(mul, signs, heights))))
+    return [[chart for chart, own in zip(drawn, signs, strict=True) if own == sign] for sign in (1, -1)]
+
+
 def inline_svg(chart: Chart, name: str) -> str:
     """Return a chart without its title and note as an SVG element.
 
     The name is the prefix of the element's identifiers, different for every chart of a page.
     """
+    # Imported here, as it is slow, and not every page has charts.
+    from armour.reporting.draw import draw, saved
+
     chart = printable_chart(chart)
     figure = draw(replace(chart, title="", note=""), WIDTH_INCHES)
     figure.set_dpi(POINTS_PER_INCH)
@@ -86,11 +150,11 @@ def _values(panel: Panel, item: Series) -> Iterator[tuple[float, float, str]]:
     """Give the points of a series in data coordinates, with their words: those of the series, or else their values."""
     if isinstance(item, Line | Points):
         for index, (x, y) in enumerate(zip(item.x, item.y, strict=True)):
-            if x is not None and y is not None:
+            if x is not None and y is not None and isfinite(y):
                 values = f"{item.label or panel.y.label}: {panel.y.text(y)}\n{panel.x.label} {panel.x.text(x)}"
                 yield x, y, item.text[index] if item.text else values
     elif isinstance(item, Bars):
-        for index, (start, end, place) in enumerate(zip(item.starts, item.ends, bar_places(item), strict=True)):
+        for index, (start, end, place) in enumerate(zip(item.starts, item.ends, item.places, strict=True)):
             if start is not None and end is not None and start != end:
                 values = f"{panel.y.categories[index]}\n{item.label}: {panel.x.label} {panel.x.text(end)}"
                 yield 0.5 * (start + end), place, item.text[index] if item.text else values

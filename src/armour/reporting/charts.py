@@ -1,0 +1,297 @@
+"""Description of a chart: axes and series, independent of how they are drawn, and those that several charts have.
+
+Numbers of series are sequences of equal length; None or NaN is a gap.  On hover a point shows its values or its
+``text``.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from armour.analysis.quantities import label_and_unit
+from armour.analysis.results import Result
+from armour.errors import InputError, Problem
+from armour.reporting.text import number, percent, printable_lines
+from armour.scenario.inputs import VELOCITY
+
+# The palette of Okabe and Ito, which colour-blind readers can tell apart, and the colours of text and reference lines.
+PALETTE = {
+    "blue": "#0072b2",
+    "vermilion": "#d55e00",
+    "green": "#009e73",
+    "orange": "#e69f00",
+    "purple": "#cc79a7",
+    "ink": "#16191c",
+    "soft": "#80868c",
+}
+# Colours of series one after the other.
+COLOURS = tuple(PALETTE)[:6]
+Style = str | tuple[int, tuple[int, ...]]
+# Line styles and markers that go with the colours, so that series differ in more than colour.
+STYLES: tuple[Style, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
+MARKERS = ("o", "s", "^", "D", "v", "P")
+
+Numbers = Sequence[float | None]
+# Width of a column of a two-column page, inches.
+COLUMN_INCHES = 3.45
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis: a quantity in words and its unit, or the names of rows of bars, the first on top."""
+
+    label: str = ""
+    unit: str = ""
+    from_zero: bool = False
+    limits: tuple[float, float] | None = None
+    categories: tuple[str, ...] = ()
+    spec: str = ".5g"  # format specification of values
+
+    @property
+    def heading(self) -> str:
+        """Return the label with its unit."""
+        return f"{self.label}, {self.unit}" if self.unit else self.label
+
+    def text(self, value: float) -> str:
+        """Return a value with its unit."""
+        return f"{number(value, self.spec)} {self.unit}".rstrip()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Series:
+    """What all series have: their name in the legend, their colour, and the words of each point."""
+
+    label: str = ""
+    colour: str = "blue"  # of the palette
+    text: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Line(Series):
+    """A curve."""
+
+    x: Numbers
+    y: Numbers
+    style: Style = "-"
+    width: float = 1.6
+    marker: str = ""
+
+
+@dataclass(frozen=True)
+class Points(Series):
+    """Separate points, with the ends of their error bars where they have some."""
+
+    x: Numbers
+    y: Numbers
+    marker: str = "o"
+    size: float = 5.0
+    filled: bool = True
+    x_ends: tuple[tuple[float, float], ...] = ()
+    y_ends: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True)
+class Bars(Series):
+    """Horizontal bars, one for each category of the y axis; ``slot`` of ``slots`` bars that share a row."""
+
+    starts: Numbers
+    ends: Numbers
+    slot: int = 0
+    slots: int = 1
+
+    @property
+    def places(self) -> list[float]:
+        """Where the bars are on the y axis, on which categories are 1 apart."""
+        return [index + 0.8 * ((self.slot + 0.5) / self.slots - 0.5) for index in range(len(self.ends))]
+
+
+@dataclass(frozen=True)
+class Band(Series):
+    """The area between two curves."""
+
+    x: Numbers
+    low: Numbers
+    high: Numbers
+
+
+@dataclass(frozen=True)
+class Rule(Series):
+    """A reference line across the panel."""
+
+    at: float
+    style: Style = "-"
+    vertical: bool = True
+
+
+@dataclass(frozen=True)
+class Spans(Series):
+    """Ranges of an x axis with limits, shaded in turn and named where there is room."""
+
+    starts: Sequence[float]
+    ends: Sequence[float]
+    names: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Map(Series):
+    """A quantity over a grid, as colours; ``z[j][i]`` belongs to ``x[i]`` and ``y[j]``."""
+
+    x: Sequence[float]
+    y: Sequence[float]
+    z: Sequence[Numbers]
+    heading: str = ""
+
+
+@dataclass(frozen=True)
+class Contours(Series):
+    """Labelled lines of equal value over a grid."""
+
+    x: Sequence[float]
+    y: Sequence[float]
+    z: Sequence[Numbers]
+    style: str = "solid"
+    levels: int = 6
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Axes with their series, in the order in which they are drawn."""
+
+    x: Axis
+    y: Axis
+    series: tuple[Series, ...]
+    title: str = ""
+    height: float = 1.0  # as a part of an ordinary panel's; rows of bars add to it
+    square: bool = False  # both axes have the same scale and limits
+    shares_x: bool = False  # the x axis is that of the panel above
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A chart: panels below each other, with one legend, and a note such as the meaning of names in it."""
+
+    title: str
+    panels: tuple[Panel, ...]
+    note: str = ""
+    width: float = 5.2  # of a file, inches
+
+    def headed(self, lines: Sequence[str]) -> "Chart":
+        """Return the chart with lines above its title."""
+        return replace(self, title="\n".join(filter(None, (*lines, self.title))))
+
+
+def printable_chart(chart: Any) -> Any:
+    """Return a chart, or a part of one, with the control characters of its texts escaped; line ends stay."""
+    if isinstance(chart, str):
+        return printable_lines(chart)
+    if isinstance(chart, tuple):
+        return tuple(printable_chart(part) for part in chart)
+    if is_dataclass(chart) and not isinstance(chart, type):
+        return replace(chart, **{field.name: printable_chart(getattr(chart, field.name)) for field in fields(chart)})
+    return chart
+
+
+def quantity_axis(name: str, **options: Any) -> Axis:
+    """Return the axis of a quantity, an input or a key of a scenario, in words."""
+    words, unit = label_and_unit(name)
+    return Axis(words, unit, **options)
+
+
+def velocity_rule(label: str, velocity: float, colour: str, style: Style = "-") -> Rule:
+    """Return a line at a velocity, with its value in the legend."""
+    return Rule(velocity, style, label=f"{label} {velocity:.1f} m/s", colour=colour)
+
+
+def residual_velocity_panel(series: Iterable[Series], limits: tuple[float, float] | None = None) -> Panel:
+    """Describe residual over impact velocity."""
+    x = quantity_axis(VELOCITY, limits=limits)
+    return Panel(x, quantity_axis("residual_velocity_m_s", from_zero=True), tuple(series), height=1.2)
+
+
+def look_of(index: int) -> dict[str, Any]:
+    """Return colour and marker of one of several series; when colours repeat, they have other markers."""
+    turn, colour = divmod(index, len(COLOURS))
+    return {"colour": COLOURS[colour], "marker": MARKERS[(colour + turn) % len(MARKERS)]}
+
+
+def agreement_panel(
+    quantity: str, word: str, groups: Mapping[str, Sequence[tuple[str, str, float, float, float]]], part: float = 0.0
+) -> Panel:
+    """Describe computed over known values, with lines of agreement and, on request, a part away from it.
+
+    Each group has points of a name, the word for the known value, this value, the computed one, and the standard
+    deviation of the known value, 0 where none is given.
+    """
+    axis = quantity_axis(quantity)
+    series: list[Series] = []
+    for index, (group, points) in enumerate(groups.items()):
+        text = tuple(
+            f"{n}\n{w} {axis.text(k)}{f' ± {axis.text(s)}' if s else ''}, computed {axis.text(c)}"
+            for n, w, k, c, s in points
+        )
+        known, computed = [point[2] for point in points], [point[3] for point in points]
+        ends = tuple((k - s, k + s) for *_, k, _, s in points) if any(point[4] for point in points) else ()
+        series.append(Points(known, computed, filled=False, x_ends=ends, label=group, text=text, **look_of(index)))
+    span = widened(end for points in groups.values() for *_, k, c, s in points for end in (k - s, k + s, c))
+    lines = [(1.0, "agreement", "-")]
+    if part:
+        # Few points that are near each other are shown with the lines beside them.
+        margin = part * span[1] if span[1] - span[0] < part * span[1] else 0.0
+        span = span[0] - margin, span[1] + margin
+        lines += [(1.0 - part, f"± {percent(part)}", ":"), (1.0 + part, "", ":")]
+    for factor, label, style in lines:
+        across = [factor * end for end in span]
+        series.append(Line(span, across, style, 0.8, label=label, colour="ink", text=("", "")))
+    x, y = (replace(axis, label=f"{prefix} {axis.label}", limits=span) for prefix in (word, "computed"))
+    return Panel(x, y, tuple(series), square=True)
+
+
+def widened(values: Iterable[float]) -> tuple[float, float]:
+    """Return the range of values, a little wider than it is."""
+    found = list(values)
+    margin = 0.05 * (max(found) - min(found)) or 0.05 * abs(found[0]) or 1.0
+    return min(found) - margin, max(found) + margin
+
+
+def grouped(items: Iterable[Any], key: Callable[[Any], str]) -> dict[str, list[Any]]:
+    """Return items by a key."""
+    groups: dict[str, list[Any]] = {}
+    for item in items:
+        groups.setdefault(key(item), []).append(item)
+    return groups
+
+
+def bars_panel(
+    x: Axis, names: tuple[str, ...], values: Mapping[str, Sequence[float | None]], title: str = "", start: float = 0.0
+) -> Panel:
+    """Describe several values of each name as bars side by side; from a start other than zero, in one row."""
+    series: list[Series] = [Rule(start, colour="ink")]
+    for slot, (label, ends) in enumerate(values.items()):
+        place = (slot, len(values)) if start == 0.0 else (0, 1)
+        series.append(Bars([start] * len(ends), ends, *place, label=label, colour=COLOURS[slot % len(COLOURS)]))
+    return Panel(x, Axis(categories=names), tuple(series), title)
+
+
+def on_grid(x: Any, y: Any, values: Any) -> tuple[Any, Any, Any]:
+    """Return the different x and y of points in order, and their values, z[j, i] at x[i] and y[j]; NaN without one."""
+    xs, ys = np.unique(x), np.unique(y)
+    z = np.full((len(ys), len(xs)), np.nan)
+    z[np.searchsorted(ys, y), np.searchsorted(xs, x)] = values
+    return xs, ys, z
+
+
+def map_series(x: Any, y: Any, z: Any, heading: str, label: str, levels: int) -> list[Series]:
+    """Describe values over a grid as colours, with labelled lines of equal value where they differ."""
+    series: list[Series] = [Map(x, y, z, heading)]
+    if min(z.shape) > 1 and np.isfinite(z).any() and np.nanmin(z) < np.nanmax(z):
+        series.append(Contours(x, y, z, levels=levels, label=label, colour="ink"))
+    return series
+
+
+def needed(result: Result, key: str) -> Any:
+    """Return what a chart shows beside the result, its scenario or its shots; only a result made by hand has none."""
+    if (value := result._question.get(key)) is None:
+        raise InputError([Problem("plot", key, "must be given to draw this result")])
+    return value
