@@ -4,26 +4,24 @@ import os
 import secrets
 import shutil
 import stat
-import sys
 import tomllib
 import unicodedata
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from contextvars import ContextVar
-from errno import EINVAL
 from os import PathLike
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from armour.errors import ArmourError, InputError, Problem, refuse, suggestion
+from armour.errors import ArmourError, InputError, Problem, suggestion
 
 # Beginnings of a cell that a spreadsheet takes for a formula.
 FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
 
 # Longer than any scenario or library; a device such as /dev/zero has no end.
 MAX_BYTES = 10_000_000
-# Deeper than any table; TOML has integers of 64 bits.
-MAX_DEPTH, MAX_INTEGER = 50, 2**63
+# Deeper than any table.
+MAX_DEPTH = 50
 
 _PACKAGE = Path(__file__).resolve().parent
 _CHECKOUT = _PACKAGE.parent.parent
@@ -67,11 +65,6 @@ def located(path: Path, known: Mapping[str, Path], listed: str = "") -> Path:
             hint = suggestion(path.with_suffix("").as_posix(), [*known]) or suggestion(path.stem, [*known])
             raise InputError([Problem(str(path), "", f"cannot be read: {reason(error)}{hint}{listed}")]) from None
     return known[name]
-
-
-def exists(path: str | PathLike[str]) -> bool:
-    """Return whether there is a file or folder of a name, which may be none that the system allows."""
-    return os.path.exists(path)
 
 
 def table_file(path: str | PathLike[str]) -> Path:
@@ -135,37 +128,29 @@ def parse_toml(text: str, file: str) -> dict[str, Any]:
     """Parse a text in TOML; `file` is its name in messages."""
     try:
         data = tomllib.loads(text)
-        _check_sizes(data)
+        if _depth(data) > MAX_DEPTH:
+            raise RecursionError
         return data
-    except tomllib.TOMLDecodeError as error:
-        message = f"must be valid TOML, found an error: {error}"
     except RecursionError:
         message = "must be valid TOML, found values nested too deeply"
-    except ValueError:
-        message = "must be valid TOML, found a whole number of more than 64 bits"
+    except ValueError as error:
+        message = f"must be valid TOML, found an error: {error}"
     raise InputError([Problem(file, "", message)])
 
 
-def _check_sizes(value: object, depth: int = 0) -> None:
-    """Raise a RecursionError or a ValueError for data nested too deeply or an integer that is too long."""
-    if depth > MAX_DEPTH:
-        raise RecursionError
-    if isinstance(value, int) and not -MAX_INTEGER <= value < MAX_INTEGER:
-        raise ValueError
-    for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
-        _check_sizes(inner, depth + 1)
+def _depth(value: object) -> int:
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return 1 + max(map(_depth, inner), default=0)
 
 
 def printable(text: str) -> str:
     """Escape the control characters of a text from a file, line ends among them."""
-    return text if text.isprintable() else "".join(_shown(character) for character in text)
-
-
-def _shown(character: str) -> str:
-    # Categories C: control, format, surrogate, private and unassigned; Zl and Zp: separators of lines and paragraphs.
-    category = unicodedata.category(character)
-    hidden = category.startswith("C") or category in ("Zl", "Zp")
-    return character.encode("unicode_escape").decode("ascii") if hidden else character
+    return "".join(
+        character
+        if character.isprintable() or unicodedata.category(character) == "Zs"
+        else character.encode("unicode_escape").decode("ascii")
+        for character in text
+    )
 
 
 def csv_cell(text: str) -> str:
@@ -197,87 +182,59 @@ def unwritable(path: Path) -> list[Problem]:
 
 def _obstacle(path: Path) -> str:
     """Return why a file cannot be written; "" if it can."""
-    there, folder = _status(path), _target(path).parent
-    if there is not None and stat.S_ISDIR(there.st_mode):
+    target = _target(path)
+    if target.is_dir():
         return "is a folder"
-    if not folder.is_dir():
+    if not target.parent.is_dir():
         return f"there is no folder {path.parent}"
-    needed = [*([path] if there is not None else []), *([folder] if _is_replaced(there) else [])]
+    needed = [*([target] if target.exists() else []), *([target.parent] if _is_replaced(target) else [])]
     return "" if all(os.access(name, os.W_OK) for name in needed) else "permission denied"
 
 
-def _status(path: Path) -> os.stat_result | None:
-    """Return the status of a file, or of what a symbolic link leads to; None if there is none."""
-    try:
-        return os.stat(path)
-    except FileNotFoundError:
-        return None
-
-
 def _target(path: Path) -> Path:
+    """Return the file that a path, or the last of its symbolic links, names; raise an OSError where there is none."""
+    with suppress(FileNotFoundError):
+        os.stat(path)  # a loop of links, or a name that is too long
     return Path(os.path.realpath(path))
 
 
-def _is_replaced(there: os.stat_result | None) -> bool:
-    """Return whether a file of this status is replaced by a new one; devices and pipes are written to."""
-    return there is None or stat.S_ISREG(there.st_mode)
+def _is_replaced(target: Path) -> bool:
+    """Return whether a file is replaced by a new one; devices and pipes are written to."""
+    return target.is_file() or not target.exists()
 
 
-def content_of(path: Path) -> bytes | None:
-    """Return the content of a file; None if there is no such file."""
-    return path.read_bytes() if path.exists() else None
-
-
-def write_files(contents: Mapping[Path, bytes], read: Mapping[Path, bytes | None] | None = None) -> None:
+def write_files(contents: Mapping[Path, bytes]) -> None:
     """Write files: each whole or not at all, and none of them if one cannot be written.
 
     All are written under other names before any is renamed.  The target of a symbolic link is replaced, and the new
-    file has its permissions; devices and pipes are written to.  Raise an InputError with every failure, such as a file
-    that no longer has the content that was ``read``.
+    file has its permissions; devices and pipes are written to.  Raise an InputError if one cannot be written.
     """
-    problems: list[Problem] = []
-    temporaries: dict[Path, Path] = {}
+    new: dict[Path, Path] = {}
+    path = Path()
     try:
         for path, content in contents.items():
-            with _collected(path, problems):
-                if _is_replaced(_status(path)):
-                    temporaries[path] = _target(path).with_name(f".armour-{secrets.token_hex(8)}")
-                    _write_new(temporaries[path], content, like=_target(path))
-        for path in sorted(contents, key=temporaries.__contains__):
-            refuse(problems)
-            with _collected(path, problems):
-                if read and path in read and content_of(path) != read[path]:
-                    raise ValueError("it has changed since it was read; repeat the command")
-                if path in temporaries:
-                    os.replace(temporaries[path], _target(path))
-                else:
-                    # A reader that goes away wants no more.
-                    with suppress(BrokenPipeError):
-                        path.write_bytes(contents[path])
-        refuse(problems)
-    finally:
-        for temporary in temporaries.values():
-            with suppress(OSError):
-                temporary.unlink()
-
-
-@contextmanager
-def _collected(path: Path, problems: list[Problem]) -> Iterator[None]:
-    """Add the error of writing a file, if there is one, to problems."""
-    try:
-        yield
+            target = _target(path)
+            if _is_replaced(target):
+                new[path] = target.with_name(f".armour-{secrets.token_hex(8)}")
+                with new[path].open("xb") as file:
+                    if target.exists():
+                        shutil.copymode(target, new[path])
+                    file.write(content)
+                    file.flush()
+                    os.fsync(file.fileno())
+        for path in sorted(contents, key=new.__contains__):
+            if path in new:
+                new[path].replace(_target(path))
+            else:
+                # A reader that goes away wants no more.
+                with suppress(BrokenPipeError):
+                    path.write_bytes(contents[path])
     except (OSError, ValueError) as error:
-        problems.append(Problem(str(path), "", f"cannot be written: {reason(error)}"))
-
-
-def _write_new(path: Path, content: bytes, *, like: Path) -> None:
-    """Write a new file and see it on disk; it has the permissions of another, if that exists."""
-    with open(path, "xb") as file:
-        if like.exists():
-            shutil.copymode(like, path)
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
+        raise InputError([Problem(str(path), "", f"cannot be written: {reason(error)}")]) from None
+    finally:
+        for part in new.values():
+            with suppress(OSError):
+                part.unlink()
 
 
 def make_private(folder: Path) -> bool:
@@ -287,16 +244,3 @@ def make_private(folder: Path) -> bool:
     status = folder.lstat()
     is_own = not hasattr(os, "geteuid") or (status.st_uid == os.geteuid() and not status.st_mode & 0o022)
     return stat.S_ISDIR(status.st_mode) and is_own
-
-
-def sync_folder(path: Path) -> None:
-    """See the names of the files in a folder on disk; Windows does so itself."""
-    if sys.platform != "win32":
-        handle = os.open(path, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        except OSError as error:
-            if error.errno != EINVAL:  # a file system without this
-                raise
-        finally:
-            os.close(handle)

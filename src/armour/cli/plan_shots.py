@@ -2,6 +2,7 @@
 
 from contextlib import nullcontext
 from functools import partial
+from os.path import exists
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -13,7 +14,6 @@ from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, a
 from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, warnings_of
 from armour.cli.scenario_commands import LIMIT
 from armour.errors import InputError, Problem
-from armour.files import content_of, exists
 
 EXAMPLES = (
     "plan shots wilkins",
@@ -95,7 +95,7 @@ def plan_of_shots(
     as_json: AsJson = False,
 ) -> None:
     """Plan the next shot of a V50 firing, given the shots so far."""
-    from armour.planning.firing import ABSURD_FACTOR, added, locked, plan_shots, with_shot
+    from armour.planning.firing import ABSURD_FACTOR, added, content_of, locked, plan_shots, with_shot
     from armour.reporting.views import planned_shots as view
     from armour.statistics.v50 import RESULTS, Shots, read_shots
 
@@ -126,7 +126,7 @@ def plan_of_shots(
     content: bytes | None = None
     far: list[str] = []
     with locked(updated) if updated is not None else nullcontext():
-        read = {} if updated is None else {updated: content_of(updated)}
+        read = None if updated is None else content_of(updated)
         fired = Shots((), (), str(table or "shots"))
         if table is not None and exists(table):
             fired = read_shots(table, one_kind=True)
@@ -158,16 +158,22 @@ def plan_of_shots(
                 true_scatter_m_s=true_scatter_m_s,
                 on_progress=count,
             )
+
+        def longer() -> bytes | None:
+            if updated is not None and content_of(updated) != read:
+                message = "cannot be written: it has changed since it was read; repeat the command"
+                raise InputError([Problem(str(updated), "", message)])
+            return content
+
         respond(
             plan.to_dict(),
             view.tables(plan),
             as_json=as_json,
             of=plan._heading(),
-            files=[(updated, lambda: content)],
+            files=[(updated, longer)],
             plot=plot,
             chart=lambda: view.chart(plan),
             warnings=warnings_of(loaded, (*far, *plan.warnings)),
-            read=read,
         )
 
 

@@ -1,5 +1,6 @@
 """``armour plan tests``."""
 
+from os.path import exists
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -11,7 +12,7 @@ from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, o
 from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, say_if_compiling
 from armour.cli.sweep import grid_of
 from armour.errors import InputError, Problem
-from armour.files import exists, table_file
+from armour.files import table_file
 
 if TYPE_CHECKING:
     from armour.sweeps.cases import Cases, Grid

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import copy_context
+from os.path import exists
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +20,6 @@ from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, 
 from armour.files import (
     check_unreserved,
     decoded,
-    exists,
     parse_toml,
     read_text,
     reserve,
@@ -152,14 +152,12 @@ def respond(
     plot: Path | None = None,
     chart: Callable[[], Any] | None = None,
     warnings: Iterable[str] = (),
-    read: Mapping[Path, bytes | None] | None = None,
 ) -> None:
     """Write the files that are asked for, show an answer as tables or JSON, and warn.
 
     ``files`` are paths with functions that make the contents, or None where there is nothing to write.  ``chart`` makes
     the chart for ``plot``.  ``of`` are the lines above
-    tables and chart that say what was computed.  A file that no longer has the content that was ``read`` is not
-    written.
+    tables and chart that say what was computed.
     """
 
     def drawn() -> bytes | None:
@@ -173,7 +171,7 @@ def respond(
         for path, content in [*files, (plot, drawn)]:
             if path is not None and (made := content()) is not None:
                 contents[path] = _encoded(made)
-        write_files(contents, read)
+        write_files(contents)
     except ArmourError as error:
         failed = error
     # The answer is shown even if a file cannot be made or written.

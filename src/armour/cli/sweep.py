@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
+from os.path import exists
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,7 +14,6 @@ from armour.cli.console import progress, say
 from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, number, option
 from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, say_if_compiling
 from armour.errors import InputError, Problem
-from armour.files import exists
 
 if TYPE_CHECKING:
     from armour.sweeps.cases import Cases, Grid

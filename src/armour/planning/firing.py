@@ -18,7 +18,7 @@ from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import Result
 from armour.csv_files import read_csv
 from armour.errors import InputError, Problem, refuse
-from armour.files import content_of, reason
+from armour.files import reason
 from armour.planning.procedures import (
     PROCEDURES,
     ShotSettings,
@@ -397,6 +397,11 @@ def locked(path: Path) -> Iterator[None]:
         raise InputError([Problem(lock.lock_file, "", f"cannot be locked: {reason(error)}")]) from None
     with held:
         yield
+
+
+def content_of(path: Path) -> bytes | None:
+    """Return the content of a file; None if there is no such file."""
+    return path.read_bytes() if path.exists() else None
 
 
 def with_shot(path: Path, velocity_m_s: float, result: str) -> bytes:

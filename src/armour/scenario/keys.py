@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from armour.errors import Problem, refuse
-from armour.files import MAX_INTEGER
 
 Parts = tuple[str, ...]
 # More parts than any key of a scenario has; deeper tables exhaust the stack.
@@ -89,7 +88,7 @@ def describe(value: object) -> str:
         return "a table"
     if isinstance(value, list):
         return "a list"
-    if isinstance(value, int) and abs(value) >= MAX_INTEGER:
+    if isinstance(value, int) and abs(value) >= 2**63:
         return "a whole number of more than 64 bits"
     text = str(value)
     text = text if len(text) <= 40 else f"{text[:37]}..."

@@ -6,7 +6,7 @@ from functools import cache
 from importlib import import_module
 from operator import ge, gt, itemgetter, le, lt
 from os import PathLike
-from os.path import relpath
+from os.path import exists, relpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,7 +15,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Note, Problem, choices, refuse, suggestion
-from armour.files import exists, located, read_toml, shipped_files, shipped_suites, write_files
+from armour.files import located, read_toml, shipped_files, shipped_suites, write_files
 from armour.scenario.changes import changed
 from armour.scenario.checked import checked
 from armour.scenario.evidence import ModelError, armour_warnings, error_on_tests

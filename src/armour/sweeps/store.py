@@ -7,7 +7,7 @@ A folder beside the output, named after it with the suffix ``.parts``, which onl
 * ``0000000000000.npz`` and so on, each named after its first row, counted from 0: its columns and the warnings on its
   rows, with checksums.
 
-Files are written under another name, synced and renamed: a kill at any instant leaves each of them whole or missing.
+Files are written under another name and renamed: a kill at any instant leaves each of them whole or missing.
 A folder that exists is a sweep's if it has a job, or nothing but what precedes one; nothing else in it is touched.
 """
 
@@ -17,7 +17,7 @@ import os
 import re
 import secrets
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from hashlib import sha256
 from io import BytesIO, StringIO
@@ -29,7 +29,7 @@ import numpy as np
 from filelock import FileLock, Timeout
 
 from armour.errors import InputError, Problem, refuse
-from armour.files import csv_cell, csv_value, make_private, reason, sync_folder, unwritable, wrong_ending
+from armour.files import csv_cell, csv_value, make_private, reason, unwritable, wrong_ending
 
 RESUME = "repeat the same command to resume"
 # Rows of a row group of Parquet, whatever the size of a chunk.
@@ -94,9 +94,7 @@ class Store:
         """Start a job with chunks of a number of rows."""
         self.size = size
         with self._disk():
-            content = json.dumps({"job": self.job, "size": size}).encode()
-            self._write(self.folder / _JOB, lambda file: file.write(content))
-            sync_folder(self.output.parent)
+            self._write(self.folder / _JOB, json.dumps({"job": self.job, "size": size}).encode())
 
     def starts(self) -> list[int]:
         """Return the first rows of the chunks on disk, ascending."""
@@ -112,7 +110,7 @@ class Store:
         content = BytesIO()
         np.savez(content, *chunk.columns.values(), about=about)
         with self._disk():
-            self._write(self.path(start), lambda file: file.write(content.getbuffer()))
+            self._write(self.path(start), content.getvalue())
 
     def load(self, start: int, rows: Mapping[str, Any]) -> Chunk | None:
         """Read the chunk of some rows, given by key; None if it is not what was written for them."""
@@ -127,17 +125,13 @@ class Store:
 
     def finish(self, chunks: Iterable[Mapping[str, Any]]) -> None:
         """Write the table of some columns, a chunk after the other."""
-
-        def write(file: BinaryIO) -> None:
+        with self._disk(), self._new(self.output) as file:
             write_table(file, chunks, as_csv=self.is_csv)
             self._check_output()
-
-        with self._disk():
-            self._write(self.output, write)
         self._written = True
 
     def _acquire(self) -> None:
-        """Make the folder and lock it."""
+        """Make the folder and lock it; another process may be at work in it."""
         while True:
             with suppress(FileNotFoundError):  # another process has just finished and removed it
                 if not make_private(self.folder):
@@ -145,19 +139,15 @@ class Store:
                         "must be a folder of yours that no other user can write; choose another output, or move it"
                     )
                     raise _problem(self.folder, message)
-                self._check_free()
+                names = [path.name for path in self.folder.glob("*")]
+                others = [name for name in names if name != _LOCK and not _PART.fullmatch(name)]
+                if others and self._known() is None:
+                    message = f"holds files of something else, {others[0]} for one; choose another output, or move them"
+                    raise _problem(self.folder, message)
                 self._lock.acquire()
                 if (self.folder / _LOCK).exists():
                     return
                 self._lock.release()
-
-    def _check_free(self) -> None:
-        """Check that a sweep made the folder; another process may be at work in it."""
-        if self._known() is None:
-            for path in self.folder.glob("*"):
-                if not (_PART.fullmatch(path.name) or (path.name == _LOCK and not path.lstat().st_size)):
-                    message = f"holds files of something else, {path.name} for one; choose another output, or move them"
-                    raise _problem(self.folder, message)
 
     def _open(self) -> None:
         """Check that the folder and the output are this job's, or free."""
@@ -186,16 +176,20 @@ class Store:
         message = "does not say which sweep it belongs to; choose another output, or remove the folder to start anew"
         raise _problem(self.folder / _JOB, message)
 
-    def _write(self, path: Path, write: Callable[[BinaryIO], object]) -> None:
-        """Write a file and see it on disk."""
+    def _write(self, path: Path, content: bytes) -> None:
+        with self._new(path) as file:
+            file.write(content)
+
+    @contextmanager
+    def _new(self, path: Path) -> Iterator[BinaryIO]:
+        """Give a new file, which takes the place of another when it is whole."""
         part = self.folder / f".armour-{secrets.token_hex(8)}"
         try:
             with part.open("xb") as file:
-                write(file)
+                yield file
                 file.flush()
                 os.fsync(file.fileno())
             part.replace(path)
-            sync_folder(path.parent)
         finally:
             part.unlink(missing_ok=True)
 

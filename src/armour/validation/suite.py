@@ -6,6 +6,7 @@ from functools import cache
 from itertools import compress
 from math import inf
 from os import PathLike
+from os.path import exists
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -14,7 +15,7 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 from armour.analysis.quantities import label_and_unit
 from armour.csv_files import number
 from armour.errors import MAX_PROBLEMS, InputError, Problem, refuse, suggestion
-from armour.files import exists, read_toml, shipped, shipped_files, suite_file
+from armour.files import read_toml, shipped, shipped_files, suite_file
 from armour.scenario.checked import checked
 from armour.scenario.keys import canonical, describe, key_name, leaves, parts_of
 from armour.scenario.reach import check_reach, check_read, check_used, read_of
