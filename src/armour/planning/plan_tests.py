@@ -1,6 +1,6 @@
 """Plans of tests: which armours to test next, so that fitted inputs or the limit of a design become most certain."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isfinite, nan, sqrt
@@ -17,7 +17,7 @@ from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import check_keys, scenarios_of
 from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.results import TableResult, by_column
-from armour.analysis.variants import Floats, Ints
+from armour.analysis.variants import Floats
 from armour.errors import MAX_PROBLEMS, InputError, Problem, choices, refuse
 from armour.planning import optimal_design
 from armour.planning.optimal_design import Task
@@ -264,24 +264,47 @@ def plan_tests(
         message = f"must tell something of {', '.join(names)}, found none that does"
         raise InputError([Problem(rows.file, "", message)])
     basis = optimal_design.identified(known.base, informing)
-    found = _Chosen(basis, known, gradients[count:] * limits[count:, None], likelihood)
+    inputs = _determined(np.eye(len(basis)), basis)
+    targets = _determined(gradients[count:] * limits[count:, None], basis)  # m/s
     task = Task(
         base=basis.T @ known.base @ basis,
         rows=informing @ basis,
         costs=np.ones(count) if costs is None else costs,
-        targets=found.targets if criterion == "I" else None,
+        targets=targets if criterion == "I" else None,
     )
-    if criterion == "I" and np.isnan(found.targets).any():
+    if criterion == "I" and np.isnan(targets).any():
         message = 'must not be "I": the candidates do not determine the limit of a design'
         raise InputError([Problem("plan_tests", "criterion", message)])
     chosen = optimal_design.best_set(task, number)
     total = float(task.costs[chosen].sum())
     regular = not optimal_design.missing(task.information(chosen), task.rows)
     slopes = task.sensitivities(task.information(chosen)) / task.costs if regular else np.empty(0)
-    lacking = found.not_identified()
+    lacking = tuple(name for name, row in zip(names, inputs, strict=True) if np.isnan(row).any())
+    warnings = [*known.warnings]
+    if lacking:
+        warnings.append(
+            f"the candidates do not determine {', '.join(lacking)}: their limits depend on the inputs alike"
+        )
+    if number < (needed := optimal_design.missing(task.base, task.rows)):
+        warnings.append(f"{number} tests do not determine the inputs; at least {needed} do")
+    planned = []
+    for made in range(number + 1):
+        halves = _half_widths(task, chosen[:made], known, [*(inputs * likelihood.units[:, None]), *targets], measure)
+        last = chosen[made - 1]
+        planned.append(
+            PlannedTest(
+                number=made,
+                inputs=dict(rows.cells[last]) if made else dict.fromkeys(rows.cells[0], ""),
+                ballistic_limit_m_s=float(limits[last]) if made else None,
+                cost=float(costs[last]) if made and costs is not None else None,
+                total_cost=None if costs is None else float(sum(costs[chosen[:made]])),
+                half_widths=dict(zip(names, halves, strict=False)),
+                limit_half_widths_m_s=tuple(halves[len(names) :]),
+            )
+        )
     best = optimal_design.continuous(task, total) if regular and (criterion == "I" or not lacking) else None
     return PlannedTests(
-        planned=tuple(found.steps(task, chosen, rows, limits, costs, grows=measure == "limit")),
+        planned=tuple(planned),
         criterion=criterion,
         measure=measure,
         law=law or (law_of(all_rows.groups[0].scenario) if FLOW_STRESS in names else ""),
@@ -297,7 +320,7 @@ def plan_tests(
         candidates={key: tuple(cell[key] for cell in rows.cells) for key in rows.cells[0]},
         sensitivities=tuple((slopes / (slopes[chosen] @ task.costs[chosen] / total)).tolist() if regular else ()),
         confidence=CONFIDENCE,
-        warnings=(*known.warnings, *_warnings(lacking, number, task)),
+        warnings=tuple(warnings),
     )._of(subject_of(rows), scenario=scenario)
 
 
@@ -475,10 +498,13 @@ def _gradients(likelihood: Likelihood, x: Floats, count: int) -> tuple[Likelihoo
     problems = []
     for group in tests.groups:
         section = group.scenario.ballistic_limit
-        for row in group.where[_outside(limits[group.where], section.velocity_min_m_s, section.velocity_max_m_s)]:
-            must = f"must have a ballistic limit between {section.velocity_min_m_s:g} and {section.velocity_max_m_s:g}"
+        low, high = section.velocity_min_m_s, section.velocity_max_m_s
+        for row in group.where[~((limits[group.where] > low) & (limits[group.where] < high))]:
+            message = (
+                f"must have a ballistic limit between {low:g} and {high:g} m/s, the range of the search, found none"
+            )
             file, key = (tests.file, tests.names[row]) if row < count else (tests.names[row], "")
-            problems.append(Problem(file, key, f"{must} m/s, the range of the search, found none"))
+            problems.append(Problem(file, key, message))
     refuse(problems)
     measured = tuple(m._replace(value=float(limits[m.test])) for m in tests.measurements)
     scaled = likelihood._replace(tests=tests._replace(measurements=measured))
@@ -486,67 +512,24 @@ def _gradients(likelihood: Likelihood, x: Floats, count: int) -> tuple[Likelihoo
     return scaled, found, limits
 
 
-def _outside(limits: Floats, low: float, high: float) -> Ints:
-    return np.flatnonzero(~((limits > low) & (limits < high)))
+def _determined(vectors: Floats, basis: Floats) -> Floats:
+    """Return vectors, (m, k), in the directions that the tests determine, (k, r); NaN for those outside of these."""
+    found: Floats = vectors @ basis
+    outside = np.linalg.norm(vectors - found @ basis.T, axis=1) > OUTSIDE * np.linalg.norm(vectors, axis=1)
+    found[outside] = nan
+    return found
 
 
-class _Chosen:
-    """Expected half-widths after some of the chosen tests."""
-
-    def __init__(self, basis: Floats, known: _Knowledge, gradients: Floats, likelihood: Likelihood) -> None:
-        self.basis, self.known, self.names, self.units = basis, known, likelihood.names, likelihood.units
-        self.inputs = self._seen(np.eye(len(basis)))
-        self.targets = self._seen(gradients)  # m/s, (designs, r); NaN where not determined
-
-    def _seen(self, vectors: Floats) -> Floats:
-        """Return vectors, (m, k), in the directions that the tests determine; NaN for those outside of these."""
-        found: Floats = vectors @ self.basis
-        outside = np.linalg.norm(vectors - found @ self.basis.T, axis=1) > OUTSIDE * np.linalg.norm(vectors, axis=1)
-        found[outside] = nan
-        return found
-
-    def not_identified(self) -> tuple[str, ...]:
-        """Return the inputs that all candidates do not determine."""
-        return tuple(name for name, row in zip(self.names, self.inputs, strict=True) if np.isnan(row).any())
-
-    def steps(
-        self, task: Task, chosen: Sequence[int], rows: Tests, limits: Floats, costs: Floats | None, *, grows: bool
-    ) -> Iterator[PlannedTest]:
-        """Yield what is known before the tests and after each."""
-        total = 0.0
-        for number in range(len(chosen) + 1):
-            made = chosen[:number]
-            information = task.information(made)
-            last = made[-1] if made else None
-            total += 0.0 if costs is None or last is None else float(costs[last])
-            factor = self._factor(number if grows else 0)
-            if factor is None or optimal_design.missing(information, task.rows):
-                halves: list[float | None] = [None] * (len(self.inputs) + len(self.targets))
-            else:
-                every = np.vstack([self.inputs * self.units[:, None], self.targets])
-                variances = np.einsum("mr,rs,ms->m", every, np.linalg.inv(information), every)
-                halves = [factor * sqrt(value) if isfinite(value) else None for value in variances.tolist()]
-            yield PlannedTest(
-                number=number,
-                inputs=dict.fromkeys(rows.cells[0], "") if last is None else dict(rows.cells[last]),
-                ballistic_limit_m_s=None if last is None else float(limits[last]),
-                cost=None if costs is None or last is None else float(costs[last]),
-                total_cost=None if costs is None else total,
-                half_widths=dict(zip(self.names, halves[: len(self.names)], strict=True)),
-                limit_half_widths_m_s=tuple(halves[len(self.names) :]),
-            )
-
-    def _factor(self, more: int) -> float | None:
-        """Return the half-width of an interval over the standard error, given the number of further limits."""
-        tail = 0.5 * (1.0 + CONFIDENCE)
-        if self.known.freedom is None:
-            return float(norm.ppf(tail))
-        return float(t.ppf(tail, self.known.freedom + more))
-
-
-def _warnings(lacking: Sequence[str], number: int, task: Task) -> Iterable[str]:
-    """Give what the candidates do not determine."""
-    if lacking:
-        yield f"the candidates do not determine {', '.join(lacking)}: their limits depend on the inputs alike"
-    if number < (needed := optimal_design.missing(task.base, task.rows)):
-        yield f"{number} tests do not determine the inputs; at least {needed} do"
+def _half_widths(
+    task: Task, made: Sequence[int], known: _Knowledge, gradients: Sequence[Floats], measure: Measure
+) -> list[float | None]:
+    """Return the expected half-widths of the intervals of quantities with gradients, after tests are made."""
+    # Further limits tell how tests scatter, too.
+    freedom = known.freedom and known.freedom + (len(made) if measure == "limit" else 0)
+    information, tail = task.information(made), 0.5 * (1.0 + CONFIDENCE)
+    if optimal_design.missing(information, task.rows):
+        return [None] * len(gradients)
+    factor = float(norm.ppf(tail) if freedom is None else t.ppf(tail, freedom))
+    every = np.array(gradients)
+    variances = np.einsum("mr,rs,ms->m", every, np.linalg.inv(information), every)
+    return [factor * sqrt(value) if isfinite(value) else None for value in variances.tolist()]
