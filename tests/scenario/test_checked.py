@@ -35,16 +35,12 @@ def f(
         ({"scenario": "x"}, 'scenario: must be a Scenario, found the text "x"; load_scenario("x") reads one'),
         ({"path": 3}, "path: must be a mapping or a path, found 3"),
         ({"names": 5}, "names: must be a name or a sequence of names, found 5"),
-        ({"names": {}}, "names: must be a name or a sequence of names, found a dict"),
         ({"names": ["a", 5]}, "names: must be a sequence of names, found 5 in it"),
         ({"names": ["a", "a"]}, 'names: must not name anything twice, found the text "a" twice'),
-        ({"number": True}, "number: must be a whole number, found true"),
         ({"number": 0}, "number: must be at least 1, found 0"),
         ({"confidence": 0.2}, "confidence: must be at least 0.5, found 0.2"),
         ({"confidence": 95}, "confidence: must be at most 0.9999, found 95; did you mean 0.95?"),
-        ({"confidence": float("nan")}, "confidence: must be a finite number, found nan"),
         ({"law": "backin"}, 'law: must be "backing" or "ceramic", found the text "backin"; did you mean "backing"?'),
-        ({"limits": 3}, "limits: must be a list, found 3"),
         ({"limits": [3.0, "x"]}, 'limits[1]: must be a number, found the text "x"'),
         ({"prior": 1}, "prior: must be true or false, found 1"),
         ({"call": None}, "call: must be a function, found None"),
@@ -54,12 +50,6 @@ def test_a_wrong_argument(given: dict[str, Any], message: str):
     with pytest.raises(InputError) as error:
         f(**given)
     assert str(error.value) == f"f: {message}"
-
-
-def test_all_mistakes_at_once():
-    with pytest.raises(InputError) as error:
-        f("x", number=0)  # type: ignore[arg-type]
-    assert [problem.key for problem in error.value.problems] == ["scenario", "number"]
 
 
 def test_what_is_right_is_passed_on():

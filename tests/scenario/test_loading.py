@@ -60,132 +60,80 @@ def test_defaults():
     assert case.optimise is None
 
 
+AXIS = {"min": 2, "max": 3, "step": 0.5}
+
+
+def grid(ceramic: dict[str, float], backing: dict[str, float] = AXIS) -> dict[str, Any]:
+    return {"optimise": {"ceramic_thickness_mm": ceramic, "backing_thickness_mm": backing}}
+
+
+OF_GRID = "optimise.ceramic_thickness_mm"
+MINE = {"based_on": "AD85", "flow_stress_GPa": -1}
+
+
 @pytest.mark.parametrize(
-    ("key", "value", "message"),
+    ("changes", "message"),
     [
-        ("impact.velocity_m_s", -3, "must be greater than 0, found -3"),
-        ("impact.velocity_m_s", 0, "must be greater than 0, found 0"),
-        ("impact.velocity_m_s", float("inf"), "must be a finite number, found inf"),
-        ("impact.velocity_m_s", float("nan"), "must be a finite number, found nan"),
-        ("impact.velocity_m_s", "800", 'must be a number, found the text "800"'),
-        ("impact.velocity_m_s", True, "must be a number, found true"),
-        ("impact.velocity_m_s", [1], "must be a number, found a list"),
-        ("impact.velocity_m_s", 1e6, "must be at most 10000, found 1000000.0"),
-        ("impact.projectile", 7, "must be a text in quotes, found 7"),
+        ({"impact.velocity_m_s": -3}, "impact.velocity_m_s: must be greater than 0, found -3"),
+        ({"impact.velocity_m_s": float("inf")}, "impact.velocity_m_s: must be a finite number, found inf"),
+        ({"impact.velocity_m_s": "800"}, 'impact.velocity_m_s: must be a number, found the text "800"'),
+        ({"impact.velocity_m_s": True}, "impact.velocity_m_s: must be a number, found true"),
+        ({"impact.velocity_m_s": 1e6}, "impact.velocity_m_s: must be at most 10000, found 1000000.0"),
+        ({"impact.velocity_m_s": 5e-324}, "impact.velocity_m_s: must be at least 1e-09, found 4.94066e-324"),
+        ({"impact.velocity_m_s": 10**400}, "must be a number, found a whole number of more than 64 bits"),
+        ({"impact.projectile": 7}, "impact.projectile: must be a text in quotes, found 7"),
+        ({"impact.projectile": "7.62 mm"}, 'must name a projectile of the library, found "7.62 mm"; did you mean'),
+        ({"armour.ceramic": "AD86"}, 'must name a ceramic of the library, found "AD86"; did you mean "AD85"?'),
+        ({"armour.backing": "6061"}, 'must name a metal of the library, found "6061"; did you mean "6061-T6"?'),
+        ({"armour.ceramic_thickness_mm": -1.0}, "armour.ceramic_thickness_mm: must be at least 0, found -1.0"),
+        ({"armour.thickness_mm": 1.0}, "armour.thickness_mm: unknown key; did you mean"),
+        ({"model.shear_perimeter": "cone"}, 'must be "conoid" or "projectile", found the text "cone"'),
         (
-            "impact.projectile",
-            "7.62 mm",
-            'must name a projectile of the library, found "7.62 mm"; did you mean',
+            {"ballistic_limit.velocity_max_m_s": 20},
+            "ballistic_limit.velocity_max_m_s: must be above velocity_min_m_s, which is 20, found 20",
         ),
         (
-            "armour.ceramic",
-            "AD86",
-            'must name a ceramic of the library, found "AD86"; did you mean "AD85"?',
+            {"ballistic_limit.velocity_min_m_s": 5000},
+            "ballistic_limit.velocity_max_m_s: must be above velocity_min_m_s, which is 5000, found 4000",
         ),
+        ({"value": 1}, "value: unknown key"),
+        ({"title": "a\x1b[31m"}, "title: must be one line of printable text"),
+        ({"impct": {"x": 1}}, 'impct: unknown key; did you mean "impact"?'),
+        ({"impact": 3}, "impact: must be a table, found 3"),
+        ({"library": []}, "library: must be a table, found a list"),
+        ({"library.files": "a.toml"}, 'library.files: must be a list, found the text "a.toml"'),
+        ({"library.files": [3]}, "library.files[0]: must be a text in quotes, found 3"),
+        ({"library.ceramic.mine": MINE, "armour.ceramic": "mine"}, "flow_stress_GPa: must be at least 0.001, found -1"),
         (
-            "armour.backing",
-            "6061",
-            'must name a metal of the library, found "6061"; did you mean "6061-T6"?',
+            {"library.metal.m.density_kg_m3": {"value": 1, "tests": [{"a": []}]}},
+            "library.metal.m.density_kg_m3.tests[0].a: must be a number, found a list",
         ),
-        ("armour.ceramic_thickness_mm", -1.0, "must be at least 0, found -1.0"),
-        ("armour.backing_thickness_mm", 0.0, "must be greater than 0, found 0.0"),
-        ("armour.thickness_mm", 1.0, "unknown key; did you mean"),
-        ("model.shear_perimeter", "cone", 'must be "conoid" or "projectile", found the text "cone"'),
-        ("solver.time_step_us", 0, "must be greater than 0, found 0"),
-        ("solver.arrest_velocity_m_s", -1, "must be greater than 0, found -1"),
-        (
-            "ballistic_limit.velocity_max_m_s",
-            20,
-            "must be above velocity_min_m_s, which is 20, found 20",
-        ),
-        ("ballistic_limit.tolerance_m_s", 0, "must be at least 1e-09, found 0"),
-        ("impact.velocity_m_s", 5e-324, "must be at least 1e-09, found 4.94066e-324"),
-        ("armour.ceramic_thickness_mm", 1e-300, "must be at least 1e-09, found 1e-300"),
-        ("armour.backing_thickness_mm", 5e-324, "must be at least 1e-09, found 4.94066e-324"),
-        ("solver.time_step_us", 5e-324, "must be at least 1e-09, found 4.94066e-324"),
-        ("impact.velocity_m_s", 10**400, "must be a number, found a whole number of more than 64 bits"),
-        ("value", 1, "unknown key"),
-        ("title", "a\x1b[31m", "must be one line of printable text"),
-        ("impct", {"x": 1}, 'unknown key; did you mean "impact"?'),
-        ("impact", 3, "must be a table, found 3"),
-        ("library", [], "must be a table, found a list"),
-        ("library.files", "a.toml", 'must be a list, found the text "a.toml"'),
+        (grid({"min": 3, "max": 2, "step": 0.1}), f"{OF_GRID}.max: must be at least min, which is 3, found 2"),
+        (grid({"min": 2, "max": 3, "step": 0}), f"{OF_GRID}.step: must be greater than 0, found 0"),
+        (grid({"min": 2, "max": 3, "step": 1e-9}), "must hold at most 100000 values, found 1e+09; widen the step"),
+        (grid({"min": 2, "max": 3}), f"{OF_GRID}.step: is missing and must be given"),
+        (grid({"min": -2, "max": 3, "step": 1}), f"{OF_GRID}.min: must be at least 0, found -2"),
+        (grid(AXIS, {"min": 0, "max": 3, "step": 1}), "backing_thickness_mm: min must be greater than 0, found 0"),
+        (grid(*[{"min": 1, "max": 3, "step": 1e-4}] * 2), "must hold at most 1000000 designs, found 4e+08"),
+        ({"uncertainty": {"samples": "800"}}, 'uncertainty.samples: must be a whole number, found the text "800"'),
+        ({"uncertainty": {"samples": 200.5}}, "uncertainty.samples: must be a whole number, found 200.5"),
+        ({"uncertainty.correlation": [{"between": ["a"], "coefficient": 0}]}, "must list at least 2 values, found 1"),
+        ({"design": {"pareto": ["thickness_mm"] * 4}}, "design.pareto: must list at most 3 values, found 4"),
+        ({"design": {"pareto": ["thickness_mm"] * 2}}, "design.pareto: must not name a criterion twice, found"),
     ],
 )
-def test_a_mistake_is_named(key: str, value: object, message: str):
-    found = messages(changed(data(), {key: value}))
-    assert len(found) == 1
-    assert found[0].startswith(f"{key}: {message}")
+def test_a_mistake_is_named(changes: dict[str, Any], message: str):
+    assert any(message in found for found in messages(changed(data(), changes)))
 
 
-def test_a_library_file_that_is_no_path_is_named_alone():
-    assert messages(changed(data(), {"library.files": [3]})) == ["library.files[0]: must be a text in quotes, found 3"]
+def test_a_ceramic_thickness_needs_a_ceramic():
+    [found] = messages(data(ceramic=None))
+    assert found.startswith("armour.ceramic_thickness_mm: must be 0 where no ceramic is named, found 6.35")
 
 
 def test_a_single_value_of_an_entry_that_is_not_known_makes_no_entry():
     with pytest.raises(InputError, match=r"library\.ceramic\.Nothing\.density_kg_m3: is missing and must be given"):
         scenario().replaced({"library.ceramic.Nothing.flow_stress_GPa": 5.0})
-
-
-@pytest.mark.parametrize(
-    ("axis", "message"),
-    [
-        ({"min": 3, "max": 2, "step": 0.1}, "max: must be at least min, which is 3, found 2"),
-        ({"min": 2, "max": 3, "step": 0}, "step: must be greater than 0, found 0"),
-        ({"min": 2, "max": 3, "step": 1e-9}, "must hold at most 100000 values, found 1e+09; widen the step"),
-        ({"min": 2, "max": 3}, "step: is missing and must be given"),
-        ({"min": -2, "max": 3, "step": 1}, "min: must be at least 0, found -2"),
-        ({"min": 0, "max": 3, "step": 5e-324}, "step: must be at least 1e-09, found 4.94066e-324"),
-    ],
-)
-def test_a_wrong_axis_is_named(axis: dict[str, float], message: str):
-    fine = {"min": 2, "max": 3, "step": 0.5}
-    content = data(optimise={"ceramic_thickness_mm": axis, "backing_thickness_mm": fine})
-    [found] = messages(content)
-    assert message in found
-    assert found.startswith("optimise.ceramic_thickness_mm")
-
-
-def test_a_grid_without_backing_and_an_absurd_one():
-    axis = {"min": 0, "max": 3, "step": 0.5}
-    [found] = messages(data(optimise={"ceramic_thickness_mm": axis, "backing_thickness_mm": axis}))
-    assert found == "optimise.backing_thickness_mm: min must be greater than 0, found 0"
-    fine = {"min": 1, "max": 3, "step": 1e-4}
-    [found] = messages(data(optimise={"ceramic_thickness_mm": fine, "backing_thickness_mm": fine}))
-    assert "must hold at most 1000000 designs, found 4e+08" in found
-
-
-def test_all_mistakes_of_an_axis_are_named():
-    fine = {"min": 2, "max": 3, "step": 0.5}
-    content = data(optimise={"ceramic_thickness_mm": {"min": 20, "max": 2, "step": 0}, "backing_thickness_mm": fine})
-    assert messages(content) == [
-        "optimise.ceramic_thickness_mm.max: must be at least min, which is 20, found 2",
-        "optimise.ceramic_thickness_mm.step: must be greater than 0, found 0",
-    ]
-
-
-@pytest.mark.parametrize(
-    ("sections", "message"),
-    [
-        (
-            {"ballistic_limit": {"velocity_min_m_s": 5000}},
-            "ballistic_limit.velocity_max_m_s: must be above velocity_min_m_s, which is 5000, found 4000",
-        ),
-        ({"uncertainty": {"samples": "800"}}, 'uncertainty.samples: must be a whole number, found the text "800"'),
-        ({"uncertainty": {"samples": 200.5}}, "uncertainty.samples: must be a whole number, found 200.5"),
-        ({"uncertainty": {"correlation": [{"between": ["a"], "coefficient": 1}]}}, "must be less than 1, found 1"),
-        ({"uncertainty": {"correlation": [{"between": ["a"]}]}}, "must list at least 2 values, found 1"),
-        ({"design": {"pareto": ["a"] * 4}}, "design.pareto: must list at most 3 values, found 4"),
-        ({"design": {"pareto": ["thickness_mm"] * 2}}, "design.pareto: must not name a criterion twice, found"),
-        (
-            {"library": {"metal": {"m": {"density_kg_m3": {"value": 1, "tests": [{"a": []}]}}}}},
-            "library.metal.m.density_kg_m3.tests[0].a: must be a number, found a list",
-        ),
-    ],
-)
-def test_a_mistake_in_another_section_is_named(sections: dict[str, Any], message: str):
-    found = messages(data(**sections))
-    assert any(message in line for line in found), found
 
 
 def test_missing_sections_are_all_named():
@@ -200,22 +148,6 @@ def test_all_mistakes_are_reported_at_once():
     content["solver"] = {"time_step_us": -1, "step": 2}
     content["library"] = {"ceramic": {"a": {"density_kg_m3": -1}}}
     assert len(messages(content)) == 7
-
-
-def test_a_ceramic_thickness_needs_a_ceramic():
-    [found] = messages(data(ceramic=None))
-    assert found.startswith("armour.ceramic_thickness_mm: must be 0 where no ceramic is named, found 6.35")
-
-
-def test_a_name_whose_entry_is_wrong_is_known():
-    content = data(ceramic="mine", library={"ceramic": {"mine": {"based_on": "AD85", "flow_stress_GPa": -1}}})
-    [found] = messages(content)
-    assert found == "library.ceramic.mine.flow_stress_GPa: must be at least 0.001, found -1"
-
-
-def test_an_entry_of_ones_own():
-    content = data(ceramic="mine", library={"ceramic": {"mine": {"based_on": "AD85", "flow_stress_GPa": 3.8}}})
-    assert parse_scenario(content).core_armour().Yc0 == 3.8e9
 
 
 def test_library_files_are_found_beside_the_scenario(tmp_path: Path):
@@ -246,15 +178,6 @@ def test_mistakes_in_a_library_file_name_that_file(tmp_path: Path):
     [problem] = caught.value.problems
     assert problem.file == str(tmp_path / "mine.toml")
     assert problem.key == "ceramic.mine.based_on"
-
-
-def test_values_can_be_replaced():
-    faster = scenario().replaced({"impact.velocity_m_s": 900.0, "solver.time_step_us": 0.1})
-    assert faster.impact.velocity_m_s == 900.0
-    assert faster.solver.time_step_us == 0.1
-    assert scenario().impact.velocity_m_s == 800.0
-    with pytest.raises(InputError):
-        scenario().replaced({"impact.velocity_m_s": -1.0})
 
 
 STRESS = "ceramic.flow_stress_GPa"
@@ -304,11 +227,6 @@ def test_an_input_that_is_refused(changes: dict[str, object], message: str):
         scenario().replaced(changes)
 
 
-def test_a_scenario_does_not_change():
-    with pytest.raises(ValueError, match="frozen"):
-        scenario().impact.velocity_m_s = 3.0  # type: ignore[misc]
-
-
 @pytest.mark.parametrize("copy", [deepcopy, lambda case: pickle.loads(pickle.dumps(case))])
 def test_a_copied_scenario_is_the_same(copy: Callable[[Scenario], Scenario]):
     case = scenario(library={"ceramic": {"X": {"based_on": "AD85", "density_kg_m3": 3000.0}}}, ceramic="X")
@@ -322,14 +240,6 @@ def test_the_name_of_an_entry_is_part_of_its_key(name: str):
     found = messages(data(library={"ceramic": {name: {"based_on": "AD85", "density_kg_m3": {"value": 1}}}}))
     quoted = name if name.isalpha() else f'"{name}"'
     assert found == [f"library.ceramic.{quoted}.density_kg_m3: must be at least 100, found 1"]
-
-
-def test_a_saved_scenario_is_the_same(tmp_path: Path):
-    path = tmp_path / "a.toml"
-    save_scenario(scenario(), path)
-    again = load_scenario(path)
-    assert again.core_armour() == scenario().core_armour()
-    assert again.to_toml() == scenario().to_toml()
 
 
 def test_a_range_has_its_ends_and_the_digits_of_the_file():
@@ -391,10 +301,6 @@ def test_a_copy_has_no_values_that_are_not_validated():
         plain.model_copy(update={"title": "x"})
 
 
-def test_the_lists_of_a_scenario_cannot_change():
-    assert isinstance(scenario(threat=[{"projectile": "7.62 mm AP", "velocity_m_s": 700.0}]).threat, tuple)
-
-
 def test_a_value_that_is_set_says_so_in_its_source():
     plain = scenario(library={"ceramic": {"AD85": {"based_on": "AD85", "density_kg_m3": 3500.0}}})
     changed = plain.replaced({"ceramic.flow_stress_GPa": 4.5}).replaced({"title": "x"})
@@ -422,16 +328,6 @@ def test_a_saved_scenario_finds_its_library_files(tmp_path: Path):
     (tmp_path / "below").mkdir()
     made = parse_scenario(data(ceramic="mine", library={"files": ["own.toml"]}), folder=tmp_path)
     save_scenario(made, tmp_path / "below" / "saved.toml")
-    assert load_scenario(tmp_path / "below" / "saved.toml").core_armour() == made.core_armour()
-
-
-@pytest.mark.parametrize(
-    ("kind", "name", "message"),
-    [
-        ("plastic", "x", "kind: must be one of projectile, ceramic, metal"),
-        ("metal", "6061", 'must name a metal of the library, found the text "6061"; did you mean "6061-T6"'),
-    ],
-)
-def test_an_unknown_entry(kind: Any, name: str, message: str):
-    with pytest.raises(InputError, match=message):
-        scenario().entry(kind, name)
+    again = load_scenario(tmp_path / "below" / "saved.toml")
+    assert again.core_armour() == made.core_armour()
+    assert again.to_toml(tmp_path) == made.to_toml()
