@@ -96,7 +96,7 @@ def plan_of_shots(
 ) -> None:
     """Plan the next shot of a V50 firing, given the shots so far."""
     from armour.planning.firing import ABSURD_FACTOR, added, content_of, locked, plan_shots, with_shot
-    from armour.reporting.views import planned_shots as view
+    from armour.reporting.views import shot_plan as view
     from armour.statistics.v50 import RESULTS, Shots, read_shots
 
     updated = table if result is not None else None

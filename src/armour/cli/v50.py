@@ -72,7 +72,7 @@ def v50(
     check_outputs(plot=plot, force=force)
     file = table_file(shots)
     # Imported here, as what they need takes long to load.
-    from armour.reporting.views import v50 as view
+    from armour.reporting.views import firing as view
     from armour.statistics import v50 as statistics
 
     read = statistics.read_shots(file, one_kind=prior)

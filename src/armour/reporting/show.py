@@ -1,8 +1,10 @@
 """Results as figures, as reports and in notebooks, each by the view of its class."""
 
+import re
 from copy import copy
 from dataclasses import replace
 from importlib import import_module
+from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,29 +25,17 @@ if TYPE_CHECKING:
 # Texts of a scenario that no result depends on.
 TEXTS = {"title", "author", "project", "date"}
 REPORT_ENDINGS = (".html", ".md")
-# By the name of the class, so that no other class need be imported.  Each module has ``tables(result)``, and where a
-# result is drawn or written ``chart(result)`` and ``csv(result)``.
-VIEWS = {
-    "CalibrationResult": "calibration",
-    "Comparison": "comparison",
-    "ConfidenceResult": "confidence",
-    "DesignResult": "design",
-    "FiringResult": "v50",
-    "ImpactResult": "impact",
-    "LimitResult": "ballistic_limit",
-    "PlannedTests": "planned_tests",
-    "SensitivityResult": "sensitivity",
-    "ShotPlan": "planned_shots",
-    "SuiteResult": "suite",
-    "SweepResult": "sweep",
-    "UncertaintyResult": "uncertainty",
-}
 
 
 def view_of(result: object) -> Any:
-    """Return the module that shows a result; None for what is not shown by itself, such as a history."""
-    name = VIEWS.get(type(result).__name__)
-    return None if name is None else import_module(f"armour.reporting.views.{name}")
+    """Return the module that shows a result; None for what is not shown by itself, such as a history.
+
+    It has the name of the result's class, and ``tables(result)``; where a result is drawn or written also
+    ``chart(result)`` and ``csv(result)``.
+    """
+    words = re.findall("[A-Z][a-z]+", type(result).__name__.removesuffix("Result"))
+    name = f"armour.reporting.views.{'_'.join(words).lower()}"
+    return import_module(name) if find_spec(name) else None
 
 
 def plot(

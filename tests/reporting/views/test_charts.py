@@ -24,16 +24,16 @@ from armour.reporting.charts import (
     Spans,
     quantity_axis,
 )
-from armour.reporting.views import ballistic_limit as limit_view
 from armour.reporting.views import calibration as calibration_view
 from armour.reporting.views import comparison as comparison_view
 from armour.reporting.views import design as design_view
+from armour.reporting.views import firing as v50_view
 from armour.reporting.views import impact as impact_view
+from armour.reporting.views import limit as limit_view
 from armour.reporting.views import sensitivity as sensitivity_view
 from armour.reporting.views import suite as suite_view
 from armour.reporting.views import sweep as sweep_view
 from armour.reporting.views import uncertainty as uncertainty_view
-from armour.reporting.views import v50 as v50_view
 from armour.reporting.views.impact import energy_table
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.statistics.calibration import CalibrationResult, Residual

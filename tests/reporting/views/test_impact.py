@@ -8,8 +8,8 @@ from armour.analysis.impact import simulate
 from armour.core.stages import stage_name
 from armour.core.state import Medium, Stage
 from armour.reporting.table import csv_text
-from armour.reporting.views.ballistic_limit import crossing_table, limit_table, tables
 from armour.reporting.views.impact import STAGES, energy_table, history_table, impact_table, stage_table
+from armour.reporting.views.limit import crossing_table, limit_table, tables
 from tests.helpers.cases import scenario
 from tests.helpers.results import quantities
 

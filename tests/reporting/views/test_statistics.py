@@ -5,13 +5,13 @@ import pytest
 from armour.analysis.estimates import Estimate
 from armour.reporting.table import Table
 from armour.reporting.views import calibration as calibration_view
+from armour.reporting.views import firing as v50_view
 from armour.reporting.views import uncertainty as uncertainty_view
-from armour.reporting.views import v50 as v50_view
 from armour.reporting.views.calibration import calibration_table, coefficient_table, correlation_table, residual_table
 from armour.reporting.views.confidence import SAMPLED_ALONE
+from armour.reporting.views.firing import curve_table, v50_table
 from armour.reporting.views.sensitivity import elasticity_table, sensitivity_table
 from armour.reporting.views.uncertainty import INDEX_NOTE, SAMPLING_NOTE, estimate_table, index_table, uncertainty_table
-from armour.reporting.views.v50 import curve_table, v50_table
 from armour.statistics.calibration import CalibrationResult, LawFit, Residual
 from armour.statistics.likelihood import Coefficient
 from armour.statistics.sensitivity import Elasticity, SensitivityResult

@@ -5,7 +5,7 @@ from dataclasses import replace
 from armour.planning.firing import plan_shots
 from armour.reporting.charts import Line, Points, Rule
 from armour.reporting.table import Table
-from armour.reporting.views.planned_shots import chart, share_note, tables
+from armour.reporting.views.shot_plan import chart, share_note, tables
 from armour.statistics.v50 import Shots
 from tests.helpers.cases import scenario
 from tests.helpers.results import quantities

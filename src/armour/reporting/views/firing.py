@@ -6,7 +6,7 @@ from armour.errors import InputError, Problem
 from armour.reporting import charts
 from armour.reporting.table import Column, Source, Table, between, column_of, listing, record
 from armour.reporting.text import interval, percent
-from armour.reporting.views.planned_shots import SCATTER_ASSUMED, prior_table, share_note, shot_points
+from armour.reporting.views.shot_plan import SCATTER_ASSUMED, prior_table, share_note, shot_points
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.curves import FittedCurve, penalised_band
 from armour.statistics.v50 import FiringResult
