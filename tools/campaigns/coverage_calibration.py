@@ -155,7 +155,7 @@ class Simulation:
     def held(self, dice: np.random.Generator) -> Iterable[str]:
         """Return the inputs whose intervals hold the true value."""
         tests, prior = self.drawn(dice), self.case.prior_percent > 0.0
-        fit = likelihood_fit.fit_inputs(tests, self.scenario, [*self.truth], ignore_progress, prior=prior)
+        fit = likelihood_fit.fit_inputs(tests, [*self.truth], ignore_progress, prior=prior)
         for found in likelihood_fit.intervals(fit):
             low, high = found.interval or (None, None)
             if (low is None or low <= self.truth[found.name]) and (high is None or self.truth[found.name] <= high):

@@ -57,7 +57,7 @@ class Set:
             self.name, tuple(map(str, range(count))), (group,), made, False, ({},) * count, scenario, ("",) * count
         )
         names = (FLOW_STRESS, *(f"ceramic.{key}" for key in LAWS[self.law]))
-        found = likelihood_fit.likelihood_of(tests, scenario, names, ignore_progress)
+        found = likelihood_fit.likelihood_of(tests, names, ignore_progress)
         if measured is not None:
             return found
         return self.likelihood(found.predicted(self.x), of_design=of_design) if not of_design else found
@@ -95,7 +95,7 @@ class Set:
         for _ in range(samples):
             measured = limits * (1.0 + SCATTER * dice.normal(size=NUMBER))
             made = self.likelihood(measured).tests
-            fit = likelihood_fit.fit_inputs(made, self.true, likelihood.names, ignore_progress)
+            fit = likelihood_fit.fit_inputs(made, likelihood.names, ignore_progress)
             low, high = likelihood_fit.intervals(fit)[0].interval or (None, None)
             if low is None or high is None:
                 continue  # counted as no sample; the caller prints how many there are

@@ -248,9 +248,9 @@ def plan_tests(
         tests = weighted_by(tests, scatter_percent / 100.0)
     _check_materials([(design.file, design) for design in questions], rows.groups[0].scenario, fit)
     all_rows = _with_designs(rows, questions)
-    all_rows, under, names = under_law(all_rows, scenario, fit, law)
-    likelihood = likelihood_of(all_rows, under, names, on_progress, prior=prior)
-    known = _knowledge(tests, likelihood, scenario, fit, law, scatter_percent, prior=prior, on_progress=on_progress)
+    all_rows, names = under_law(all_rows, fit, law)
+    likelihood = likelihood_of(all_rows, names, on_progress, prior=prior)
+    known = _knowledge(tests, likelihood, fit, law, scatter_percent, prior=prior, on_progress=on_progress)
     likelihood, gradients, limits = _gradients(likelihood, known.x, len(rows.names))
     count = len(rows.names)
     informing = gradients[:count] / known.scatter
@@ -419,7 +419,6 @@ class _Knowledge(NamedTuple):
 def _knowledge(
     tests: Tests | None,
     likelihood: Likelihood,
-    scenario: Scenario,
     inputs: Sequence[str],
     law: Law | None,
     scatter_percent: float | None,
@@ -432,12 +431,12 @@ def _knowledge(
     message = "is missing and must be given: too few tests tell how measurements scatter"
     missing = InputError([Problem("plan_tests", "scatter_percent", message)])
     if tests is not None:
-        tests, scenario, names = under_law(tests, scenario, inputs, law)
+        tests, names = under_law(tests, inputs, law)
         made = [(tests.file, group.scenario) for group in tests.groups[:1]]
         _check_materials(made, likelihood.tests.groups[0].scenario, names)
-        of_tests = likelihood_of(tests, scenario, names, on_progress, prior=prior)
+        of_tests = likelihood_of(tests, names, on_progress, prior=prior)
         if enough(tests, of_tests.kept, needed_of(of_tests)):
-            fit = fit_inputs(tests, scenario, names, on_progress, prior=prior)
+            fit = fit_inputs(tests, names, on_progress, prior=prior)
             scatter = scatter or (_given_scatter(tests) if tests.weighted else fit.spread)
             if scatter is None:
                 raise missing

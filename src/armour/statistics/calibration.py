@@ -2,9 +2,8 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
-from dataclasses import asdict, dataclass
-from typing import Any, Literal, NamedTuple
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 from scipy.stats import t
@@ -247,60 +246,48 @@ def calibrate(
     if law is not None and FLOW_STRESS not in fit:
         message = f'must not be given where {FLOW_STRESS} is not fitted, found "{law}"'
         raise InputError([Problem("calibrate", "law", message)])
-    if law != "all":
-        return _with_intervals(_with_one_law(tests, scenario, fit, law, on_progress, prior=prior), scenario)
-    fits = [_with_one_law(tests, scenario, fit, "constant", on_progress, prior=prior)]
-    for each in [*LAWS][1:]:
-        # Some laws have more coefficients than there are tests for.
-        with suppress(InputError):
-            fits.append(_with_one_law(tests, scenario, fit, each, on_progress, prior=prior))
-    laws = tuple(LawFit(f.law, len(f.done.best.x), f.mean_error, f.left_out_error, f.done.aicc) for f in fits)
+    fits: list[tuple[Fit, CalibrationResult]] = []
+    for each in LAWS if law == "all" else (law,):
+        try:
+            fits.append(_fitted(tests, fit, each, on_progress, prior=prior))
+        except InputError:
+            # Some laws have more coefficients than there are tests for.
+            if not fits:
+                raise
+    laws = tuple(
+        LawFit(found.law, len(done.best.x), found.mean_error_percent, found.left_out_error_percent, found.aicc)
+        for done, found in fits
+        if law == "all"
+    )
     results: list[CalibrationResult] = []
-    for candidate in sorted(fits, key=_rank):
-        results.append(_with_intervals(candidate, scenario, laws))
+    for done, found in sorted(fits, key=lambda pair: _or_inf(pair[1].left_out_error_percent)):
+        results.append(
+            replace(found, coefficients=intervals(done), laws=laws)._of(subject_of(tests), scenario=scenario)
+        )
         if not any(coefficient.estimate is None for coefficient in results[-1].coefficients):
             return results[-1]
     return results[0]
 
 
-class _LawFit(NamedTuple):
-    """A fit with one law, and its residuals."""
-
-    tests: Tests
-    law: str
-    done: Fit
-    residuals: tuple[Residual, ...]
-
-    @property
-    def mean_error(self) -> float | None:
-        return _mean_percent([(r.computed, r.measured) for r in self.residuals if not r.bound])
-
-    @property
-    def left_out_error(self) -> float | None:
-        return _mean_percent([(r.left_out, r.measured) for r in self.residuals if not r.bound])
+def _or_inf(value: float | None) -> float:
+    return np.inf if value is None else value
 
 
-def _rank(found: _LawFit) -> float:
-    """Return what orders fits from the best on: the left-out error."""
-    return np.inf if found.left_out_error is None else found.left_out_error
-
-
-def under_law(
-    tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law | None
-) -> tuple[Tests, Scenario, list[str]]:
-    """Return tests and scenario with a law of the flow stress, by default their own, and all inputs to fit."""
+def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
+    """Return tests with a law of the flow stress, by default their own, and all inputs to fit."""
     if law is None:
-        return tests, scenario, [*inputs]
-    groups = [group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups]
+        return tests, [*inputs]
+    groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
     names = dict.fromkeys([*inputs, *(f"ceramic.{key}" for key in LAWS[law])])
-    return tests._replace(groups=tuple(groups)), with_law(scenario, law), [*names]
+    return tests._replace(groups=groups, scenario=with_law(tests.scenario, law)), [*names]
 
 
-def _with_one_law(
-    tests: Tests, scenario: Scenario, inputs: Sequence[str], law: Law | None, on_progress: OnProgress, *, prior: bool
-) -> _LawFit:
-    tests, scenario, inputs = under_law(tests, scenario, inputs, law)
-    done = fit_inputs(tests, scenario, inputs, on_progress, prior=prior)
+def _fitted(
+    tests: Tests, inputs: Sequence[str], law: Law | None, on_progress: OnProgress, *, prior: bool
+) -> tuple[Fit, CalibrationResult]:
+    """Return a fit with one law, and its result without the coefficients, whose intervals take long."""
+    tests, inputs = under_law(tests, inputs, law)
+    done = fit_inputs(tests, inputs, on_progress, prior=prior)
     computed, left_out = done.likelihood.predicted(done.best.x), _left_out(done)
     residuals = tuple(
         Residual(
@@ -314,23 +301,19 @@ def _with_one_law(
         )
         for i, m in enumerate(tests.measurements)
     )
-    return _LawFit(tests, (law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in inputs else "", done, residuals)
-
-
-def _with_intervals(found: _LawFit, scenario: Scenario, laws: tuple[LawFit, ...] = ()) -> CalibrationResult:
-    done, tests = found.done, found.tests
     errors = np.sqrt(np.maximum(np.diag(done.covariance), 1e-300))
     correlation = done.covariance / np.outer(errors, errors)
     np.fill_diagonal(correlation, 1.0)
-    return CalibrationResult(
+    exact = [r for r in residuals if not r.bound]
+    return done, CalibrationResult(
         tests=tests.file,
-        law=found.law,
+        law=(law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in inputs else "",
         weights="uncertainties" if tests.weighted else "relative",
-        coefficients=intervals(done),
+        coefficients=(),
         correlation=tuple(map(tuple, correlation.tolist())),
-        residuals=found.residuals,
-        mean_error_percent=found.mean_error,
-        left_out_error_percent=found.left_out_error,
+        residuals=residuals,
+        mean_error_percent=_mean_percent([(r.computed, r.measured) for r in exact]),
+        left_out_error_percent=_mean_percent([(r.left_out, r.measured) for r in exact]),
         degrees_of_freedom=done.degrees_of_freedom,
         chi_squared=done.chi_squared,
         starts=done.starts,
@@ -339,9 +322,8 @@ def _with_intervals(found: _LawFit, scenario: Scenario, laws: tuple[LawFit, ...]
         p_value=done.p_value,
         widened_by=done.widened_by,
         aicc=done.aicc,
-        laws=laws,
-        warnings=(*_bad_fit(done), *_strange(found), *_unlike(tests)),
-    )._of(subject_of(tests), scenario=scenario)
+        warnings=(*_bad_fit(done), *_strange(tests, residuals, len(inputs)), *_unlike(tests)),
+    )
 
 
 def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bools:
@@ -360,15 +342,14 @@ def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bool
     return found
 
 
-def _strange(found: _LawFit) -> Iterator[str]:
+def _strange(tests: Tests, residuals: Sequence[Residual], coefficients: int) -> Iterator[str]:
     """Give the measurements that do not follow the others, with their lines."""
-    tests = found.tests
-    pairs = [(m, r) for m, r in zip(tests.measurements, found.residuals, strict=True) if not r.bound]
+    pairs = [(m, r) for m, r in zip(tests.measurements, residuals, strict=True) if not r.bound]
     scales = np.array([m.uncertainty or m.value for m, _ in pairs])
     measured, computed, left_out = (
         np.array([getattr(r, key) for _, r in pairs], dtype=float) for key in ("measured", "computed", "left_out")
     )
-    far = out_of_line((computed - measured) / scales, (left_out - measured) / scales, len(found.done.best.x))
+    far = out_of_line((computed - measured) / scales, (left_out - measured) / scales, coefficients)
     for i in np.flatnonzero(far):
         m, r = pairs[i]
         name = "" if r.test == tests.places[m.test] else f" ({r.test})"

@@ -258,11 +258,9 @@ class Fit(NamedTuple):
     starts_agreeing: int
 
 
-def fit_inputs(
-    tests: Tests, scenario: Scenario, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False
-) -> Fit:
-    """Fit inputs of a scenario to tests, from several starts; see `armour.statistics.calibration.calibrate`."""
-    likelihood = likelihood_of(tests, scenario, inputs, on_progress, prior=prior)
+def fit_inputs(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False) -> Fit:
+    """Fit inputs to tests, from several starts; see `armour.statistics.calibration.calibrate`."""
+    likelihood = likelihood_of(tests, inputs, on_progress, prior=prior)
     check_enough(likelihood)
     of_law = likelihood.of_law
     starts = [np.where(of_law, 0.0, start) for start in STARTS]
@@ -273,11 +271,9 @@ def fit_inputs(
     return _judged(likelihood, best, len(ends), agreeing)
 
 
-def likelihood_of(
-    tests: Tests, scenario: Scenario, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False
-) -> Likelihood:
+def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False) -> Likelihood:
     """Return the likelihood of inputs, which must be such as can be fitted to tests, with or without their prior."""
-    _check(tests, scenario, inputs)
+    _check(tests, inputs)
     first = tests.groups[0].scenario
     own = first.inputs()
     of_law = np.array([name.partition(".")[2] in FLOW_STRESS_LAW for name in inputs])
@@ -520,9 +516,9 @@ def without(fit: Fit, kept: Bools) -> Floats:
     return search(likelihood, x, scatter=fit.best.scatter).x
 
 
-def _check(tests: Tests, scenario: Scenario, inputs: Sequence[str]) -> None:
+def _check(tests: Tests, inputs: Sequence[str]) -> None:
     """Check that the inputs can be fitted to the tests."""
-    scenario.check_names(inputs, "calibrate", "fit")
+    tests.scenario.check_names(inputs, "calibrate", "fit")
     problems = []
     for name in inputs:
         if any(name in group.columns for group in tests.groups):
