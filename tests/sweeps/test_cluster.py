@@ -2,7 +2,6 @@
 
 import asyncio
 import os
-import pickle
 import signal
 import socket
 import sys
@@ -15,7 +14,7 @@ from typing import Any
 import pytest
 from distributed import Client, LocalCluster
 
-from armour.errors import InputError, Problem
+from armour.errors import InputError
 from armour.sweeps.cluster import connected, workers_of
 from armour.sweeps.sweep import write_sweep
 from tests.helpers.cases import sweep_grid, sweep_scenario
@@ -53,17 +52,14 @@ def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path: Path):
     [
         ("tcp://127.0.0.1:{}", "no answer"),
         ("tls://127.0.0.1:{}", "TLS"),
-        ("ucx://127.0.0.1:{}", ""),
         ("http://127.0.0.1:{}", "unknown address scheme"),
         ("nowhere:x", "invalid literal"),
     ],
 )
-@pytest.mark.parametrize("listens", [True, False])
-def test_an_address_without_a_scheduler(address: str, message: str, listens: bool):
+def test_an_address_without_a_scheduler(address: str, message: str):
     with socket.socket() as server:
         server.bind(("127.0.0.1", 0))
-        if listens:
-            server.listen()
+        server.listen()
         found = address.format(server.getsockname()[1])
         expected = f'--scheduler: must be "local" or .*, found "{found}": .*{message}'
         with pytest.raises(InputError, match=expected), connected(found, timeout_s=0.3):
@@ -100,7 +96,7 @@ def test_workers_of_another_version_are_refused(client: Client, tmp_path: Path, 
     client.wait_for_workers(1)
     sweep_on(client, tmp_path / "a.csv")
     monkeypatch.setattr("armour.sweeps.cluster.program", lambda: "this" if threading.get_ident() == here else "other")
-    message = "must have workers with this program, armour .*; found .* with other sources or libraries on inproc://"
+    message = "must have workers with this version of armour, numba and numpy, found a worker with others"
     with pytest.raises(InputError, match=message):
         sweep_on(client, tmp_path / "b.csv")
 
@@ -140,7 +136,6 @@ def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
     [
         (asyncio.CancelledError(), "lost the connection to the scheduler; what is done is kept, repeat the same"),
         (OSError("no route"), "failed: no route; what is done is kept"),
-        (OSError(), "failed: OSError; what is done is kept"),
     ],
 )
 def test_what_fails_on_a_cluster_is_told(
@@ -152,8 +147,3 @@ def test_what_fails_on_a_cluster_is_told(
     monkeypatch.setattr(client, "submit", submit)
     with pytest.raises(InputError, match=message):
         sweep_on(client, tmp_path / "a.csv")
-
-
-def test_errors_of_workers_arrive_whole():
-    error = pickle.loads(pickle.dumps(InputError([Problem("file", "key", "message")])))
-    assert (str(error), error.problems) == ("file: key: message", (Problem("file", "key", "message"),))

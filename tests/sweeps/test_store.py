@@ -79,16 +79,6 @@ def test_chunks_in_any_order_make_the_table(output: Path):
     assert list(output.parent.iterdir()) == [output]
 
 
-def test_a_store_resumes_with_its_own_chunks(output: Path):
-    filled(output, (0,))
-    with Store(output, JOB) as again:
-        assert (again.size, again.starts()) == (3, [0])
-        chunk = again.load(0, values(0))
-        assert chunk is not None
-        np.testing.assert_array_equal(chunk.columns["limit_m_s"], RESULTS["limit_m_s"])
-        assert again.load(3, values(1)) is None
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -24,11 +24,11 @@ KEYS = ("impact.velocity_m_s", "armour.ceramic_thickness_mm", "armour.backing_th
 
 @pytest.mark.parametrize("name", ["a.csv", "a.parquet"])
 def test_every_quantity_of_every_row_is_that_of_the_scenario(tmp_path: Path, name: str):
-    source = sweep_grid("armour.ceramic_thickness_mm=2,6.35,9", "impact.velocity_m_s=500:900:200")
-    assert write_sweep(sweep_scenario(), source, list(QUANTITIES), tmp_path / name, size=4) == 9
+    source = sweep_grid("armour.ceramic_thickness_mm=2,6.35,9", "impact.velocity_m_s=500,900")
+    assert write_sweep(sweep_scenario(), source, list(QUANTITIES), tmp_path / name, size=4) == 6
     table = read_table(tmp_path / name)
     assert list(table) == [*source.keys, *QUANTITIES]
-    for row in range(9):
+    for row in range(6):
         case = sweep_scenario().replaced({key: float(table[key][row]) for key in source.keys})
         for quantity, [expected] in evaluate(case, {}, list(QUANTITIES)).items():
             np.testing.assert_array_equal(table[quantity][row], expected)

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from armour.analysis.ballistic_limit import ballistic_limit
 from armour.errors import InputError
 from armour.sweeps.sweep import sweep
 from tests.helpers.cases import csv_file, scenario
@@ -37,13 +36,6 @@ def test_a_result_compares_and_is_plain_data():
         found["foo"]
 
 
-def test_the_ballistic_limit_by_default():
-    found = sweep(scenario(), {CERAMIC: range(5, 7)})
-    assert found["ballistic_limit_m_s"][1] == pytest.approx(
-        ballistic_limit(scenario(ceramic_mm=6.0)).ballistic_limit_m_s, abs=0.02
-    )
-
-
 @pytest.mark.parametrize("ending", [".csv", ".parquet"])
 def test_a_grid_in_a_file(tmp_path: Path, ending: str):
     output, counted = tmp_path / f"table{ending}", list[int]()
@@ -55,11 +47,6 @@ def test_a_grid_in_a_file(tmp_path: Path, ending: str):
     assert len(found.warnings) == len(kept.warnings)
     with pytest.raises(InputError, match="exists already"):
         sweep(scenario(), OVER, "duration_us", output)
-
-
-def test_a_table_of_cases(tmp_path: Path):
-    cases = csv_file(tmp_path / "cases.csv", f"{CERAMIC},{BACKING}", "4,7", "9,3")
-    assert sweep(scenario(), str(cases), "areal_density_kg_m2")[BACKING].tolist() == [7.0, 3.0]
 
 
 @pytest.mark.parametrize("output", [None, "table.csv"])

@@ -8,7 +8,6 @@ from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-import armour
 from armour.errors import ArmourError, InputError, Problem
 from armour.sweeps.store import RESUME
 from armour.sweeps.sweep import Workers, program
@@ -92,26 +91,16 @@ class _SameProgram(Executor):
 
     def submit(self, function: Callable[..., Any], /, *args: Any) -> Future[Any]:  # type: ignore[override]
         """Call a function; it and its arguments go as bytes, which a worker of another version does not read."""
-        future: Future[Any] = self._executor.submit(_called_there, pickle.dumps((function, args)), identity())
+        future: Future[Any] = self._executor.submit(_called_there, program(), pickle.dumps((function, args)))
         return future
 
 
-def _called_there(call: bytes, expected: tuple[str, str]) -> Any:
+def _called_there(expected: str, call: bytes) -> Any:
     """Call a pickled function on a worker."""
-    from distributed import get_worker
-
-    if (found := identity()) != expected:
-        raise _error(
-            f"must have workers with this program, armour {expected[0]}, and the same numba and numpy; "
-            f"found {found[0]} with other sources or libraries on {get_worker().address}"
-        )
+    if program() != expected:
+        raise _error("must have workers with this version of armour, numba and numpy, found a worker with others")
     function, args = pickle.loads(call)
     return function(*args)
-
-
-def identity() -> tuple[str, str]:
-    """Return the version and a hash of this program."""
-    return armour.__version__, program()
 
 
 def _error(message: str) -> InputError:

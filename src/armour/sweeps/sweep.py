@@ -4,7 +4,7 @@ import shutil
 from collections import Counter
 from collections.abc import Callable, Container, Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
-from contextlib import closing, contextmanager, nullcontext
+from contextlib import closing
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from hashlib import sha256
@@ -285,8 +285,8 @@ def write_sweep(
                 on_chunk(min(store.size, source.count - start), True)
             missing = blocks_of(source, store.size, there)
             with (
-                nullcontext(workers) if workers else _one_worker() as found,
-                closing(computed(missing, compute, found)) as chunks,
+                ThreadPoolExecutor(1) as executor,  # whose next chunk waits while one is computed
+                closing(computed(missing, compute, workers or Workers(executor, 1, ahead=2))) as chunks,
             ):
                 for start, chunk in chunks:
                     store.save(start, chunk)
@@ -298,13 +298,6 @@ def write_sweep(
     for line in lines_of(warnings, source.count):
         tell(f"warning: {line}")
     return source.count
-
-
-@contextmanager
-def _one_worker() -> Iterator[Workers]:
-    """Give a thread of this process; the next chunk waits while one is computed."""
-    with ThreadPoolExecutor(1) as executor:
-        yield Workers(executor, number=1, ahead=2)
 
 
 def blocks_of(source: Grid | Cases, size: int, without: Container[int] = ()) -> Iterator[tuple[int, Rows]]:
