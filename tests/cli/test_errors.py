@@ -61,14 +61,10 @@ def test_the_longest_run_allowed_ends_in_a_message(cli, monkeypatch: pytest.Monk
     assert "solver.arrest_velocity_m_s: must let the run at 800 m/s end" in line
 
 
-def test_options_of_a_number_and_of_words_say_what_they_take(cli):
-    over = ("--over", "armour.ceramic_thickness_mm=4,6", "-o", "a.csv")
-    assert cli.fails(2, "sweep", "wilkins", *over, "--threads", "0") == [
-        'command line: --threads: must be a whole number of at least 1, found "0"'
-    ]
+def test_an_option_of_words_says_what_it_takes(cli):
     [line] = cli.fails(2, "calibrate", "wilkins.csv", "wilkins", "--law", "backin")
-    assert line.startswith("command line: --law: must be one of constant, ")
-    assert line.endswith('found "backin"; did you mean "backing"?')
+    assert line.startswith('command line: --law: must be "constant", ')
+    assert line.endswith('found the text "backin"; did you mean "backing"?')
 
 
 def test_a_mistake_of_another_key_than_the_changed_one_names_that_key(cli):

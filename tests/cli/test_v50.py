@@ -49,7 +49,7 @@ def test_wrong_input(cli, folder: Path, text: str, message: str):
 
 
 def test_a_change_needs_a_scenario(cli):
-    assert cli.fails(2, "v50", SHOTS, "--set", "a=1") == ["v50: --set: changes a scenario, which is not given"]
+    assert cli.fails(2, "v50", SHOTS, "--set", "a=1") == ["command line: --set: changes a scenario, which is not given"]
 
 
 def test_no_answer(cli, folder: Path):
@@ -66,9 +66,9 @@ def test_an_option_out_of_range(cli, option: tuple[str, str]):
 @pytest.mark.parametrize(
     ("option", "message"),
     [
-        (("--confidence", "95%"), '--confidence: must be a probability, found "95%"; did you mean 0.95?'),
-        (("--confidence", "95"), '--confidence: must be a probability, found "95"; did you mean 0.95?'),
-        (("--pairs", "2.5"), '--pairs: must be a whole number, found "2.5"'),
+        (("--confidence", "95%"), "--confidence: must be at most 0.9999, found 95; did you mean 0.95?"),
+        (("--confidence", "95"), "--confidence: must be at most 0.9999, found 95; did you mean 0.95?"),
+        (("--pairs", "2.5"), "--pairs: must be a whole number, found 2.5"),
         (("--pairs", "4"), "--span-m-s: must be given for 4 pairs; a span is usual with 2, 3 and 5 only"),
     ],
 )
@@ -97,6 +97,6 @@ def test_a_prior(cli, folder: Path):
     assert "of the precision of V50, the inverse of its variance, is that of the prior" in shown
     assert "the shots alone have no curve" in shown
     assert json.loads(cli("v50", SHOTS, "wilkins", "--prior", "--json").stdout)["prior_share"] < 0.1
-    assert cli.fails(2, "v50", SHOTS, "--prior") == ["v50: --prior: is that of a scenario, which is not given"]
+    assert cli.fails(2, "v50", SHOTS, "--prior") == ["command line: --prior: must not be asked for without a scenario"]
     assert "found only partial ones" in cli.fails(2, "v50", "s.csv", "wilkins")[0]
     assert "these shots have none" in cli("v50", "s.csv", "wilkins", "--prior", "--plot", "p.svg").stderr

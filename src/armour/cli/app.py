@@ -7,18 +7,16 @@ import typer
 
 from armour import MODEL_VERSION, __version__
 from armour.analysis.quantities import QUANTITIES, REQUIRED
-from armour.cli.calibrate import calibrate
 from armour.cli.console import emit
+from armour.cli.experiments import calibrate, plan_shots, plan_tests, v50
 from armour.cli.figures import figures
 from armour.cli.library import app as library
 from armour.cli.options import option
-from armour.cli.plan import app as plan
 from armour.cli.report import report
-from armour.cli.runner import Command, Reporting
+from armour.cli.runner import Command, Question, Reporting
 from armour.cli.scenario_commands import ballistic_limit, compare, optimise, sensitivity, simulate, uncertainty
 from armour.cli.scenario_files import init, schema
 from armour.cli.sweep import sweep
-from armour.cli.v50 import v50
 from armour.cli.validate import validate
 
 app = typer.Typer(
@@ -47,7 +45,16 @@ def _armour(
     """
 
 
+plan = typer.Typer(cls=Reporting, no_args_is_help=True)
+
+
+@plan.callback()
+def _plan() -> None:
+    """Plan tests: the next shot of a V50 firing, or which armours to test."""
+
+
 W, P = "wilkins", "paper"
+CERAMICS, PLATES = "armour.ceramic_thickness_mm=4:12:1", "armour.backing_thickness_mm=4:10:1"
 
 # Each command with examples, which the tests run.
 COMMANDS: dict[Callable[..., None], tuple[str, ...]] = {
@@ -71,13 +78,23 @@ COMMANDS: dict[Callable[..., None], tuple[str, ...]] = {
     figures: ("figures . --only fig09",),
     init: ("init mine.toml", "init mine.toml --from paper/fig9_4mm --force"),
     schema: ("schema",),
+    plan_shots: (
+        f"plan shots {W}",
+        f"plan shots {W} firing.csv --result partial --plot plan.svg",
+        f"plan shots {W} --simulate --true-v50-m-s 770 --true-scatter-m-s 15",
+    ),
+    plan_tests: (
+        f"plan tests {W} --candidates {CERAMICS} --candidates {PLATES} --scatter-percent 3",
+        f"plan tests {W} --candidates {CERAMICS} --tests wilkins.csv --law ceramic --csv next.csv --plot next.svg",
+    ),
 }
 for _command, _examples in COMMANDS.items():
     _parts = ["Examples:", *(f"`armour {example}`" for example in _examples)]
     if _command is sweep:
         # As a text, since the column of descriptions is too narrow for the names.
         _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED}."]
-    _epilog = "\n\n".join(_parts)
-    app.command(_command.__name__.replace("_", "-"), cls=Command, epilog=_epilog)(_command)
+    _class = Question if hasattr(_command, "parameters") else Command
+    _group, _name = (plan, _command.__name__[5:]) if _command in (plan_shots, plan_tests) else (app, _command.__name__)
+    _group.command(_name.replace("_", "-"), cls=_class, epilog="\n\n".join(_parts))(_command)
 app.add_typer(library, name="library")
 app.add_typer(plan, name="plan")

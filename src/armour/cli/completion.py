@@ -6,7 +6,7 @@ since every command imports this module.
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
 from glob import escape, glob
 from io import StringIO
@@ -65,6 +65,11 @@ def inputs() -> list[str]:
     from armour.scenario.inputs import INPUTS
 
     return list(INPUTS)
+
+
+def among(words: list[str]) -> Callable[[], list[str]]:
+    """Return the completion of one of some words."""
+    return lambda: words
 
 
 def quantities(incomplete: str) -> list[str]:

@@ -1,14 +1,20 @@
-"""Arguments and options that several commands have."""
+"""Arguments and options of commands: those that several have, and those made of the parameters of a public function."""
 
-from collections.abc import Callable, Sequence
+import inspect
+import re
+from collections.abc import Callable, Iterator
 from contextlib import suppress
+from enum import Enum, auto
 from pathlib import Path
-from typing import Annotated, Any
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import typer
 
 from armour.cli import completion
-from armour.errors import InputError, Problem, suggestion
+
+# The name of a parameter in a docstring, and the lines on it.
+MEANING = re.compile(r"^(\w+) : .*\n((?:    .+\n)+)", re.MULTILINE)
 
 
 def argument(metavar: str, description: str, **settings: Any) -> Any:
@@ -21,50 +27,59 @@ def option(description: str, *names: str, **settings: Any) -> Any:
     return typer.Option(*names, help=description, show_default=False, **settings)
 
 
-def setting(description: str, parser: Callable[[Any], Any], metavar: str = "NUMBER") -> Any:
-    """Make the type of an option of a number in place of the scenario's."""
-    return Annotated[float | None, option(description, parser=parser, metavar=metavar)]
-
-
-def number(name: str, kind: type[float] = float, least: float | None = None) -> Callable[[Any], Any]:
-    """Make the parser of an option of a number, which refuses a text with its value."""
-
-    def parsed(text: Any) -> float:
+def number(text: str) -> float | str:
+    """Return the number that a word gives, also in per cent; the word itself, which is refused later, if it is none."""
+    for kind in (int, float):
         with suppress(ValueError):
-            value = kind(text)
-            if least is None or value >= least:
-                return value
-        must = "a whole number" if kind is int else "a number"
-        bound = "" if least is None else f" of at least {least:g}"
-        raise InputError([Problem("command line", name, f'must be {must}{bound}, found "{text}"')])
-
-    return parsed
+            return kind(text.removesuffix("%"))
+    return text
 
 
-def probability(name: str) -> Callable[[Any], Any]:
-    """Make the parser of an option of a probability, which is not given in per cent."""
+def options_of(function: Callable[..., Any]) -> Iterator[inspect.Parameter]:
+    """Yield options for those parameters of a function that are numbers, words, names of inputs or switches.
 
-    def parsed(text: Any) -> float:
-        percent = str(text).removesuffix("%")
-        value = number(name)(percent)
-        if 50.0 <= value < 100.0 or percent != str(text):
-            message = f'must be a probability, found "{text}"; did you mean {value / 100.0:g}?'
-            raise InputError([Problem("command line", name, message)])
-        return float(value)
+    Their help is the docstring.  An option that is not given is None, for the default of the function, which also
+    checks the value.
+    """
+    meanings = dict(MEANING.findall(f"{inspect.getdoc(function)}\n"))
+    hints = get_type_hints(function)
+    for name, each in inspect.signature(function).parameters.items():
+        members = get_args(hints[name]) if get_origin(hints[name]) in (Union, UnionType) else (hints[name],)
+        words = [word for kind in members if get_origin(kind) is Literal for word in get_args(kind)]
+        told = " ".join(meanings.get(name, "").split()).replace("`", "")
+        if each.default and each.default is not each.empty:
+            told = f"{told.removesuffix('.')}; by default {each.default}."
+        kind: Any = None
+        if bool in members:
+            told = told.removeprefix("Whether to ")
+            kind = Annotated[bool, option(told[:1].upper() + told[1:], f"--{name.replace('_', '-')}")]
+        elif words:
+            choices = "|".join(words)
+            metavar = choices if len(choices) < 20 else name.upper()
+            kind = Annotated[str | None, option(told, metavar=metavar, autocompletion=completion.among(words))]
+        elif int in members or float in members:
+            yield number_option(name, told)
+        elif str in members:
+            kind = Annotated[list[str] | None, option(told, metavar="INPUT", autocompletion=completion.inputs)]
+        if kind is not None:
+            yield parameter(name, kind, False if bool in members else None)
 
-    return parsed
+
+def number_option(name: str, description: str) -> inspect.Parameter:
+    """Return an option of a number."""
+    return parameter(name, Annotated[str | None, option(description, metavar="NUMBER", parser=number)], None)
 
 
-def one_of(name: str, words: Sequence[str]) -> Callable[[Any], Any]:
-    """Make the parser of an option of one of some words."""
+def parameter(name: str, kind: Any, default: Any) -> inspect.Parameter:
+    """Make a parameter of a command."""
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=kind, default=default)
 
-    def parsed(text: Any) -> str:
-        if text not in words:
-            message = f'must be one of {", ".join(words)}, found "{text}"{suggestion(text, words)}'
-            raise InputError([Problem("command line", name, message)])
-        return str(text)
 
-    return parsed
+class Output(Enum):
+    """Marks an option of a file to write, which may have to be a table, CSV."""
+
+    FILE = auto()
+    TABLE = auto()
 
 
 ScenarioFile = Annotated[

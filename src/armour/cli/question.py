@@ -1,17 +1,50 @@
 """Commands that answer a question about a scenario: `question` makes one of a function that computes the answer."""
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from functools import wraps
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, get_args
 
+import armour
 from armour.cli.console import progress
-from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, option
-from armour.cli.runner import check_outputs, read_scenario, respond, say_if_compiling, warnings_of
+from armour.cli.options import (
+    AsJson,
+    Changes,
+    Force,
+    Output,
+    PlotFile,
+    ScenarioFile,
+    number_option,
+    option,
+    options_of,
+    parameter,
+)
+from armour.cli.runner import as_options, check_outputs, read_scenario, respond, say_if_compiling, warnings_of
+from armour.errors import InputError, Problem
+
+if TYPE_CHECKING:
+    from armour.scenario.scenario import Scenario
 
 # Options of every question, after its own.
 COMMON = {"plot": (PlotFile, None), "force": (Force, False), "changes": (Changes, None), "as_json": (AsJson, False)}
+
+
+class Answer(NamedTuple):
+    """What a command shows and writes: a result, and what comes with it."""
+
+    result: Any
+    # In place of those of the result.
+    warnings: Sequence[str] | None = None
+    # Added to the JSON.
+    more: Mapping[str, Any] = {}
+    # What is written to files; without it, the CSV of the result.
+    contents: Mapping[Any, Callable[[], str | bytes | None]] = {}
+    # What the warnings are on; by default the scenario.
+    file: str = ""
+    # A lock that is held until the files are written.
+    held: AbstractContextManager[Any] = nullcontext()
 
 
 def question(
@@ -19,63 +52,94 @@ def question(
     what: str = "the answer",
     unit: str = "impacts",
     first: str = "",
-    csv_help: str = "",
+    csv: str = "",
     of_threats: bool = False,
-    **keys: tuple[str, Any],
-) -> Callable[[Callable[..., tuple[Any, Sequence[str]]]], Callable[..., None]]:
-    """Make a command of a function (scenario, on_progress, options), which returns a result and its warnings.
+    named: Mapping[str, str] = {},
+    **keys: tuple[str, str],
+) -> Callable[[Callable[..., Answer]], Callable[..., None]]:
+    """Make a command of a function (scenario, on_progress, options) -> Answer.
 
     The command checks the outputs, reads the scenario with what ``--set`` changes of the sections that it ``reads`` for
-    ``what`` it answers, computes, writes the files, shows and warns.  Its options are those of the function, the common
-    ones, and by name those that set a key of the scenario, each with the key and its type; with ``csv_help`` also
-    ``--csv``, for the CSV of the view.  What is done ``first`` is said before the progress, which is counted in a
-    ``unit``; without it, the engine is compiled.
+    ``what`` it answers, computes, writes the files, shows and warns.  Its options are those of the function, with
+    ``**options`` those of the public function of the same name, the common ones, and those that set keys of the
+    scenario: by name, the key and the help.  Some parameters of the public function are ``named`` otherwise in
+    messages.  What is done ``first`` is said before the progress, which is counted in a ``unit``; without it, the
+    engine is compiled.  ``csv`` is the help of ``--csv``, a file for the CSV of the view.
     """
 
-    def made(function: Callable[..., tuple[Any, Sequence[str]]]) -> Callable[..., None]:
-        @wraps(function)
-        def command(
-            scenario: Path,
-            plot: Path | None,
-            force: bool,
-            changes: list[str] | None,
-            as_json: bool,
-            csv: Path | None = None,
-            **options: Any,
-        ) -> None:
-            from armour.reporting.show import view_of
+    def made(function: Callable[..., Answer]) -> Callable[..., None]:
+        own = dict(inspect.signature(function).parameters)
+        derives = own.pop("options", None) is not None
+        static = {name: each.replace(kind=each.KEYWORD_ONLY) for name, each in own.items() if name != "on_progress"}
+        static["scenario"] = static["scenario"].replace(annotation=ScenarioFile)
+        static |= {name: number_option(name, text) for name, (_key, text) in keys.items()}
+        if csv:
+            table = Annotated[Path | None, option(csv, metavar="FILE"), Output.TABLE]
+            static["csv"] = parameter("csv", table, None)
+        static |= {name: parameter(name, *common) for name, common in COMMON.items() if name not in own}
+        files = {
+            name: mark for name in static for mark in get_args(static[name].annotation) if isinstance(mark, Output)
+        }
 
-            check_outputs(csv=csv, plot=plot, force=force)
-            settings = {f"--{name}": (key, options.pop(name)) for name, (key, _kind) in keys.items()}
-            loaded = read_scenario(scenario, changes, reads, settings, what)
+        def parameters() -> list[inspect.Parameter]:
+            derived = options_of(getattr(armour, function.__name__)) if derives else ()
+            return [*(each for each in derived if each.name not in static), *static.values()]
+
+        @wraps(function)
+        def command(**values: Any) -> None:
+            plot, changes = values["plot"], values["changes"]
+            outputs = [values[name] for name in files]
+            tables = [values[name] for name, mark in files.items() if mark is Output.TABLE]
+            check_outputs(*outputs, tables=tables, plot=plot, force=values["force"])
+            loaded = None
+            if values["scenario"] is not None:
+                read = [*reads, "uncertainty"] if values.get("prior") and "uncertainty.model" not in reads else reads
+                settings = {f"--{name}": (key, values[name]) for name, (key, _text) in keys.items()}
+                loaded = read_scenario(values["scenario"], changes, read, settings, what)
+            elif changes:
+                raise InputError([Problem("command line", "--set", "changes a scenario, which is not given")])
             if not first:
                 say_if_compiling()
-            with progress(unit, first=first) as count:
-                result, warnings = function(loaded, count, **options)
-            view = view_of(result)
-            respond(
-                result.to_dict(),
-                view.tables(result),
-                as_json=as_json,
-                of=result._heading(),
-                files=[(csv, lambda: view.csv(result))],
-                plot=plot,
-                chart=lambda: view.chart(result),
-                warnings=warnings_of(loaded, warnings, of_threats=of_threats),
-            )
+            asked = {name: values[name] for name in values if name in own or name not in static}
+            # The defaults are those of the function.
+            asked = {
+                name: value for name, value in asked.items() if name in own or not (value is None or value is False)
+            }
+            with progress(unit, first=first) as count, as_options(function.__name__, named):
+                answer = function(**asked | {"scenario": loaded, "on_progress": count})
+            _respond(answer, loaded, outputs, plot=plot, as_json=values["as_json"], of_threats=of_threats)
 
-        own = [each for each in inspect.signature(function).parameters.values() if each.kind is each.KEYWORD_ONLY]
-        table = [_option("csv", Annotated[Path | None, option(csv_help, "--csv", metavar="FILE")], None)]
-        setting = [_option(name, kind, None) for name, (_key, kind) in keys.items()]
-        common = [_option(name, kind, value) for name, (kind, value) in COMMON.items()]
-        file = inspect.Parameter("scenario", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=ScenarioFile)
-        parameters = [file, *own, *setting, *(table if csv_help else []), *common]
-        command.__dict__["__signature__"] = inspect.Signature(parameters)
-        command.__annotations__ = {each.name: each.annotation for each in parameters}
+        command.__dict__.update(__signature__=inspect.Signature(), parameters=parameters)
+        command.__annotations__ = {}
         return command
 
     return made
 
 
-def _option(name: str, kind: Any, default: Any) -> inspect.Parameter:
-    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=kind, default=default)
+def _respond(
+    answer: Answer,
+    scenario: "Scenario | None",
+    outputs: Iterable[Path | None],
+    *,
+    plot: Path | None,
+    as_json: bool,
+    of_threats: bool,
+) -> None:
+    """Write and show an answer."""
+    from armour.reporting.show import view_of
+
+    result = answer.result
+    view = view_of(result)
+    warnings = result.warnings if answer.warnings is None else answer.warnings
+    contents = {path: lambda: view.csv(result) for path in outputs} | {**answer.contents}
+    with answer.held:
+        respond(
+            {**result.to_dict(), **answer.more},
+            view.tables(result),
+            as_json=as_json,
+            of=result._heading(),
+            files=contents.items(),
+            plot=plot,
+            chart=lambda: view.chart(result),
+            warnings=warnings_of(scenario, warnings, answer.file, of_threats=of_threats),
+        )

@@ -3,17 +3,21 @@
 Files are written before anything is printed, so that a reader that closes the pipe loses none.
 """
 
+import inspect
 import os
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import copy_context
+from functools import cached_property, wraps
 from os.path import exists
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from typer import Exit
 from typer.core import TyperCommand, TyperGroup
+from typer.main import get_command_from_info
+from typer.models import CommandInfo
 
 from armour.cli.console import say, show, show_json
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, refuse
@@ -44,19 +48,22 @@ PLOT_ENDINGS = (".png", ".svg", ".pdf")
 
 def check_outputs(
     *writes: Path | None,
-    csv: Path | None = None,
+    tables: Iterable[Path | None] = (),
     plot: Path | None = None,
     updated: Path | None = None,
     force: bool = False,
 ) -> None:
     """Check that all outputs can be written, that none is another one, and that none replaces a file unless forced to.
 
-    An output that is found to be read later is refused then, but for the updated one, which may exist.
+    Of what is written, ``tables`` are CSV.  An output that is found to be read later is refused then, but for the
+    updated one, which may exist.
     """
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
-    # Streams and pipes have no ending.
-    problems += [] if csv is None or (exists(csv) and not _is_kept(csv)) else wrong_ending(csv, (".csv",))
-    fresh = [path for path in (*writes, csv, plot) if path is not None]
+    for table in tables:
+        # Streams and pipes have no ending.
+        if table is not None and (_is_kept(table) or not exists(table)):
+            problems += wrong_ending(table, (".csv",))
+    fresh = [path for path in (*writes, plot) if path is not None]
     paths = fresh if updated is None else [*fresh, updated]
     problems += (problem for path in paths for problem in unwritable(path))
     there = [path for path in fresh if not force and _is_kept(path)]
@@ -195,29 +202,32 @@ def _encoded(content: str | bytes) -> bytes:
     return content.encode(errors="backslashreplace") if isinstance(content, str) else content
 
 
-def warnings_of(scenario: "Scenario", warnings: Iterable[str], *, of_threats: bool = False) -> list[str]:
-    """Return the warnings on a scenario as lines for standard error, with those on parts that an answer ignores."""
+def warnings_of(
+    scenario: "Scenario | None", warnings: Iterable[str], file: str = "", *, of_threats: bool = False
+) -> list[str]:
+    """Return warnings as lines for standard error, with those on parts of the scenario that an answer ignores."""
+    if scenario is None:
+        return []
     unused = () if of_threats else scenario.unused_threats()
     found = dict.fromkeys((*unused, *warnings))
-    return [*scenario.replaced_entries(), *(f"warning: {scenario.file}: {warning}" for warning in found)]
+    return [*scenario.replaced_entries(), *(f"warning: {file or scenario.file}: {warning}" for warning in found)]
 
 
 @contextmanager
-def named_as_options(function: str, *arguments: str, **options: str) -> Iterator[None]:
-    """Name arguments of a function, in the messages on them, as the options that give them; some have other names."""
-    named = {name: f"--{name.replace('_', '-')}" for name in arguments} | options
+def as_options(function: str, named: Mapping[str, str] = {}) -> Iterator[None]:
+    """Name the parameters of a function, in the messages on them, as options; some are ``named`` otherwise."""
     try:
         yield
     except InputError as error:
         raise InputError(
-            [
-                Problem("command line", " ".join((named[name], *rest)), problem.message)
-                if problem.file == function and name in named
-                else problem
-                for problem in error.problems
-                for name, *rest in [problem.key.split(" ")]
-            ]
+            [_as_option(each, named) if each.file == function else each for each in error.problems]
         ) from None
+
+
+def _as_option(problem: Problem, named: Mapping[str, str]) -> Problem:
+    name, space, rest = problem.key.partition(" ")
+    option = named.get(name, f"--{name.replace('_', '-')}" if name.isidentifier() else "")
+    return Problem("command line", option + space + rest, problem.message) if option else problem
 
 
 def say_if_compiling() -> None:
@@ -252,6 +262,36 @@ class _Helpful:
 
 class Command(_Helpful, TyperCommand):
     """A command."""
+
+
+class Question(Command):
+    """A command made by `question`; its parameters are made when they are asked for, as the imports take long."""
+
+    @cached_property
+    def made(self) -> Any:
+        """The command with its parameters."""
+        function = vars(self.callback)["__wrapped__"]
+
+        @wraps(function)
+        def asked(**values: Any) -> None:
+            function(**values)
+
+        asked.__dict__["__signature__"] = inspect.Signature([*function.parameters()])
+        return get_command_from_info(CommandInfo(callback=asked), pretty_exceptions_short=False, rich_markup_mode=None)
+
+    @property
+    def params(self) -> Any:
+        """The parameters."""
+        return self.made.params
+
+    @params.setter
+    def params(self, _none: Any) -> None:
+        """Leave out what typer finds before the parameters are made."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command."""
+        self.callback = self.made.callback
+        return super().invoke(ctx)
 
 
 class Reporting(_Helpful, TyperGroup):

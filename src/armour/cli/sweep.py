@@ -11,8 +11,8 @@ import typer
 from armour.analysis.quantities import QUANTITIES, REQUIRED, reads_of
 from armour.cli import completion
 from armour.cli.console import progress, say
-from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, number, option
-from armour.cli.runner import check_outputs, named_as_options, read_scenario, respond, say_if_compiling
+from armour.cli.options import AsJson, Changes, Force, PlotFile, ScenarioFile, option
+from armour.cli.runner import as_options, check_outputs, read_scenario, respond, say_if_compiling
 from armour.errors import InputError, Problem
 
 if TYPE_CHECKING:
@@ -54,12 +54,7 @@ def sweep(
     force: Force = False,
     threads: Annotated[
         int | None,
-        option(
-            "Threads, at least 1; by default one per core.",
-            "--threads",
-            parser=number("--threads", int, 1),
-            metavar="NUMBER",
-        ),
+        typer.Option(min=1, metavar="NUMBER", help="Threads, at least 1; by default one per core.", show_default=False),
     ] = None,
     scheduler: Annotated[
         str, option('Compute on the Dask cluster at this address; "local" starts one.', metavar="ADDRESS")
@@ -80,7 +75,7 @@ def sweep(
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
     loaded = read_scenario(scenario, changes, ("impact.projectile", "armour", *reads), what="the sweep")
-    with named_as_options("sweep", "over", "quantities"):
+    with as_options("sweep"):
         source = _source(over or [], cases)
     if plot is not None:
         _check_plot(source, names)
@@ -88,7 +83,7 @@ def sweep(
     with (
         ExitStack() as stack,
         progress("rows", source.count) as count,
-        named_as_options("sweep", "over", "quantities"),
+        as_options("sweep"),
     ):
         workers = stack.enter_context(workers_of(stack.enter_context(connected(scheduler)))) if scheduler else None
         rows = write_sweep(

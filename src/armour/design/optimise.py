@@ -215,7 +215,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         without them, they are the scenario's own pair of materials and impact.  Where there are threats, the impact is
         not used.  ``scenario.replaced({"design.confidence": 0.95})`` asks for a probability of defeating each threat.
     refine : bool, default False
-        Whether also to find the best design with both layers free within their ranges.
+        Whether to also find the best design with both layers free within their ranges.
     on_progress : callable, optional
         Called with the number of impacts computed since the last call, and None, as their total is not known.
 

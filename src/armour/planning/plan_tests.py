@@ -203,9 +203,9 @@ def plan_tests(
         Armours that can be tested, as for `armour.sweep`: every combination of values, or a CSV file.  Its column
         ``cost`` is the cost of a target.
     fit : str or sequence of str, default "ceramic.flow_stress_GPa"
-        Names of the inputs to determine.
+        Input to determine, or several.
     law : {"constant", "ceramic", "backing", "product", "linear"}, optional
-        Law of the ceramic's flow stress, whose coefficients are determined too, see `armour.calibrate`.
+        Law of the ceramic's flow stress, whose coefficients are determined too, one of those of calibrate.
     number : int, default 4
         Number of tests to plan, 1 to 200.  A candidate may be tested several times.
     tests : Tests, optional
@@ -221,7 +221,7 @@ def plan_tests(
     cost : float, optional
         Cost of a test beside that of its target.
     prior : bool, default False
-        Whether the scenario's distributions of the fitted inputs count.
+        Whether to count the scenario's distributions of the fitted inputs as prior knowledge.
     on_progress : callable, optional
         Called with the number of armours computed since the last call, and None.
 

@@ -215,15 +215,15 @@ def calibrate(
     scenario : Scenario
         Inputs that the tests have in common: the scenario that the tests were read with.
     fit : str or sequence of str, default "ceramic.flow_stress_GPa"
-        Names of the inputs to fit.
+        Input to fit, or several.
     law : {"constant", "ceramic", "backing", "product", "linear", "all"}, optional
-        Law of the ceramic's flow stress, whose coefficients are fitted beside the flow stress, in place of that of the
-        scenario, which is kept by default.  With "all" the result is that of the law with the least leave-one-out
-        error, and compares all.
+        Law of the ceramic's flow stress: constant, ceramic (linear in its thickness), backing (a power of the back
+        plate's), product (a power of both) or linear (in both), whose coefficients are fitted too; or all, to compare
+        them, which gives the law with the least leave-one-out error.  By default that of the scenario.
     prior : bool, default False
-        Whether the scenario's distributions of the fitted inputs, normal or lognormal with their correlations, count
-        too.  Estimates and intervals are then those of the posterior: the product of the likelihood and the density of
-        the inputs or, if lognormal, of their logarithms.  One test with its uncertainty is then enough.
+        Whether to count the scenario's distributions of the fitted inputs, normal or lognormal with their correlations,
+        as prior knowledge.  Estimates and intervals are then those of the posterior: the product of the likelihood and
+        the density of the inputs or, if lognormal, of their logarithms.  One test with its uncertainty is then enough.
     on_progress : callable, optional
         Called with the number of tests computed since the last call, and None, as their total is not known.
 

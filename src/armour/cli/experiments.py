@@ -1,0 +1,245 @@
+"""Commands on tests of armours: what they tell, and what to test next."""
+
+from contextlib import ExitStack
+from os.path import exists
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import armour
+from armour.cli import completion
+from armour.cli.options import Force, Output, PlotFile, argument, option
+from armour.cli.question import Answer, question
+from armour.cli.runner import check_outputs, read_scenario
+from armour.cli.scenario_commands import LIMIT
+from armour.cli.sweep import grid_of
+from armour.errors import InputError, Problem
+from armour.files import table_file
+
+if TYPE_CHECKING:
+    from armour.analysis.progress import OnProgress
+    from armour.scenario.scenario import Scenario
+    from armour.sweeps.cases import Cases, Grid
+
+# What a fit reads; with its prior, also the distributions.
+FIT = ("impact", "armour", "ballistic_limit")
+# Part by which a measured velocity may miss the planned one without a warning.
+FAR_FROM_PLAN = 0.1
+LIMITS = {"limits_m_s": "--lower-m-s, --upper-m-s", "limits_m_s[0]": "--lower-m-s", "limits_m_s[1]": "--upper-m-s"}
+
+
+@question(*LIMIT, what="the ballistic limit", first="fitting")
+def v50(
+    on_progress: "OnProgress",
+    shots: Annotated[
+        Path,
+        argument(
+            "SHOTS",
+            'CSV file with the columns velocity_m_s and result ("partial" or "complete"). '
+            "`armour init FILE.csv --from shots.csv` writes an example.",
+            autocompletion=completion.tables,
+        ),
+    ],
+    scenario: "Scenario | None" = None,
+    **options: Any,
+) -> Answer:
+    """Estimate V50 from firing results.
+
+    With the scenario of the same armour, the ballistic limit by the model is shown too.
+    """
+    fired = armour.read_shots(table_file(shots), one_kind="prior" in options)
+    return Answer(armour.v50(fired, scenario, on_progress=on_progress, **options))
+
+
+@question(*FIT, unit="tests")
+def calibrate(
+    on_progress: "OnProgress",
+    tests: Annotated[
+        Path,
+        argument(
+            "TESTS",
+            "CSV file of tests. Its columns are test (a name); armour.ceramic and other names and inputs that differ; "
+            "and ballistic_limit_m_s, residual_velocity_m_s, residual_mass_g or outcome. "
+            "`armour init FILE.csv --from wilkins.csv` writes an example.",
+            autocompletion=completion.tables,
+        ),
+    ],
+    scenario: "Scenario",
+    library: Annotated[
+        Path | None,
+        option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml"),
+        Output.FILE,
+    ] = None,
+    fitted: Annotated[
+        Path | None,
+        option(
+            "Write the scenario with the fitted entries and their uncertainty.", "--write-scenario", metavar="FILE.toml"
+        ),
+        Output.FILE,
+    ] = None,
+    **options: Any,
+) -> Answer:
+    """Fit model inputs to tests."""
+    from armour.statistics.fitted_library import library_text, scenario_text
+
+    read = armour.read_tests(table_file(tests), scenario)
+    result = armour.calibrate(read, scenario, on_progress=on_progress, **options)
+    contents = {
+        library: lambda: library_text(result, read, scenario),
+        fitted: lambda: None if fitted is None else scenario_text(result, read, scenario, fitted),
+    }
+    return Answer(result, contents=contents, file=str(tests))
+
+
+@question(*LIMIT, first="searching", named=LIMITS)
+def plan_shots(
+    scenario: "Scenario",
+    on_progress: "OnProgress",
+    table: Annotated[
+        Path | None,
+        argument(
+            "SHOTS",
+            'CSV file of the shots so far, with the columns velocity_m_s and result ("partial" or "complete").',
+            autocompletion=completion.tables,
+        ),
+    ] = None,
+    lower_m_s: Annotated[float | None, option("Lower limit of V50, m/s, for langlie and neyer.")] = None,
+    upper_m_s: Annotated[float | None, option("Upper limit of V50, m/s, for langlie and neyer.")] = None,
+    result: Annotated[
+        Literal["partial", "complete", "P", "C", "PP", "CP"] | None,
+        option("Result of the shot just fired, which is added to SHOTS.", case_sensitive=False),
+    ] = None,
+    velocity_m_s: Annotated[
+        float | None, option("Measured velocity of this shot, m/s; by default the planned one.")
+    ] = None,
+    plot: PlotFile = None,
+    force: Force = False,
+    **options: Any,
+) -> Answer:
+    """Plan the next shot of a V50 firing, given the shots so far."""
+    if (lower_m_s is None) != (upper_m_s is None):
+        raise _problem("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
+    if lower_m_s is not None:
+        options["limits_m_s"] = (lower_m_s, upper_m_s)
+    if result is None:
+        if velocity_m_s is not None:
+            raise _problem("--velocity-m-s", "is the velocity of the shot of --result, which is not given")
+        if table is not None and not exists(table):
+            # A shipped table of this name is of another firing.
+            raise InputError([Problem(str(table), "", "cannot be read: no such file; --result makes it")])
+        fired = None if table is None else armour.read_shots(table, one_kind=True)
+        return Answer(armour.plan_shots(scenario, fired, on_progress=on_progress, **options))
+    if table is None:
+        raise _problem("--result", "adds a shot to SHOTS, which is not given")
+    if "simulate" in options:
+        raise _problem("--result", "is of a shot that was fired; it must not be given with --simulate")
+    check_outputs(plot=plot, updated=table, force=force)
+    return _with_result(scenario, on_progress, table, result, velocity_m_s, options)
+
+
+def _with_result(
+    scenario: "Scenario",
+    on_progress: "OnProgress",
+    table: Path,
+    result: str,
+    velocity_m_s: float | None,
+    options: dict[str, Any],
+) -> Answer:
+    """Plan the next shot after one that is added to the table, which stays locked until it is written."""
+    from armour.planning.firing import ABSURD_FACTOR, added, content_of, locked, with_shot
+    from armour.statistics.v50 import RESULTS, Shots
+
+    with ExitStack() as stack:
+        stack.enter_context(locked(table))
+        read = content_of(table)
+        fired = armour.read_shots(table, one_kind=True) if exists(table) else Shots((), (), str(table))
+        before = armour.plan_shots(scenario, fired, on_progress=on_progress, **options)
+        planned, limit = before.next_velocity_m_s, before.model_ballistic_limit_m_s
+        velocity = planned if velocity_m_s is None else velocity_m_s
+        if velocity is None:
+            raise _problem("--velocity-m-s", "must be given: no further shot was planned")
+        if not limit / ABSURD_FACTOR <= velocity <= limit * ABSURD_FACTOR:
+            message = f"must be near the model's limit, {limit:.0f} m/s: a third to three times it"
+            raise _problem("--velocity-m-s", f"{message}, found {velocity:g}; is it in m/s?")
+        far = []
+        if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
+            far.append(f"the shot, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s")
+        word = RESULTS[result.lower()]
+        content = with_shot(table, velocity, word)
+        fired = added(fired, velocity, word == "complete")
+        plan = armour.plan_shots(scenario, fired, on_progress=on_progress, **options)
+
+        def longer() -> bytes:
+            if content_of(table) != read:
+                message = "cannot be written: it has changed since it was read; repeat the command"
+                raise InputError([Problem(str(table), "", message)])
+            return content
+
+        return Answer(plan, (*far, *plan.warnings), contents={table: longer}, held=stack.pop_all())
+
+
+def _problem(name: str, message: str) -> InputError:
+    return InputError([Problem("command line", name, message)])
+
+
+@question(*FIT, unit="armours", named={"designs": "--design"})
+def plan_tests(
+    scenario: "Scenario",
+    on_progress: "OnProgress",
+    candidates: Annotated[
+        list[str] | None,
+        option(
+            "Armours that can be tested: a key and its values, as MIN:MAX:STEP or V,V,..., repeated to span a grid; or "
+            "a CSV file whose header names keys and, where targets differ in it, cost.",
+            metavar="KEY=VALUES|FILE",
+            autocompletion=completion.numbers,
+        ),
+    ] = None,
+    tests: Annotated[
+        Path | None,
+        option("CSV file of tests made before.", metavar="FILE", autocompletion=completion.tables),
+    ] = None,
+    design: Annotated[
+        list[Path] | None,
+        option(
+            "Scenario of a design in question; may be given several times. By default SCENARIO.",
+            metavar="SCENARIO",
+            autocompletion=completion.scenarios,
+        ),
+    ] = None,
+    csv: Annotated[
+        Path | None,
+        option("Write the tests made before and the planned ones, to fill in, as CSV.", metavar="FILE"),
+        Output.FILE,
+    ] = None,
+    **options: Any,
+) -> Answer:
+    """Choose the armours whose tests tell most of model inputs, or of the limit of a design."""
+    from armour.planning.plan_tests import weighted_by
+    from armour.reporting.table import csv_text
+    from armour.reporting.views.planned_tests import form_table
+
+    source = _source(candidates or [])
+    made = None if tests is None else armour.read_tests(table_file(tests), scenario)
+    designs = [read_scenario(path, None, FIT) for path in design or []]
+    result = armour.plan_tests(scenario, source, tests=made, designs=designs, on_progress=on_progress, **options)
+    if made is not None and "scatter_percent" in options and not made.weighted:
+        made = weighted_by(made, options["scatter_percent"] / 100.0)
+    return Answer(result, contents={csv: lambda: csv_text(form_table(result, made))})
+
+
+def _source(candidates: list[str]) -> "Grid | Cases":
+    """Return the candidates."""
+    from armour.planning.plan_tests import COST, of_candidates
+    from armour.sweeps.cases import Cases
+
+    files = [text for text in candidates if "=" not in text]
+    if not candidates:
+        raise _problem("--candidates", "is missing and must be given")
+    if files and len(candidates) > 1:
+        raise _problem("--candidates", "must be one CSV file, or keys with values")
+    if files and not files[0].endswith(".csv") and not exists(files[0]):
+        raise _problem("--candidates", f'must be KEY=VALUES or a CSV file, found "{files[0]}"')
+    if files:
+        return Cases(Path(files[0]), (COST,))
+    with of_candidates():
+        return grid_of("--candidates", candidates)
