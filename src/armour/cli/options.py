@@ -47,7 +47,7 @@ def options_of(function: Callable[..., Any]) -> Iterator[inspect.Parameter]:
         members = get_args(hints[name]) if get_origin(hints[name]) in (Union, UnionType) else (hints[name],)
         words = [word for kind in members if get_origin(kind) is Literal for word in get_args(kind)]
         told = " ".join(meanings.get(name, "").split()).replace("`", "")
-        if each.default and each.default is not each.empty:
+        if each.default and each.default is not each.empty and "default" not in told:
             told = f"{told.removesuffix('.')}; by default {each.default}."
         kind: Any = None
         if bool in members:

@@ -203,7 +203,7 @@ def plan_tests(
         Armours that can be tested, as for `armour.sweep`: every combination of values, or a CSV file.  Its column
         ``cost`` is the cost of a target.
     fit : str or sequence of str, default "ceramic.flow_stress_GPa"
-        Input to determine, or several.
+        Input to determine, or several; by default the ceramic's flow stress.
     law : {"constant", "ceramic", "backing", "product", "linear"}, optional
         Law of the ceramic's flow stress, whose coefficients are determined too, one of those of calibrate.
     number : int, default 4

@@ -215,7 +215,7 @@ def calibrate(
     scenario : Scenario
         Inputs that the tests have in common: the scenario that the tests were read with.
     fit : str or sequence of str, default "ceramic.flow_stress_GPa"
-        Input to fit, or several.
+        Input to fit, or several; by default the ceramic's flow stress.
     law : {"constant", "ceramic", "backing", "product", "linear", "all"}, optional
         Law of the ceramic's flow stress: constant, ceramic (linear in its thickness), backing (a power of the back
         plate's), product (a power of both) or linear (in both), whose coefficients are fitted too; or all, to compare
