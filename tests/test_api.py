@@ -192,7 +192,7 @@ def test_a_wrong_argument_is_refused_by_name(name: str, given: object):
 
 
 def test_a_name_in_place_of_a_scenario_may_be_read():
-    message = 'simulate: scenario: must be a Scenario, found the text "wilkins"; load_scenario("wilkins") reads one'
+    message = 'simulate: scenario: must be a Scenario, found the text "wilkins"; load_scenario makes one'
     with pytest.raises(armour.InputError, match=re.escape(message)):
         armour.simulate("wilkins")  # type: ignore[arg-type]
 

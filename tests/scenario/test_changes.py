@@ -64,16 +64,6 @@ def test_a_key_that_is_given_twice():
         "a.toml: impact.velocity_m_s: must be given once, found 2.0 and 3.0",
     ]
     assert changed(data(), {"impact.velocity_m_s": 1, "impact": {"velocity_m_s": 1}})["impact"]["velocity_m_s"] == 1
-    above = {"library.metal.m.density_kg_m3.value": 1.0, "library.metal.m.density_kg_m3": 2.0}
-    assert refused(above) == [
-        "a.toml: library.metal.m.density_kg_m3: must not be given with library.metal.m.density_kg_m3.value, "
-        "which goes below it"
-    ]
-
-
-def test_an_empty_table_changes_nothing():
-    assert refused({"armour": {}}) == ["a.toml: armour: must hold a key, found an empty table"]
-    assert changed(data(), {"design": {}})["design"] == {}
 
 
 def test_a_change_leaves_the_data():

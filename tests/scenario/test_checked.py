@@ -31,8 +31,8 @@ def f(
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"scenario": {}}, "scenario: must be a Scenario, found a dict; load_scenario reads one"),
-        ({"scenario": "x"}, 'scenario: must be a Scenario, found the text "x"; load_scenario("x") reads one'),
+        ({"scenario": {}}, "scenario: must be a Scenario, found a dict; load_scenario makes one"),
+        ({"scenario": "x"}, 'scenario: must be a Scenario, found the text "x"; load_scenario makes one'),
         ({"path": 3}, "path: must be a mapping or a path, found 3"),
         ({"names": 5}, "names: must be a name or a sequence of names, found 5"),
         ({"names": ["a", 5]}, "names: must be a sequence of names, found 5 in it"),

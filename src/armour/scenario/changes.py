@@ -18,7 +18,7 @@ THREATS = 'threat=[{ projectile = "7.62 mm AP", velocity_m_s = 850.0, margin_m_s
 def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = "scenario") -> dict[str, Any]:
     """Return the data of a scenario with other values by dotted key; a table is merged into an existing one.
 
-    Every change must count: a key that goes below a value, is given twice or adds an empty table to a table is refused.
+    A key that goes below a value, or is given twice, is refused.
     """
     result = dict(data)
     given: dict[Parts, object] = {}
@@ -30,28 +30,14 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = 
             problems.append(not_a_key(file, key))
             continue
         for leaf, found in leaves(value, parts):
-            if isinstance(found, Mapping) and isinstance(_at(result, leaf), Mapping):
-                problems.append(Problem(file, key_name(leaf), "must hold a key, found an empty table"))
-            elif leaf in given and given[leaf] != found:
+            if leaf in given and given[leaf] != found:
                 message = f"must be given once, found {describe(given[leaf])} and {describe(found)}"
                 problems.append(Problem(file, key_name(leaf), message))
             given[leaf] = found
         if message := _put_at(result, parts, value):
             problems.append(Problem(file, key_name(parts), message))
-    for leaf in given:
-        for above in (leaf[:i] for i in range(1, len(leaf))):
-            if above in given:
-                message = f"must not be given with {key_name(leaf)}, which goes below it"
-                problems.append(Problem(file, key_name(above), message))
-    refuse(dict.fromkeys(problems))
+    refuse(problems)
     return result
-
-
-def _at(data: Any, parts: Parts) -> Any:
-    """Return the value at a key; None if there is none."""
-    for part in parts:
-        data = data.get(part) if isinstance(data, Mapping) else None
-    return data
 
 
 def _put_at(data: dict[str, Any], parts: Parts, value: object) -> str:

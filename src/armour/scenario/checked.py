@@ -1,6 +1,5 @@
 """Arguments of the public functions, checked by the types and bounds of their signatures."""
 
-import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, wraps
 from inspect import signature
@@ -20,8 +19,15 @@ Kind = TypeVar("Kind")
 
 # What objects are called in messages, and the functions that make those of this project.
 _WORDS: dict[object, str] = {str: "a text", Mapping: "a mapping", Callable: "a function", PathLike: "a path"}
-_MAKERS = {"Scenario": "load_scenario", "Suite": "load_suite", "Tests": "read_tests", "Shots": "read_shots"}
-_MAKERS |= {"Library": "shipped_library", "SuiteResult": "validate", "CalibrationResult": "calibrate"}
+_MAKERS = {
+    "Scenario": "load_scenario",
+    "Suite": "load_suite",
+    "Tests": "read_tests",
+    "Shots": "read_shots",
+    "Library": "shipped_library",
+    "SuiteResult": "validate",
+    "CalibrationResult": "calibrate",
+}
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
@@ -67,7 +73,8 @@ def instance(value: object, *kinds: type[Kind]) -> Kind:
     """Return a value that is of one of some classes; a ValueError says what it must be."""
     if isinstance(value, kinds):
         return value
-    raise ValueError(f"must be {_called(kinds)}, found {_found(value)}{_maker(value, kinds[0])}")
+    maker = _MAKERS.get(kinds[0].__name__)
+    raise ValueError(f"must be {_called(kinds)}, found {_found(value)}{f'; {maker} makes one' if maker else ''}")
 
 
 def _called(kinds: Sequence[type]) -> str:
@@ -79,18 +86,6 @@ def _called(kinds: Sequence[type]) -> str:
 def _found(value: object) -> str:
     """Return a wrong argument in words; of an object, its type."""
     return describe(value) if value is None or isinstance(value, str | int | float) else f"a {type(value).__name__}"
-
-
-def _maker(value: object, kind: type) -> str:
-    """Return which function makes what is wanted, "" if none does; a name or path given in its place, it may read."""
-    maker = _MAKERS.get(kind.__name__, "")
-    if not maker.startswith(("load", "read")):
-        return f"; {maker} makes one" if maker else ""
-    return (
-        f"; {maker}({json.dumps(str(value))}) reads one"
-        if isinstance(value, str | PathLike)
-        else f"; {maker} reads one"
-    )
 
 
 def _names(given: object) -> tuple[str, ...]:
