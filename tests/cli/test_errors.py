@@ -10,13 +10,6 @@ COMMANDS = ["simulate", "ballistic-limit", "optimise"]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_a_missing_file(cli, command: str):
-    assert cli.fails(2, command, "nothing.toml") == [
-        "nothing.toml: cannot be read: no such file or directory; `armour init --list` lists the shipped scenarios"
-    ]
-
-
-@pytest.mark.parametrize("command", COMMANDS)
 def test_a_folder(cli, command: str, folder: Path):
     assert cli.fails(2, command, folder) == [f"{folder}: cannot be read: is a directory"]
 
@@ -48,28 +41,7 @@ def test_an_empty_file(cli, folder: Path):
     assert len(cli.fails(2, "simulate", "a.toml")) == 2
 
 
-@pytest.mark.parametrize(
-    "args", [[], ["simulate"], ["simulate", "a.toml", "--velocity", "fast"], ["fly"], ["optimise", "a", "--fast"]]
-)
-def test_wrong_usage(cli, args: list[str]):
-    assert cli(*args).exit_code == 2
-
-
 def test_the_longest_run_allowed_ends_in_a_message(cli, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 5)
     [line] = cli.fails(2, "simulate", SCENARIOS / "wilkins.toml")
     assert "solver.arrest_velocity_m_s: must let the run at 800 m/s end" in line
-
-
-def test_an_option_of_words_says_what_it_takes(cli):
-    [line] = cli.fails(2, "calibrate", "wilkins.csv", "wilkins", "--law", "backin")
-    assert line.startswith('command line: --law: must be "constant", ')
-    assert line.endswith('found the text "backin"; did you mean "backing"?')
-
-
-def test_a_mistake_of_another_key_than_the_changed_one_names_that_key(cli):
-    changed = ("simulate", SCENARIOS / "wilkins.toml", "--set", "ballistic_limit.velocity_min_m_s=5000")
-    assert cli.fails(2, *changed) == [
-        f"{SCENARIOS / 'wilkins.toml'}: ballistic_limit.velocity_max_m_s: "
-        "must be above velocity_min_m_s, which is 5000, found 4000"
-    ]

@@ -31,14 +31,6 @@ def test_a_parity(cli, folder: Path):
     assert "agreement" in (folder / "figs/parity_table3.svg").read_text()
 
 
-def test_a_figure_that_is_not_there(cli, folder: Path):
-    [line] = cli.fails(2, "figures", "figs", "--only", "fig15")
-    assert line.endswith(
-        'found "fig15"; there are ' + ", ".join(f"fig{i:02d}" for i in range(3, 15)) + ", parity_table3, parity_plates"
-    )
-    assert list(folder.iterdir()) == []
-
-
 def test_a_file_in_the_way(cli, folder: Path):
     (folder / "figs").write_text("")
     assert cli.fails(2, "figures", "figs") == ["figs: must be a folder or free to be made one"]

@@ -1,8 +1,8 @@
 """What commands print, whole, on a terminal of 80 columns, and how they end: a session for each file of golden/.
 
 In a session `$ armour ...` is a command, with what it prints below, messages marked by `!`; `$ cat >NAME` makes a file
-that ends with a line of one dot.  The shipped scenarios lie in the working folder, so that messages name them alike
-everywhere.  ``python -m tests.cli.test_golden`` writes the sessions anew: read what changes.
+that ends with a line of one dot, and `$ cat NAME` shows one.  The shipped scenarios lie in the working folder, so that
+messages name them alike everywhere.  ``python -m tests.cli.test_golden`` writes the sessions anew: read what changes.
 """
 
 import os
@@ -33,6 +33,9 @@ def played(session: str) -> str:
         if command.startswith("cat >"):
             Path(command.removeprefix("cat >")).write_text(given.removesuffix(".\n"))
             lines += given.splitlines()
+            continue
+        if command.startswith("cat "):
+            lines += Path(command.removeprefix("cat ")).read_text().splitlines()
             continue
         done = CliRunner(env=TERMINAL).invoke(app, shlex.split(command)[1:], prog_name="armour")
         lines += [*done.stdout.splitlines(), *(f"! {line}" for line in done.stderr.splitlines())]

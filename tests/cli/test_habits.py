@@ -15,7 +15,7 @@ import pytest
 from armour import MODEL_VERSION, __version__
 from armour.cli.app import COMMANDS, app
 from tests.cli.test_docs import PAGES, sessions
-from tests.helpers.cases import SCENARIOS, TESTS
+from tests.helpers.cases import SCENARIOS
 
 WILKINS = SCENARIOS / "wilkins.toml"
 TAKE_A_SCENARIO = ("simulate", "ballistic-limit", "optimise", "sensitivity", "compare", "uncertainty")
@@ -60,23 +60,6 @@ def test_the_help_is_not_cut_in_a_narrow_terminal(cli, command: str, monkeypatch
     assert "<=" not in text
 
 
-@pytest.mark.parametrize("command", TAKE_A_SCENARIO)
-def test_a_change_and_a_mistake_in_it(cli, command: str):
-    case = SCENARIOS / "uncertain.toml" if command == "uncertainty" else WILKINS
-    [told] = cli.fails(2, command, case, "--set", "armour.backing_thickness_mm=-3")
-    assert told.startswith("command line: --set armour.backing_thickness_mm: must be greater than 0, found -3")
-    [told] = cli.fails(2, command, case, "--set", "nothing")
-    assert told.startswith("command line: --set: must be KEY=VALUE")
-
-
-def test_a_change_counts(cli):
-    found = [
-        json.loads(cli("ballistic-limit", WILKINS, *change, "--json").stdout)["ballistic_limit_m_s"]
-        for change in ((), ("--set", "armour.ceramic_thickness_mm=8"))
-    ]
-    assert found[1] > found[0] + 30.0
-
-
 def process(*args: object, **environment: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "armour", *(str(arg) for arg in args)]
     return subprocess.run(command, capture_output=True, text=True, env={**os.environ, **environment})
@@ -98,11 +81,6 @@ def test_bytes_that_are_no_text():
 
 def test_a_value_nested_too_deeply(cli):
     assert cli.fails(2, "simulate", WILKINS, "--set", "a=" + "[" * 3000 + "]" * 3000)
-
-
-def test_two_outputs_of_one_name(cli, folder: Path):
-    told = cli.fails(2, "calibrate", TESTS, WILKINS, "--write", "same.svg", "--plot", "same.svg")
-    assert told == [f"{folder / 'same.svg'}: must not be written twice; choose another name"]
 
 
 def test_mistakes_are_told_with_their_lines(cli, folder: Path):
@@ -166,53 +144,3 @@ def test_the_schema_takes_a_number_or_a_table(schema):
     for value in (4.5, {"value": 4.5, "status": "fitted"}):
         data["library"] = {"ceramic": {"X": {"based_on": "AD85", "flow_stress_GPa": value}}}
         assert not list(schema.iter_errors(data))
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (
-            ["--velocity", "900", "--set", "impact.velocity_m_s=800"],
-            "--velocity: must not be given with --set impact.v",
-        ),
-        (
-            ["--velocity", "900", "--set", "impact={velocity_m_s=800}"],
-            "--velocity: must be given once, found 800 and 900",
-        ),
-        (
-            ["--set", "impact.velocity_m_s=800", "--set", "impact.velocity_m_s=9"],
-            "--set impact.velocity_m_s: must be given",
-        ),
-        (
-            ["--set", "armour.ceramic.density_kg_m3=9"],
-            "--set armour.ceramic.density_kg_m3: must not go below armour.cer",
-        ),
-        (
-            ["--set", "ceramic.flow_stress_GPa=0"],
-            "--set ceramic.flow_stress_GPa: must be at least 0.001, found 0",
-        ),
-        (
-            ["--set", "ceramic.flow_stress=7"],
-            "--set ceramic.flow_stress: must name an input of the scenario, found",
-        ),
-        (
-            ["--set", "optimise.ceramic_thickness_mm.step=1e-9"],
-            "--set optimise.ceramic_thickness_mm: must hold at most",
-        ),
-        (
-            ["--set", 'library.ceramic.AD86={based_on="AD85"}'],
-            "--set library.ceramic.AD86: must be an entry of the lib",
-        ),
-    ],
-)
-def test_options_that_do_not_count(cli, options: list[str], message: str):
-    [line] = cli.fails(2, "simulate", WILKINS, *options)
-    assert line.startswith(f"command line: {message}")
-
-
-def test_a_mistake_of_the_file_stays_one(cli, folder: Path):
-    text = WILKINS.read_text().replace("800.0", "-1.0")
-    (folder / "a.toml").write_text(text)
-    lines = cli.fails(2, "simulate", "a.toml", "--set", "impact.projectile=stone")
-    assert lines[0].startswith("command line: --set impact.projectile: must name a projectile")
-    assert lines[1].startswith("a.toml: impact.velocity_m_s: must be greater than 0, found -1.0 (line ")

@@ -8,13 +8,6 @@ from armour.files import shipped, shipped_suites
 from tests.helpers.cases import SCENARIOS
 
 
-def test_the_library_is_listed(cli):
-    result = cli("library")
-    assert result.exit_code == 0
-    for name in ("7.62 mm APM2", "AD99.5", "AA6082-T651"):
-        assert name in result.stdout
-
-
 def test_the_library_as_json(cli):
     data = json.loads(cli("library", "--json").stdout)
     assert data["ceramic"]["AD85"]["flow_stress_GPa"]["value"] == 5.2
@@ -28,11 +21,6 @@ def test_an_entry_is_shown_with_its_sources(cli):
     data = json.loads(cli("library", "show", "6061-T6", "--json").stdout)
     assert data["shear_strength_MPa"]["status"] == "assumed"
     assert json.loads(cli("library", "--json", "show", "6061-T6").stdout) == data
-
-
-def test_an_entry_that_is_not_there(cli):
-    [line] = cli.fails(2, "library", "show", "AD86")
-    assert line.endswith('did you mean "AD85"?')
 
 
 def test_init_writes_a_scenario_that_works(cli, folder: Path):
@@ -76,16 +64,6 @@ def test_init_copies_a_suite_and_a_table(cli, folder: Path):
         assert cli.fails(2, "init", file, "--from", source)[0].startswith(f"{file}: must end in .{ending}")
 
 
-def test_init_does_not_write_over_a_file(cli, folder: Path):
-    path = folder / "scenario.toml"
-    path.write_text("mine")
-    [line] = cli.fails(2, "init")
-    assert line == "scenario.toml: exists already; choose another name, or --force"
-    assert path.read_text() == "mine"
-    assert cli("init", "--force").exit_code == 0
-    assert path.read_text() != "mine"
-
-
 def test_init_names_what_there_is(cli, folder: Path):
     names = cli("init", "--list").stdout.split()
     assert "wilkins" in names
@@ -120,34 +98,6 @@ def test_a_file_of_the_same_name_wins(cli, folder: Path):
     (folder / "wilkins").rmdir()
     (folder / "wilkins").write_text("[armour]\n")
     assert cli.fails(2, "ballistic-limit", "wilkins")[0].startswith("wilkins: impact: is missing")
-
-
-@pytest.mark.usefixtures("folder")
-@pytest.mark.parametrize(
-    ("args", "hint"),
-    [
-        (["simulate", "willkins"], '"wilkins"?; `armour init --list` lists the shipped scenarios'),
-        (["simulate", "scenarios/wilkins.toml"], '"wilkins"?; `armour init --list` lists the shipped scenarios'),
-        (["report", "plate"], '"plates"?; `armour init --list` lists the shipped scenarios'),
-        (["validate", "plate"], '"plates"?; shipped are paper, plates'),
-        (["v50", "shot.csv"], '"shots.csv"?; shipped are shots.csv, unknown_ceramic.csv, wilkins.csv'),
-        (
-            ["calibrate", "wilkin.csv", "wilkins"],
-            '"wilkins.csv"?; shipped are shots.csv, unknown_ceramic.csv, wilkins.csv',
-        ),
-    ],
-)
-def test_a_name_close_to_a_shipped_one(cli, args: list[str], hint: str):
-    [line] = cli.fails(2, *args)
-    assert line.endswith(f"cannot be read: no such file or directory; did you mean {hint}")
-
-
-def test_a_scenario_is_not_written_to_a_file_named_dash(cli, folder: Path):
-    before = sorted(folder.iterdir())
-    result = cli("init", "-")
-    assert result.exit_code == 2
-    assert "must be the name of a file to write" in result.stderr
-    assert sorted(folder.iterdir()) == before
 
 
 TOO_LONG = "a" * 300

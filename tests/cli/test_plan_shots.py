@@ -10,8 +10,6 @@ from typing import Any
 import pytest
 
 import armour
-from armour.cli.app import COMMANDS
-from armour.cli.experiments import plan_shots as command
 
 NEXT = "next velocity"
 
@@ -37,96 +35,11 @@ def test_a_firing_is_recorded_shot_by_shot(cli, folder: Path):
     assert len(rows(folder / "f.csv")) == 3
 
 
-def test_the_examples_of_the_help_run(cli, folder: Path):
-    assert folder.is_dir()
-    for example in COMMANDS[command]:
-        # The documentation draws a plan.
-        assert cli(*example.replace("--plot plan.svg", "--half-width-m-s 60").split()).exit_code == 0
-
-
-def test_tables(cli, folder: Path):
-    (folder / "f.csv").write_text("velocity_m_s,result\n723,P\n770,C\n")
-    shown = cli("plan", "shots", "wilkins", "f.csv", "--requirement-m-s", "700").stdout
-    for line in (
-        "required of the V50",
-        "probability that it is met",
-        "prior",
-        "posterior",
-        "error of the model: ± 7.0 %",
-    ):
-        assert line in shown
-    classic = cli("plan", "shots", "wilkins", "f.csv", "--procedure", "neyer", "--lower-m-s=600", "--upper-m-s=900")
-    assert "limits of V50" in classic.stdout
-    assert "600.0 to 900.0 m/s" in classic.stdout
-
-
-def test_a_simulation(cli, folder: Path):
-    options = (
-        "--simulate",
-        "--true-v50-m-s",
-        "770",
-        "--true-scatter-m-s",
-        "15",
-        "--half-width-m-s",
-        "40",
-        "--seed",
-        "2",
-    )
-    shown = cli("plan", "shots", "wilkins", *options)
-    assert "V50 simulated" in shown.stdout
-    assert "the interval of V50 is within ± 40 m/s" in shown.stdout
-    assert shown.stdout == cli("plan", "shots", "wilkins", *options).stdout
-    assert not list(folder.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["wilkins", "none.csv"], "none.csv: cannot be read: no such file"),
-        (["wilkins", "--result", "partial"], "command line: --result: adds a shot to SHOTS, which is not given"),
-        (["wilkins", "f.csv", "--velocity-m-s", "700"], "command line: --velocity-m-s: is the velocity of the shot of"),
-        (
-            ["wilkins", "f.csv", "--result", "partial", "--velocity-m-s", "nan"],
-            "command line: --velocity-m-s: must be near",
-        ),
-        (["wilkins", "f.csv", "--lower-m-s", "600"], "command line: --upper-m-s: must be given with the other limit"),
-        (["wilkins", "f.csv", "--half-width-m-s", "0"], "command line: --half-width-m-s: must be at least 0.1"),
-        (["wilkins", "bad.csv", "--result", "partial"], 'bad.csv: line 2: result: must be "partial" or "complete"'),
-        (
-            ["wilkins", "f.csv", "--result", "partial", "--velocity-m-s", "7410"],
-            "command line: --velocity-m-s: must be",
-        ),
-        (["wilkins", "f.csv", "--result", "partial", "--simulate"], "command line: --result: is of a shot that was"),
-        (
-            ["wilkins", "--procedure", "neyer", "--lower-m-s", "900", "--upper-m-s", "700"],
-            "command line: --lower-m-s, --upper-m-s: must rise, found 900 and 700",
-        ),
-        (["wilkins", "--simulate", "--true-v50-m-s", "700"], "command line: --true-scatter-m-s: must be given, as"),
-        (["wilkins", "--seed", "4"], "command line: --seed: must not be given without simulating"),
-        (["nowhere/f.toml"], "nowhere/f.toml: cannot be read"),
-        (["wilkins", "f.csv", "--result", "partial", "--plot", "f.csv"], "f.csv: must end in .png, .svg or .pdf"),
-    ],
-)
-def test_wrong_input(cli, folder: Path, arguments: list[str], message: str):
-    (folder / "f.csv").write_text("velocity_m_s,result\n723,P\n")
-    (folder / "bad.csv").write_text("velocity_m_s,result\n723,stopped\n")
-    assert cli.fails(2, "plan", "shots", *arguments)[0].startswith(message)
-    assert (folder / "f.csv").read_text() == "velocity_m_s,result\n723,P\n"
-
-
 def test_after_the_end_a_shot_needs_its_velocity(cli, folder: Path):
     (folder / "f.csv").write_text("velocity_m_s,result\n723,P\n770,C\n")
     options = ("plan", "shots", "wilkins", "f.csv", "--half-width-m-s", "90", "--result", "partial")
     assert cli.fails(2, *options) == ["command line: --velocity-m-s: must be given: no further shot was planned"]
     assert cli(*options, "--velocity-m-s", "740").exit_code == 0
-
-
-def test_an_armour_without_a_known_error(cli, folder: Path):
-    assert folder.is_dir()
-    [line] = cli.fails(
-        2, "plan", "shots", "wilkins", "--set", "armour.backing=Ti-6Al-4V", "--set", "armour.ceramic=SiC"
-    )
-    assert "uncertainty.model: must give scale_percent for a prior: the model was compared with no test" in line
 
 
 @pytest.mark.parametrize(
@@ -172,16 +85,3 @@ def test_two_shots_at_once_are_both_there(folder: Path):
     started = [subprocess.Popen([*command, "--velocity-m-s", velocity], cwd=folder) for velocity in velocities]
     assert [process.wait() for process in started] == [0, 0]
     assert sorted(row.split(",")[1] for row in rows(folder / "f.csv")[1:]) == [*velocities]
-
-
-def test_a_shipped_table_is_not_taken_for_the_firing(cli, folder: Path):
-    assert folder.is_dir()
-    [line] = cli.fails(2, "plan", "shots", "wilkins", "shots.csv")
-    assert line.startswith("shots.csv: cannot be read: no such file")
-
-
-def test_a_shot_far_from_its_plan_is_warned_of(cli, folder: Path):
-    options = ("plan", "shots", "wilkins", "f.csv", "--result", "partial", "--velocity-m-s")
-    assert "far from" not in cli(*options, "700").stderr
-    assert "the shot, at 850 m/s, is far from the planned velocity, 7" in cli(*options, "850").stderr
-    assert len(rows(folder / "f.csv")) == 3

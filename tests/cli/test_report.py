@@ -57,10 +57,6 @@ def test_the_armour_as_it_is(cli, folder: Path):
     assert "--set design.thickness_max_mm: " in line
 
 
-def test_another_ending(cli):
-    assert cli.fails(2, "report", OPTIMUM, "-o", "r.docx") == ["r.docx: must end in .html or .md, found .docx"]
-
-
 def test_changes_and_standard_input(cli, folder: Path):
     text = (SCENARIOS / "bare_plate.toml").read_text()
     done = cli("report", "-", "-o", "r.html", "--set", "title=Changed", stdin=text)

@@ -1,5 +1,4 @@
 import csv
-import json
 import os
 import re
 import signal
@@ -35,64 +34,6 @@ def test_a_grid_as_csv_with_a_map(cli, folder: Path):
     assert "ballistic limit, m/s" in svg
     assert "kg/m²" in svg
     assert not (folder / "t.csv.parts").exists()
-
-
-def test_a_curve_and_json(cli, folder: Path):
-    quantities = "residual_velocity_m_s,outcome"
-    over = "impact.velocity_m_s=600:900:50"
-    result = cli(
-        "sweep", WILKINS, "--over", over, "--quantities", quantities, "-o", "t.parquet", "--plot", "t.png", "--json"
-    )
-    assert json.loads(result.stdout) == {"rows": 7, "output": "t.parquet"}
-    assert (folder / "t.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_cases_from_a_file(cli, folder: Path):
-    (folder / "cases.csv").write_text(f"{CERAMIC},impact.velocity_m_s\n6.35,800\n12,800\n")
-    result = cli("sweep", WILKINS, "--cases", "cases.csv", "--quantities", "outcome", "-o", "t.csv")
-    assert result.exit_code == 0
-    assert (folder / "t.csv").read_text().splitlines()[1:] == ["6.35,800.0,perforated", "12.0,800.0,defeated"]
-
-
-@pytest.mark.usefixtures("folder")
-@pytest.mark.parametrize(
-    ("args", "message"),
-    [
-        ([], "sweep: give either --over or --cases"),
-        (
-            ["--over", "armour.ceramic=B4C"],
-            'command line: --over armour.ceramic: must be a key of numbers, found "B4C"; names are given',
-        ),
-        (["--over", "a"], "command line: --over: must be KEY=MIN:MAX:STEP"),
-        (
-            ["--over", "impact.velocity_m_s=800", "--quantities", "speed"],
-            "command line: --quantities: unknown quantity",
-        ),
-        (
-            ["--over", "armour.backing_thickness_mm=8,-1"],
-            "command line: --over armour.backing_thickness_mm: must be greater than 0",
-        ),
-        (["--over", "armour.ceramic.density_kg_m3=1"], "sweep: armour.ceramic.density_kg_m3: must not go below"),
-        (
-            ["--over", "impact.velocity_m_s=800", "--quantities", "outcome", "--plot", "a.png"],
-            "sweep: --plot cannot draw outcome, which is not a number",
-        ),
-        (
-            [*OVER, *OVER, *OVER, "--plot", "a.png"],
-            "sweep: --plot needs one or two --over keys, found 3",
-        ),
-        (["--cases", "missing.csv"], "missing.csv: cannot be read"),
-        ([*OVER, "--scheduler", "nowhere:x"], "sweep: --scheduler: must be"),
-        (
-            ["--over", *",--over,".join(f"{k}=1:4:1e-4" for k in "abcde").split(",")],
-            "command line: --over: must span at most",
-        ),
-    ],
-)
-def test_what_is_wrong(cli, args: list[str], message: str):
-    [line] = cli.fails(2, "sweep", WILKINS, *args, "-o", "t.csv")
-    assert line.startswith(message)
-    assert not Path("t.csv").exists()
 
 
 def test_interrupted_it_says_how_to_resume(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
@@ -135,13 +76,6 @@ def test_a_large_sweep_asks_before_it_starts(cli, folder: Path, monkeypatch: pyt
 def test_the_help_lists_every_quantity(cli):
     text = " ".join(cli("sweep", "--help").stdout.split()).replace("│ │", "")
     assert [name for name in QUANTITIES if name not in text] == []
-
-
-def test_a_table_that_is_there_is_not_written_over(cli, folder: Path):
-    (folder / "t.csv").write_text("mine")
-    [line] = cli.fails(2, "sweep", WILKINS, *OVER, "-o", "t.csv")
-    assert line == "t.csv: exists already; choose another name, or --force"
-    assert (folder / "t.csv").read_text() == "mine"
 
 
 def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
@@ -213,18 +147,6 @@ def test_names_are_no_formulas_and_are_read_again(cli, folder: Path):
     assert read_table(folder / "first.csv")["armour.ceramic"].tolist() == FORMULAS
 
 
-def test_a_bare_plate_gets_a_ceramic_by_name(cli, folder: Path):
-    (folder / "c.csv").write_text(f"armour.ceramic,{CERAMIC},ceramic.flow_stress_GPa\nAD85,6,5\nSiC,6,9\n")
-    result = cli("sweep", "bare_plate", "--cases", "c.csv", "-o", "t.csv")
-    assert result.exit_code == 0, result.stderr
-
-
-def test_the_end_of_a_range_that_is_no_step_is_told(cli, folder: Path):
-    told = cli("sweep", WILKINS, "--over", f"{CERAMIC}=6:7:0.7", "-o", "t.csv").stderr
-    assert told.startswith(f"warning: --over {CERAMIC}: the last value is 6.7, since 7 is no whole number of steps")
-    assert (folder / "t.csv").read_text().count("\n") == 3
-
-
 def test_a_wrong_row_of_cases_has_its_line(cli, folder: Path):
     keys = "projectile.penetrator_diameter_mm,projectile.penetrator_mass_g"
     (folder / "c.csv").write_text(f"{keys}\n6.5,5.46\n\n65,5460\n0.65,5.46\n")
@@ -232,25 +154,3 @@ def test_a_wrong_row_of_cases_has_its_line(cli, folder: Path):
     assert line.startswith('c.csv: line 5: library.projectile."7.62 mm AP".penetrator_mass_g: must make a rod')
     (folder / "c.csv").write_text(f"{keys}\n6.5,5.46\n65,5460\n0.65,0.00546\n")
     assert cli("sweep", WILKINS, "--cases", "c.csv", "--quantities", "outcome", "-o", "t.csv").exit_code == 0
-
-
-def test_one_key_in_two_spellings(cli):
-    over = ["--over", "armour.ceramic_thickness_mm=5,6", "--over", ' armour."ceramic_thickness_mm" = 7,8']
-    assert cli.fails(2, "sweep", WILKINS, *over, "-o", "t.csv") == ["command line: --over: must not name a key twice"]
-
-
-def test_a_wrong_combination_names_the_axes(cli):
-    over = ["--over", "projectile.penetrator_mass_g=5,5000", "--over", "armour.backing_thickness_mm=7,8"]
-    [line] = cli.fails(2, "sweep", WILKINS, *over, "-o", "t.csv")
-    assert line.startswith(
-        "command line: --over projectile.penetrator_mass_g=5000, armour.backing_thickness_mm=7: library"
-    )
-
-
-@pytest.mark.usefixtures("folder")
-def test_what_is_required_and_what_is_drawn_are_told(cli):
-    over = "--over", "armour.backing_thickness_mm=6,7"
-    names = "--quantities", "required_ceramic_thickness_mm,areal_density_kg_m2"
-    lines = cli("sweep", "wilkins", *over, *names, "-o", "s.csv", "--plot", "s.svg").stderr.splitlines()
-    assert "note: required_ceramic_thickness_mm: the least thickness in its range of [optimise]" in lines[1]
-    assert lines[2] == "note: --plot draws required_ceramic_thickness_mm alone, the first of --quantities"

@@ -6,6 +6,7 @@ from armour.scenario.library import OPTIONAL, Kind, Library, LibraryEntry
 
 # Shipped tables of tests, which have no title, and what they are for.
 TESTS = {
+    "plates.csv": "ballistic limits of 1,084 bare plates, for armour validate plates",
     "shots.csv": "firing results on one armour, for armour v50",
     "unknown_ceramic.csv": "simulated ballistic limits of 4 armours, for armour calibrate --prior",
     "wilkins.csv": "ballistic limits of 13 armours, for armour calibrate",

@@ -1,0 +1,198 @@
+"""Every answer: its JSON is what Python gives, its chart and its files are written, and its first line is the question.
+
+What is printed is in golden/.
+"""
+
+import csv
+import json
+import subprocess
+import sys
+from html import unescape
+from pathlib import Path
+from re import findall
+from typing import Any
+
+import pytest
+
+import armour
+from armour import load_scenario
+from armour.statistics.measured import read_tests
+from tests.helpers.cases import SCENARIOS, TESTS, shipped_scenario
+from tests.helpers.exotic import changing_designs
+
+WILKINS, CATALOGUE = SCENARIOS / "wilkins.toml", SCENARIOS / "catalogue.toml"
+SHOTS = SCENARIOS / "tests" / "shots.csv"
+
+
+def plain(data: object) -> Any:
+    """Data as it is read from JSON."""
+    return json.loads(json.dumps(data))
+
+
+@pytest.mark.parametrize("name", ["ballistic_limit", "compare", "optimise", "sensitivity"])
+def test_json_is_the_same_as_from_python(cli, name: str):
+    data = json.loads(cli(name.replace("_", "-"), WILKINS, "--json").stdout)
+    assert data == plain(getattr(armour, name)(load_scenario(WILKINS)).to_dict())
+
+
+def test_the_json_of_an_impact_has_its_confidence(cli):
+    data = json.loads(cli("simulate", WILKINS, "--json").stdout)
+    assert data.pop("confidence") == plain(armour.confidence(load_scenario(WILKINS)).to_dict())
+    assert data == plain(armour.simulate(load_scenario(WILKINS)).to_dict())
+
+
+def test_the_json_of_other_commands(cli):
+    data = json.loads(cli("v50", SHOTS, "--pairs", "2", "--span-m-s", "25", "--json").stdout)
+    assert (data["mean"]["pairs"], data["mean"]["span_allowed_m_s"]) == (2, 25.0)
+    assert data["model_ballistic_limit_m_s"] is None
+    data = json.loads(cli("calibrate", TESTS, WILKINS, "--law", "backing", "--json").stdout)
+    assert (len(data["coefficients"]), len(data["residuals"])) == (2, 13)
+    assert (data["p_value"], data["laws"], data["warnings"]) == (None, [], [])
+    data = json.loads(cli("uncertainty", SCENARIOS / "uncertain.toml", "--samples", "256", "--json").stdout)
+    assert data["samples"] == 256
+    assert set(data["ballistic_limit_m_s"]) == {"V05", "V50", "V95"}
+    assert [index["input"] for index in data["inputs"][:2]] == ["model.limit_error_percent", "ceramic.flow_stress_GPa"]
+    data = json.loads(cli("optimise", CATALOGUE, "--json").stdout)
+    assert data["best"]["ballistic_limit_m_s"] >= 850.0
+    assert data["examined"] <= data["designs"] == 282
+
+
+def test_warnings_in_json_are_those_printed(cli):
+    result = cli("simulate", WILKINS, "--set", "armour.ceramic=SiC", "--set", "armour.backing=Ti-6Al-4V", "--json")
+    data = json.loads(result.stdout)
+    assert result.stderr.splitlines() == [f"warning: {WILKINS}: {warning}" for warning in data["warnings"]]
+    assert len(data["warnings"]) == 4
+
+
+def test_the_history_of_an_impact(cli, folder: Path):
+    assert cli("simulate", WILKINS, "--history", "h.csv", "--json").stderr == "wrote h.csv\n"
+    with (folder / "h.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert float(rows[-1]["depth_mm"]) == pytest.approx(12.7)
+
+
+def test_all_crossings_are_shown(cli, folder: Path):
+    (folder / "changing.toml").write_text(changing_designs()["defeated in between"].to_toml())
+    result = cli("ballistic-limit", "changing.toml")
+    assert "not monotonic" in result.stderr
+    assert [line.split()[-1] for line in result.stdout.splitlines()[-4:-1]] == ["perforated", "defeated", "perforated"]
+    data = json.loads(cli("ballistic-limit", "changing.toml", "--json").stdout)
+    assert (data["monotonic"], len(data["crossings"])) == (False, 3)
+    assert (data["scanned_velocities"], data["scanned_range_m_s"]) == (1025, [1.0, 10000.0])
+
+
+def test_a_frontier_and_a_front_as_csv(cli, folder: Path):
+    assert cli("optimise", WILKINS, "--csv", "f.csv").exit_code == 0
+    assert (folder / "f.csv").read_text().startswith("ceramic_thickness_mm,backing_thickness_mm,areal_density_kg_m2")
+    assert cli("optimise", CATALOGUE, "--csv", "p.csv").exit_code == 0
+    assert (folder / "p.csv").read_text().startswith("ceramic,backing,ceramic_thickness_mm")
+
+
+def test_files_are_written_although_the_reader_stops_reading(folder: Path):
+    command = [sys.executable, "-m", "armour", "optimise", str(WILKINS), "--csv", "f.csv", "--plot", "p.svg"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=folder) as done:
+        assert done.stdout is not None
+        done.stdout.close()
+        assert done.wait() == 0
+    assert (folder / "f.csv").read_text().startswith("ceramic_thickness_mm,")
+    assert "</svg>" in (folder / "p.svg").read_text()
+
+
+def test_a_confidence_is_designed_for(cli):
+    args = ("optimise", "paper/optimum_7.62mm_AP")
+    best = json.loads(cli(*args, "--confidence", 0.95, "--json").stdout)["best"]
+    [probability] = best["probabilities_of_defeat"].values()
+    assert 0.95 <= probability < 0.96
+    assert best["areal_density_kg_m2"] > json.loads(cli(*args, "--json").stdout)["best"]["areal_density_kg_m2"]
+
+
+def test_calibrated_tests_are_shown_and_not_scored(cli, folder: Path):
+    """A suite of the tests that an entry was calibrated to, and one that it was not."""
+    cli("calibrate", TESTS, WILKINS, "--write", "lib.toml")
+    (folder / "case.toml").write_text(
+        WILKINS.read_text().replace('"AD85"', '"AD85, calibrated"') + '\n[library]\nfiles = ["lib.toml"]\n'
+    )
+    (folder / "suite.toml").write_text(
+        """
+[[table]]
+name = "tests"
+scenario = "case.toml"
+quantity = "ballistic_limit_m_s"
+columns = ["armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "expected"]
+rows = [[5.8, 7.24, 735], [5.8, 7.24, 736], [7.0, 7.0, 760]]
+band = 50.0
+"""
+    )
+    result = cli("validate", "suite.toml", "--json")
+    assert result.exit_code == 0, result.output
+    found = [(case["status"], case["message"]) for case in json.loads(result.stdout)["cases"]]
+    assert found[0] == ("not scored", "not scored: flow_stress_GPa of AD85, calibrated was calibrated to this test")
+    assert [status for status, _ in found[1:]] == ["within", "within"]
+
+
+def test_the_form_of_planned_tests_is_the_table_of_the_next(cli, folder: Path):
+    """A name that a spreadsheet takes for a formula stays what it is, and a filled form is calibrated to."""
+    plan = ("plan", "tests", WILKINS, "--candidates", "armour.ceramic_thickness_mm=6:10:2", "--number", "2")
+    (folder / "t.csv").write_text(
+        "test,armour.ceramic_thickness_mm,ballistic_limit_m_s\n=1+1,6,700\n-1,8,760\n@x,9,800\n"
+    )
+    for source, form in (("t.csv", "first.csv"), ("first.csv", "second.csv")):
+        result = cli(*plan, "--tests", source, "--csv", form)
+        assert result.exit_code == 0, result.output
+        lines = (folder / form).read_text().splitlines()
+        assert [line.split(",")[0] for line in lines[1:4]] == ["'=1+1", "'-1", "'@x"]
+        (folder / form).write_text("\n".join(line for line in lines if "planned" not in line))
+        assert read_tests(form, shipped_scenario("wilkins")).names == ("=1+1", "-1", "@x")
+    assert cli(*plan, "--scatter-percent", "3", "--csv", "next.csv").exit_code == 0
+    (folder / "next.csv").write_text((folder / "next.csv").read_text().replace(",,", ",760,"))
+    assert cli("calibrate", "next.csv", WILKINS).exit_code == 0
+
+
+SIC = ("--set", "armour.ceramic=SiC")
+OTHER = "scenario: 6.35 mm AD85 on 6.35 mm 6061-T6, 7.62 mm AP"
+ARMOUR = "6.35 mm SiC on 6.35 mm 6061-T6 against 7.62 mm AP"
+GRID = ("--set", "optimise.backing_thickness_mm={min = 5, max = 6, step = 1}")
+THICKNESSES = ("armour.ceramic_thickness_mm=6,8",)
+QUESTIONS = {
+    ("simulate", "wilkins", "--velocity", "700"): f"{ARMOUR} at 700 m/s",
+    ("ballistic-limit", "wilkins"): ARMOUR,
+    ("compare", "wilkins"): ARMOUR,
+    ("optimise", "wilkins", *GRID): "Lightest SiC on 6061-T6 against 7.62 mm AP at 800 m/s",
+    ("sensitivity", "wilkins"): f"{ARMOUR} at 800 m/s",
+    ("uncertainty", "uncertain", "--samples", "128"): f"{ARMOUR} at 700 m/s",
+    ("calibrate", "wilkins.csv", "wilkins"): "Tests of SiC on 6061-T6 against 7.62 mm AP",
+    ("v50", "shots.csv", "wilkins"): f"V50 of the shots in shots.csv: {ARMOUR}",
+    ("plan", "shots", "wilkins", "--procedure", "up-and-down"): ARMOUR,
+    ("plan", "tests", "wilkins", "--scatter-percent", "3", "--candidates", *THICKNESSES): (
+        "Tests of SiC on 6.35 mm 6061-T6 against 7.62 mm AP"
+    ),
+}
+
+
+def texts(chart: Path) -> str:
+    """The texts of a chart, in their order."""
+    return unescape(" ".join(findall(r"<(?:text|tspan)[^>]*>([^<]+)", chart.read_text())))
+
+
+@pytest.mark.parametrize("question", QUESTIONS, ids=" ".join)
+def test_answers_and_charts_name_what_was_computed(cli, folder: Path, question: tuple[str, ...]):
+    done = cli(*question, *SIC, "--plot", "chart.svg")
+    assert done.exit_code == 0, done.stderr
+    first, second, *_ = done.stdout.splitlines()
+    assert first == QUESTIONS[question]
+    assert second.startswith(OTHER)
+    assert f"{first} {OTHER}" in texts(folder / "chart.svg")
+
+
+def test_the_chart_of_a_sweep_names_what_was_computed(cli, folder: Path):
+    done = cli("sweep", "wilkins", "--over", THICKNESSES[0], *SIC, "-o", "s.csv", "--plot", "s.svg")
+    assert (done.exit_code, done.stdout) == (0, "")
+    assert f"SiC on 6.35 mm 6061-T6 against 7.62 mm AP {OTHER}" in texts(folder / "s.svg")
+
+
+def test_a_report_names_what_was_computed(cli, folder: Path):
+    for option, words in (([], "5.8 mm SiC on 5 mm 6061-T6"), (["--as-is"], "6.35 mm SiC on 6.35 mm 6061-T6")):
+        assert cli("report", "wilkins", *SIC, *option, "-o", "r.md", "--force").exit_code == 0
+        first, _, byline, *_ = (folder / "r.md").read_text().splitlines()
+        assert first == f"# {words} against 7.62 mm AP at 800 m/s"
+        assert byline.startswith(OTHER)
