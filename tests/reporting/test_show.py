@@ -110,11 +110,6 @@ def test_what_cannot_be_drawn(folder: Path):
         plot(sweep(scenario(), {THREE[0]: [400.0, 500.0]}))
 
 
-def test_the_first_number_of_a_sweep_is_drawn():
-    found = sweep(scenario(), {"impact.velocity_m_s": [700.0, 800.0]}, ["outcome", "residual_velocity_m_s"])
-    assert plot(found).axes[0].get_ylabel() == "residual velocity, m/s"
-
-
 def test_every_result_has_its_tables_and_its_line(folder: Path):
     found = [result for result, _ in results(folder).values()] + [confidence(scenario())]
     for result in found:
@@ -143,33 +138,6 @@ def test_rows_are_columns_of_equal_lengths(folder: Path, monkeypatch: pytest.Mon
         lengths = {len(values) for values in found.to_dataframe().values()}
         assert len(lengths) == 1
         assert lengths != {0}
-
-
-def test_the_tables_are_those_of_the_command():
-    html = in_html(impact())
-    assert html is not None
-    assert '<th scope="row">residual velocity</th><td>277.38\N{NO-BREAK SPACE}m/s</td>' in html
-    assert "fragmented ceramic, penetrated; rod erodes" in html
-
-
-def test_a_history_has_no_tables():
-    history = impact().history
-    assert history is not None
-    assert in_html(history) is None
-
-
-def test_a_suite_as_html_and_markdown(folder: Path):
-    found = suite_result(folder, case("a", 720.0, "band = 5.0"))
-    for name, start in (("x.html", "<!DOCTYPE html>"), ("x.md", "# ")):
-        report(found, str(folder / name))
-        text = (folder / name).read_text()
-        assert text.startswith(start)
-        assert "armour.report(result" in text
-
-
-def test_a_scenario(folder: Path):
-    report(scenario(title="Wilkins"), folder / "x.md")
-    assert "armour.report(scenario" in (folder / "x.md").read_text()
 
 
 def test_the_armour_as_it_is(folder: Path):

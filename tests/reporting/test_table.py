@@ -1,12 +1,17 @@
+"""Tables, and the texts of their cells."""
+
 import csv
 from io import StringIO
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from hypothesis import given, strategies
 
-from armour.files import FORMULA, csv_cell, csv_value
-from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
+from armour.files import FORMULA, csv_cell, csv_value, printable
+from armour.reporting.table import Column, Table, csv_text, in_words, listing, record
+from armour.reporting.text import interval, unbroken, wrapped
+from armour.scenario.inputs import INPUTS
 
 LENGTH = Column("length", "mm", ".2f", key="length_mm")
 NAME = Column("name", key="name")
@@ -30,28 +35,9 @@ def test_a_value_is_formatted_by_its_column(column: Column, value: float | str |
     assert column.text(value) == text
 
 
-def test_headings_and_texts_follow_from_the_column():
-    table = Table((NAME, LENGTH, Column("ratio", spec="g")), (("a", 1.0, 0.5), ("b", None, 2.0)))
-    assert table.headings() == ["name", "length, mm", "ratio"]
-    assert [column.numeric for column in table.columns] == [False, True, True]
-    assert table.texts() == [["a", "1.00", "0.5"], ["b", "", "2"]]
-
-
-def test_a_row_has_a_cell_for_every_column():
-    with pytest.raises(ValueError, match="zip"):
-        Table((NAME, LENGTH), (("a",),)).texts()
-
-
 def test_a_record_leaves_out_what_is_not_known():
     table = record(None, (NAME, "a"), (LENGTH, None), (Column("runs", spec="d"), 0), title="T")
     assert (table.headings(), table.texts(), table.record, table.title) == (["name", "runs"], [["a", "0"]], True, "T")
-
-
-def test_label_and_unit_of_a_column_follow_from_its_key():
-    assert column_of("backing_thickness_mm", "g") == Column(
-        "back plate thickness", "mm", "g", key="backing_thickness_mm"
-    )
-    assert column_of("count", "d", "rows").heading == "rows"
 
 
 def test_columns_show_attributes_values_and_functions_of_items():
@@ -92,3 +78,44 @@ def test_a_number_that_is_not_finite_is_left_out():
     table = Table((NAME, LENGTH), (("a", float("nan")), ("b", float("inf"))))
     assert csv_text(table) == "name,length_mm\na,\nb,\n"
     assert table.texts() == [["a", ""], ["b", ""]]
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("Ø 7.62 mm, µ ± 3 — ok", "Ø 7.62 mm, µ ± 3 — ok"),
+        ("no-break\u00a0space", "no-break\u00a0space"),
+        ("\x1b[31mred\x07", "\\x1b[31mred\\x07"),
+        ("two\nlines\r\u2028", "two\\nlines\\r\\u2028"),
+        ("\u202etxt.exe", "\\u202etxt.exe"),
+        ("\udcff", "\\udcff"),
+        ("\x9b2J", "\\x9b2J"),
+    ],
+)
+def test_control_characters_are_shown_and_not_obeyed(text: str, shown: str):
+    assert printable(text) == shown
+
+
+def test_intervals():
+    assert interval((1.25, 2.0), ".1f") == "1.2 to 2.0"
+    assert interval((None, 2.0), ".1f") == "up to 2.0"
+    assert interval((1.0, None), "g") == "from 1"
+    assert interval((None, None), "g") == "not bounded"
+    assert interval((9000.0, 12345.6), ".1f") == "9000.0 to 12,345.6"
+
+
+@pytest.mark.parametrize("unit", ["mm", "m/s", "kg/m²", "%", "J", "g", "GPa"])
+def test_no_line_ends_between_a_number_and_its_unit(unit: str):
+    text = f"6.35 {unit} on 7 {unit}, and some grams"
+    assert unbroken(text) == f"6.35\u00a0{unit} on 7\u00a0{unit}, and some grams"
+    for width in range(10, 30):
+        lines = wrapped(text, width)
+        assert " ".join(lines) == text
+        assert not [line for line in lines if line[-1].isdecimal()]
+
+
+def test_the_page_of_names_has_every_input_with_its_words():
+    page = Path(__file__).parents[2].joinpath("docs/howto/sensitivity.md").read_text(encoding="utf-8")
+    assert [line for line in page.splitlines() if line.startswith("| `")] == [
+        f"| `{name}` | {in_words(name)} |" for name in INPUTS
+    ]

@@ -9,7 +9,6 @@ from armour.analysis.ballistic_limit import ballistic_limit, curve_velocities, r
 from armour.analysis.energy import EnergyBalance, StageEnergy
 from armour.analysis.impact import simulate
 from armour.design.optimise import Pair
-from armour.errors import InputError
 from armour.reporting.charts import (
     Band,
     Bars,
@@ -20,12 +19,10 @@ from armour.reporting.charts import (
     Panel,
     Points,
     Rule,
-    Series,
     Spans,
     quantity_axis,
 )
 from armour.reporting.views import calibration as calibration_view
-from armour.reporting.views import comparison as comparison_view
 from armour.reporting.views import design as design_view
 from armour.reporting.views import firing as v50_view
 from armour.reporting.views import impact as impact_view
@@ -39,7 +36,6 @@ from armour.scenario.inputs import BACKING, CERAMIC
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import Shots, v50
-from armour.validation.comparison import compare
 from armour.validation.figures import Figure, FigureCurve, FigureLevel, FigureMark, FigureSection
 from tests.helpers.cases import scenario, shipped_scenario
 from tests.helpers.results import OTHER, THREAT, best_design, design_result, impact, uncertainty_result
@@ -117,11 +113,6 @@ def test_an_impact_that_is_drawn_in_part_says_so():
     assert chart.note.startswith(f"Drawn up to {shown:.3g} µs of {dwell.duration_us:.3g} µs. Stages: ")
     whole = simulate(scenario(velocity=900.0), history=True)
     assert impact_view.chart(whole).note.startswith("Stages: ")
-
-
-def test_an_impact_without_its_history():
-    with pytest.raises(InputError, match="history=True"):
-        impact_view.chart(simulate(scenario()))
 
 
 def test_a_long_tail_is_left_out():
@@ -224,12 +215,6 @@ def test_a_pareto_front_of_its_own_names_its_pairs():
     assert (front.x, front.y) == ([43.6, 48.0], [100.0, 80.0])
 
 
-def test_a_front_of_three_criteria_is_no_line():
-    found = replace(design_result(pareto=True), criteria=("areal_density_kg_m2", "cost_per_m2", "thickness_mm"))
-    [panel] = design_view.pareto_chart(found).panels
-    assert some(panel, Line) == []
-
-
 def figure() -> Figure:
     curves = (FigureCurve("A", (1.0, None, 9.0)), FigureCurve("B", (2.0, 3.0, 4.0)))
     printed = FigureMark(label="printed", of="B", points=[[5.0, 3.0]], x_ends=[[4.5, 5.5]])
@@ -254,11 +239,6 @@ def test_a_figure_of_the_paper():
     assert chart.width < 4.0
 
 
-def test_panels_of_a_figure_share_a_legend():
-    first, second = suite_view.figure_chart([figure(), figure()]).panels
-    assert (labels(first), labels(second)) == (["A", "B", "L", "printed", "another"], [])
-
-
 def test_parity_of_the_tables_of_a_suite(folder):
     chart = suite_view.chart(result(folder, TABLE + case("own", 700.0, "band = 100.0")))
     [panel] = chart.panels
@@ -277,21 +257,6 @@ def test_parity_has_lines_at_the_band_that_all_cases_have(folder):
     chart = suite_view.chart(result(folder, case("a", 700.0, "band = 35.0") + case("b", 800.0, "band = 40.0")))
     assert labels(*chart.panels) == ["cases", "agreement", "± 5 %"]
     assert chart.note == ""
-
-
-def test_parity_of_a_suite_without_tables(folder):
-    chart = suite_view.chart(result(folder, case("own", 700.0, "band = 100.0")))
-    assert labels(*chart.panels)[0] == "cases"
-    outcome = 'scenario = "wilkins.toml"\nquantity = "outcome"\nexpected = "perforated"'
-    assert suite_view.chart(result(folder, f'[[case]]\nname = "o"\n{outcome}\n')).panels == ()
-
-
-def test_a_comparison():
-    found = compare(scenario())
-    [panel] = comparison_view.chart(found).panels
-    assert labels(panel)[0] == f"this model: ballistic limit {WILKINS_LIMIT:.1f} m/s"
-    assert len(some(panel, Line)) == 1 + len(found.fits)
-    assert [rule.at for rule in some(panel, Rule)] == [florence.ballistic_limit_m_s for florence in found.florence]
 
 
 def calibrated(count: int = 3) -> CalibrationResult:
@@ -391,13 +356,6 @@ def test_a_v50():
     assert all(low <= y <= high for low, y, high in zip(band.low, curve.y, band.high, strict=True))  # type: ignore[operator]
     assert chart.note == "The 95 % interval of V50 is not bounded."
     assert not any(item.x_ends for item in some(panel, Points))
-
-
-def test_a_v50_without_a_recommended_curve_has_no_band():
-    found = replace(v50(SHOTS), recommended=None)
-    [panel] = v50_view.chart(found._of(shots=SHOTS)).panels
-    assert not some(panel, Band)
-    assert some(panel, Line)[0].label.startswith(f"{found.fits[0].curve}, {found.fits[0].method}: V50")
 
 
 def test_a_v50_far_from_the_shots_is_outside_the_axis():
@@ -534,14 +492,6 @@ def test_a_sweep_over_both_thicknesses(keys: tuple[str, str]):
     assert chart.title == f"Ballistic limit over {first} and {second} thickness"
 
 
-def test_a_sweep_over_other_keys_has_no_areal_densities():
-    keys = ("ceramic.flow_stress_GPa", CERAMIC)
-    chart = sweep_view.sweep_chart(table(*keys), keys, "ballistic_limit_m_s", scenario())
-    assert headings(chart) == [("ceramic flow stress, GPa", "ceramic thickness, mm")]
-    assert len(some(chart.panels[0], Contours)) == 1
-    assert chart.title == "Ballistic limit over ceramic flow stress and ceramic thickness"
-
-
 def test_a_sweep_of_equal_answers_has_no_lines_of_equal_answers():
     x, y = (column.ravel() for column in np.meshgrid([4.0, 6.0], [5.0, 7.0]))
     columns = {"impact.velocity_m_s": x, BACKING: y, "ballistic_limit_m_s": np.full(4, 700.0)}
@@ -554,19 +504,6 @@ def test_words_that_both_keys_end_in_stand_once():
     keys = ("ceramic.flow_stress_GPa", "backing.flow_stress_GPa")
     chart = sweep_view.sweep_chart(table(*keys), keys, "ballistic_limit_m_s", scenario())
     assert chart.title == "Ballistic limit over ceramic and back plate flow stress"
-
-
-def test_a_key_of_a_library_entry_names_it():
-    keys = ["library.ceramic.Mine.flow_stress_GPa"]
-    columns = {keys[0]: np.array([4.0, 6.0]), "residual_velocity_m_s": np.array([500.0, 300.0])}
-    [panel] = sweep_view.sweep_chart(columns, keys, "residual_velocity_m_s", scenario()).panels
-    assert panel.x.heading == "Mine flow stress, GPa"
-
-
-def test_series_differ_in_more_than_colour():
-    series: tuple[Series, ...] = suite_view.figure_chart([figure()]).panels[0].series
-    looks = [item.style for item in series if isinstance(item, Line)]
-    assert len(set(looks)) == len(looks)
 
 
 def test_a_front_over_three_criteria_says_what_is_not_drawn():

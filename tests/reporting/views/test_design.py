@@ -3,7 +3,7 @@ from typing import Any
 
 from armour.analysis.estimates import Estimate
 from armour.design.optimise import DesignResult, Pair
-from armour.reporting.table import Table, csv_text
+from armour.reporting.table import Table
 from armour.reporting.views.design import (
     best_table,
     frontier_table,
@@ -11,7 +11,6 @@ from armour.reporting.views.design import (
     margin_notes,
     margin_table,
     pair_table,
-    pareto_table,
     required_margins,
     tables,
 )
@@ -60,26 +59,11 @@ def test_thicknesses_of_a_table_have_the_decimals_that_they_need():
     assert frontier_table(thirds).texts()[0][:2] == ["6.667", "10.000"]
 
 
-def test_a_single_pair_has_its_frontier_and_the_lightest_marked():
-    result = design_result()
-    assert kinds(result) == ["lightest design", "ceramic thickness, mm"]
-    assert [row[-1] for row in frontier_table(result).rows] == ["", "lightest", ""]
-    header = "ceramic_thickness_mm,backing_thickness_mm,areal_density_kg_m2"
-    assert csv_text(frontier_table(result)).splitlines()[:2] == [header, "10.0,4.0,45.0"]
-
-
 def test_the_least_ceramic_of_a_range_is_no_requirement():
     result = replace(design_result(), ceramic_min_mm=7.0)
     assert [row[-1] for row in frontier_table(result).rows] == ["", "lightest", "least of the range"]
     both = replace(design_result(), ceramic_min_mm=8.0)
     assert frontier_table(both).rows[1][-1] == "lightest, least of the range"
-
-
-def test_refined_thicknesses_follow_the_best():
-    assert kinds(design_result(refined=True))[:2] == [
-        "lightest design",
-        "lightest design between the values of the grid",
-    ]
 
 
 def test_threats_and_probabilities_have_margins():
@@ -113,17 +97,6 @@ def test_pairs_of_materials_with_the_reasons_of_those_that_lose():
     assert table.texts()[2][2:-1] == [""] * 5
     assert table.headings()[6] == "cost per m²"
     assert "cost per m²" not in pair_table(replace(result, pairs=pairs[:1])).headings()
-
-
-def test_a_pareto_front_begins_with_the_ceramic():
-    assert "Pareto front" not in kinds(design_result())
-    without = design_result(pareto=True)
-    assert kinds(without)[-1] == "Pareto front"
-    assert pareto_table(without).headings()[:2] == ["ceramic", "back plate"]
-    assert "margin, m/s" not in pareto_table(without).headings()
-    front = pareto_table(replace(without, pareto=(best_design(),)))
-    assert front.texts()[0][-1] == "+20.0"
-    assert csv_text(front).startswith("ceramic,backing,ceramic_thickness_mm,backing_thickness_mm,")
 
 
 def test_the_note_gives_the_probability_without_a_margin():

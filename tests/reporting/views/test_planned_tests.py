@@ -14,8 +14,6 @@ from armour.reporting.views.planned_tests import (
     chart,
     form_table,
     plan_table,
-    step_table,
-    tables,
     velocities_in_words,
 )
 from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
@@ -86,22 +84,6 @@ def test_the_names_of_planned_tests_go_on(result: PlannedTests):
     assert [row[0] for row in again.rows] == [f"planned {i}" for i in range(1, 11)]
 
 
-def test_the_steps(result: PlannedTests):
-    table = step_table(result)
-    assert [row[0] for row in table.rows] == ["1", "2", "3", "4", "5"]
-    assert table.headings()[4:6] == ["total cost", "± ceramic flow stress, GPa"]
-    assert [row[4] for row in table.rows] == [10.0, 20.0, 30.0, 40.0, 50.0]
-    assert table.rows[0][5] is None
-    assert len(tables(result)) == 3
-
-
-def test_the_form_has_uncertainties_where_the_scatter_is_given(result: PlannedTests):
-    keys = [column.key for column in form_table(result, None).columns]
-    assert keys == ["test", CERAMIC, BACKING, "ballistic_limit_m_s", "ballistic_limit_uncertainty_m_s"]
-    unknown = replace(result, scatter_known=False)
-    assert [column.key for column in form_table(unknown, None).columns] == keys[:-1]
-
-
 def test_planned_shots_have_their_velocities():
     grid = {CERAMIC: [5.0, 6.0], BACKING: [6.0, 8.0], VELOCITY: np.arange(600.0, 900.0, 25.0)}
     wilkins = shipped_scenario("wilkins")
@@ -115,11 +97,6 @@ def test_planned_shots_have_their_velocities():
     assert drawn.note.endswith(f"The planned shots are at {slow:g} and {fast:g} m/s.")
     texts = [text for item in drawn.panels[0].series if isinstance(item, Points) for text in item.text]
     assert sorted(texts) == [f"at {slow:g} m/s", f"at {fast:g} m/s"]
-
-
-def test_the_unit_of_a_slope_is_given(result: PlannedTests):
-    linear = replace(result, values={"ceramic.flow_stress_ceramic_slope": 0.0})
-    assert "per projectile diameter" in str(tables(linear)[-1])
 
 
 @pytest.mark.parametrize(

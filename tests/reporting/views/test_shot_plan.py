@@ -1,7 +1,5 @@
 """Tables and chart of a plan of shots."""
 
-from dataclasses import replace
-
 from armour.planning.firing import plan_shots
 from armour.reporting.charts import Line, Points, Rule
 from armour.reporting.table import Table
@@ -11,28 +9,6 @@ from tests.helpers.cases import scenario
 from tests.helpers.results import quantities
 
 SHOTS = Shots((700.0, 720.0), (False, True))
-
-
-def test_a_plan():
-    plan = replace(plan_shots(scenario(), SHOTS), expected_shots=None)
-    first, reason, before_and_after, _error, _scatter, share, shots = tables(plan)
-    assert isinstance(first, Table)
-    assert quantities(first)["further shots expected"] == "more than 100"
-    assert str(reason).startswith("reason: expected to narrow")
-    assert isinstance(before_and_after, Table)
-    assert [row[0] for row in before_and_after.rows] == ["prior", "posterior"]
-    assert "of the precision of V50" in str(share)
-    assert isinstance(shots, Table)
-    assert shots.texts() == [["1", "700.0", "partial"], ["2", "720.0", "complete"]]
-
-
-def test_a_requirement_and_an_end():
-    plan = plan_shots(scenario(), SHOTS, requirement_m_s=550.0, requirement_fraction=0.05)
-    [first, *_] = tables(plan)
-    assert isinstance(first, Table)
-    found = quantities(first)
-    assert found["required of the velocity at which 5 % perforate, m/s"] == "550"
-    assert found["firing ended"] == "the requirement is met with a probability of 95 % or more"
 
 
 def test_without_a_prior():
@@ -97,11 +73,3 @@ def test_without_a_prior_the_curve_is_that_of_the_shots():
     [panel] = drawn.panels
     assert [series.label for series in panel.series if isinstance(series, Line)] == ["probit, penalised likelihood"]
     assert any(series.label == "requirement 730.0 m/s" for series in panel.series)
-
-
-def test_shots_of_one_kind_have_no_curve():
-    unknown = scenario(uncertainty={"model": {"included": False}})
-    plan = plan_shots(unknown, Shots((700.0,), (False,), "f.csv"), procedure="up-and-down")
-    [panel] = chart(plan).panels
-    assert [series.label for series in panel.series if isinstance(series, Points)] == ["partial penetration"]
-    assert not any(isinstance(series, Line) for series in panel.series)

