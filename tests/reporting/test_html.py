@@ -18,7 +18,7 @@ from armour.reporting.views import design as design_view
 from armour.reporting.views import impact as impact_view
 from armour.reporting.views import suite as suite_view
 from armour.scenario.scenario import load_scenario
-from tests.helpers.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS, scenario
 from tests.helpers.results import design_result, impact
 from tests.helpers.suites import TABLE, case, result
 
