@@ -1,67 +1,108 @@
-from pathlib import Path
+"""Fits that are not possible, and the scores of prior knowledge with their derivatives."""
+
 from typing import Any
 
+import numpy as np
 import pytest
+from scipy.optimize import approx_fprime
 
 from armour.errors import InputError
 from armour.statistics.calibration import calibrate
+from armour.statistics.likelihood import Prior, prior_of
 from armour.statistics.measured import read_tests
-from tests.helpers.cases import csv_file, shipped_scenario
+from tests.helpers.cases import TESTS, shipped_scenario
+from tests.helpers.fits import fitted
 
-C, V = "armour.ceramic_thickness_mm", "impact.velocity_m_s"
+C, V, LIMIT = "armour.ceramic_thickness_mm", "impact.velocity_m_s", "ballistic_limit_m_s"
+STRESS, TAU = "ceramic.flow_stress_GPa", "backing.shear_strength_MPa"
+ONE, TWO = [f"{C},{LIMIT}", "6,700"], [f"{C},{LIMIT}", "6,700", "7,720"]
+OUTCOMES = [f"{C},{V},outcome,{LIMIT}", "6,,,700", "7,720,defeated,", "7,720,perforated,"]
+WEIGHTED = [f"{C},{V},outcome,ballistic_limit_uncertainty_m_s", "6,700,defeated,10", "7,720,perforated,10"]
+CERAMICS = [f"armour.ceramic,{C},{LIMIT}", "AD85,6,700", "AD99.5,7,720"]
 
 
 @pytest.mark.parametrize(
-    ("header", "rows", "kwargs", "message"),
+    ("table", "settings", "message"),
     [
-        (
-            f"{C},ballistic_limit_m_s",
-            ["6,700"],
-            {},
-            "must have at least 2 measurements without uncertainties for 1 coefficients",
-        ),
-        (
-            f"{C},ballistic_limit_m_s",
-            ["6,700", "7,720"],
-            {"fit": [C]},
-            "must not be a column where it is fitted",
-        ),
-        (
-            f"{C},ballistic_limit_m_s",
-            ["6,700", "7,720"],
-            {"fit": [V]},
-            "must be a property of a material or projectile",
-        ),
-        (f"{C},ballistic_limit_m_s", ["6,700", "7,720"], {"fit": ["hardness"]}, 'found "hardness"; choose from'),
-        (
-            f"{C},ballistic_limit_m_s",
-            ["6,700", "7,720"],
-            {"law": "linear"},
-            "must have at least 4 measurements without uncertainties for 3 coefficients, found 2",
-        ),
-        (
-            f"{C},{V},outcome,ballistic_limit_m_s",
-            ["6,,,700", "7,720,defeated,", "7,720,perforated,"],
-            {},
-            "1 coefficients, found 1; outcomes alone do not tell how measurements scatter",
-        ),
-        (
-            f"{C},{V},outcome,ballistic_limit_uncertainty_m_s",
-            ["6,700,defeated,10", "7,720,perforated,10"],
-            {"law": "linear"},
-            "must have at least 3 measurements or outcomes for 3 coefficients, found 2",
-        ),
-        (
-            f"armour.ceramic,{C},ballistic_limit_m_s",
-            ["AD85,6,700", "AD99.5,7,720"],
-            {},
-            "armour.ceramic: must be the same in all tests where the ceramic is fitted, found AD85, AD99.5",
-        ),
+        (ONE, {}, "must have at least 2 measurements without uncertainties for 1 coefficients"),
+        (TWO, {"fit": [C]}, "must not be a column where it is fitted"),
+        (TWO, {"fit": [V]}, "must be a property of a material or projectile"),
+        (TWO, {"fit": ["hardness"]}, 'found "hardness"; choose from'),
+        (TWO, {"fit": "ceramic"}, 'calibrate: fit: must name an input of the scenario, found "ceramic"'),
+        (TWO, {"fit": []}, "must name at least one input"),
+        (TWO, {"law": "linear"}, "must have at least 4 measurements without uncertainties for 3 coefficients, found 2"),
+        (TWO, {"law": "linaer"}, 'found the text "linaer"; did you mean "linear"'),
+        (TWO, {"fit": [TAU], "law": "all"}, f"calibrate: law: must not be given where {STRESS} is not fitted"),
+        (OUTCOMES, {}, "1 coefficients, found 1; outcomes alone do not tell how measurements scatter"),
+        (WEIGHTED, {"law": "linear"}, "must have at least 3 measurements or outcomes for 3 coefficients, found 2"),
+        (CERAMICS, {}, "armour.ceramic: must be the same in all tests where the ceramic is fitted, found AD85, AD99.5"),
     ],
 )
-def test_fits_that_are_not_possible(tmp_path: Path, header: str, rows: list[str], kwargs: dict[str, Any], message: str):
-    wilkins = shipped_scenario("wilkins")
-    tests = read_tests(csv_file(tmp_path / "t.csv", header, *rows), wilkins)
+def test_fits_that_are_not_possible(table: list[str], settings: dict[str, Any], message: str):
     with pytest.raises(InputError) as error:
-        calibrate(tests, wilkins, **kwargs)
+        fitted(shipped_scenario("wilkins"), *table, **settings)
     assert message in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "other"),
+    [
+        ({"armour.ceramic": "AD99.5"}, "armour and values of the library"),
+        ({STRESS: 4.5}, "values of the library"),
+        ({"solver.time_step_us": 0.1}, "solver"),
+    ],
+)
+def test_another_scenario_than_that_of_the_tests(changes: dict[str, object], other: str):
+    wilkins = shipped_scenario("wilkins")
+    message = f"calibrate: scenario: must be the one that the tests were read with, found other {other};"
+    with pytest.raises(InputError, match=message):
+        calibrate(read_tests(TESTS, wilkins), wilkins.replaced(changes))
+
+
+NORMAL = {"distribution": "normal", "standard_deviation_percent": 5.0}
+
+
+@pytest.mark.parametrize(
+    ("distribution", "message"),
+    [
+        (None, "is missing and must be given for a prior"),
+        ({"distribution": "uniform", "min": 4.0, "max": 6.0}, "must be normal or"),
+        ({**NORMAL, "min": 4.0}, "without min and max, to be a prior"),
+        (NORMAL, "with a prior one is enough where its uncertainty is given"),
+    ],
+)
+def test_priors_that_are_none(distribution: object, message: str):
+    case = shipped_scenario("wilkins")
+    if distribution:
+        case = case.replaced({"uncertainty": {"ceramic": {"flow_stress_GPa": distribution}}})
+    with pytest.raises(InputError, match=message):
+        fitted(case, LIMIT, "720", prior=True)
+
+
+NAMES, UNITS = ("backing.flow_stress_GPa", STRESS, TAU), np.array([1.0, 5.2, 100.0])
+
+
+@pytest.fixture(scope="module")
+def prior() -> Prior:
+    section = {
+        "ceramic": {"flow_stress_GPa": {"distribution": "normal", "standard_deviation_percent": 10.0}},
+        "backing": {"shear_strength_MPa": {"distribution": "lognormal", "mean": 200.0, "standard_deviation": 20.0}},
+        "correlation": [{"between": [STRESS, TAU], "coefficient": 0.6}],
+    }
+    return prior_of(shipped_scenario("wilkins").replaced({"uncertainty": section}), NAMES, UNITS)
+
+
+def test_the_scores_are_those_of_the_correlated_distribution(prior: Prior):
+    x = np.array([7.0, 1.05, 2.2])
+    spread = np.sqrt(np.log1p(0.01))
+    normal = np.array([0.5, np.log(220.0 / (200.0 / np.sqrt(1.01))) / spread])
+    matrix = np.array([[1.0, 0.6], [0.6, 1.0]])
+    assert sorted(prior.where.tolist()) == [NAMES.index(name) for name in (STRESS, TAU)]
+    assert (prior.scores(x) ** 2).sum() == pytest.approx(normal @ np.linalg.inv(matrix) @ normal)
+    assert prior.rows(x) == pytest.approx(approx_fprime(x, prior.scores, 1e-7), abs=1e-5)
+
+
+def test_the_centre_has_no_score(prior: Prior):
+    centre = prior.centred(np.array([3.0, 9.0, 9.0]))
+    assert prior.scores(centre) == pytest.approx([0.0, 0.0])
+    assert centre[0] == 3.0
