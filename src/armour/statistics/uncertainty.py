@@ -15,7 +15,7 @@ from armour.analysis.progress import OnProgress, ignore_progress, portions
 from armour.analysis.results import TableResult
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.uncertain_inputs import Samples, own_values, sampled, section_of
-from armour.analysis.variants import Bools, Floats, Variants, perforated
+from armour.analysis.variants import Bools, Floats, perforated
 from armour.errors import NoLimitError, Note
 from armour.scenario.checked import checked
 from armour.scenario.evidence import ModelError
@@ -43,7 +43,8 @@ def first_order_indices(section: Uncertainty, points: Floats, values: Floats) ->
     value as a function of the input is about a straight line.
     """
     uniform = [distribution.distribution == "uniform" for distribution in section.inputs().values()]
-    replicates = zip(np.array_split(points, REPLICATES), np.array_split(_scaled(values), REPLICATES), strict=True)
+    scaled_values = (values - values.mean()) / values.std()
+    replicates = zip(np.array_split(points, REPLICATES), np.array_split(scaled_values, REPLICATES), strict=True)
     moments = [
         [_moments(_basis(*of_input), scaled) for of_input in zip(correlated(section, part).T, uniform, strict=True)]
         for part, scaled in replicates
@@ -102,12 +103,6 @@ def _changed(sums: Floats) -> Floats:
 def _sums(values: Floats) -> Floats:
     """Return the sum over each replicate."""
     return np.array([part.sum() for part in np.array_split(values, REPLICATES)])
-
-
-def _scaled(values: Floats) -> Floats:
-    """Return values with the mean 0 and the standard deviation 1."""
-    found: Floats = (values - values.mean()) / values.std()
-    return found
 
 
 # Quantiles of the ballistic limit.
@@ -249,10 +244,12 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     points = points_of(section)
     total = section.samples + index_samples(section) * (len(_ranked(section)) + 1)
     hits, limits = np.empty(section.samples, dtype=bool), np.empty(section.samples)
-    for part, samples in _in_portions(scenario, section, points):
-        for some, rows in _in_parts(samples, lambda count: on_progress(count, total), part.start):
-            hits[some], limits[some] = perforated(rows), ballistic_limits(rows)
-        limits[part] = _checked(samples, limits[part])
+
+    def on_samples(count: int) -> None:
+        on_progress(count, total)
+
+    for part, samples in _in_portions(scenario, points, on_samples):
+        hits[part], limits[part] = perforated(samples.variants), sample_limits(samples)
     deterministic = float(sample_limits(sampled(scenario, {}, 1))[0])
     mean = mean_of_replicates(np.array([part.mean() for part in np.array_split(limits, REPLICATES)]))
     return UncertaintyResult(
@@ -267,7 +264,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         standard_deviation_m_s=float(limits.std(ddof=1)),
         deterministic_m_s=deterministic,
         curve=probability_curve(limits),
-        inputs=influences(scenario, points, limits, lambda count: on_progress(count, total)),
+        inputs=influences(scenario, points, limits, on_samples),
         warnings=(
             *_misplaced(section, scenario.inputs()),
             *_unknown(scenario),
@@ -282,9 +279,8 @@ def probability_of_perforation(scenario: Scenario, *, on_progress: OnProgress = 
     """Estimate the probability of perforation alone, as `uncertainty` does."""
     section = section_of(scenario)
     hits = np.empty(section.samples, dtype=bool)
-    for part, samples in _in_portions(scenario, section, points_of(section)):
-        for some, rows in _in_parts(samples, lambda count: on_progress(count, section.samples), part.start):
-            hits[some] = perforated(rows)
+    for part, samples in _in_portions(scenario, points_of(section), lambda count: on_progress(count, section.samples)):
+        hits[part] = perforated(samples.variants)
     return _share(hits)
 
 
@@ -306,41 +302,24 @@ def _unknown(scenario: Scenario) -> tuple[str, ...]:
     return ("uncertainty.model: the error of the model is not known for such an armour, and not included",)
 
 
-def _in_portions(scenario: Scenario, section: Uncertainty, points: Floats) -> Iterator[tuple[slice, Samples]]:
-    """Yield the portions of points of the unit cube, (n, inputs), and their samples, which are checked together."""
-    own = own_values(scenario)
-    for start in range(0, len(points), SAMPLES_AT_A_TIME):
-        part = slice(start, min(start + SAMPLES_AT_A_TIME, len(points)))
+def _in_portions(scenario: Scenario, points: Floats, on_samples: OnSamples) -> Iterator[tuple[slice, Samples]]:
+    """Yield the samples at points of the unit cube, (n, inputs), in portions, and count each once it is computed."""
+    section, own = section_of(scenario), own_values(scenario)
+    for part in portions(len(points), SAMPLES_AT_A_TIME):
         yield part, sampled(scenario, columns_of(section, own, points[part]), part.stop - part.start)
-
-
-def _in_parts(samples: Samples, on_samples: OnSamples, start: int = 0) -> Iterator[tuple[slice, Variants]]:
-    """Yield the parts of samples that are computed together, from a start on, and count them when they are."""
-    for part in portions(len(samples.variants.velocities), SAMPLES_AT_A_TIME):
-        yield slice(start + part.start, start + part.stop), samples.variants.at(part)
         on_samples(part.stop - part.start)
 
 
-def sample_limits(samples: Samples, on_samples: OnSamples = lambda _: None) -> Floats:
+def sample_limits(samples: Samples) -> Floats:
     """Return the ballistic limit of each sample, m/s; every sample must have one in the range of the search."""
-    limits = np.empty(len(samples.variants.velocities))
-    for part, rows in _in_parts(samples, on_samples):
-        limits[part] = ballistic_limits(rows)
-    return _checked(samples, limits)
-
-
-def _checked(samples: Samples, limits: Floats) -> Floats:
-    """Return limits of samples by the model, all of which must have been found, with the error of the model."""
-    missing = int(np.isnan(limits).sum())
-    if missing:
+    limits: Floats = ballistic_limits(samples.variants) * samples.factor
+    if np.isnan(limits).any():
         search = samples.variants.settings.ballistic_limit
         raise NoLimitError(
-            f"no ballistic limit of {missing} of {len(limits)} samples from {search.velocity_min_m_s:g} to "
-            f"{search.velocity_max_m_s:g} m/s; widen the range of the section ballistic_limit, or truncate the "
-            "distributions"
+            f"no ballistic limit of some samples from {search.velocity_min_m_s:g} to {search.velocity_max_m_s:g} m/s; "
+            "widen the range of the section ballistic_limit, or truncate the distributions"
         )
-    factored: Floats = limits * samples.factor
-    return factored
+    return limits
 
 
 def _share(hits: Bools) -> Estimate:
@@ -394,8 +373,8 @@ def influences(scenario: Scenario, points: Floats, limits: Floats, on_samples: O
 
     def limits_at(points: Floats) -> Floats:
         found = np.empty(len(points))
-        for part, samples in _in_portions(scenario, section, points):
-            found[part] = sample_limits(samples, on_samples)
+        for part, samples in _in_portions(scenario, points, on_samples):
+            found[part] = sample_limits(samples)
         return found
 
     ends = {name: np.full(2 * len(names), own[name]) for name in names}
