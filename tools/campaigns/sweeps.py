@@ -15,7 +15,7 @@ import tempfile
 import time
 import traceback
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import redirect_stderr, redirect_stdout
 from itertools import count
 from pathlib import Path
@@ -272,12 +272,28 @@ CAMPAIGNS = {f.__name__: f for f in (kills, losses, steps, damages, pairs, full,
 TIME_S = 60.0
 
 
+def run(campaigns: Mapping[str, Callable[[Path], Iterator[str]]], place: Path) -> int:
+    """Run campaigns, each in a folder of its own, and print how many of their trials had each outcome.
+
+    Returns 3 where an outcome was wrong, 0 otherwise.
+    """
+    failed = False
+    for name, campaign in campaigns.items():
+        folder = place / name
+        folder.mkdir()
+        outcomes = Counter(campaign(folder))
+        print(f"{name}: {outcomes.total()} trials")
+        for outcome, number in outcomes.most_common():
+            print(f"  {number:4d}  {outcome}", flush=True)
+        failed |= any(WRONG in outcome for outcome in outcomes)
+    return 3 if failed else 0
+
+
 def main(names: list[str]) -> int:
     """Run campaigns; return the exit code."""
     global TIME_S
     sweeps.MAX_CHUNK = CHUNK
     kernel("impacts")
-    failed = False
     with tempfile.TemporaryDirectory(prefix="sweeps-") as place:
         for ending in ENDINGS:
             for quantities in QUANTITIES:
@@ -287,15 +303,7 @@ def main(names: list[str]) -> int:
                 assert exit_code(forked(sweep, output, quantities)) == 0
                 TIME_S = min(TIME_S, time.monotonic() - start)
                 references[f".{ending}", quantities] = output.read_bytes()
-        for name in names or CAMPAIGNS:
-            folder = Path(place) / name
-            folder.mkdir()
-            outcomes = Counter(CAMPAIGNS[name](folder))
-            print(f"{name}: {outcomes.total()} trials")
-            for outcome, number in outcomes.most_common():
-                print(f"  {number:4d}  {outcome}", flush=True)
-            failed |= any(WRONG in outcome for outcome in outcomes)
-    return 3 if failed else 0
+        return run({name: CAMPAIGNS[name] for name in names or CAMPAIGNS}, Path(place))
 
 
 if __name__ == "__main__":

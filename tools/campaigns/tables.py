@@ -11,7 +11,6 @@ import signal
 import sys
 import tempfile
 import time
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
@@ -24,7 +23,7 @@ from armour.errors import InputError
 from armour.files import write_files
 from armour.statistics.v50 import read_shots
 from tests.helpers.faults import faults
-from tools.campaigns.sweeps import WRONG, exit_code, forked
+from tools.campaigns.sweeps import WRONG, exit_code, forked, run
 
 PAIRS, KILLS, SAVES = 50, 200, 50
 TABLES = (
@@ -169,22 +168,13 @@ def main(names: list[str]) -> int:
     """Run campaigns; return the exit code."""
     global COMMAND_S
     kernel("impacts")
-    failed = False
     with tempfile.TemporaryDirectory(prefix="tables-") as place:
         for table in tables(Path(place), 2):
             recorded(table, 720.0)
             start = time.monotonic()
             assert exit_code(forked(recorded, table, 720.0)) == 0
             COMMAND_S = time.monotonic() - start
-        for name in names or CAMPAIGNS:
-            folder = Path(place) / name
-            folder.mkdir()
-            outcomes = Counter(CAMPAIGNS[name](folder))
-            print(f"{name}: {outcomes.total()} trials")
-            for outcome, number in outcomes.most_common():
-                print(f"  {number:4d}  {outcome}", flush=True)
-            failed |= any(WRONG in outcome for outcome in outcomes)
-    return 3 if failed else 0
+        return run({name: CAMPAIGNS[name] for name in names or CAMPAIGNS}, Path(place))
 
 
 if __name__ == "__main__":
