@@ -422,7 +422,7 @@ def find_least_ceramic_thickness(
     Hc0 = thin
     while True:
         tried = p._replace(Hc0=Hc0)
-        end = run(tried, Vi, time_step(tried, Vi, given), V_arrest, max_steps)
+        end = run(tried, Vi, time_step(tried, Vi, given), V_arrest, max_steps, None, False)
         if end.outcome == Outcome.UNRESOLVED:
             return SearchResult(-inf, inf, b.runs + 1, False)
         if end.outcome == Outcome.PERFORATED:

@@ -3,31 +3,76 @@
 `armour.engine.cache` imports this module, and with it numba, when the engine is first used.
 """
 
+import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
 
 import numba
+from llvmlite import binding
 from numba import config, types
-from numba.extending import overload_method, register_jitable
+from numba.core import cgutils
+from numba.extending import intrinsic, overload, overload_method, register_jitable
 
-from armour.core import bounds, equations, events, rk4, run, search, stages, state, stepping
-from armour.core.state import Parameters
+from armour.core import bounds, equations, events, rk4, search, stages, stepping
+from armour.core.run import Run, run
+from armour.core.state import Outcome, Parameters, State
 
 Kernel = Callable[..., None]
+
+# Wrappers of functions that only compiled code calls, and counts of references that there are none of, are left out.
+OPTIONS: Any = {"no_cfunc_wrapper": True, "_nrt": False}
+
+_float, _int = types.float64, types.int64
+_parameters = types.NamedTuple([*[_float] * (len(Parameters._fields) - 1), _int], Parameters)
+_state = types.NamedUniTuple(_float, len(State._fields), State)
+_run = types.NamedTuple([types.IntEnumMember(Outcome, _int), _float, _state, _int], Run)
+# Functions that are compiled once and called by name.  Of the others, numba compiles a copy into every function that
+# calls them, and of this function into those that call it.
+BY_NAME: dict[Callable[..., Any], Any] = {
+    run: _run(_parameters, _float, _float, _float, _int, types.none, types.boolean),
+    stepping.time_step: _float(_parameters, _float, _float),
+}
 
 
 def make_callable(module: ModuleType) -> None:
     """Make the functions of a module callable from compiled code."""
     for function in vars(module).values():
-        if isinstance(function, FunctionType) and function.__module__ == module.__name__:
-            register_jitable(function)
+        if isinstance(function, FunctionType) and function.__module__ == module.__name__ and function not in BY_NAME:
+            register_jitable(**OPTIONS)(function)
 
 
-for _module in (equations, state, stages, stepping, rk4, events, run, bounds, search):
+def symbol_of(function: Callable[..., Any]) -> str:
+    """Return the name by which compiled code calls a function."""
+    return f"{function.__module__}.{function.__qualname__}"
+
+
+def make_callable_by_name(function: Callable[..., Any]) -> None:
+    """Make a function of `BY_NAME` callable from compiled code."""
+    returned, given = BY_NAME[function].return_type, BY_NAME[function].args
+
+    def call(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        convention = context.call_conv
+        name, of_types = symbol_of(function), convention.get_function_type(returned, given)
+        callee = cgutils.get_or_insert_function(builder.module, of_types, name)
+        return convention.call_function(builder, callee, returned, given, cgutils.unpack_tuple(builder, *arguments))[1]
+
+    @intrinsic
+    def by_name(_context: Any, _arguments: Any) -> Any:
+        return returned(types.Tuple(given)), call
+
+    @overload(function, jit_options=OPTIONS, strict=False)
+    def overloaded(*_arguments: Any) -> Any:
+        return lambda *arguments: by_name(arguments)  # type: ignore[call-arg]
+
+
+for _module in (equations, stages, stepping, rk4, events, bounds, search):
     make_callable(_module)
+for _function in BY_NAME:
+    make_callable_by_name(_function)
 
 
 @overload_method(types.NamedTuple, "_replace")
@@ -56,7 +101,7 @@ def impacts(rows: Any, velocities: Any, settings: Any, counts: Any, ends: Any) -
     V_arrest, given, max_steps = settings
     for i in range(len(rows)):
         p = parameters_at(rows, i)
-        end = run.run(p, velocities[i], stepping.time_step(p, velocities[i], given), V_arrest, max_steps)
+        end = run(p, velocities[i], stepping.time_step(p, velocities[i], given), V_arrest, max_steps, None, False)
         counts[i, 0], counts[i, 1] = end.outcome, end.steps
         ends[i, 0] = end.t
         ends[i, 1], ends[i, 2], ends[i, 3], ends[i, 4], ends[i, 5] = end.y
@@ -78,14 +123,12 @@ def least_thicknesses(rows: Any, velocities: Any, settings: Any, counts: Any, en
         ends[i, 0], ends[i, 1] = -found.low, -found.high
 
 
-_float, _int = types.float64, types.int64
 _velocities = types.Array(_float, 1, "C", readonly=True)
 _rows = types.Array(_float, 2, "C", readonly=True)
 _counts, _ends = _int[:, ::1], _float[:, ::1]
-_tuple: Any = types.Tuple
-_solver = _tuple((_float, _float, _int))
-_scan = _tuple((_velocities, _float, _float, _float, _int))
-_search = _tuple((_float, _float, _float, _float, _float, _int))
+_solver = types.Tuple((_float, _float, _int))
+_scan = types.Tuple((_velocities, _float, _float, _float, _int))
+_search = types.Tuple((_float, _float, _float, _float, _float, _int))
 
 SIGNATURES: dict[str, tuple[Any, ...]] = {
     "impacts": (_rows, _velocities, _solver, _counts, _ends),
@@ -96,15 +139,44 @@ SIGNATURES: dict[str, tuple[Any, ...]] = {
 
 def compiled(name: str, folder: Path | None = None) -> Kernel:
     """Return a kernel: compiled or, with a folder, loaded from there if it is there, else kept there."""
-    function = globals()[name]
-    kernel = numba.njit(nogil=True, error_model="numpy")(function)
-    if kernel is not function:  # as numba's setting DISABLE_JIT makes it
-        if folder is not None:
-            with numba_cache(folder):
-                kernel.enable_caching()
-        kernel.compile(types.void(*SIGNATURES[name]))
-        kernel.disable_compile()
-    return kernel
+    kernel: Kernel = globals()[name]
+    if getattr(config, "DISABLE_JIT", False):
+        return kernel
+    # Numba makes so many objects that looking for garbage among them takes a tenth of the time.
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        compile_by_name(folder)
+        found: Kernel = compiled_function(kernel, types.void(*SIGNATURES[name]), folder, nogil=True)
+        return found
+    finally:
+        if collecting:
+            gc.enable()
+
+
+@cache
+def compile_by_name(folder: Path | None) -> list[Any]:
+    """Compile or load the functions of `BY_NAME`; they must not be deleted while compiled code calls them."""
+    made = []
+    for function, signature in BY_NAME.items():
+        dispatcher = compiled_function(function, signature, folder, no_cpython_wrapper=True)
+        [found] = dispatcher.overloads.values()
+        address = found.library.get_pointer_to_function(found.fndesc.llvm_func_name)
+        binding.add_symbol(symbol_of(function), address)
+        made.append(dispatcher)
+    return made
+
+
+def compiled_function(function: Callable[..., Any], signature: Any, folder: Path | None, **options: bool) -> Any:
+    """Return a function compiled for a signature; see `compiled`."""
+    njit: Any = numba.njit  # its stubs know neither of the options
+    dispatcher = njit(error_model="numpy", **OPTIONS, **options)(function)
+    if folder is not None:
+        with numba_cache(folder):
+            dispatcher.enable_caching()
+    dispatcher.compile(signature)
+    dispatcher.disable_compile()
+    return dispatcher
 
 
 @contextmanager
