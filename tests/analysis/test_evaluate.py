@@ -119,7 +119,7 @@ def test_rows_of_other_keys_are_checked_with_their_inputs():
         ({"solver.time_step_us": [np.inf]}, ["outcome"], r"row 1: solver\.time_step_us: must be a finite number"),
         ({C: [5.0], 'armour."ceramic_thickness_mm"': [6.0]}, ["outcome"], f"{C}: must be given once"),
         ({"armour.ceramic.density_kg_m3": [1.0]}, ["outcome"], "must not go below armour.ceramic"),
-        ({"optimise.ceramic_thickness_mm.min": [1.0]}, ["outcome"], "must have an effect: "),
+        ({"optimise.ceramic_thickness_mm.min": [1.0]}, ["outcome"], "optimise.ceramic_thickness_mm.max: is missing"),
         ({"ballistic_limit.tolerance_m_s": [1.0]}, ["outcome"], "must have an effect: "),
         ({"library.ceramic.B4C.flow_stress_GPa": [5.0]}, ["outcome"], 'must have an effect.* ceramic "AD85"'),
     ],

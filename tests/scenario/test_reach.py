@@ -6,7 +6,7 @@ import pytest
 
 from armour.analysis.quantities import DESIGNS
 from armour.errors import InputError
-from armour.scenario.reach import check_known, check_reach, check_read, check_used, read_of
+from armour.scenario.reach import check_reach, check_read, check_used, read_of
 from tests.helpers.cases import catalogue, scenario, shipped_scenario
 
 OWN = {
@@ -77,19 +77,6 @@ def test_an_input_and_the_key_that_sets_it():
     both = ["ceramic.flow_stress_GPa", "library.ceramic.mine.flow_stress_GPa"]
     assert refused(both) == both[1:]
     assert refused(["backing.dynamic_yield_strength_MPa", "backing.flow_stress_GPa"]) == []
-
-
-@pytest.mark.parametrize(
-    ("key", "message"),
-    [
-        ("armour.ceramic.density_kg_m3", 'must not go below armour.ceramic, .*did you mean "ceramic.density_kg_m3"'),
-        ("cermic.density_kg_m3", 'did you mean "ceramic.density_kg_m3"'),
-        ("speed", "choose from impact.velocity_m_s, "),
-    ],
-)
-def test_a_key_that_is_not_known(key: str, message: str):
-    with pytest.raises(InputError, match=message):
-        check_known(scenario(), [key], "f")
 
 
 def test_entries_that_no_scenario_uses():

@@ -4,9 +4,9 @@ A computation reads the projectile, the armour, the model and the solver, and wh
 A key of the library counts where the impact or the armour takes its value from it.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from armour.errors import Problem, choices, refuse, suggestion
+from armour.errors import Problem, choices, refuse
 from armour.scenario.inputs import CERAMIC, INPUTS, NAMES, ROLES
 from armour.scenario.keys import key_name, leaves, parts_of, upwards
 from armour.scenario.library import UNUSED, Kind
@@ -15,25 +15,6 @@ from armour.scenario.scenario import Scenario
 # What every computation reads.
 ALWAYS = ("model", "solver")
 NO_EFFECT = "must have an effect: {} does not depend on it"
-
-
-def check_known(scenario: Scenario, keys: Iterable[str], file: str) -> None:
-    """Check that keys name inputs, or lie in a section of a scenario and not below the name of a material.
-
-    `file` says where the keys come from.
-    """
-    known = list(scenario.inputs())
-    problems = []
-    for key in keys:
-        section, *rest = parts_of(key)
-        role = {name: role for role, name in NAMES.items()}.get(key_name([section, *rest[:1]]), "")
-        if key not in known and (key in INPUTS or section not in type(scenario).model_fields):
-            message = f'must name an input or another key of the scenario, found "{key}"{choices(key, known)}'
-            problems.append(Problem(file, key, message))
-        elif role and len(rest) > 1:
-            found = f'which is a name, found "{key}"{suggestion(f"{role}.{rest[1]}", known)}'
-            problems.append(Problem(file, key, f"must not go below {NAMES[role]}, {found}"))
-    refuse(problems)
 
 
 def check_read(changes: Mapping[str, object], reads: Collection[str], what: str = "the answer") -> None:
