@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import copy_context
-from functools import cached_property, wraps
+from functools import cache, cached_property, wraps
 from os.path import exists
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -102,7 +102,7 @@ def read_scenario(
     from armour.scenario.changes import changes_of
     from armour.scenario.inputs import VELOCITY
     from armour.scenario.reach import check_read, check_used, read_of
-    from armour.scenario.scenario import parse_changed, parse_scenario, scenario_file
+    from armour.scenario.scenario import parse_changed, scenario_file
 
     changes = changes_of(assignments or ())
     options = {key: f"--set {key}" for key in changes}
@@ -121,12 +121,7 @@ def read_scenario(
     try:
         loaded = parse_changed(data, changes, file=file, folder=folder)
     except InputError as error:
-        own: Sequence[Problem] = ()
-        try:
-            parse_scenario(data, file=file, folder=folder)
-        except InputError as without:
-            own = without.problems
-        raise InputError([p if p in own else _blamed(p, options, file) for p in error.problems]) from None
+        raise InputError([_blamed(each, options) if each.file == file else each for each in error.problems]) from None
     read = read_of(loaded, reads)
     if VELOCITY in changes and "ballistic_limit" in reads and "impact" not in reads:
         # Who looks at an armour with simulate goes on with the same command line.
@@ -137,12 +132,12 @@ def read_scenario(
     return loaded
 
 
-def _blamed(problem: Problem, options: Mapping[str, str], file: str) -> Problem:
-    """Return a problem that the file alone does not have with the option that sets its key, or one below it."""
+def _blamed(problem: Problem, options: Mapping[str, str]) -> Problem:
+    """Return a problem with the option that sets its key, one below or one above it, if there is one."""
     from armour.scenario.keys import upwards
 
     for key, option in sorted(options.items(), reverse=True):
-        if problem.file == file and (key in upwards(problem.key) or problem.key in upwards(key)):
+        if key in upwards(problem.key) or problem.key in upwards(key):
             where = f"--set {problem.key}" if option.startswith("--set") else option
             return Problem("command line", where, problem.message)
     return problem
@@ -299,47 +294,45 @@ class Reporting(_Helpful, TyperGroup):
 
     def make_context(self, *args: Any, **settings: Any) -> Any:
         """Parse the command line."""
-        try:
+        with _reported():
             return super().make_context(*args, **settings)
-        except InputError as error:
-            say(str(error))
-            raise Exit(WRONG_INPUT) from None
-        except KeyboardInterrupt:
-            say("interrupted")
-            raise Exit(INTERRUPTED) from None
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command; turn what it raises into a message and an exit code."""
-        try:
-            # A context of its own, so that what it reserves ends with the command.
+        """Run the command, in a context of its own, so that what it reserves ends with it."""
+        with _reported():
             return copy_context().run(super().invoke, ctx)
-        except ArmourError as error:
-            say(*(_located(error.problems) if isinstance(error, InputError) else [str(error)]))
-            ctx.exit(NO_ANSWER if isinstance(error, NoAnswerError) else WRONG_INPUT)
-        except KeyboardInterrupt as interrupt:
-            say("; ".join(("interrupted", *interrupt.args)))
-            ctx.exit(INTERRUPTED)
+
+
+@contextmanager
+def _reported() -> Iterator[None]:
+    """Turn errors into messages and exit codes."""
+    try:
+        yield
+    except InputError as error:
+        say(*_located(error.problems))
+        raise Exit(WRONG_INPUT) from None
+    except ArmourError as error:
+        say(str(error))
+        raise Exit(NO_ANSWER if isinstance(error, NoAnswerError) else WRONG_INPUT) from None
+    except KeyboardInterrupt as interrupt:
+        say("; ".join(("interrupted", *interrupt.args)))
+        raise Exit(INTERRUPTED) from None
 
 
 def _located(problems: Sequence[Problem]) -> list[str]:
     """Return the messages of the first problems, with the lines of TOML files where their keys are."""
-    from armour.scenario.keys import line_of
+    from armour.scenario.keys import line_of, lines_of
 
-    shown, more = problems[:MAX_PROBLEMS], len(problems) - MAX_PROBLEMS
-    files = {problem.file for problem in shown if problem.key and problem.file.endswith(".toml")}
-    lines = {file: _lines(file) for file in files}
+    @cache
+    def lines(file: str) -> dict[str, int]:
+        try:
+            return lines_of(read_text(file)) if file.endswith(".toml") else {}
+        except ArmourError:
+            return {}
+
     messages = []
-    for problem in shown:
-        line = line_of(problem.key, lines.get(problem.file, {}))
+    for problem in problems[:MAX_PROBLEMS]:
+        line = line_of(problem.key, lines(problem.file)) if problem.key else None
         messages.append(str(problem) if line is None else f"{problem} (line {line})")
+    more = len(problems) - MAX_PROBLEMS
     return [*messages, f"and {more} more problems"] if more > 0 else messages
-
-
-def _lines(file: str) -> dict[str, int]:
-    """Return the lines of the keys of a TOML file; none where it cannot be read."""
-    from armour.scenario.keys import lines_of
-
-    try:
-        return lines_of(read_text(Path(file)))
-    except ArmourError:
-        return {}
