@@ -1,23 +1,140 @@
-"""The commands of the program, with examples."""
+"""The commands of the program, with examples; their help, and how they end."""
 
-from collections.abc import Callable
-from typing import Annotated
+import inspect
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from contextvars import copy_context
+from functools import cache, cached_property
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand, TyperGroup
+from typer.main import get_command_from_info
+from typer.models import CommandInfo
 
 from armour import MODEL_VERSION, __version__
 from armour.analysis.quantities import QUANTITIES, REQUIRED
-from armour.cli.console import emit
+from armour.cli.console import emit, say
 from armour.cli.experiments import calibrate, plan_shots, plan_tests, v50
-from armour.cli.figures import figures
-from armour.cli.library import app as library
-from armour.cli.options import option
-from armour.cli.report import report
-from armour.cli.runner import Command, Question, Reporting
-from armour.cli.scenario_commands import ballistic_limit, compare, optimise, sensitivity, simulate, uncertainty
-from armour.cli.scenario_files import init, schema
-from armour.cli.sweep import sweep
-from armour.cli.validate import validate
+from armour.cli.library import init, list_library, schema, show_entry
+from armour.cli.question import option
+from armour.cli.scenario_commands import (
+    ballistic_limit,
+    compare,
+    optimise,
+    report,
+    sensitivity,
+    simulate,
+    sweep,
+    uncertainty,
+)
+from armour.cli.suites import figures, validate
+from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem
+from armour.files import read_text
+
+NO_ANSWER, WRONG_INPUT, INTERRUPTED = 1, 2, 130
+
+
+class _Helpful:
+    """Shows help that fits narrow terminals."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Print the help; a reader that has closed the pipe is no error, which rich ends with exit code 1."""
+        from typer import rich_utils
+
+        # Ranges stand in the descriptions: beside the types they are cut.
+        rich_utils.RANGE_STRING = ""
+        with suppress(SystemExit):
+            super().format_help(ctx, formatter)  # type: ignore[misc]
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Return the parameters; an option without a value has no type beside it."""
+        params: list[Any] = super().get_params(ctx)  # type: ignore[misc]
+        for param in params:
+            if getattr(param, "is_flag", False):
+                param.metavar = ""
+        return params
+
+
+class Command(_Helpful, TyperCommand):
+    """A command."""
+
+
+class Question(Command):
+    """A command made by `question`; its parameters are made when they are asked for, as the imports take long."""
+
+    @cached_property
+    def made(self) -> Any:
+        """The command with its parameters."""
+        function = vars(self.callback)["__wrapped__"]
+        function.__signature__ = inspect.Signature(function.parameters())
+        return get_command_from_info(
+            CommandInfo(callback=function), pretty_exceptions_short=False, rich_markup_mode=None
+        )
+
+    @property
+    def params(self) -> Any:
+        """The parameters."""
+        return self.made.params
+
+    @params.setter
+    def params(self, _none: Any) -> None:
+        """Leave out what typer finds before the parameters are made."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command."""
+        self.callback = self.made.callback
+        return super().invoke(ctx)
+
+
+class Reporting(_Helpful, TyperGroup):
+    """Commands whose errors end in a message and an exit code."""
+
+    def make_context(self, *args: Any, **settings: Any) -> Any:
+        """Parse the command line."""
+        with _reported():
+            return super().make_context(*args, **settings)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command, in a context of its own, so that what it reserves ends with it."""
+        with _reported():
+            return copy_context().run(super().invoke, ctx)
+
+
+@contextmanager
+def _reported() -> Iterator[None]:
+    """Turn errors into messages and exit codes."""
+    try:
+        yield
+    except InputError as error:
+        say(*_located(error.problems))
+        raise typer.Exit(WRONG_INPUT) from None
+    except ArmourError as error:
+        say(str(error))
+        raise typer.Exit(NO_ANSWER if isinstance(error, NoAnswerError) else WRONG_INPUT) from None
+    except KeyboardInterrupt as interrupt:
+        say("; ".join(("interrupted", *interrupt.args)))
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def _located(problems: Sequence[Problem]) -> list[str]:
+    """Return the messages of the first problems, with the lines of TOML files where their keys are."""
+    from armour.scenario.keys import line_of, lines_of
+
+    @cache
+    def lines(file: str) -> dict[str, int]:
+        try:
+            return lines_of(read_text(file)) if file.endswith(".toml") else {}
+        except ArmourError:
+            return {}
+
+    messages = []
+    for problem in problems[:MAX_PROBLEMS]:
+        line = line_of(problem.key, lines(problem.file)) if problem.key else None
+        messages.append(str(problem) if line is None else f"{problem} (line {line})")
+    more = len(problems) - MAX_PROBLEMS
+    return [*messages, f"and {more} more problems"] if more > 0 else messages
+
 
 app = typer.Typer(
     cls=Reporting,
@@ -96,5 +213,8 @@ for _command, _examples in COMMANDS.items():
     _class = Question if hasattr(_command, "parameters") else Command
     _group, _name = (plan, _command.__name__[5:]) if _command in (plan_shots, plan_tests) else (app, _command.__name__)
     _group.command(_name.replace("_", "-"), cls=_class, epilog="\n\n".join(_parts))(_command)
+library = typer.Typer(cls=Reporting, invoke_without_command=True, no_args_is_help=False)
+library.callback()(list_library)
+library.command("show", cls=Command)(show_entry)
 app.add_typer(library, name="library")
 app.add_typer(plan, name="plan")

@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import armour
 from armour.cli import completion
-from armour.cli.options import Force, Output, PlotFile, argument, option
-from armour.cli.question import Answer, question
+from armour.cli.question import Answer, Force, Output, PlotFile, argument, option, question
 from armour.cli.runner import check_outputs, read_scenario
-from armour.cli.scenario_commands import LIMIT
-from armour.cli.sweep import grid_of
+from armour.cli.scenario_commands import LIMIT, grid_of
 from armour.errors import InputError, Problem
 from armour.files import table_file
 

@@ -1,18 +1,18 @@
-"""``armour library``."""
+"""Commands on what is shipped: the library, and files to start from."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from armour.cli import completion
-from armour.cli.options import AsJson, argument
-from armour.cli.runner import Command, Reporting, respond
-from armour.errors import InputError, Problem
+from armour.cli.console import say, show, show_json
+from armour.cli.question import AsJson, Force, argument, option
+from armour.cli.runner import check_outputs, respond, write
+from armour.errors import InputError, Problem, choices, refuse
+from armour.files import shipped_files, shipped_suites, shipped_tests, wrong_ending
 
-app = typer.Typer(cls=Reporting, invoke_without_command=True, no_args_is_help=False)
 
-
-@app.callback()
 def list_library(ctx: typer.Context, as_json: AsJson = False) -> None:
     """List materials and projectiles."""
     if ctx.invoked_subcommand is not None:
@@ -24,8 +24,7 @@ def list_library(ctx: typer.Context, as_json: AsJson = False) -> None:
     respond(library.to_dict(), library_tables(library), as_json=as_json)
 
 
-@app.command(cls=Command)
-def show(
+def show_entry(
     ctx: typer.Context,
     name: Annotated[str, argument("NAME", "Name of the entry.", autocompletion=completion.entries)],
     as_json: AsJson = False,
@@ -41,3 +40,48 @@ def show(
     as_json = as_json or (ctx.parent is not None and ctx.parent.params["as_json"])
     for entry in entries:
         respond(entry.to_dict(), entry_tables(entry), as_json=as_json, title=f"{entry.name} ({entry.kind})")
+
+
+def init(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write to.")] = Path("scenario.toml"),
+    source: Annotated[
+        str,
+        option(
+            "Copy a shipped scenario, suite or table of tests.",
+            "--from",
+            metavar="NAME",
+            autocompletion=completion.shipped_names,
+        ),
+    ] = "template",
+    names: Annotated[bool, option("List the shipped scenarios, suites and tables of tests.", "--list")] = False,
+    force: Force = False,
+) -> None:
+    """Write a scenario, a suite or a table of tests to start from."""
+    if names:
+        from armour.reporting.views.library import shipped_tables
+
+        show(*shipped_tables())
+        return
+    suites = shipped_suites()
+    known = {**shipped_files("scenarios", ".toml"), **suites, **shipped_tests()}
+    if source not in known:
+        message = f'must name a shipped scenario, suite or table, found "{source}"{choices(source, list(known))}'
+        raise InputError([Problem("init", "--from", message)])
+    if str(file) == "-":
+        raise InputError([Problem("init", "FILE", "must be the name of a file to write, found -")])
+    ending = known[source].suffix
+    check_outputs(file, force=force)
+    refuse(wrong_ending(file, (ending,)) if ".csv" in (ending, file.suffix) else [])
+    write({file: known[source].read_bytes()})
+    if ending == ".toml":
+        say(f"next: armour {'validate' if source in suites else 'simulate'} {file}")
+
+
+def schema() -> None:
+    """Print the JSON Schema of a scenario.
+
+    Editors complete and check scenario files with it.
+    """
+    from armour.scenario.scenario import scenario_schema
+
+    show_json(scenario_schema())

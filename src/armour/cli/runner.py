@@ -3,24 +3,16 @@
 Files are written before anything is printed, so that a reader that closes the pipe loses none.
 """
 
-import inspect
 import os
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from contextvars import copy_context
-from functools import cache, cached_property, wraps
 from os.path import exists
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from typer import Exit
-from typer.core import TyperCommand, TyperGroup
-from typer.main import get_command_from_info
-from typer.models import CommandInfo
-
 from armour.cli.console import say, show, show_json
-from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, refuse
+from armour.errors import ArmourError, InputError, Problem, refuse
 from armour.files import (
     check_unreserved,
     decoded,
@@ -35,11 +27,6 @@ from armour.files import (
 if TYPE_CHECKING:
     from armour.reporting.table import Table
     from armour.scenario.scenario import Scenario
-
-NO_ANSWER = 1
-WRONG_INPUT = 2
-CHECK_FAILED = 3
-INTERRUPTED = 130
 
 STANDARD_INPUT = "standard input"
 COMPILING = "compiling the numerical code, which takes about ten seconds"
@@ -232,107 +219,3 @@ def say_if_compiling() -> None:
     if not cache.is_compiled():
         obstacle = cache.obstacle()
         say(f"{COMPILING} at every start: compiled code cannot be kept {obstacle}" if obstacle else COMPILING)
-
-
-class _Helpful:
-    """Shows help that fits narrow terminals."""
-
-    def format_help(self, ctx: Any, formatter: Any) -> None:
-        """Print the help; a reader that has closed the pipe is no error, which rich ends with exit code 1."""
-        from typer import rich_utils
-
-        # Ranges stand in the descriptions: beside the types they are cut.
-        rich_utils.RANGE_STRING = ""
-        with suppress(SystemExit):
-            super().format_help(ctx, formatter)  # type: ignore[misc]
-
-    def get_params(self, ctx: Any) -> list[Any]:
-        """Return the parameters; an option without a value has no type beside it."""
-        params: list[Any] = super().get_params(ctx)  # type: ignore[misc]
-        for param in params:
-            if getattr(param, "is_flag", False):
-                param.metavar = ""
-        return params
-
-
-class Command(_Helpful, TyperCommand):
-    """A command."""
-
-
-class Question(Command):
-    """A command made by `question`; its parameters are made when they are asked for, as the imports take long."""
-
-    @cached_property
-    def made(self) -> Any:
-        """The command with its parameters."""
-        function = vars(self.callback)["__wrapped__"]
-
-        @wraps(function)
-        def asked(**values: Any) -> None:
-            function(**values)
-
-        asked.__dict__["__signature__"] = inspect.Signature([*function.parameters()])
-        return get_command_from_info(CommandInfo(callback=asked), pretty_exceptions_short=False, rich_markup_mode=None)
-
-    @property
-    def params(self) -> Any:
-        """The parameters."""
-        return self.made.params
-
-    @params.setter
-    def params(self, _none: Any) -> None:
-        """Leave out what typer finds before the parameters are made."""
-
-    def invoke(self, ctx: Any) -> Any:
-        """Run the command."""
-        self.callback = self.made.callback
-        return super().invoke(ctx)
-
-
-class Reporting(_Helpful, TyperGroup):
-    """Commands whose errors end in a message and an exit code."""
-
-    def make_context(self, *args: Any, **settings: Any) -> Any:
-        """Parse the command line."""
-        with _reported():
-            return super().make_context(*args, **settings)
-
-    def invoke(self, ctx: Any) -> Any:
-        """Run the command, in a context of its own, so that what it reserves ends with it."""
-        with _reported():
-            return copy_context().run(super().invoke, ctx)
-
-
-@contextmanager
-def _reported() -> Iterator[None]:
-    """Turn errors into messages and exit codes."""
-    try:
-        yield
-    except InputError as error:
-        say(*_located(error.problems))
-        raise Exit(WRONG_INPUT) from None
-    except ArmourError as error:
-        say(str(error))
-        raise Exit(NO_ANSWER if isinstance(error, NoAnswerError) else WRONG_INPUT) from None
-    except KeyboardInterrupt as interrupt:
-        say("; ".join(("interrupted", *interrupt.args)))
-        raise Exit(INTERRUPTED) from None
-
-
-def _located(problems: Sequence[Problem]) -> list[str]:
-    """Return the messages of the first problems, with the lines of TOML files where their keys are."""
-    from armour.scenario.keys import line_of, lines_of
-
-    @cache
-    def lines(file: str) -> dict[str, int]:
-        try:
-            return lines_of(read_text(file)) if file.endswith(".toml") else {}
-        except ArmourError:
-            return {}
-
-    messages = []
-    for problem in problems[:MAX_PROBLEMS]:
-        line = line_of(problem.key, lines(problem.file)) if problem.key else None
-        messages.append(str(problem) if line is None else f"{problem} (line {line})")
-    more = len(problems) - MAX_PROBLEMS
-    return [*messages, f"and {more} more problems"] if more > 0 else messages
