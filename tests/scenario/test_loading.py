@@ -294,13 +294,6 @@ def test_a_scenario_made_of_sections_is_validated():
         Scenario(impact=plain.impact, armour=thin)
 
 
-def test_a_copy_has_no_values_that_are_not_validated():
-    plain = scenario()
-    assert plain.model_copy() == plain
-    with pytest.raises(InputError, match=r"model_copy: update: .*use replaced"):
-        plain.model_copy(update={"title": "x"})
-
-
 def test_a_value_that_is_set_says_so_in_its_source():
     plain = scenario(library={"ceramic": {"AD85": {"based_on": "AD85", "density_kg_m3": 3500.0}}})
     changed = plain.replaced({"ceramic.flow_stress_GPa": 4.5}).replaced({"title": "x"})

@@ -192,7 +192,8 @@ def warnings_of(
         return []
     unused = () if of_threats else scenario.unused_threats()
     found = dict.fromkeys((*unused, *warnings))
-    return [*scenario.replaced_entries(), *(f"warning: {file or scenario.file}: {warning}" for warning in found)]
+    notes = (f"note: {note}" for note in scenario.entry_notes)
+    return [*notes, *(f"warning: {file or scenario.file}: {warning}" for warning in found)]
 
 
 @contextmanager

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
-from functools import cache
 from importlib import import_module
 from operator import ge, gt, itemgetter, le, lt
 from os import PathLike
@@ -130,18 +129,15 @@ class Scenario(Section):
             made = parse_scenario(self.model_dump(exclude_unset=True))
             self._entries, self._source = made._entries, made._source
 
-    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
-        """Return a copy; `replaced` makes one with other values, which are validated."""
-        if update is not None:
-            raise InputError(
-                [Problem("model_copy", "update", "must be left out, as it is not validated; use replaced")]
-            )
-        return super().model_copy(deep=deep)
-
     @property
     def file(self) -> str:
         """Name of the scenario's file, for messages."""
         return self._source.file
+
+    @property
+    def entry_notes(self) -> tuple[str, ...]:
+        """A line for each entry that replaces one of its name, on which it is not based."""
+        return self._entries.notes
 
     def entry(self, kind: Kind, name: str) -> LibraryEntry:
         """Return an entry of the scenario's library; if there is none, an InputError suggests the closest name."""
@@ -302,17 +298,13 @@ class Scenario(Section):
         import numpy as np
 
         self.check_names(columns, self.file)
-        found = []
-        with np.errstate(all="ignore"):
-            for name, values in columns.items():
-                for compare, bound in _bounds(name):
-                    # A comparison with a NaN is false.
-                    found.append((name, compare(values, bound)))
-            rod = [f"projectile.{key}" for key in ROD]
-            if changed_rod := [name for name in rod if name in columns]:
-                values_of: dict[str, Any] = {**self.inputs(), **columns}
-                found.append((changed_rod[-1], is_rod(*(values_of[name] for name in rod))))
-        for name, allowed in found:
+        conditions = [(name, _allowed(name, values)) for name, values in columns.items()]
+        rod = [f"projectile.{key}" for key in ROD]
+        if changed_rod := [name for name in rod if name in columns]:
+            values_of: dict[str, Any] = {**self.inputs(), **columns}
+            with np.errstate(all="ignore"):
+                conditions.append((changed_rod[-1], is_rod(*(values_of[name] for name in rod))))
+        for name, allowed in conditions:
             if not np.all(allowed):
                 row = int(np.argmin(allowed))
                 try:
@@ -354,10 +346,6 @@ class Scenario(Section):
         against = f"the {self.impact.projectile} at {self.impact.velocity_m_s:g} m/s of [impact]"
         unused = f"is not used: the results are against {against}; a report has the probability of every threat"
         return (Note(unused, "threat"),)
-
-    def replaced_entries(self) -> list[str]:
-        """Return a note for each entry that replaces one of its name, on which it is not based."""
-        return [f"note: {note}" for note in self._entries.notes]
 
 
 def rounds(impact: Impact, varied: Varied, threats: Sequence[Threat]) -> str:
@@ -576,20 +564,21 @@ def _based(
 _COMPARISONS: dict[str, Callable[[Any, float], Any]] = {"gt": gt, "ge": ge, "lt": lt, "le": le}
 
 
-@cache
-def _bounds(name: str) -> tuple[tuple[Callable[[Any, float], Any], float], ...]:
-    """Return the bounds of an input that its section states, as comparisons with numbers."""
+def _allowed(name: str, values: Any) -> Any:
+    """Return which values of an input, (n,), lie within the bounds that its section states; a NaN does not."""
     one = INPUTS[name]
     model: Any = KINDS[one.kind] if one.kind else model_in(Scenario.model_fields[one.section].annotation)
     field = model.model_fields[one.key]
     inner = model_in(field.annotation)
     stated = field.metadata if inner is None else inner.model_fields[NUMBER].metadata
-    bounds = [(compare, getattr(m, word)) for m in stated for word, compare in _COMPARISONS.items() if hasattr(m, word)]
-    return (*bounds, (_is_not_tiny, TINY)) if NOT_TINY in stated else tuple(bounds)
-
-
-def _is_not_tiny(values: Any, tiny: float) -> Any:
-    return (values == 0.0) | (abs(values) >= tiny)
+    allowed = values == values
+    if NOT_TINY in stated:
+        allowed &= (values == 0.0) | (abs(values) >= TINY)
+    for bound in stated:
+        for word, compare in _COMPARISONS.items():
+            if hasattr(bound, word):
+                allowed &= compare(values, getattr(bound, word))
+    return allowed
 
 
 def _meanings() -> dict[str, dict[str, str]]:
