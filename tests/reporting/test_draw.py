@@ -3,13 +3,12 @@ from dataclasses import replace
 from itertools import combinations
 from xml.etree import ElementTree
 
-import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.contour import ContourSet
 from matplotlib.transforms import Bbox
 
-from armour.reporting.charts import Axis, Bars, Chart, Contours, Line, Map, Panel, Points, Rule, printable_chart
+from armour.reporting.charts import Axis, Bars, Chart, Contours, Line, Map, Panel, printable_chart
 from armour.reporting.draw import METADATA, draw, rendered
 from armour.reporting.views import design as design_view
 from armour.reporting.views import impact as impact_view
@@ -56,14 +55,6 @@ def test_the_same_chart_is_the_same_file(name: str, suffix: str):
     assert content == rendered(chart, suffix)
 
 
-def test_axes_have_their_headings(chart: Chart):
-    axes = draw(chart).axes
-    covered = [below.shares_x for below in chart.panels[1:]] + [False]
-    headings = [panel.x.heading for panel, hidden in zip(chart.panels, covered, strict=True) if not hidden]
-    assert [ax.get_xlabel() for ax in axes if ax.get_xlabel()] == headings
-    assert [ax.get_ylabel() for ax in axes[: len(chart.panels)]] == [panel.y.heading for panel in chart.panels]
-
-
 def test_no_text_is_cut_and_no_panel_overlaps_another_or_the_legend(chart: Chart):
     figure = draw(chart)
     figure.draw_without_rendering()
@@ -79,19 +70,6 @@ def test_no_text_is_cut_and_no_panel_overlaps_another_or_the_legend(chart: Chart
         assert second is not None
         shared = Bbox.intersection(first, second)
         assert shared is None or min(shared.width, shared.height) < 2.0
-
-
-def test_lines_points_and_rules():
-    series = (
-        Line([0.0, 1.0, 2.0], [1.0, None, 3.0], label="line"),
-        Points([1.0], [2.0], label="point"),
-        Rule(1.5, label="rule"),
-    )
-    [axes] = draw(one(*series)).axes
-    assert [line.get_label() for line in axes.lines] == ["line", "point", "rule"]
-    assert np.isnan(np.asarray(axes.lines[0].get_ydata())[1])
-    [legend] = draw(one(*series)).legends
-    assert [text.get_text() for text in legend.get_texts()] == ["line", "point", "rule"]
 
 
 def test_categories_are_rows_of_bars_with_the_first_on_top():

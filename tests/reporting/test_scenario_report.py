@@ -295,11 +295,6 @@ def test_sections_follow_the_results():
     assert "Required ceramic for each back plate" in headings(replace(wilkins(), design=design_result()))
 
 
-def test_a_fence_is_longer_than_any_in_the_scenario():
-    fenced = replace(wilkins(), scenario=wilkins().scenario.replaced({"title": "a ```` b"}))
-    assert "`````toml\n" in markdown_report(report(fenced, ""))
-
-
 @cache
 def as_is(velocity: float) -> Contents:
     """An armour of one's own against two threats, of a scenario that asks for a design."""

@@ -2,7 +2,7 @@
 
 import csv
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import StringIO
 from math import isfinite
 from typing import Any
@@ -93,9 +93,8 @@ def listing(items: Iterable[Any], *sources: Source, title: str = "", rest: str =
 
 
 def record(item: Any, *sources: Source, title: str = "") -> Table:
-    """Make a table of one item, which leaves out quantities without a value."""
-    known = [(_column(source), value) for source in sources if (value := _cell(item, source)) is not None]
-    return Table(tuple(column for column, _ in known), (tuple(value for _, value in known),), title, record=True)
+    """Make a table of one item, without the quantities that have no value."""
+    return replace(listing([item], *sources, title=title), record=True)
 
 
 def _column(source: Source) -> Column:
@@ -103,11 +102,9 @@ def _column(source: Source) -> Column:
 
 
 def _cell(item: Any, source: Source) -> Cell:
-    if isinstance(source, Column):
-        found: Cell = getattr(item, source.key)
-        return found
-    value = source[1]
-    return value(item) if callable(value) else value
+    value = getattr(item, source.key) if isinstance(source, Column) else source[1]
+    cell: Cell = value(item) if callable(value) else value
+    return cell
 
 
 def csv_text(table: Table) -> str:

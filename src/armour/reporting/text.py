@@ -3,9 +3,13 @@
 import re
 from math import isfinite
 from textwrap import wrap
+from typing import TYPE_CHECKING
 
 from armour.files import printable
 from armour.units import ENDINGS
+
+if TYPE_CHECKING:
+    from armour.analysis.estimates import Estimate
 
 # The space between a number and its unit.
 BEFORE_UNIT = re.compile(rf"(?<=\d) (?=({'|'.join(map(re.escape, [*ENDINGS.values(), 'J']))})(?![\w/]))")
@@ -45,11 +49,11 @@ def number(value: float | str, spec: str) -> str:
     return text if abs(float(text)) < 1e4 else format(value, f"{sign},{spec.removeprefix(sign)}")
 
 
-def interval(ends: tuple[float | None, float | None] | None, spec: str) -> str:
-    """Format an interval, if there is one; an end that is None is not bounded."""
+def interval(ends: "tuple[float | None, float | None] | Estimate | None", spec: str) -> str:
+    """Format an interval, or that of an estimate, if there is one; an end that is None is not bounded."""
     if ends is None:
         return ""
-    low, high = ends
+    low, high = ends if isinstance(ends, tuple) else (ends.low, ends.high)
     if low is None:
         return "not bounded" if high is None else f"up to {number(high, spec)}"
     return f"from {number(low, spec)}" if high is None else f"{number(low, spec)} to {number(high, spec)}"

@@ -8,13 +8,11 @@ from armour.reporting.views.design import (
     best_table,
     frontier_table,
     left_out,
-    margin_notes,
     margin_table,
     pair_table,
     required_margins,
     tables,
 )
-from armour.scenario.evidence import ModelError
 from tests.helpers.cases import THREATS, catalogue, scenario
 from tests.helpers.results import OTHER, THREAT, best_design, design, design_result, quantities
 
@@ -25,19 +23,7 @@ def kinds(result: DesignResult) -> list[str]:
 
 
 def test_the_best_design_is_a_record():
-    found = quantities(best_table(design_result(), {}))
-    assert found == {
-        "ceramic": "AD85",
-        "ceramic thickness, mm": "8",
-        "back plate": "6061-T6",
-        "back plate thickness, mm": "6",
-        "areal density, kg/m²": "43.60",
-        "total thickness, mm": "14",
-        "cost per m²": "100.00",
-        "ballistic limit, m/s": "820.00",
-        "margin, m/s": "+20.0",
-        "probability of defeating the threat": "64 %",
-    }
+    assert quantities(best_table(design_result(), {}))["cost per m²"] == "100.00"
     outside = quantities(best_table(replace(design_result(), best=best_design(ballistic_limit_m_s=None)), {}))
     assert outside["ballistic limit"] == "outside the range"
     assert "cost per m²" not in outside
@@ -57,13 +43,6 @@ def test_thicknesses_of_a_table_have_the_decimals_that_they_need():
     assert [row[0] for row in frontier_table(halves).texts()] == ["10.0", "8.0", "6.5"]
     thirds = replace(found, frontier=(design("AD85", 20.0 / 3.0, 10.0, 46.0),), frontier_governed_by=(THREAT,))
     assert frontier_table(thirds).texts()[0][:2] == ["6.667", "10.000"]
-
-
-def test_the_least_ceramic_of_a_range_is_no_requirement():
-    result = replace(design_result(), ceramic_min_mm=7.0)
-    assert [row[-1] for row in frontier_table(result).rows] == ["", "lightest", "least of the range"]
-    both = replace(design_result(), ceramic_min_mm=8.0)
-    assert frontier_table(both).rows[1][-1] == "lightest, least of the range"
 
 
 def test_threats_and_probabilities_have_margins():
@@ -97,18 +76,6 @@ def test_pairs_of_materials_with_the_reasons_of_those_that_lose():
     assert table.texts()[2][2:-1] == [""] * 5
     assert table.headings()[6] == "cost per m²"
     assert "cost per m²" not in pair_table(replace(result, pairs=pairs[:1])).headings()
-
-
-def test_the_note_gives_the_probability_without_a_margin():
-    steel = replace(
-        best_design(), model_error=ModelError(-10.3, 11.6, 11.0, "39 tests"), probabilities_of_defeat={THREAT: 0.2}
-    )
-    assert margin_notes(steel) == [
-        "a design without a margin is perforated with a probability of 80 %; --confidence 0.95 designs for a "
-        "probability of 95 %",
-    ]
-    # Samples without the error of the model give a probability all the same.
-    assert margin_notes(replace(steel, model_error=None)) == []
 
 
 def test_the_note_on_the_error_says_whether_it_is_not_known_or_not_included():

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from armour.planning.plan_tests import PlannedTests, ScatterSource, plan_tests
+from armour.planning.plan_tests import PlannedTests, plan_tests
 from armour.reporting.charts import Contours, Line, Map, Points
 from armour.reporting.show import plot
 from armour.reporting.views.planned_tests import (
@@ -63,15 +63,6 @@ def test_tests_that_do_not_determine_the_inputs(result: PlannedTests):
     assert "none: too few tests" in plan_table(replace(result, efficiency=None)).rows[0]
     lacking = replace(result, efficiency=None, not_identified=("ceramic.flow_stress_GPa",))
     assert "none: the candidates do not determine the inputs" in plan_table(lacking).rows[0]
-
-
-@pytest.mark.parametrize(
-    ("source", "words"),
-    [("given", "given"), ("uncertainties", "from the uncertainties"), ("residuals", "estimated from the residuals")],
-)
-def test_where_the_scatter_comes_from(result: PlannedTests, source: ScatterSource, words: str):
-    cells = map(str, plan_table(replace(result, scatter_source=source)).rows[0])
-    assert any(f"3 % of the ballistic limit, {words}" in cell for cell in cells)
 
 
 def test_the_names_of_planned_tests_go_on(result: PlannedTests):

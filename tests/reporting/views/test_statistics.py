@@ -3,18 +3,17 @@ from dataclasses import replace
 import pytest
 
 from armour.analysis.estimates import Estimate
-from armour.reporting.table import Table
-from armour.reporting.views import calibration as calibration_view
 from armour.reporting.views import firing as v50_view
 from armour.reporting.views import uncertainty as uncertainty_view
 from armour.reporting.views.calibration import coefficient_table, correlation_table, residual_table
 from armour.reporting.views.confidence import SAMPLED_ALONE
 from armour.reporting.views.firing import v50_table
-from armour.reporting.views.uncertainty import INDEX_NOTE, SAMPLING_NOTE, index_table
-from armour.statistics.calibration import CalibrationResult, LawFit, Residual
+from armour.reporting.views.uncertainty import INDEX_NOTE
+from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.likelihood import Coefficient
-from armour.statistics.uncertainty import Influence, ProbabilityCurve, UncertaintyResult
+from armour.statistics.uncertainty import Influence
 from armour.statistics.v50 import Shots, v50
+from tests.helpers.results import uncertainty_result
 
 
 def test_a_velocity_below_zero_is_said_not_to_be_given():
@@ -51,16 +50,6 @@ def calibration() -> CalibrationResult:
     )
 
 
-def test_laws(calibration: CalibrationResult):
-    laws = (LawFit("constant", 1, 5.05, 5.47, 142.82), LawFit("linear", 3, 3.46, None, None))
-    tables = calibration_view.tables(replace(calibration, laws=laws))
-    assert isinstance(tables[0], Table)
-    assert tables[0].texts() == [
-        ["constant", "1", "5.05", "5.47", "142.8"],
-        ["linear", "3", "3.46", "too few tests", "too few tests"],
-    ]
-
-
 def test_coefficients(calibration: CalibrationResult):
     table = coefficient_table(calibration)
     assert table.headings()[-1] == "95 % interval"
@@ -87,30 +76,11 @@ def test_a_mean_of_no_usual_rule_and_shots_without_a_rising_curve():
     assert notes[1].startswith("no curve is recommended")
 
 
-@pytest.fixture
-def uncertainty() -> UncertaintyResult:
-    limits = {"V05": Estimate(677.7, 675.5, 679.4), "V50": Estimate(722.34, 722.33, 722.35)}
-    inputs = (
-        Influence(
-            "ceramic.flow_stress_GPa", Estimate(0.972, 0.89, 1.054), Estimate(0.974, 0.914, 1.037), (678.0, 769.1)
-        ),
-        Influence("projectile.penetrator_mass_g", Estimate(0.02, 0.01, 0.03), None, (700.0, 740.0)),
-    )
-    curve = ProbabilityCurve((), (), (), ())
-    chance = Estimate(0.214, 0.201, 0.226)
-    mean = 722.8, (722.79, 722.82)
-    return UncertaintyResult(4096, 1, "sobol", 0.95, chance, limits, *mean, 28.0, 723.8, curve, inputs, ())
-
-
-def test_indices(uncertainty: UncertaintyResult):
-    assert index_table(uncertainty).texts() == [
-        ["ceramic flow stress, GPa", "0.972", "0.890 to 1.054", "0.974", "0.914 to 1.037", "678.0", "769.1"],
-        ["penetrator mass, g", "0.020", "0.010 to 0.030", "", "", "700.0", "740.0"],
-    ]
-    *_, error, alone, note = uncertainty_view.tables(uncertainty)
-    assert alone == SAMPLED_ALONE
-    assert SAMPLING_NOTE in uncertainty_view.tables(uncertainty)
-    assert INDEX_NOTE in uncertainty_view.tables(uncertainty)
+def test_indices_of_correlated_inputs_have_notes():
+    estimate = Estimate(0.972, 0.89, 1.054)
+    correlated = Influence("ceramic.flow_stress_GPa", estimate, None, (678.0, 769.1))
+    *_, index, error, alone, note = uncertainty_view.tables(replace(uncertainty_result(), inputs=(correlated,)))
+    assert index == INDEX_NOTE
     assert error == "the error of the model is not known for such an armour, or not included"
-    assert isinstance(note, str)
-    assert "their sum may exceed 1; total indices are not given" in note
+    assert alone == SAMPLED_ALONE
+    assert "their sum may exceed 1; total indices are not given" in str(note)

@@ -5,24 +5,15 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-import pytest
-
-from armour.reporting.table import Table, csv_text
+from armour.reporting.table import csv_text
 from armour.reporting.views import suite as suite_view
 from armour.reporting.views.suite import (
     check_table,
     figure_table,
     junit,
-    parity_table,
 )
 from armour.validation.figures import Figure, FigureCurve, FigureSection
-from armour.validation.validate import SuiteResult
 from tests.helpers.suites import TABLE, case, result
-
-
-@pytest.fixture
-def outcome(folder: Path) -> SuiteResult:
-    return result(folder, case("out", 725.0, 'band = 1.0\nreason = "as measured"') + TABLE)
 
 
 def test_checks_of_several_quantities_have_units_of_their_own(folder: Path):
@@ -46,39 +37,10 @@ def test_curves_as_a_file():
     assert csv_text(figure_table([figure, other])).startswith('"x, mm","a: V, m/s","y, mm",a: m\n1.0,0.1,3.0,0.1\n')
 
 
-def test_parity_as_a_file(outcome: SuiteResult):
-    table = parity_table(outcome)
-    assert isinstance(table, Table)
-    assert csv_text(table).splitlines()[0] == "table,row,quantity,expected,computed"
-    assert len(table.rows) == 3
-
-
-@pytest.fixture
-def reported(folder: Path) -> SuiteResult:
-    text = (
-        'title = "A | suite"\n'
-        + case("in", 724.0, 'band = 1.0\nreason = "as *measured*"')
-        + case("out", 725.0, "band = 1.0")
-        + case("none", 724.0, "band = 1.0\nset.ballistic_limit.velocity_min_m_s = 1000.0")
-        + case("slip", 1.0, 'not_scored = "a slip"')
-        + TABLE
-    )
-    return result(folder, text)
-
-
-def test_a_report_made_by_a_command_says_so(reported: SuiteResult):
-    *_, origin = suite_view.report(reported, "armour report s.toml").sections
-    assert (origin.heading, origin.code) == ("Origin", "armour report s.toml")
-    assert "Origin" not in [section.heading for section in suite_view.report(reported).sections]
-
-
-def test_a_table_has_its_source(reported: SuiteResult, folder: Path):
+def test_a_table_has_its_source(folder: Path):
     sourced = result(folder, TABLE + 'source = "table 3"\nreason = "as printed"\n')
     table, *_ = suite_view.report(sourced).sections
     assert (table.heading, table.paragraphs) == ("T", ("Table 3; band: as printed.",))
-    found = {section.heading: section for section in suite_view.report(reported).sections}
-    assert found["Cases"].paragraphs == ()
-    assert found["Tables as a whole"].tables[0].headings()[0] == "table"
 
 
 def test_every_case_and_table_is_a_test_case(folder: Path):

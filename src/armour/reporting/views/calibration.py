@@ -22,32 +22,27 @@ from armour.statistics.calibration import CalibrationResult, Residual
 
 
 def calibration_table(result: CalibrationResult) -> Table:
-    """Return the quality of a fit to tests."""
-    uncertainties, prior = result.weights == "uncertainties", _has_prior(result)
+    """Return the quality of a fit to tests, and how well the tests' uncertainties, if any, explain the deviations."""
+    weighted = result.weights == "uncertainties"
+    widened = weighted and result.widened_by > 1.0
+    aicc = None if _has_prior(result) else "too few tests" if result.aicc is None else result.aicc
     return record(
         result,
         (Column("tests", spec="d"), len({residual.test for residual in result.residuals})),
-        (Column("deviations relative to"), "uncertainties of the tests" if uncertainties else "measured values"),
-        (Column("law of the ceramic's flow stress"), result.law or None),
+        (Column("deviations relative to"), "uncertainties of the tests" if weighted else "measured values"),
+        (Column("law of the ceramic's flow stress"), result.law),
         _error("mean error", result.mean_error_percent),
         _error("mean leave-one-out error", result.left_out_error_percent),
-        *([] if prior else [(Column("AICc", spec=".1f"), "too few tests" if result.aicc is None else result.aicc)]),
+        (Column("AICc", spec=".1f"), aicc),
         column_of("degrees_of_freedom", ".4g"),
-        *_agreement(result),
+        (Column("chi-squared", spec=".2f"), result.chi_squared if weighted else None),
+        (Column("p value", spec=".2g"), result.p_value if weighted else None),
+        (
+            Column("intervals widened by", spec=".2f"),
+            result.widened_by if widened else None,
+        ),
         (Column("starting points that reach this solution"), f"{result.starts_agreeing} of {result.starts}"),
     )
-
-
-def _agreement(result: CalibrationResult) -> list[Source]:
-    """Return how well the uncertainties of the tests, if they have them, explain the deviations."""
-    if result.weights != "uncertainties":
-        return []
-    found: list[Source] = [column_of("chi_squared", ".2f", "chi-squared")]
-    if result.p_value is not None:
-        found.append((Column("p value", spec=".2g"), result.p_value))
-    if result.widened_by > 1.0:
-        found.append((Column("intervals widened by", spec=".2f"), result.widened_by))
-    return found
 
 
 def _error(label: str, value: float | None) -> Source:

@@ -60,13 +60,14 @@ def _design_record(design: BestDesign, title: str, required: Mapping[str, float]
         limit = Column("ballistic limit"), "outside the range"
     table = record(
         design,
-        *((CERAMIC, CERAMIC_THICKNESS) if design.ceramic else ()),
+        CERAMIC,
+        (CERAMIC_THICKNESS, design.ceramic_thickness_mm or None),
         BACKING,
         BACKING_THICKNESS,
         AREAL_DENSITY,
         THICKNESS,
-        *((COST,) if design.cost_per_m2 else ()),
-        *([(GOVERNED_BY, design.governing)] if len(design.margins_m_s) > 1 else []),
+        (COST, design.cost_per_m2 or None),
+        (GOVERNED_BY, design.governing if len(design.margins_m_s) > 1 else None),
         limit,
         MARGIN,
         (REQUIRED, required.get(design.governing)),
@@ -133,17 +134,15 @@ def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
     from armour.analysis.estimates import CONFIDENCE
 
     best = result.best
-    defeat = best.probabilities_of_defeat
-    values = {threat: estimate.value for threat, estimate in best.probabilities.items()}
-    ends = {threat: (estimate.low, estimate.high) for threat, estimate in best.probabilities.items()}
+    defeat, sampled = best.probabilities_of_defeat, best.probabilities
     return listing(
         best.margins_m_s,
         (Column("threat", prose=True), str),
         (MARGIN, best.margins_m_s.__getitem__),
         (DEFEAT, lambda threat: chance(defeat[threat])),
         (REQUIRED, required.get),
-        (Column("probability of perforation", spec=".4f"), values.get),
-        (Column(f"{percent(CONFIDENCE)} interval, by sampling"), lambda threat: interval(ends.get(threat), ".4f")),
+        (Column("probability of perforation", spec=".4f"), lambda threat: getattr(sampled.get(threat), "value", None)),
+        (Column(f"{percent(CONFIDENCE)} interval, by sampling"), lambda threat: interval(sampled.get(threat), ".4f")),
         (Column("note"), lambda threat: "governs" if threat == best.governing else ""),
     )
 

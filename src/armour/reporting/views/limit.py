@@ -17,14 +17,10 @@ def limit_table(result: LimitResult) -> Table:
         column_of("ballistic_limit_m_s"),
         (Column("defeated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[0]),
         (Column("perforated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[1]),
-        (Column("95 % interval, with the error of the model", "m/s"), _interval(result)),
+        (Column("95 % interval, with the error of the model", "m/s"), interval(result.interval_m_s, ".0f")),
         column_of("runs", "d"),
         column_of("areal_density_kg_m2"),
     )
-
-
-def _interval(result: LimitResult) -> str | None:
-    return None if result.interval_m_s is None else interval(result.interval_m_s, ".0f")
 
 
 def crossing_table(result: LimitResult) -> Table:
@@ -41,15 +37,12 @@ def tables(result: LimitResult) -> list[Table | str]:
     """Return all tables of a ballistic limit, and what was looked at; the changes of the outcome only where several."""
     low, high = result.scanned_range_m_s
     scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
-    error = error_note(result, result.model_error)
+    found: list[Table | str] = [limit_table(result)]
     if result.monotonic:
-        return [limit_table(result), f"{scanned}; all above the ballistic limit perforate", error]
-    return [
-        limit_table(result),
-        f"{scanned}; the outcome changes {len(result.crossings)} times",
-        crossing_table(result),
-        error,
-    ]
+        found.append(f"{scanned}; all above the ballistic limit perforate")
+    else:
+        found += [f"{scanned}; the outcome changes {len(result.crossings)} times", crossing_table(result)]
+    return [*found, error_note(result, result.model_error)]
 
 
 def limit_chart(limit: LimitResult, curve: Sequence[ImpactResult]) -> charts.Chart:

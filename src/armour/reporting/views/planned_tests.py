@@ -10,7 +10,7 @@ import numpy as np
 from armour.analysis.quantities import label_and_unit
 from armour.planning.plan_tests import PlannedTest, PlannedTests
 from armour.reporting import charts
-from armour.reporting.table import Cell, Column, Table, column_of, record
+from armour.reporting.table import Cell, Column, Table, column_of, listing, record
 from armour.reporting.text import percent
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
 from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
@@ -42,23 +42,19 @@ SLOPES = "a slope is the relative change of the flow stress per projectile diame
 
 def plan_table(result: PlannedTests) -> Table:
     """Return what the tests are planned for."""
-    of = "ballistic limit" if result.measure == "limit" else "impact velocity"
+    measured, of = "ballistic limit", "ballistic limit"
+    if result.measure == "outcome":
+        measured, of = "outcome of one shot, defeated or perforated", "impact velocity"
     why = "the candidates do not determine the inputs" if result.not_identified else "too few tests"
     efficient = f"none: {why}" if result.efficiency is None else f"at least {percent_of(result.efficiency)}"
     return record(
         result,
         (Column("criterion"), CRITERIA[result.criterion]),
         (Column("candidates", spec="d"), len(next(iter(result.candidates.values())))),
-        (
-            Column("measured"),
-            "ballistic limit" if result.measure == "limit" else "outcome of one shot, defeated or perforated",
-        ),
-        (
-            Column("scatter of a test"),
-            f"{result.scatter_percent:.3g} % of the {of}, {SOURCES[result.scatter_source]}",
-        ),
-        (Column("tests made before"), result.tests or None),
-        (Column("law of the ceramic's flow stress"), result.law or None),
+        (Column("measured"), measured),
+        (Column("scatter of a test"), f"{result.scatter_percent:.3g} % of the {of}, {SOURCES[result.scatter_source]}"),
+        (Column("tests made before"), result.tests),
+        (Column("law of the ceramic's flow stress"), result.law),
         *((Column(*label_and_unit(name), ".4g"), value) for name, value in result.values.items()),
         (Column("efficiency"), efficient),
     )
@@ -74,28 +70,25 @@ def step_table(result: PlannedTests) -> Table:
     steps = result.planned[0 if _known(result.planned[0]) else 1 :]
     keys = list(result.candidates)
     varied = [key for key in keys if len(set(result.candidates[key])) > 1] or keys
-    several = len(result.designs) > 1
-    costly = result.planned[0].total_cost is not None
-    columns = (
-        Column("test"),
-        *(Column(*label_and_unit(key), "g" if key in INPUTS else "") for key in varied),
-        Column("ballistic limit by the model", "m/s", ".0f"),
-        *([column_of("total_cost", ".6g")] if costly else []),
-        *(_half_width(name) for name in result.values),
-        *(Column(f"± limit of {name if several else 'the design'}", "m/s", ".1f") for name in result.designs),
+    names = result.designs if len(result.designs) > 1 else ["the design"] * len(result.designs)
+    return listing(
+        steps,
+        (Column("test"), lambda step: str(step.number or "before")),
+        *(
+            (
+                column_of(key, "g" if key in INPUTS else ""),
+                lambda step, key=key: step.inputs[key] if step.number else None,
+            )
+            for key in varied
+        ),
+        (Column("ballistic limit by the model", "m/s", ".0f"), lambda step: step.ballistic_limit_m_s),
+        column_of("total_cost", ".6g"),
+        *((_half_width(name), lambda step, name=name: step.half_widths[name]) for name in result.values),
+        *(
+            (Column(f"± limit of {name}", "m/s", ".1f"), lambda step, index=index: step.limit_half_widths_m_s[index])
+            for index, name in enumerate(names)
+        ),
     )
-    rows = (
-        (
-            str(step.number or "before"),
-            *(step.inputs[key] if step.number else None for key in varied),
-            step.ballistic_limit_m_s,
-            *([step.total_cost] if costly else []),
-            *step.half_widths.values(),
-            *step.limit_half_widths_m_s,
-        )
-        for step in steps
-    )
-    return Table(columns, tuple(rows))
 
 
 def _half_width(name: str) -> Column:

@@ -7,7 +7,7 @@ import numpy as np
 
 from armour.planning.firing import ShotPlan
 from armour.reporting import charts
-from armour.reporting.table import Column, Source, Table, column_of, listing, record
+from armour.reporting.table import Column, Table, column_of, listing, record
 from armour.reporting.text import interval, percent
 from armour.reporting.views.confidence import chance, error_note
 from armour.statistics.posterior import FiringEstimate
@@ -41,28 +41,27 @@ def _plan_table(plan: ShotPlan) -> Table:
     fraction, more = plan.requirement_fraction, plan.expected_shots
     fit, mean = plan.recommended, plan.mean
     met = "V50" if fraction == 0.5 else f"velocity at which {percent(fraction)} perforate"
-    expected: Source = (Column("further shots expected"), f"{more:.0f}" if more is not None else "more than 100")
+    expected = ""
+    if plan.next_velocity_m_s is not None and plan.procedure == "bayesian":
+        expected = "more than 100" if more is None else f"{more:.0f}"
     return record(
         plan,
         column_of("procedure"),
         (Column("shots so far", spec="d"), len(plan.fired.complete)),
         (Column("simulated", spec="d"), plan.simulated or None),
         column_of("next_velocity_m_s", ".1f"),
-        (Column("firing ended"), plan.stopped or None),
-        *([expected] if plan.next_velocity_m_s is not None and plan.procedure == "bayesian" else []),
+        (Column("firing ended"), plan.stopped),
+        (Column("further shots expected"), expected),
         (Column("V50 by the mean of MIL-STD-662F", "m/s", ".1f"), None if mean is None else mean.v50_m_s),
         (Column("V50 by the recommended curve", "m/s", ".1f"), None if fit is None else fit.v50_m_s),
         (
             Column(f"its {percent(plan.confidence)} interval", "m/s"),
-            None if fit is None else interval(fit.v50_interval_m_s, ".1f"),
+            "" if fit is None else interval(fit.v50_interval_m_s, ".1f"),
         ),
         column_of("half_width_m_s", "g", "half width at which the firing ends"),
-        (Column("limits of V50", "m/s"), interval(plan.limits_m_s, ".1f") or None),
+        (Column("limits of V50", "m/s"), interval(plan.limits_m_s, ".1f")),
         column_of("requirement_m_s", "g", f"required of the {met}"),
-        (
-            Column("probability that it is met"),
-            None if plan.probability_met is None else chance(plan.probability_met),
-        ),
+        (Column("probability that it is met"), "" if plan.probability_met is None else chance(plan.probability_met)),
         column_of("true_v50_m_s", ".1f", "V50 simulated"),
         column_of("true_scatter_m_s", ".1f", "scatter simulated"),
     )

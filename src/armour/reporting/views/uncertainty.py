@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from armour.analysis.estimates import Estimate
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, between, column_of, in_words, listing, record
 from armour.reporting.text import interval, percent
@@ -34,26 +35,15 @@ def uncertainty_table(result: UncertaintyResult) -> Table:
 
 def estimate_table(result: UncertaintyResult) -> Table:
     """Return the estimated probability, quantiles and mean."""
-    # Imported here because commands without tables do not need scipy.
-    from armour.analysis.estimates import Estimate
-
-    columns = (
-        Column("quantity"),
-        Column("unit"),
-        Column("estimate", spec="g"),
-        between(result, of=SAMPLING),
-    )
-    found = [("probability of perforation", "", result.probability_of_perforation, 3)]
-    limits = {
-        **result.ballistic_limit_m_s,
-        "mean ballistic limit": Estimate(result.mean_m_s, *result.mean_interval_m_s),
-    }
-    found += [(name, "m/s", estimate, 1) for name, estimate in limits.items()]
-    rows = []
-    for name, unit, estimate, decimals in found:
-        spec = f".{decimals}f"
-        # A probability and velocities have different decimals, so that the number is formatted here.
-        rows.append((name, unit, f"{estimate.value:{spec}}", interval((estimate.low, estimate.high), spec)))
+    mean = Estimate(result.mean_m_s, *result.mean_interval_m_s)
+    limits = {**result.ballistic_limit_m_s, "mean ballistic limit": mean}
+    # A probability and velocities have different decimals, so that the numbers are formatted here.
+    found = [
+        ("probability of perforation", "", result.probability_of_perforation, ".3f"),
+        *((name, "m/s", estimate, ".1f") for name, estimate in limits.items()),
+    ]
+    columns = (Column("quantity"), Column("unit"), Column("estimate", spec="g"), between(result, of=SAMPLING))
+    rows = ((name, unit, format(e.value, spec), interval(e, spec)) for name, unit, e, spec in found)
     return Table(columns, tuple(rows))
 
 
@@ -63,15 +53,9 @@ def index_table(result: UncertaintyResult) -> Table:
         result.inputs,
         (Column("input", prose=True), lambda item: in_words(item.input)),
         (Column("first-order index", spec=".3f"), lambda item: getattr(item.first, "value", None)),
-        (
-            between(result, of=SAMPLING),
-            lambda item: item.first and interval((item.first.low, item.first.high), ".3f"),
-        ),
+        (between(result, of=SAMPLING), lambda item: interval(item.first, ".3f")),
         (Column("total index", spec=".3f"), lambda item: getattr(item.total, "value", None)),
-        (
-            between(result, of=SAMPLING),
-            lambda item: item.total and interval((item.total.low, item.total.high), ".3f"),
-        ),
+        (between(result, of=SAMPLING), lambda item: interval(item.total, ".3f")),
         (Column("ballistic limit at its 5 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[0]),
         (Column("ballistic limit at its 95 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[1]),
     )
