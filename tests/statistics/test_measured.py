@@ -5,7 +5,8 @@ import pytest
 
 from armour.errors import InputError
 from armour.statistics.measured import read_tests
-from tests.helpers.cases import TESTS, csv_file, scenario, shipped_scenario
+from tests.helpers.cases import csv_file, scenario, shipped_scenario
+from tests.helpers.fits import table_of
 
 C, B, V = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "impact.velocity_m_s"
 
@@ -46,64 +47,31 @@ def test_tests_are_grouped_by_material(tmp_path: Path):
     ]
 
 
-def test_the_shipped_tests():
-    tests = read_tests(TESTS, shipped_scenario("wilkins"))
-    assert len(tests.names) == len(tests.measurements) == 13
+LIMIT, OUTCOME, UNCERTAINTY = "ballistic_limit_m_s", f"{C},{V},outcome", "ballistic_limit_uncertainty_m_s"
+EVERY = "uncertainties must be given for every measurement and outcome, or for none"
 
 
 @pytest.mark.parametrize(
     ("header", "rows", "message"),
     [
-        (
-            f"{C},ballistic_limit",
-            ["6,700"],
-            "ballistic_limit: unknown column; its unit is missing: ballistic_limit_m_s",
-        ),
-        (f"{C},{B}", ["6,6"], "line 2: must have one of ballistic_limit_m_s, residual_velocity_m_s"),
-        (
-            f"{C},{V},outcome",
-            ["6,700,stopped"],
-            'line 2: outcome: must be "defeated" or "perforated", "partial" or "complete", P or C, or PP or CP, found',
-        ),
-        (
-            f"{C},outcome",
-            ["6,defeated"],
-            "line 2: impact.velocity_m_s: is missing and must be given with an outcome",
-        ),
-        (
-            f"{C},{V},outcome,residual_velocity_m_s",
-            ["6,700,defeated,50"],
-            "line 2: outcome: must not be defeated where there is a residual velocity",
-        ),
-        (f"{C},{V},residual_velocity_m_s", ["6,700,0"], "a projectile that is stopped is an outcome"),
-        (f"test,{C},ballistic_limit_m_s", ["a,6,700", "a,6,710"], 'line 2: test: must name one test, found "a"'),
-        (
-            f"{C},ballistic_limit_m_s",
-            ["6,700", "-1,710"],
-            "t.csv: line 3: armour.ceramic_thickness_mm: must be at least 0, found -1",
-        ),
-        (f"{C},ballistic_limit_m_s", ["6,700", "6,700"], "line 3: repeats line 2"),
-        (
-            f"{C},ballistic_limit_m_s,ballistic_limit_uncertainty_m_s",
-            ["6,700,5", "7,710,"],
-            "uncertainties must be given for every measurement and outcome, or for none",
-        ),
-        (f"{C},ballistic_limit_m_s", ["6,1e-300", "7,700"], "line 2: ballistic_limit_m_s: must be at least 0.001"),
-        (
-            "impact.projectile,ballistic_limit_m_s",
-            ["xx,700", "yy,720"],
-            't.csv: line 3: impact.projectile: must name a projectile of the library, found "yy"',
-        ),
-        (
-            f"{C},{V},outcome,ballistic_limit_m_s,ballistic_limit_uncertainty_m_s",
-            ["6,,,700,5", "6,750,defeated,,"],
-            "uncertainties must be given for every measurement and outcome, or for none",
-        ),
+        (f"{C},ballistic_limit", "6,700", "ballistic_limit: unknown column; its unit is missing: ballistic_limit_m_s"),
+        (f"{C},{B}", "6,6", "row 1: must have one of ballistic_limit_m_s, residual_velocity_m_s"),
+        (OUTCOME, "6,700,stopped", 'row 1: outcome: must be "defeated" or "perforated", "partial" or "complete", P or'),
+        (f"{C},outcome", "6,defeated", "row 1: impact.velocity_m_s: is missing and must be given with an outcome"),
+        (f"{OUTCOME},residual_velocity_m_s", "6,700,defeated,50", "must not be defeated where there is a residual"),
+        (f"{C},{V},residual_velocity_m_s", "6,700,0", "a projectile that is stopped is an outcome"),
+        (f"test,{C},{LIMIT}", "a,6,700 a,6,710", 'row 1: test: must name one test, found "a"'),
+        (f"{C},{LIMIT}", "6,700 -1,710", "rows: row 2: armour.ceramic_thickness_mm: must be at least 0, found -1"),
+        (f"{C},{LIMIT}", "6,700 6,700", "row 2: repeats row 1"),
+        (f"{C},{LIMIT},{UNCERTAINTY}", "6,700,5 7,710,", EVERY),
+        (f"{OUTCOME},{LIMIT},{UNCERTAINTY}", "6,,,700,5 6,750,defeated,,", EVERY),
+        (f"{C},{LIMIT}", "6,1e-300 7,700", "row 1: ballistic_limit_m_s: must be at least 0.001"),
+        (f"impact.projectile,{LIMIT}", "xx,7 yy,8", "row 2: impact.projectile: must name a projectile of the library"),
     ],
 )
-def test_wrong_tests(tmp_path: Path, header: str, rows: list[str], message: str):
+def test_wrong_tests(header: str, rows: str, message: str):
     with pytest.raises(InputError) as error:
-        read_tests(csv_file(tmp_path / "t.csv", header, *rows), shipped_scenario("wilkins"))
+        table_of(shipped_scenario("wilkins"), header, *rows.split())
     assert message in str(error.value)
 
 
@@ -155,10 +123,7 @@ def test_rows_are_read_as_a_file_is(tmp_path: Path):
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        (
-            [{**ROWS[0], "ballistic_limit_m_s": "x"}],
-            'rows: row 1: ballistic_limit_m_s: must be a number, found "x"',
-        ),
+        ([{**ROWS[0], LIMIT: "x"}], 'rows: row 1: ballistic_limit_m_s: must be a number, found "x"'),
         ([{**ROWS[0], "colour": "red"}], "rows: colour: unknown column"),
         ([], "rows: must have a header, found an empty file"),
         (5, "rows: must be a path, rows as mappings, or a data frame, found a int"),

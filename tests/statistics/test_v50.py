@@ -13,11 +13,6 @@ MIXED = Shots((700, 710, 715, 720, 725, 730, 722, 735), (False, False, True, Fal
 APART = Shots((700, 708, 715, 731, 740, 748), (False, False, False, True, True, True))
 
 
-def test_shots_that_separate():
-    assert v50(APART).separated
-    assert not v50(MIXED).separated
-
-
 def mean_of(shots: Shots, pairs: int | None = None, span_m_s: float | None = None) -> MeanV50 | None:
     return mean_v50(shots.of(complete=False), shots.of(complete=True), pairs, span_m_s)
 
@@ -37,113 +32,9 @@ def test_the_mean_of_mil_std_662f_by_hand():
     assert mean_of(APART) is None
 
 
-@pytest.mark.parametrize(
-    ("pairs", "span_m_s", "rule"),
-    [(None, None, "usual span"), (3, 30.5, "given span"), (1, 30.5, "no usual rule"), (4, 40.0, "no usual rule")],
-)
-def test_the_rule_of_a_mean(pairs: int | None, span_m_s: float | None, rule: str):
-    mean = v50(MIXED, pairs=pairs, span_m_s=span_m_s).mean
-    assert mean is not None
-    assert mean.rule == rule
-
-
-@pytest.mark.parametrize("pairs", [1, 4, 6])
-def test_a_number_of_pairs_without_a_usual_span_needs_one(pairs: int):
-    with pytest.raises(InputError, match=f"v50: span_m_s: must be given for {pairs} pairs"):
-        v50(MIXED, pairs=pairs)
-
-
-def test_the_recommended_curve_is_the_penalised_probit():
-    found = v50(APART)
-    assert found.recommended == found.penalised_fits[0]
-    assert [(fit.curve, fit.method) for fit in found.penalised_fits] == [
-        ("probit", "penalised likelihood"),
-        ("logit", "penalised likelihood"),
-    ]
-    assert {fit.method for fit in found.fits} == {"maximum likelihood"}
-
-
-def test_no_curve_is_recommended_where_none_rises():
-    found = v50(Shots((700.0, 740.0, 770.0, 780.0, 750.0), (False, False, False, False, True)))
-    assert (found.recommended, found.penalised_fits) == (None, ())
-
-
 def test_the_models_limit_beside_it():
     assert v50(MIXED, scenario()).model_ballistic_limit_m_s == pytest.approx(723.77, abs=0.02)
     assert v50(MIXED).model_ballistic_limit_m_s is None
-
-
-@pytest.mark.parametrize(
-    ("rows", "message"),
-    [
-        ("700,partial", "result: must have at least one partial and one complete penetration, found only partial ones"),
-        ("700,complete\n710,complete", "found only complete ones"),
-        (
-            "700,part\n710,complete",
-            'line 2: result: must be "partial" or "complete", or P or C, or PP or CP, found "part"',
-        ),
-        (",partial\n710,complete", 'line 2: velocity_m_s: must be at least 1 and at most 10000, found ""'),
-        ("-700,partial\n710,complete", 'line 2: velocity_m_s: must be at least 1 and at most 10000, found "-700"'),
-    ],
-)
-def test_wrong_shots(tmp_path: Path, rows: str, message: str):
-    path = tmp_path / "shots.csv"
-    path.write_text(f"velocity_m_s,result\n{rows}\n")
-    with pytest.raises(InputError) as error:
-        read_shots(str(path))
-    assert message in str(error.value)
-
-
-def test_all_mistakes_at_once(tmp_path: Path):
-    path = csv_file(tmp_path / "shots.csv", "velocity_m_s,result", "700,partial", "710,no", "fast,complete", "-5,part")
-    with pytest.raises(InputError) as error:
-        read_shots(path)
-    assert sorted(problem.key for problem in error.value.problems) == [
-        "line 3: result",
-        "line 4: velocity_m_s",
-        "line 5: result",
-        "line 5: velocity_m_s",
-    ]
-
-
-def test_shots_that_repeat_are_named_in_the_column_of_shots(tmp_path: Path):
-    path = csv_file(tmp_path / "shots.csv", "velocity_m_s,result", "700,partial", "700,partial", "710,complete")
-    with pytest.raises(InputError, match="line 3: repeats line 2; where both took place, name them in the column shot"):
-        read_shots(path)
-
-
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"pairs": 0}, "v50: pairs: must be at least 1, found 0"),
-        ({"span_m_s": -1.0}, "v50: span_m_s: must be at least 0, found -1"),
-        ({"span_m_s": float("nan")}, "v50: span_m_s: must be a finite number"),
-        ({"confidence": 2.0}, r"v50: confidence: must be at most 0\.9999, found 2"),
-        ({"confidence": 0.0}, r"v50: confidence: must be at least 0\.5, found 0"),
-    ],
-)
-def test_settings_out_of_range(settings: dict[str, Any], message: str):
-    with pytest.raises(InputError, match=message):
-        v50(APART, **settings)
-
-
-@pytest.mark.parametrize(
-    ("shots", "message"),
-    [
-        (Shots((700.0,), (True,)), "at least one partial and one complete"),
-        (Shots((700.0, 800.0), (True,)), "as many velocities as results, found 2 and 1"),
-        (Shots((700.0, float("nan")), (True, False)), "at most 10000 m/s, found nan"),
-    ],
-)
-def test_shots_that_are_none(shots: Shots, message: str):
-    with pytest.raises(InputError, match=message):
-        v50(shots)
-
-
-def test_results_in_other_spellings(tmp_path: Path):
-    path = tmp_path / "shots.csv"
-    path.write_text("velocity_m_s,result\n700,P\n710,Partial\n715,COMPLETE\n720,c\n")
-    assert read_shots(path).complete == (False, False, True, True)
 
 
 def test_a_prior_adds_the_posterior_and_its_part():
@@ -168,17 +59,79 @@ def test_shots_without_a_curve_have_a_posterior():
         assert ": V50 7" in repr(found)
 
 
-def test_a_prior_needs_a_scenario_with_a_known_error():
-    with pytest.raises(InputError, match="v50: prior: must not be asked for without a scenario"):
-        v50(MIXED, prior=True)
-    with pytest.raises(InputError, match="must give scale_percent for a prior"):
-        v50(MIXED, scenario(uncertainty={"model": {"included": False}}), prior=True)
+@pytest.mark.parametrize(
+    ("pairs", "span_m_s", "rule"),
+    [(None, None, "usual span"), (3, 30.5, "given span"), (1, 30.5, "no usual rule"), (4, 40.0, "no usual rule")],
+)
+def test_the_rule_of_a_mean(pairs: int | None, span_m_s: float | None, rule: str):
+    mean = v50(MIXED, pairs=pairs, span_m_s=span_m_s).mean
+    assert mean is not None
+    assert mean.rule == rule
+
+
+def test_the_recommended_curve_is_the_penalised_probit_if_it_rises():
+    found = v50(APART)
+    assert (found.separated, v50(MIXED).separated) == (True, False)
+    assert found.recommended == found.penalised_fits[0]
+    assert [fit.curve for fit in found.penalised_fits] == ["probit", "logit"]
+    assert {fit.method for fit in found.fits} == {"maximum likelihood"}
+    found = v50(Shots((700.0, 740.0, 770.0, 780.0, 750.0), (False, False, False, False, True)))
+    assert (found.recommended, found.penalised_fits) == (None, ())
 
 
 @pytest.mark.parametrize(
-    ("velocities", "complete"),
-    [((690.0, 700.0, 710.0), ("partial", "complete", "partial")), (("690", "700"), (True, False))],
+    ("rows", "messages"),
+    [
+        (["700,partial"], ["result: must have at least one partial and one complete penetration, found only partial"]),
+        (
+            ["700,part", "fast,complete", ",partial", "-5,no"],
+            [
+                'line 2: result: must be "partial" or "complete", or P or C, or PP or CP, found "part"',
+                'line 3: velocity_m_s: must be a number, found "fast"',
+                'line 4: velocity_m_s: must be at least 1 and at most 10000, found ""',
+                'line 5: velocity_m_s: must be at least 1 and at most 10000, found "-5"',
+                "line 5: result: must be",
+            ],
+        ),
+        (
+            ["700,partial", "700,partial", "710,complete"],
+            ["line 3: repeats line 2; where both took place, name them in the column shot"],
+        ),
+    ],
 )
-def test_shots_of_other_types(velocities: Any, complete: Any):
-    with pytest.raises(InputError, match="must be velocities as numbers, and True for each complete penetration"):
-        v50(Shots(velocities, complete))
+def test_wrong_files_with_every_mistake(tmp_path: Path, rows: list[str], messages: list[str]):
+    with pytest.raises(InputError) as error:
+        read_shots(csv_file(tmp_path / "shots.csv", "velocity_m_s,result", *rows))
+    found = str(error.value)
+    assert [message in found for message in messages] == [True] * len(messages)
+
+
+def test_results_in_other_spellings(tmp_path: Path):
+    rows = ("700,P", "710,Partial", "715,COMPLETE", "720,c")
+    path = csv_file(tmp_path / "shots.csv", "velocity_m_s,result", *rows)
+    assert read_shots(str(path)).complete == (False, False, True, True)
+
+
+@pytest.mark.parametrize(
+    ("shots", "settings", "message"),
+    [
+        (APART, {"pairs": 0}, "v50: pairs: must be at least 1, found 0"),
+        (APART, {"pairs": 4}, "v50: span_m_s: must be given for 4 pairs"),
+        (APART, {"span_m_s": float("nan")}, "v50: span_m_s: must be a finite number"),
+        (APART, {"confidence": 2.0}, r"v50: confidence: must be at most 0\.9999, found 2"),
+        (APART, {"prior": True}, "v50: prior: must not be asked for without a scenario"),
+        (
+            APART,
+            {"prior": True, "scenario": scenario(uncertainty={"model": {"included": False}})},
+            "must give scale_percent for a prior",
+        ),
+        (Shots((700.0,), (True,)), {}, "at least one partial and one complete"),
+        (Shots((700.0, 800.0), (True,)), {}, "as many velocities as results, found 2 and 1"),
+        (Shots((700.0, float("nan")), (True, False)), {}, "at most 10000 m/s, found nan"),
+        (Shots(("690", "700"), (True, False)), {}, "must be velocities as numbers, and True for each"),  # type: ignore[arg-type]
+        (Shots((690.0, 700.0), ("partial", "complete")), {}, "must be velocities as numbers"),  # type: ignore[arg-type]
+    ],
+)
+def test_wrong_shots_and_settings(shots: Shots, settings: dict[str, Any], message: str):
+    with pytest.raises(InputError, match=message):
+        v50(shots, **settings)
