@@ -48,11 +48,10 @@ class _Helpful:
             super().format_help(ctx, formatter)  # type: ignore[misc]
 
     def get_params(self, ctx: Any) -> list[Any]:
-        """Return the parameters; an option without a value has no type beside it."""
+        """Return the parameters; a switch has no type beside it."""
         params: list[Any] = super().get_params(ctx)  # type: ignore[misc]
         for param in params:
-            if getattr(param, "is_flag", False):
-                param.metavar = ""
+            param.metavar = "" if getattr(param, "is_flag", False) else param.metavar
         return params
 
 

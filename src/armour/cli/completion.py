@@ -6,7 +6,7 @@ since every command imports this module.
 
 import os
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
 from glob import escape, glob
 from io import StringIO
@@ -33,24 +33,20 @@ def _shipped_scenarios() -> list[str]:
     return list(shipped_files("scenarios", ".toml"))
 
 
-def scenarios(incomplete: str) -> list[str]:
-    """Return shipped scenarios, and files beside them; where there are none, shells offer files and folders."""
-    return _with_files(_shipped_scenarios(), incomplete, ".toml")
+def _files(ending: str, *shipped: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]:
+    """Return the completion of shipped names, and of files beside them; without any, shells offer files and folders."""
+
+    def offered(incomplete: str) -> list[str]:
+        names = [name for known in shipped for name in known() if name.startswith(incomplete)]
+        return names and [*names, *sorted(filter(_PLAIN.fullmatch, glob(f"{escape(incomplete)}*{ending}")))]
+
+    return offered
 
 
-def suites(incomplete: str) -> list[str]:
-    """Return shipped suites, and files beside them."""
-    return _with_files([*shipped_suites()], incomplete, ".toml")
-
-
-def scenarios_and_suites(incomplete: str) -> list[str]:
-    """Return shipped scenarios and suites, and files beside them."""
-    return _with_files([*shipped_suites(), *_shipped_scenarios()], incomplete, ".toml")
-
-
-def tables(incomplete: str) -> list[str]:
-    """Return shipped tables of tests and shots, and files beside them."""
-    return _with_files([*shipped_tests()], incomplete, ".csv")
+scenarios = _files(".toml", _shipped_scenarios)
+suites = _files(".toml", shipped_suites)
+scenarios_and_suites = _files(".toml", shipped_suites, _shipped_scenarios)
+tables = _files(".csv", shipped_tests)
 
 
 def entries() -> list[str]:
@@ -160,8 +156,3 @@ def _joined(typed: Sequence[str]) -> list[str]:
         else:
             words.append(word)
     return words
-
-
-def _with_files(names: list[str], incomplete: str, ending: str) -> list[str]:
-    found = [name for name in names if name.startswith(incomplete)]
-    return found and [*found, *sorted(filter(_PLAIN.fullmatch, glob(f"{escape(incomplete)}*{ending}")))]

@@ -184,14 +184,14 @@ def plan_tests(
     scenario: "Scenario",
     on_progress: "OnProgress",
     candidates: Annotated[
-        list[str] | None,
+        list[str],
         option(
             "Armours that can be tested: a key and its values, as MIN:MAX:STEP or V,V,..., repeated to span a grid; or "
             "a CSV file whose header names keys and, where targets differ in it, cost.",
             metavar="KEY=VALUES|FILE",
             autocompletion=completion.numbers,
         ),
-    ] = None,
+    ],
     tests: Annotated[
         Path | None,
         option("CSV file of tests made before.", metavar="FILE", autocompletion=completion.tables),
@@ -216,7 +216,7 @@ def plan_tests(
     from armour.reporting.table import csv_text
     from armour.reporting.views.planned_tests import form_table
 
-    source = _source(candidates or [])
+    source = _source(candidates)
     made = None if tests is None else armour.read_tests(table_file(tests), scenario)
     designs = [read_scenario(path, None, FIT) for path in design or []]
     result = armour.plan_tests(scenario, source, tests=made, designs=designs, on_progress=on_progress, **options)
@@ -231,8 +231,6 @@ def _source(candidates: list[str]) -> "Grid | Cases":
     from armour.sweeps.cases import Cases
 
     files = [text for text in candidates if "=" not in text]
-    if not candidates:
-        raise _problem("--candidates", "is missing and must be given")
     if files and len(candidates) > 1:
         raise _problem("--candidates", "must be one CSV file, or keys with values")
     if files and not files[0].endswith(".csv") and not exists(files[0]):

@@ -39,7 +39,7 @@ def show_entry(
         raise InputError([Problem("library", name, error.args[0])]) from None
     as_json = as_json or (ctx.parent is not None and ctx.parent.params["as_json"])
     for entry in entries:
-        respond(entry.to_dict(), entry_tables(entry), as_json=as_json, title=f"{entry.name} ({entry.kind})")
+        respond(entry.to_dict(), entry_tables(entry), as_json=as_json, of=[f"{entry.name} ({entry.kind})"])
 
 
 def init(

@@ -82,9 +82,8 @@ def read_scenario(
     """Read the scenario of a file, of a shipped one by its name, or of standard input where it is "-".
 
     ``assignments`` are those of ``--set``, which must set keys below those that the command ``reads``; ``more`` are the
-    keys and values of other options, None where one is not given; ``what`` is what it
-    computes, in words.  A wrong value of an option is a problem of the
-    command line, whatever the file holds.
+    keys and values of other options, None where one is not given; ``what`` is what it computes, in words.  A wrong
+    value of an option is a problem of the command line.
     """
     from armour.scenario.changes import changes_of
     from armour.scenario.inputs import VELOCITY
@@ -135,7 +134,6 @@ def respond(
     tables: "Iterable[Table | str]",
     *,
     as_json: bool,
-    title: str = "",
     of: Sequence[str] = (),
     files: Iterable[tuple[Path | None, Callable[[], str | bytes | None]]] = (),
     plot: Path | None = None,
@@ -145,8 +143,7 @@ def respond(
     """Write the files that are asked for, show an answer as tables or JSON, and warn.
 
     ``files`` are paths with functions that make the contents, or None where there is nothing to write.  ``chart`` makes
-    the chart for ``plot``.  ``of`` are the lines above
-    tables and chart that say what was computed.
+    the chart for ``plot``.  ``of`` are the lines above tables and chart that say what was computed.
     """
 
     def drawn() -> bytes | None:
@@ -167,7 +164,7 @@ def respond(
     if as_json:
         show_json(data)
     elif shown := [*tables]:
-        show(*of[1:], *shown, title=of[0] if of else title)
+        show(*of[1:], *shown, title=of[0] if of else "")
     say(*(f"wrote {path}" for path in contents if not failed), *warnings)
     if failed:
         raise failed

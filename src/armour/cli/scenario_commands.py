@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from armour.analysis.progress import OnProgress
     from armour.reporting.report import Report
     from armour.scenario.scenario import Scenario
-    from armour.sweeps.cases import Cases, Grid
+    from armour.sweeps.cases import Grid
     from armour.sweeps.sweep import Plan
 
 # What commands read, see `armour.scenario.reach`.
@@ -163,6 +163,7 @@ def sweep(
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
     from armour.reporting.views.sweep import sweep_chart
     from armour.scenario.scenario import heading
+    from armour.sweeps.cases import Cases
     from armour.sweeps.cluster import connected, workers_of
     from armour.sweeps.store import parts_of, read_table
     from armour.sweeps.sweep import subject_of, write_sweep
@@ -172,16 +173,16 @@ def sweep(
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
     loaded = read_scenario(scenario, changes, ("impact.projectile", "armour", *reads), what="the sweep")
-    with as_options("sweep"):
-        source = _source(over or [], cases)
-    if plot is not None:
-        _check_plot(source, names)
-    say_if_compiling()
-    with (
-        ExitStack() as stack,
-        progress("rows", source.count) as count,
-        as_options("sweep"),
-    ):
+    if (cases is None) == (not over):
+        raise _wrong("give either --over or --cases")
+    if plot is not None and len(over or []) not in (1, 2):
+        raise _wrong(f"--plot needs one or two --over keys, found {len(over or []) or 'none'}")
+    if plot is not None and names[0] == "outcome":
+        raise _wrong("--plot cannot draw outcome, which is not a number")
+    with as_options("sweep"), ExitStack() as stack:
+        source = Cases(cases) if cases is not None else grid_of("--over", over or [])
+        say_if_compiling()
+        count = stack.enter_context(progress("rows", source.count))
         workers = stack.enter_context(workers_of(stack.enter_context(connected(scheduler)))) if scheduler else None
         rows = write_sweep(
             loaded,
@@ -215,15 +216,8 @@ def _notes(names: list[str], *, drawn: bool) -> Iterator[str]:
         yield f"note: --plot draws {names[0]} alone, the first of --quantities"
 
 
-def _source(over: list[str], cases: Path | None) -> "Grid | Cases":
-    """Return the rows to compute."""
-    from armour.sweeps.cases import Cases
-
-    if (cases is None) == (not over):
-        raise InputError([Problem("sweep", "", "give either --over or --cases")])
-    if cases is not None:
-        return Cases(cases)
-    return grid_of("--over", over)
+def _wrong(message: str) -> InputError:
+    return InputError([Problem("sweep", "", message)])
 
 
 def grid_of(option: str, texts: Sequence[str]) -> "Grid":
@@ -240,19 +234,9 @@ def grid_of(option: str, texts: Sequence[str]) -> "Grid":
 def _approve(plan: "Plan", yes: bool) -> None:
     """Announce a sweep that is not over at once; refuse a large one without ``--yes``."""
     if plan.is_large and not yes:
-        raise InputError([Problem("sweep", "", f"{plan}; --yes to go on")])
+        raise _wrong(f"{plan}; --yes to go on")
     if plan.seconds > ANNOUNCED_S:
         say(str(plan))
-
-
-def _check_plot(source: "Grid | Cases", names: list[str]) -> None:
-    from armour.sweeps.cases import Grid
-
-    found = len(source.axes) if isinstance(source, Grid) else 0
-    if found not in (1, 2):
-        raise InputError([Problem("sweep", "", f"--plot needs one or two --over keys, found {found or 'none'}")])
-    if names[0] == "outcome":
-        raise InputError([Problem("sweep", "", "--plot cannot draw outcome, which is not a number")])
 
 
 # What a report reads: keys that it shows, and what the results for the scenario's own armour depend on.

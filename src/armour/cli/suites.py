@@ -1,10 +1,8 @@
 """Commands on suites of published values, and on the paper's figures."""
 
-import os
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
 from itertools import groupby
 from operator import attrgetter
+from os.path import exists
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -13,7 +11,7 @@ import typer
 
 from armour.cli import completion
 from armour.cli.console import progress, say, show
-from armour.cli.question import AsJson, Force, argument, option
+from armour.cli.question import AsJson, Changes, Force, argument, option
 from armour.cli.runner import check_outputs, respond, say_if_compiling, write
 from armour.errors import InputError, Problem, refuse
 from armour.files import suite_file
@@ -36,15 +34,7 @@ def validate(
         ),
     ] = None,
     only: Annotated[str, option("Check only cases whose name contains the text.", metavar="TEXT")] = "",
-    changes: Annotated[
-        list[str] | None,
-        option(
-            "Change a value of every scenario; may be given several times.",
-            "--set",
-            metavar="KEY=VALUE",
-            autocompletion=completion.assignments,
-        ),
-    ] = None,
+    changes: Changes = None,
     update: Annotated[
         bool, option("Write the computed values in place of the suite's regression values.", "--update")
     ] = False,
@@ -65,8 +55,10 @@ def validate(
     from armour.validation.validate import kept_by_update
 
     path = suite_file("paper" if suite is None else suite)
-    if update:
-        _check_update(suite if path == suite else None, changes)
+    if update and path != suite:
+        refuse([Problem("validate", "--update", "must be given a suite; what is published stays")])
+    if update and changes:
+        refuse([Problem("validate", "--update", "must not be given with --set: the suite would not hold without")])
     updated = suite if update else None
     check_outputs(markdown, junit, updated=updated, force=force)
     chosen = load_suite(path, changes_of(changes or ())).only(only)
@@ -81,7 +73,7 @@ def validate(
         result.to_dict(),
         view.tables(result),
         as_json=as_json,
-        title="values before the update" if update else "",
+        of=["values before the update"] if update else (),
         files=[
             (markdown, lambda: markdown_report(view.report(result))),
             (junit, lambda: view.junit(result, seconds)),
@@ -90,17 +82,6 @@ def validate(
     )
     if not (kept_by_update(result) if update else result).passed:
         raise typer.Exit(CHECK_FAILED)
-
-
-def _check_update(suite: Path | None, changes: Sequence[str] | None) -> None:
-    """Refuse to update the shipped suite, or a suite with values that only hold with ``--set``."""
-    problems = []
-    if suite is None:
-        problems.append(Problem("validate", "--update", "must be given a suite; what is published stays"))
-    if changes:
-        message = "must not be given with --set: the suite would not hold without"
-        problems.append(Problem("validate", "--update", message))
-    refuse(problems)
 
 
 def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":
@@ -161,34 +142,21 @@ def figures(
     if not chosen:
         message = f'must be part of a name, found "{only}"; there are {", ".join(names)}'
         raise InputError([Problem("figures", "--only", message)])
-    with _made(folder):
+    if folder.is_dir():
         check_outputs(*(folder / f"{name}.{ending}" for name in chosen for ending in ("csv", image)), force=force)
-        say_if_compiling()
-        # Each figure is written as soon as it is computed: all of them take a while.
-        with progress("figures", len(chosen)) as count:
-            for name in chosen:
-                if name in PARITIES:
-                    result = parity(name)
-                    table, chart = suite.parity_table(result), suite.chart(result)
-                else:
-                    figures = [compute_figure(section, path.parent) for section in panels[name]]
-                    table, chart = suite.figure_table(figures), suite.figure_chart(figures)
-                drawn = draw.rendered(chart, f".{image}")
-                write({folder / f"{name}.csv": csv_text(table), folder / f"{name}.{image}": drawn})
-                count(1)
-
-
-@contextmanager
-def _made(folder: Path) -> Iterator[None]:
-    """Make a folder and those above it; remove those that stay empty."""
-    missing = [path for path in (folder, *folder.parents) if not os.path.lexists(path)]
-    try:
-        try:
+    elif exists(folder):
+        raise InputError([Problem(str(folder), "", "must be a folder or free to be made one")])
+    say_if_compiling()
+    # Each figure is written as soon as it is computed: all of them take a while.
+    with progress("figures", len(chosen)) as count:
+        for name in chosen:
+            if name in PARITIES:
+                result = parity(name)
+                table, chart = suite.parity_table(result), suite.chart(result)
+            else:
+                figures = [compute_figure(section, path.parent) for section in panels[name]]
+                table, chart = suite.figure_table(figures), suite.figure_chart(figures)
+            drawn = draw.rendered(chart, f".{image}")
             folder.mkdir(parents=True, exist_ok=True)
-        except OSError:
-            raise InputError([Problem(str(folder), "", "must be a folder or free to be made one")]) from None
-        yield
-    finally:
-        for path in missing:
-            with suppress(OSError):
-                path.rmdir()
+            write({folder / f"{name}.csv": csv_text(table), folder / f"{name}.{image}": drawn})
+            count(1)
