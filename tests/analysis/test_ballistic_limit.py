@@ -3,6 +3,7 @@ import pytest
 from armour.analysis.ballistic_limit import (
     ballistic_limit,
     bisect,
+    confidence,
     curve_velocities,
     residual_velocity_curve,
 )
@@ -117,3 +118,20 @@ def test_the_residual_velocity_rises_as_a_square_root():
     first, second = (r.residual_velocity_m_s**2 - 1.0 for r in (one, two))
     assert second / first == pytest.approx(2.0, rel=0.01)
     assert ratio == pytest.approx(2.0, rel=0.1)
+
+
+def test_an_armour_that_the_slowest_impact_perforates_has_no_probability():
+    found = confidence(scenario(ballistic_limit={"velocity_min_m_s": 790.0}))
+    assert (found.probability_of_defeat, found.ballistic_limit_m_s) == (None, None)
+    assert found.model_error is not None
+    assert "790" in found.reason
+    assert repr(found).endswith(": probability of defeat not known>")
+
+
+def test_an_armour_that_the_fastest_impact_does_not_perforate_is_at_least_as_good():
+    search = {"velocity_max_m_s": 700.0}
+    assert confidence(scenario(velocity=690.0, ballistic_limit=search)).probability_of_defeat is None
+    found = confidence(scenario(velocity=450.0, ballistic_limit=search))
+    assert found.probability_of_defeat is not None
+    assert found.probability_of_defeat > 0.995
+    assert found.ballistic_limit_m_s is None

@@ -1,3 +1,4 @@
+import math
 from dataclasses import fields
 from functools import cache
 
@@ -5,8 +6,9 @@ import numpy as np
 import pytest
 
 from armour.analysis.history import History
-from armour.analysis.impact import ImpactResult, simulate
-from tests.helpers.cases import scenario
+from armour.analysis.impact import ImpactResult, energy_balance, simulate
+from armour.scenario.scenario import Scenario, load_scenario
+from tests.helpers.cases import SCENARIOS, scenario
 
 
 @cache
@@ -65,3 +67,52 @@ def test_histories_are_compared():
     assert found.history != simulate(scenario(velocity=810.0), history=True).history
     assert repr(found.history).startswith("<History: ")
     assert repr(found.history).endswith(f"instants from 0 to {found.duration_us:.2f} µs>")
+
+
+NAMES = ["wilkins", "dwell", "bare_plate", "paper/fig10_20mm"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_balance_closes_to_the_order_of_the_method(name: str):
+    """The losses are integrated apart from the motion, and the difference falls with the fourth power of the step."""
+    case = load_scenario(SCENARIOS / f"{name}.toml")
+    impact = simulate(case)
+    energy = energy_balance(case, impact)
+    assert 0.0 < abs(energy.difference) <= 2e-6 * energy.before
+    assert all(row.eroded >= 0.0 and row.braked >= 0.0 for row in energy.rows)
+    for row, stage in zip(energy.rows, impact.stages, strict=True):
+        assert row.stage == stage.stage
+        assert row.total == pytest.approx(stage.energy_lost_J, abs=2e-6 * energy.before)
+    assert 0.0 <= energy.left <= energy.before
+    coarse, fine = (closing_error(case, impact.time_step_us / parts) for parts in (64, 128))
+    assert 12.0 < coarse / fine < 20.0
+
+
+def closing_error(case: Scenario, time_step_us: float) -> float:
+    shorter = case.replaced({"solver.time_step_us": time_step_us})
+    return energy_balance(shorter, simulate(shorter)).difference
+
+
+def test_the_energy_at_impact_and_left_is_the_projectiles():
+    case = scenario(velocity=800.0)
+    impact = simulate(case)
+    energy = energy_balance(case, impact)
+    mass = case.entry("projectile", "7.62 mm AP")["penetrator_mass_g"] / 1000.0
+    assert energy.before == pytest.approx(0.5 * mass * 800.0**2)
+    residual = 0.5 * impact.residual_mass_g / 1000.0 * impact.residual_velocity_m_s**2
+    assert energy.left == pytest.approx(residual)
+
+
+def test_eroded_material_carries_off_its_energy():
+    """In dwell the loss by braking has a closed form: the rod's strength times area times the length eroded."""
+    case = load_scenario(SCENARIOS / "dwell.toml")
+    impact = simulate(case, history=True)
+    first = energy_balance(case, impact).rows[0]
+    a, history = case.core_armour(), impact.history
+    assert history is not None
+    inside = history.time_us <= impact.stages[0].end_us
+    length, velocity = history.length_mm[inside][-1] / 1000.0, history.velocity_m_s[inside][-1]
+    area = math.pi * a.D0**2 / 4.0
+    lost = 0.5 * a.rho_p * area * (a.L0 * case.impact.velocity_m_s**2 - length * velocity**2)
+    assert first.braked == pytest.approx(a.Yp * area * (a.L0 - length), rel=1e-6)
+    assert first.total == pytest.approx(lost, rel=1e-6)

@@ -4,8 +4,7 @@ from itertools import pairwise
 
 import pytest
 
-from armour.analysis.energy import energy_balance
-from armour.analysis.impact import simulate, time_step
+from armour.analysis.impact import energy_balance, simulate, time_step
 from armour.core import stepping
 from armour.errors import InputError
 from tests.helpers.cases import SCENARIOS, scenario

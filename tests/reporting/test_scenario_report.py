@@ -6,8 +6,7 @@ from functools import cache
 import pytest
 
 from armour import __version__
-from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.confidence import NO_TEST, ConfidenceResult, confidence
+from armour.analysis.ballistic_limit import NO_TEST, ConfidenceResult, ballistic_limit, confidence
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import Note
 from armour.reporting.report import Report, markdown_report

@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 
-from armour.analysis.ballistic_limit import Crossing, LimitResult, ballistic_limit
-from armour.analysis.confidence import confidence
+from armour.analysis.ballistic_limit import Crossing, LimitResult, ballistic_limit, confidence
 from armour.analysis.history import History
 from armour.analysis.impact import simulate
 from armour.analysis.results import TableResult

@@ -8,8 +8,7 @@ import pytest
 from scipy import stats
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.estimates import Estimate
-from armour.analysis.uncertain_inputs import Samples
+from armour.analysis.samples import Estimate, Samples
 from armour.analysis.variants import perforated, variants_of
 from armour.errors import InputError, NoLimitError
 from armour.scenario.sampling import columns_of, points_of

@@ -5,8 +5,7 @@ from typing import Any
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.closed_forms import residual_velocity
-from armour.analysis.florence import florence_ballistic_limit
+from armour.analysis.closed_forms import florence_ballistic_limit, residual_velocity
 from armour.errors import InputError, NoAnswerError
 from armour.reporting.views.comparison import rule_note
 from armour.validation.comparison import Comparison, compare

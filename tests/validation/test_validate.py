@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.florence import florence_ballistic_limit
+from armour.analysis.closed_forms import florence_ballistic_limit
 from armour.validation.questions import Asked
 from armour.validation.validate import Check, TableSummary, result_of, validate
 from tests.helpers.cases import scenario

@@ -1,6 +1,6 @@
 """Quantities that can be computed for a scenario, by name, and the words of quantities, inputs and keys.
 
-The help of the command line lists them, so that nothing is imported here that takes long; `armour.analysis.answers`
+The help of the command line lists them, so that nothing is imported here that takes long; `armour.analysis.evaluate`
 computes what they are made of.
 """
 
@@ -37,7 +37,7 @@ class Quantity(NamedTuple):
     unit: str
     spec: str  # format specification in tables
     reads: tuple[str, ...]
-    compute: Callable[[Any], Any]  # its column, of `armour.analysis.answers.Answers`
+    compute: Callable[[Any], Any]  # its column, of `armour.analysis.evaluate.Answers`
     least: str = ""  # the layer whose least thickness it is, or follows from
 
     @property

@@ -14,7 +14,7 @@ from armour.errors import InputError, Problem
 from armour.files import table_file
 
 if TYPE_CHECKING:
-    from armour.analysis.progress import OnProgress
+    from armour.analysis.results import OnProgress
     from armour.scenario.scenario import Scenario
     from armour.sweeps.cases import Cases, Grid
 

@@ -30,7 +30,7 @@ from armour.errors import InputError, Problem, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
 
 if TYPE_CHECKING:
-    from armour.analysis.progress import OnProgress
+    from armour.analysis.results import OnProgress
     from armour.reporting.report import Report
     from armour.scenario.scenario import Scenario
     from armour.sweeps.cases import Grid

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from armour.analysis.progress import OnProgress, ignore_progress, portions
+from armour.analysis.results import OnProgress, ignore_progress, portions
 from armour.analysis.searches import least_ceramics_mm
 from armour.analysis.variants import Floats, Variants, with_thicknesses
 

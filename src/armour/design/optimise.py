@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from armour.analysis.progress import OnProgress, ignore_progress
-from armour.analysis.results import Result, data_frame
+from armour.analysis.results import OnProgress, Result, data_frame, ignore_progress
 from armour.analysis.variants import Ints
 from armour.core.state import Parameters
 from armour.design.candidates import candidates_of
@@ -23,7 +22,7 @@ from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import DesignSection
 
 if TYPE_CHECKING:
-    from armour.analysis.estimates import Estimate
+    from armour.analysis.samples import Estimate
 
 # Thicknesses that a warning lists.
 MOST_LISTED = 5

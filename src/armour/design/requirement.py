@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from armour.analysis.progress import FIRST_IMPACTS, OnProgress, ignore_progress, portions
+from armour.analysis.results import FIRST_IMPACTS, OnProgress, ignore_progress, portions
 from armour.analysis.searches import limit_brackets
 from armour.analysis.variants import Bools, Floats, Variants, perforated
 from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS

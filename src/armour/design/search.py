@@ -11,7 +11,7 @@ from armour.design.catalogue import COST, MARGIN, Candidates, first_backings
 from armour.design.requirement import Requirement
 
 if TYPE_CHECKING:
-    from armour.analysis.estimates import Estimate
+    from armour.analysis.samples import Estimate
     from armour.design.reliability import Reliability
 
 # Designs that are tried at a time at most until one passes; those after it are tried in vain.

@@ -6,11 +6,16 @@ from math import inf
 from typing import NamedTuple
 
 from armour import __version__
-from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, not_monotonic
-from armour.analysis.confidence import ConfidenceResult, of_limit, without_limit
-from armour.analysis.energy import EnergyBalance, energy_balance
-from armour.analysis.impact import ImpactResult, simulate
-from armour.analysis.progress import OnProgress, ignore_progress
+from armour.analysis.ballistic_limit import (
+    ConfidenceResult,
+    LimitResult,
+    ballistic_limit,
+    not_monotonic,
+    of_limit,
+    without_limit,
+)
+from armour.analysis.impact import EnergyBalance, ImpactResult, energy_balance, simulate
+from armour.analysis.results import OnProgress, ignore_progress
 from armour.design.optimise import OBJECTIVES, DesignResult, optimise
 from armour.errors import NoLimitError, Note
 from armour.reporting.charts import Chart

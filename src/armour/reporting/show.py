@@ -9,7 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from armour.analysis.progress import OnProgress, ignore_progress
+from armour.analysis.results import OnProgress, ignore_progress
 from armour.errors import InputError, Problem, refuse
 from armour.files import unwritable, write_files, wrong_ending
 from armour.scenario.scenario import Scenario

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtr, ndtri
 
-from armour.analysis.confidence import EXCLUDED, NO_TEST
+from armour.analysis.ballistic_limit import EXCLUDED, NO_TEST
 from armour.analysis.variants import Floats
 from armour.errors import InputError, Problem
 from armour.scenario.evidence import ModelError

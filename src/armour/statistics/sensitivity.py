@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from armour.analysis.answers import Answers
-from armour.analysis.progress import OnProgress, ignore_progress, portions
-from armour.analysis.results import TableResult, by_column
+from armour.analysis.evaluate import Answers
+from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress, portions
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Floats, Variants, concatenated, grid_of, variants_of
 from armour.design.free import least_areal_densities, searches_of

@@ -21,9 +21,8 @@ from pydantic import Field
 
 import armour
 from armour.analysis.evaluate import check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
-from armour.analysis.progress import OnProgress, ignore_progress
 from armour.analysis.quantities import QUANTITIES, reads_of
-from armour.analysis.results import TableResult, same_columns
+from armour.analysis.results import OnProgress, TableResult, ignore_progress, same_columns
 from armour.errors import InputError, Problem, choices
 from armour.files import reason
 from armour.scenario.checked import Names, checked

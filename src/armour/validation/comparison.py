@@ -7,15 +7,17 @@ from typing import Any
 
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, curve_velocities, residual_velocity_curve
 from armour.analysis.closed_forms import (
+    FlorenceResult,
     ResidualVelocityFit,
+    bodies_of,
     fit_areal_density_rule,
     fit_lambert_jonas,
     fit_recht_ipson,
+    florence_result,
+    missing_for_florence,
 )
-from armour.analysis.florence import FlorenceResult, bodies_of, florence_result, missing_for_florence
 from armour.analysis.impact import ImpactResult
-from armour.analysis.progress import OnProgress, ignore_progress
-from armour.analysis.results import TableResult
+from armour.analysis.results import OnProgress, TableResult, ignore_progress
 from armour.errors import NoAnswerError, refuse
 from armour.scenario.checked import checked
 from armour.scenario.inputs import ROLES

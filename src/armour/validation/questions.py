@@ -4,9 +4,8 @@ from collections.abc import Callable, Collection
 from functools import cached_property, partial
 from typing import NamedTuple
 
-from armour.analysis.answers import Answers
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.evaluate import groups_of
+from armour.analysis.evaluate import Answers, groups_of
 from armour.analysis.quantities import DESIGNS, QUANTITIES
 from armour.analysis.variants import Floats, Variants, grid_of
 from armour.design.optimise import BestDesign, optimise

@@ -5,8 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from armour.analysis.closed_forms import fit_areal_density_rule
-from armour.analysis.florence import BODIES, bodies_of, florence_ballistic_limit, missing_for_florence
+from armour.analysis.closed_forms import (
+    BODIES,
+    bodies_of,
+    fit_areal_density_rule,
+    florence_ballistic_limit,
+    missing_for_florence,
+)
 from armour.analysis.variants import Floats
 from armour.scenario.sections import TINY
 from armour.statistics.measured import LIMIT, MaterialGroup, Measurement, Tests

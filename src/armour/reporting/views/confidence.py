@@ -1,6 +1,6 @@
 """The probability that an armour defeats its threat."""
 
-from armour.analysis.confidence import ConfidenceResult
+from armour.analysis.ballistic_limit import ConfidenceResult
 from armour.analysis.results import Result
 from armour.reporting.table import Column, Table, column_of, record
 from armour.scenario.evidence import ModelError

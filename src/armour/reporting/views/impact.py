@@ -4,9 +4,8 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from armour.analysis.energy import EnergyBalance
 from armour.analysis.history import History
-from armour.analysis.impact import ImpactResult
+from armour.analysis.impact import EnergyBalance, ImpactResult
 from armour.errors import InputError, Problem
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
