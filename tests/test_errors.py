@@ -18,11 +18,6 @@ def test_a_note_is_a_text_with_the_key_that_it_is_about():
         assert (copied, copied.key, copied.text) == (note, note.key, note.text)
 
 
-def test_an_input_error_shows_every_problem():
-    error = InputError([Problem("a", "b", "c"), Problem("d", "e", "f")])
-    assert str(error) == "a: b: c\nd: e: f"
-
-
 def test_no_answer_is_not_wrong_input():
     assert not issubclass(NoLimitError, InputError)
     assert not issubclass(NoDesignError, InputError)
@@ -32,11 +27,6 @@ def test_a_suggestion_is_the_closest_name():
     assert suggestion("AD86", ["AD85", "Al-N"]) == '; did you mean "AD85"?'
     assert suggestion("ad85", ["AD85"]) == '; did you mean "AD85"?'
     assert suggestion("nothing", ["uncertain", "dwell"]) == ""
-
-
-def test_choices_are_the_closest_name_or_all():
-    assert choices("AD86", ["AD85", "Al-N"]) == '; did you mean "AD85"?'
-    assert choices("nothing", ["AD85", "Al-N"]) == "; choose from AD85, Al-N"
 
 
 def test_a_list_of_choices_stands_once():

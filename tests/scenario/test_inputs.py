@@ -26,11 +26,6 @@ def test_the_coefficients_of_a_law_are_inputs_where_the_entry_has_them():
         case.check_rows({"ceramic.flow_stress_backing_exponent": np.array([0.0, 3.5])})
 
 
-def test_a_bare_plate_has_no_inputs_of_the_ceramic():
-    found = scenario(ceramic=None, ceramic_mm=0.0, backing="AA6082-T651").inputs()
-    assert not [name for name in found if "ceramic" in name]
-
-
 def test_a_given_strength_is_not_derived():
     case = scenario()
     both = case.with_inputs({"backing.dynamic_yield_strength_MPa": 400.0, "backing.shear_strength_MPa": 250.0})

@@ -7,7 +7,6 @@ from armour.errors import InputError
 from armour.scenario.library import (
     KINDS,
     Library,
-    penetrator_length_mm,
     read_library,
     shipped_library,
 )
@@ -49,10 +48,6 @@ def test_every_shipped_value_says_where_it_comes_from():
                 assert value.status in ("nominal", "fitted", "assumed")
 
 
-def test_the_rod_is_as_long_as_its_mass_makes_it():
-    assert penetrator_length_mm(shipped_library().find("7.62 mm AP")[0]) == pytest.approx(20.96, abs=0.01)
-
-
 def test_a_metal_without_them_has_the_default_strengths():
     [metal] = extended({"metal": {"m": {"density_kg_m3": 7850, "dynamic_yield_strength_MPa": 1000}}}).find("m")
     assert metal["flow_stress_GPa"] == pytest.approx(2.7)
@@ -74,12 +69,6 @@ def test_an_entry_takes_what_it_does_not_give_from_its_base():
     assert entry.values["flow_stress_GPa"].source == "f.toml"
     assert entry.values["density_kg_m3"].source == "[Paper], table 2"
     assert entry.description == "alumina, 85 %"
-
-
-def test_an_entry_can_take_the_place_of_the_shipped_one_that_it_is_based_on():
-    [entry] = extended({"ceramic": {"AD85": {"based_on": "AD85", "flow_stress_GPa": 4}}}).find("AD85")
-    assert entry["flow_stress_GPa"] == 4
-    assert shipped_library().find("AD85")[0]["flow_stress_GPa"] == 5.2
 
 
 def test_every_mistake_in_the_tables_is_reported():

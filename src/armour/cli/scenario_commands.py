@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from armour.reporting.report import Report
     from armour.scenario.scenario import Scenario
     from armour.sweeps.cases import Grid
-    from armour.sweeps.sweep import Plan
+    from armour.sweeps.sweep import Effort
 
 # What commands read, see `armour.scenario.reach`.
 LIMIT = ("impact.projectile", "armour", "ballistic_limit", "uncertainty.model")
@@ -193,7 +193,7 @@ def sweep(
             workers=workers,
             threads=threads,
             on_chunk=lambda n, stored: count(n, stored=stored),
-            approve=lambda plan: _approve(plan, yes),
+            approve=lambda effort: _approve(effort, yes),
             tell=say,
         )
     say(f"wrote {output}: {rows} rows", *_notes(names, drawn=plot is not None))
@@ -231,12 +231,12 @@ def grid_of(option: str, texts: Sequence[str]) -> "Grid":
     return Grid(axes)
 
 
-def _approve(plan: "Plan", yes: bool) -> None:
+def _approve(effort: "Effort", yes: bool) -> None:
     """Announce a sweep that is not over at once; refuse a large one without ``--yes``."""
-    if plan.is_large and not yes:
-        raise _wrong(f"{plan}; --yes to go on")
-    if plan.seconds > ANNOUNCED_S:
-        say(str(plan))
+    if effort.is_large and not yes:
+        raise _wrong(f"{effort}; --yes to go on")
+    if effort.seconds > ANNOUNCED_S:
+        say(str(effort))
 
 
 # What a report reads: keys that it shows, and what the results for the scenario's own armour depend on.

@@ -53,7 +53,7 @@ Rows = Mapping[str, Any]
 OnChunk = Callable[[int, bool], None]
 
 
-class Plan(NamedTuple):
+class Effort(NamedTuple):
     """Work of a sweep."""
 
     rows: int
@@ -250,7 +250,7 @@ def write_sweep(
     size: int | None = None,
     replace: bool = False,
     on_chunk: OnChunk = ignore_progress,
-    approve: Callable[[Plan], None] = lambda _plan: None,
+    approve: Callable[[Effort], None] = lambda _effort: None,
     tell: Callable[[str], None] = lambda _line: None,
 ) -> int:
     """Compute quantities of a scenario for every row of a source, write them to a table and return the number of rows.
@@ -270,12 +270,12 @@ def write_sweep(
         if not store.size:
             if size is None:
                 try:
-                    plan = plan_of(scenario, source, quantities, output, threads, workers)
+                    effort = effort_of(scenario, source, quantities, output, threads, workers)
                 except InputError:
                     check_rows(scenario, source)  # says which row is wrong
                     raise
-                approve(plan)
-                size = int(min(max(CHUNK_S / plan.row_s, 1.0), MAX_CHUNK))
+                approve(effort)
+                size = int(min(max(CHUNK_S / effort.row_s, 1.0), MAX_CHUNK))
             check_rows(scenario, source)
             store.begin(size)
         try:
@@ -379,14 +379,14 @@ def lines_of(warnings: Mapping[str, int], rows: int) -> list[str]:
     return [f"{words}; this concerns {number:,} of {rows:,} rows" for words, number in sorted(warnings.items())]
 
 
-def plan_of(
+def effort_of(
     scenario: Scenario,
     source: Grid | Cases,
     quantities: Sequence[str],
     output: Path,
     threads: int | None = None,
     workers: Workers | None = None,
-) -> Plan:
+) -> Effort:
     """Measure some rows of a sweep."""
     each = bytes_each = 0.0
     for number in SAMPLES:
@@ -404,7 +404,7 @@ def plan_of(
             break
     free = shutil.disk_usage(output.parent).free
     seconds = each * source.count / (workers.number if workers else 1)
-    return Plan(source.count, each, seconds, bytes_each * source.count, free)
+    return Effort(source.count, each, seconds, bytes_each * source.count, free)
 
 
 def size(count: float) -> str:
