@@ -83,13 +83,6 @@ def test_categories_are_rows_of_bars_with_the_first_on_top():
     assert centres == pytest.approx([-0.2, 0.8, 0.2, 1.2])
 
 
-def test_panels_share_an_x_axis():
-    upper, _, lower = draw(impact_view.chart(impact())).axes
-    lower.set_xlim(0.0, 7.0)
-    assert upper.get_xlim() == (0.0, 7.0)
-    assert upper.get_xlabel() == ""
-
-
 def stage_names(axes: Axes) -> list[str]:
     return [text.get_text() for text in axes.texts]
 

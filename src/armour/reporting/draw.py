@@ -149,12 +149,7 @@ def _draw_series(item: charts.Series, _axes: Axes) -> None:
 
 @_draw_series.register
 def _(item: charts.Line, axes: Axes) -> None:
-    style: Any = {
-        "color": item.colour,
-        "linestyle": item.style,
-        "linewidth": item.width,
-        "markerfacecolor": "none",
-    }
+    style: Any = {"color": item.colour, "linestyle": item.style, "linewidth": item.width, "markerfacecolor": "none"}
     style |= {"marker": item.marker, "markersize": 5.0, "label": item.label}
     axes.plot(np.array(item.x, float), np.array(item.y, float), **style)
 
@@ -176,13 +171,7 @@ def _(item: charts.Points, axes: Axes) -> None:
             lengths = np.array([values - low, high - values]).tolist()
             bars: Any = {axis: lengths, "fmt": "none", "ecolor": item.colour, "capsize": 3.0}
             axes.errorbar(x, y, **bars)
-    style: Any = {
-        "color": item.colour,
-        "markersize": item.size,
-        "linestyle": "none",
-        "clip_on": False,
-        "zorder": 4,
-    }
+    style: Any = {"color": item.colour, "markersize": item.size, "linestyle": "none", "clip_on": False, "zorder": 4}
     if not item.filled:
         style["markerfacecolor"] = "none"
     elif item.marker == "*" or item.label:

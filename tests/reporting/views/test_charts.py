@@ -173,12 +173,6 @@ def test_designs_of_several_pairs_against_several_threats():
     assert_matched(chart)
 
 
-def test_the_least_ceramic_of_a_range_is_noted():
-    words = "Where the ceramic is 7 mm, the least of its range, less may be required."
-    assert design_view.frontier_chart(replace(design_result(), ceramic_min_mm=7.0)).note == words
-    assert design_view.frontier_chart(replace(design_result(), ceramic_min_mm=6.0)).note == ""
-
-
 def figure() -> Figure:
     curves = (FigureCurve("A", (1.0, None, 9.0)), FigureCurve("B", (2.0, 3.0, 4.0)))
     printed = FigureMark(label="printed", of="B", points=[[5.0, 3.0]], x_ends=[[4.5, 5.5]])

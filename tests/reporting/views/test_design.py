@@ -10,10 +10,9 @@ from armour.reporting.views.design import (
     left_out,
     margin_table,
     pair_table,
-    required_margins,
     tables,
 )
-from tests.helpers.cases import THREATS, catalogue, scenario
+from tests.helpers.cases import scenario
 from tests.helpers.results import OTHER, THREAT, best_design, design, design_result, quantities
 
 
@@ -30,11 +29,6 @@ def test_the_best_design_is_a_record():
     several = replace(design_result(), best=best_design(margins_m_s={THREAT: 20.0, OTHER: 80.0}))
     assert quantities(best_table(several, {}))["governed by"] == THREAT
     assert "ceramic" not in quantities(best_table(design_result(ceramic=""), {}))
-
-
-def test_a_margin_stands_beside_the_required_one():
-    found = quantities(best_table(design_result(), required_margins(catalogue([{**THREATS[0], "margin_m_s": 15.0}]))))
-    assert (found["margin, m/s"], found["required margin, m/s"]) == ("+20.0", "+15.0")
 
 
 def test_thicknesses_of_a_table_have_the_decimals_that_they_need():

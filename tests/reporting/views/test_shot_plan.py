@@ -11,16 +11,6 @@ from tests.helpers.results import quantities
 SHOTS = Shots((700.0, 720.0), (False, True))
 
 
-def test_without_a_prior():
-    unknown = scenario(uncertainty={"model": {"included": False}})
-    shots = Shots((700.0, 720.0, 760.0, 710.0, 740.0), (False, True, True, False, False))
-    [first, *_] = tables(plan_shots(unknown, shots, procedure="up-and-down"))
-    assert isinstance(first, Table)
-    found = quantities(first)
-    assert found["V50 by the recommended curve, m/s"].startswith("7")
-    assert found["its 95 % interval, m/s"] == "not bounded"
-
-
 def test_what_ended_the_firing_is_shown():
     shots = Shots(
         (720.0, 730.0, 731.0, 740.0, 741.0, 742.25), (False, False, True, False, True, True), names=["A1"] * 6
