@@ -31,7 +31,7 @@ def words(lines: list[str]) -> list[str]:
 @pytest.fixture(scope="module")
 def tables() -> list[Table]:
     items = [
-        *impact_view.tables(simulate(scenario())._of(confidence=confidence(scenario()))),
+        *impact_view.tables(simulate(scenario()).of(confidence=confidence(scenario()))),
         *library_tables(shipped_library()),
     ]
     return [item for item in items if isinstance(item, Table)]

@@ -29,7 +29,7 @@ def one(*series, **panel) -> Chart:
 CHARTS = {
     "impact": lambda: impact_view.chart(impact()),
     "design": lambda: design_view.chart(design_result(threats=(THREAT, OTHER), pareto=True)),
-    "uncertainty": lambda: uncertainty_view.chart(uncertainty_result()._of(scenario=scenario(velocity=700.0))),
+    "uncertainty": lambda: uncertainty_view.chart(uncertainty_result().of(scenario=scenario(velocity=700.0))),
     "map": lambda: one(Map(*GRID, VALUES, "speed, m/s"), Contours(*GRID, VALUES)),
     "bars": lambda: one(
         Bars([0.0, 0.0], [1.0, None], slot=0, slots=2, label="one"),

@@ -254,9 +254,9 @@ def test_the_armour_is_said_to_be_the_best_design_or_the_scenarios_own():
 
 
 def test_the_answer_with_distributions():
-    sampled = uncertainty_result()._of(scenario=scenario())
+    sampled = uncertainty_result().of(scenario=scenario())
     error = wilkins().confidence.model_error
-    found = statements(replace(wilkins(), uncertainty=replace(sampled, model_error=error)._of(scenario=scenario())))
+    found = statements(replace(wilkins(), uncertainty=replace(sampled, model_error=error).of(scenario=scenario())))
     statement, detail = found["Probability of defeating the threat"]
     assert statement == "79 %"
     with_error = "95 % interval 78.0 to 80.0 %, from the given distributions and the error of the model; "
@@ -287,7 +287,7 @@ def test_sections_follow_the_results():
     full = replace(
         wilkins(),
         design=design_result(threats=(THREAT, OTHER), pareto=True),
-        uncertainty=uncertainty_result()._of(scenario=scenario()),
+        uncertainty=uncertainty_result().of(scenario=scenario()),
     )
     assert headings(full)[1:5] == ["Best design", "Margins against the threats", "Pairs of materials", "Pareto front"]
     assert "Results under uncertain inputs" in headings(full)

@@ -129,7 +129,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         warnings=scenario.warnings(limit, "ballistic_limit"),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
-    )._of(scenario.subject(ANY_VELOCITY), scenario=scenario)
+    ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
 
 def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
@@ -299,7 +299,7 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
         found = without_limit(scenario, str(error), above=error.above)
     else:
         found = of_limit(scenario, limit, scenario.impact.velocity_m_s)
-    return found._of(scenario.subject(), scenario=scenario)
+    return found.of(scenario.subject(), scenario=scenario)
 
 
 def without_limit(scenario: Scenario, reason: str, *, above: bool) -> ConfidenceResult:

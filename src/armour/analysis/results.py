@@ -17,18 +17,18 @@ class Result:
     # Makes the tables of a result as HTML.  They belong to a layer above; `armour/__init__.py` sets this.
     _in_html: ClassVar[Callable[["Result"], str] | None] = None
     # What was computed, in words, and its scenario or shots, for a figure; no field, so that it is no part of the data.
-    _question: ClassVar[Mapping[str, Any]] = {}
+    question: ClassVar[Mapping[str, Any]] = {}
 
-    def _of(self, computed: str | None = None, **question: Any) -> Self:
+    def of(self, computed: str | None = None, **question: Any) -> Self:
         """Note what was computed, in words, and the scenario, the shots or what else a view shows."""
         words = {} if computed is None else {"computed": computed}
-        vars(self)["_question"] = {**self._question, **words, **question}
+        vars(self)["question"] = {**self.question, **words, **question}
         return self
 
-    def _heading(self) -> list[str]:
+    def heading(self) -> list[str]:
         """Return the first lines of every output; none for a result that is made by hand, without a scenario."""
-        scenario = self._question.get("scenario")
-        computed = self._question.get("computed") or (scenario.subject() if scenario else "")
+        scenario = self.question.get("scenario")
+        computed = self.question.get("computed") or (scenario.subject() if scenario else "")
         return heading(computed, scenario.title if scenario else "") if computed else []
 
     def to_dict(self) -> dict[str, Any]:
@@ -36,7 +36,7 @@ class Result:
         return asdict(self)
 
     def __repr__(self) -> str:
-        return f"<{': '.join([type(self).__name__, *self._heading()[:1], self._words()])}>"
+        return f"<{': '.join([type(self).__name__, *self.heading()[:1], self._words()])}>"
 
     def _words(self) -> str:
         """Return the result in a line."""

@@ -225,7 +225,7 @@ def _respond(
             {**result.to_dict(), **answer.more},
             view.tables(result),
             as_json=as_json,
-            of=result._heading(),
+            of=result.heading(),
             files=contents.items(),
             plot=plot,
             chart=lambda: view.chart(result),

@@ -60,7 +60,7 @@ def simulate(
     of_limit = () if limit is None else scenario.warnings(limit, "ballistic_limit")
     warnings = tuple(dict.fromkeys((*result.warnings, *of_limit)))
     more = {"warnings": list(warnings), "confidence": sure.to_dict()}
-    return Answer(result._of(confidence=sure), warnings, more)
+    return Answer(result.of(confidence=sure), warnings, more)
 
 
 @question(*LIMIT, what="the ballistic limit", first="searching")

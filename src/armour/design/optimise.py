@@ -283,7 +283,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         ),
         ceramic_min_mm=ceramic_min,
         without_mm=_without(search, pair, frontier),
-    )._of(_subject(catalogue), scenario=scenario)
+    ).of(_subject(catalogue), scenario=scenario)
 
 
 def _unused_impact(scenario: Scenario) -> Iterator[Note]:

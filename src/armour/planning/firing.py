@@ -330,7 +330,7 @@ def plan_shots(
             *([f"the simulation stopped after {MAX_SIMULATED} shots without an end"] if simulate and aim else ()),
             *limit.warnings,
         ),
-    )._of(scenario.subject(ANY_VELOCITY), scenario=scenario)
+    ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
 
 def _known(prior: FiringPrior | None, key: str, purpose: str) -> FiringPrior:

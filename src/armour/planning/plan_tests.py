@@ -320,7 +320,7 @@ def plan_tests(
         sensitivities=tuple((slopes / (slopes[chosen] @ task.costs[chosen] / total)).tolist() if regular else ()),
         confidence=CONFIDENCE,
         warnings=tuple(warnings),
-    )._of(subject_of(rows), scenario=scenario)
+    ).of(subject_of(rows), scenario=scenario)
 
 
 @contextmanager

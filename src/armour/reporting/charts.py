@@ -292,6 +292,6 @@ def map_series(x: Any, y: Any, z: Any, heading: str, label: str, levels: int) ->
 
 def needed(result: Result, key: str) -> Any:
     """Return what a chart shows beside the result, its scenario or its shots; only a result made by hand has none."""
-    if (value := result._question.get(key)) is None:
+    if (value := result.question.get(key)) is None:
         raise InputError([Problem("plot", key, "must be given to draw this result")])
     return value

@@ -98,7 +98,7 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         place = [found.threat for found in threats].index(design.best.governing)
         probabilities = {found.threat: found.probability_of_defeat for found in threats}
         best = replace(design.best, probabilities_of_defeat=probabilities)
-        design = replace(design, best=best)._of(**design._question)
+        design = replace(design, best=best).of(**design.question)
     answer = faced[place][0]
     impact = simulate(answer, history=True)
     limit, sure = _limit(answer)

@@ -78,15 +78,15 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
     view = view_of(result)
     if not hasattr(view, "chart"):
         raise _wrong("result", f"must be one that has a chart, found {type(result).__name__}")
-    own = result._question
+    own = result.question
     if scenario is not None and "scenario" in own and not _same(scenario, own["scenario"]):
         raise _wrong("scenario", "must be the scenario of the result, found another; it can be left out")
     if shots is not None and shots != own.get("shots", shots):
         raise _wrong("shots", "must be the shots of the result, found others; they can be left out")
     given: dict[str, Any] = {"scenario": scenario, "shots": shots}
-    result = copy(result)._of(**{key: value for key, value in given.items() if value is not None})
+    result = copy(result).of(**{key: value for key, value in given.items() if value is not None})
     chart = view.chart(result)
-    return draw(chart.headed(result._heading()) if title is None else replace(chart, title=title))
+    return draw(chart.headed(result.heading()) if title is None else replace(chart, title=title))
 
 
 def _same(scenario: Scenario, other: Scenario) -> bool:
@@ -106,7 +106,7 @@ def in_html(result: "Result") -> str | None:
     if (view := view_of(result)) is None:
         return None
     warnings = (f"warning: {warning}" for warning in getattr(result, "warnings", ()))
-    return html_tables([*result._heading(), *view.tables(result), *warnings])
+    return html_tables([*result.heading(), *view.tables(result), *warnings])
 
 
 def report(

@@ -260,9 +260,7 @@ def calibrate(
     )
     results: list[CalibrationResult] = []
     for done, found in sorted(fits, key=lambda pair: _or_inf(pair[1].left_out_error_percent)):
-        results.append(
-            replace(found, coefficients=intervals(done), laws=laws)._of(subject_of(tests), scenario=scenario)
-        )
+        results.append(replace(found, coefficients=intervals(done), laws=laws).of(subject_of(tests), scenario=scenario))
         if not any(coefficient.estimate is None for coefficient in results[-1].coefficients):
             return results[-1]
     return results[0]

@@ -125,7 +125,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         answers={answer: _number(values[0]) for answer, values in answers.items()},
         inputs=tuple(sorted(inputs, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
         warnings=scenario.warnings(scenario.impact.velocity_m_s),
-    )._of(scenario.subject(), scenario=scenario)
+    ).of(scenario.subject(), scenario=scenario)
 
 
 def _answers(scenario: Scenario, variants: Variants, on_progress: OnProgress) -> dict[str, Floats]:

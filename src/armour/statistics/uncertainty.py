@@ -280,7 +280,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
             *scenario.warnings(deterministic, "ballistic_limit"),
         ),
         model_error=scenario.model_error(),
-    )._of(scenario.subject(), scenario=scenario)
+    ).of(scenario.subject(), scenario=scenario)
 
 
 def probability_of_perforation(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> Estimate:

@@ -299,7 +299,7 @@ def v50(
         prior=before,
         posterior=after,
         prior_share=share,
-    )._of(computed, scenario=scenario, shots=shots)
+    ).of(computed, scenario=scenario, shots=shots)
 
 
 def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:

@@ -236,7 +236,7 @@ def sweep(
             tell=lambda line: warnings.append(line.removeprefix("warning: ")),
         )
     found = SweepResult(scenario, source.keys, names, source.count, output, tuple(warnings), columns)
-    return found._of(subject_of(scenario, source, names), scenario=scenario)
+    return found.of(subject_of(scenario, source, names), scenario=scenario)
 
 
 def write_sweep(

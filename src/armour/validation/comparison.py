@@ -172,7 +172,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
         rules=tuple(_rule(cases, p, scenario.areal_density_kg_m2()) for p in (1.0, None)) if own else (),
         errors=_errors() if own else (),
         florence_missing=tuple(problem.key for problem in missing),
-    )._of(scenario.subject(ANY_VELOCITY), scenario=scenario)
+    ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
 
 @cache

@@ -287,7 +287,7 @@ SHOTS = Shots(VELOCITIES, (False, False, True, False, True, True), "folder/shots
 
 def test_a_v50():
     found = v50(SHOTS, scenario())
-    chart = v50_view.chart(found._of(shots=SHOTS))
+    chart = v50_view.chart(found.of(shots=SHOTS))
     [panel] = chart.panels
     assert f"this model: ballistic limit {WILKINS_LIMIT:.1f} m/s" in labels(panel)
     assert [item.text[0] for item in some(panel, Points)][:2] == [
@@ -305,7 +305,7 @@ def test_a_v50():
 
 def test_the_posterior_of_a_v50_is_drawn():
     found = v50(SHOTS, shipped_scenario("wilkins"), prior=True)
-    chart = v50_view.chart(found._of(shots=SHOTS))
+    chart = v50_view.chart(found.of(shots=SHOTS))
     [panel] = chart.panels
     assert found.posterior is not None
     [bar] = [item for item in some(panel, Points) if "posterior" in item.label]
@@ -318,7 +318,7 @@ def test_the_posterior_of_a_v50_is_drawn():
 def test_a_limit_outside_the_axis_of_a_v50_is_in_the_note_and_not_in_the_legend():
     thick = scenario(ceramic_mm=9.0)
     found = v50(SHOTS, thick)
-    chart = v50_view.chart(found._of(shots=SHOTS))
+    chart = v50_view.chart(found.of(shots=SHOTS))
     [panel] = chart.panels
     assert panel.x.limits is not None
     assert found.model_ballistic_limit_m_s is not None
@@ -329,7 +329,7 @@ def test_a_limit_outside_the_axis_of_a_v50_is_in_the_note_and_not_in_the_legend(
 
 def test_an_uncertainty():
     found = uncertainty_result()
-    chart = uncertainty_view.chart(found._of(scenario=scenario(velocity=700.0)))
+    chart = uncertainty_view.chart(found.of(scenario=scenario(velocity=700.0)))
     curve, swings = chart.panels
     assert "at 700 m/s: 0.210, 0.200 to 0.220 by sampling" in labels(curve)
     assert swings.y.categories == ("ceramic flow stress", "penetrator mass")

@@ -79,7 +79,7 @@ def test_the_note_on_the_error_says_whether_it_is_not_known_or_not_included():
         ({"scenario": scenario(uncertainty={"model": {"included": False}})}, "uncertainty.model says"),
     ]
     for question, ending in given:
-        found = replace(design_result(), best=replace(best_design(), model_error=None))._of(**question)
+        found = replace(design_result(), best=replace(best_design(), model_error=None)).of(**question)
         notes = [item for item in tables(found) if isinstance(item, str)]
         assert notes[-1].endswith(ending)
 

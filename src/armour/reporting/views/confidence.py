@@ -30,7 +30,7 @@ def chance(probability: float | None) -> str:
 def error_note(result: Result, error: ModelError | None) -> str:
     """Return what the error of the model is and rests on, in a sentence, for a result."""
     if error is None:
-        scenario = result._question.get("scenario")
+        scenario = result.question.get("scenario")
         return f"{UNKNOWN}, or not included" if scenario is None else EXCLUDED if scenario.excludes_error() else UNKNOWN
     return "; ".join([from_tests(error), *extrapolation(error)])
 

@@ -177,7 +177,7 @@ def csv(result: DesignResult) -> str:
 
 def tables(result: DesignResult) -> list[Table | str]:
     """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
-    required = required_margins(result._question.get("scenario"))
+    required = required_margins(result.question.get("scenario"))
     found: list[Table | str] = [best_table(result, required)]
     if result.refined is not None:
         title = f"{OBJECTIVES[result.minimised].least} design between the values of the grid"

@@ -28,9 +28,9 @@ STAGES = {
 def tables(result: ImpactResult) -> list[Table | str]:
     """Return the result of an impact, and the probability that the armour defeats the threat where it was computed."""
     found: list[Table | str] = [impact_table(result), stage_table(result)]
-    if (confidence := result._question.get("confidence")) is not None:
+    if (confidence := result.question.get("confidence")) is not None:
         found += confidence_tables(confidence)
-        distributed = result._question["scenario"].uncertainty
+        distributed = result.question["scenario"].uncertainty
         if confidence.model_error is None and distributed is not None and distributed.inputs():
             found.append(f"{SAMPLED_ALONE}: armour uncertainty")
     return found
