@@ -62,14 +62,6 @@ class Task(NamedTuple):
         return found
 
 
-class Continuous(NamedTuple):
-    """The optimal distribution of a cost over the candidates."""
-
-    shares: Floats  # parts of the cost, (n,)
-    loss: float
-    gap: float  # the least loss is at most this much less, by the equivalence theorem
-
-
 def identified(base: Floats, rows: Floats) -> Floats:
     """Return the directions, orthonormal columns (k, r), of which base and rows together inform."""
     root = _root(base)
@@ -153,13 +145,10 @@ def _first(task: Task, allowed: Ints) -> list[int]:
     # In these coordinates the determinant differs by a constant.
     inner = Task(root.T @ root, scaled, task.costs[allowed], None)
     start = [int(pivot) for pivot in pivots[:needed]]
-    return [int(allowed[one]) for one in ordered_by_length(inner, _exchanged(inner, start, None))]
-
-
-def ordered_by_length(task: Task, chosen: Sequence[int]) -> list[int]:
-    """Return candidates from the one that informs most for its cost on."""
-    lengths = (task.rows[chosen] ** 2).sum(axis=1) / task.costs[chosen]
-    return [chosen[one] for one in np.lexsort((chosen, -np.round(lengths / lengths.max(), 9)))]
+    chosen = _exchanged(inner, start, None)
+    # From the one that informs most for its cost on.
+    lengths = (inner.rows[chosen] ** 2).sum(axis=1) / inner.costs[chosen]
+    return [int(allowed[chosen[one]]) for one in np.lexsort((chosen, -np.round(lengths / lengths.max(), 9)))]
 
 
 def _exchanged(task: Task, start: Sequence[int], cost: float | None) -> list[int]:
@@ -198,27 +187,30 @@ def _first_best(losses: Floats) -> int:
     return int(np.flatnonzero(losses <= least + TIE * max(1.0, abs(least)))[0]) if np.isfinite(least) else 0
 
 
-def continuous(task: Task, cost: float) -> Continuous:
-    """Distribute a cost over the candidates by multiplicative steps, each of which makes the distribution better."""
+def continuous(task: Task, cost: float) -> tuple[Floats, float]:
+    """Distribute a cost over the candidates by multiplicative steps, each of which makes the distribution better.
+
+    Return the shares of the cost, (n,), and what no distribution's loss falls below, by the equivalence theorem.
+    """
     rows = task.rows * np.sqrt(cost / task.costs)[:, None]
     whole = task._replace(rows=rows)
     shares = np.full(len(rows), 1.0 / len(rows))
     power = 1.0 if task.targets is None else 0.5
-    for step in range(MAX_STEPS):
+    for _ in range(MAX_STEPS):
         information = task.base + (rows * shares[:, None]).T @ rows
         slopes = whole.sensitivities(information)
-        mean = float(shares @ slopes)
-        gap = float(slopes.max()) - mean
-        if gap < GAP or step == MAX_STEPS - 1:
+        gap = float(slopes.max()) - float(shares @ slopes)
+        if gap < GAP:
             break
-        shares = shares * slopes**power
-        shares /= shares.sum()
+        better = shares * slopes**power
+        shares = better / better.sum()
     # The logarithm of the variance is no convex function: the bound is that of the variance.
     bound = gap if task.targets is None else -log(max(1.0 - gap, 1e-300))
-    return Continuous(shares, float(task.loss(information)), bound)
+    return shares, float(task.loss(information)) - bound
 
 
-def efficiency(task: Task, chosen: Sequence[int], best: Continuous) -> float:
+def efficiency(task: Task, chosen: Sequence[int]) -> float:
     """Return the efficiency of a set, 0 to 1: at least this part of the tests would do if they were optimal."""
-    worse = float(task.loss(task.information(chosen))) - (best.loss - best.gap)
+    least = continuous(task, float(task.costs[chosen].sum()))[1]
+    worse = float(task.loss(task.information(chosen))) - least
     return min(exp(-worse / (task.rows.shape[1] if task.targets is None else 1)), 1.0)

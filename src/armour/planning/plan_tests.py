@@ -249,7 +249,8 @@ def plan_tests(
     all_rows = _with_designs(rows, questions)
     all_rows, names = under_law(all_rows, fit, law)
     likelihood = likelihood_of(all_rows, names, on_progress, prior=prior)
-    known = _knowledge(tests, likelihood, fit, law, scatter_percent, prior=prior, on_progress=on_progress)
+    scatter = None if scatter_percent is None else scatter_percent / 100.0
+    known = _knowledge(tests, likelihood, fit, law, scatter, prior=prior, on_progress=on_progress)
     likelihood, gradients, limits = _gradients(likelihood, known.x, len(rows.names))
     count = len(rows.names)
     informing = gradients[:count] / known.scatter
@@ -301,7 +302,7 @@ def plan_tests(
                 limit_half_widths_m_s=tuple(halves[len(names) :]),
             )
         )
-    best = optimal_design.continuous(task, total) if regular and (criterion == "I" or not lacking) else None
+    comparable = regular and (criterion == "I" or not lacking)
     return PlannedTests(
         planned=tuple(planned),
         criterion=criterion,
@@ -314,7 +315,7 @@ def plan_tests(
         scatter_source=source if scatter_percent is None else "given",
         designs=tuple(design.file for design in questions),
         design_limits_m_s=tuple(limits[count:].tolist()),
-        efficiency=None if best is None else optimal_design.efficiency(task, chosen, best),
+        efficiency=optimal_design.efficiency(task, chosen) if comparable else None,
         not_identified=lacking,
         candidates={key: tuple(cell[key] for cell in rows.cells) for key in rows.cells[0]},
         sensitivities=tuple((slopes / (slopes[chosen] @ task.costs[chosen] / total)).tolist() if regular else ()),
@@ -420,15 +421,13 @@ def _knowledge(
     likelihood: Likelihood,
     inputs: Sequence[str],
     law: Law | None,
-    scatter_percent: float | None,
+    scatter: float | None,
     *,
     prior: bool,
     on_progress: OnProgress,
 ) -> _Knowledge:
     """Return what tests made before and the prior tell of the inputs, and how tests scatter."""
-    scatter = None if scatter_percent is None else scatter_percent / 100.0
-    message = "is missing and must be given: too few tests tell how measurements scatter"
-    missing = InputError([Problem("plan_tests", "scatter_percent", message)])
+    fit = of_tests = None
     if tests is not None:
         tests, names = under_law(tests, inputs, law)
         made = [(tests.file, group.scenario) for group in tests.groups[:1]]
@@ -436,21 +435,20 @@ def _knowledge(
         of_tests = likelihood_of(tests, names, on_progress, prior=prior)
         if enough(tests, of_tests.kept, needed_of(of_tests)):
             fit = fit_inputs(tests, names, on_progress, prior=prior)
-            scatter = scatter or (_given_scatter(tests) if tests.weighted else fit.spread)
-            if scatter is None:
-                raise missing
-            return _fitted(fit, scatter)
-        scatter = scatter or _given_scatter(tests)
+        scatter = scatter or (fit.spread if fit and not tests.weighted else _given_scatter(tests))
     if scatter is None:
-        raise missing
+        message = "is missing and must be given: too few tests tell how measurements scatter"
+        raise InputError([Problem("plan_tests", "scatter_percent", message)])
+    if fit is not None:
+        return _fitted(fit, scatter)
     own = np.array([likelihood.tests.groups[0].column(name)[0] for name in likelihood.names])
     x = likelihood.prior.centred(own / likelihood.units)
     base = likelihood.prior.rows(x).T @ likelihood.prior.rows(x)
-    warnings = ["the plan is best near the values of the inputs that it is made for, which no tests determine"]
-    if tests is not None:
+    warning = "the plan is best near the values of the inputs that it is made for, which no tests determine"
+    if of_tests is not None:
         rows = rows_at(of_tests, x, 1.0)[1]
-        base, warnings = base + rows.T @ rows, [f"{warnings[0]}: too few for a fit"]
-    return _Knowledge(x, base, scatter, None, tuple(warnings))
+        base, warning = base + rows.T @ rows, f"{warning}: too few for a fit"
+    return _Knowledge(x, base, scatter, None, (warning,))
 
 
 def _fitted(fit: Fit, scatter: float) -> _Knowledge:
