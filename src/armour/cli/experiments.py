@@ -212,7 +212,6 @@ def plan_tests(
     **options: Any,
 ) -> Answer:
     """Choose the armours whose tests tell most of model inputs, or of the limit of a design."""
-    from armour.planning.plan_tests import weighted_by
     from armour.reporting.table import csv_text
     from armour.reporting.views.planned_tests import form_table
 
@@ -220,9 +219,7 @@ def plan_tests(
     made = None if tests is None else armour.read_tests(table_file(tests), scenario)
     designs = [read_scenario(path, None, FIT) for path in design or []]
     result = armour.plan_tests(scenario, source, tests=made, designs=designs, on_progress=on_progress, **options)
-    if made is not None and "scatter_percent" in options and not made.weighted:
-        made = weighted_by(made, options["scatter_percent"] / 100.0)
-    return Answer(result, contents={csv: lambda: csv_text(form_table(result, made))})
+    return Answer(result, contents={csv: lambda: csv_text(form_table(result))})
 
 
 def _source(candidates: list[str]) -> "Grid | Cases":

@@ -244,7 +244,7 @@ def plan_tests(
     rows, costs = _candidates(scenario, candidates, measure, cost)
     source: ScatterSource = "uncertainties" if tests is not None and tests.weighted else "residuals"
     if tests is not None and scatter_percent is not None and not tests.weighted:
-        tests = weighted_by(tests, scatter_percent / 100.0)
+        tests = _weighted_by(tests, scatter_percent / 100.0)
     _check_materials([(design.file, design) for design in questions], rows.groups[0].scenario, fit)
     all_rows = _with_designs(rows, questions)
     all_rows, names = under_law(all_rows, fit, law)
@@ -321,7 +321,7 @@ def plan_tests(
         sensitivities=tuple((slopes / (slopes[chosen] @ task.costs[chosen] / total)).tolist() if regular else ()),
         confidence=CONFIDENCE,
         warnings=tuple(warnings),
-    ).of(subject_of(rows), scenario=scenario)
+    ).of(subject_of(rows), scenario=scenario, tests=tests)
 
 
 @contextmanager
@@ -397,7 +397,7 @@ def _with_designs(rows: Tests, designs: Sequence[Scenario]) -> Tests:
     )
 
 
-def weighted_by(tests: Tests, scatter: float) -> Tests:
+def _weighted_by(tests: Tests, scatter: float) -> Tests:
     """Return tests whose measurements have this relative uncertainty."""
     measurements = tuple(m._replace(uncertainty=scatter * m.value) for m in tests.measurements)
     cells = [dict(cell) for cell in tests.cells]

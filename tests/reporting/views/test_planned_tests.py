@@ -58,12 +58,12 @@ def test_tests_that_do_not_determine_the_inputs(result: PlannedTests):
 
 
 def test_the_names_of_planned_tests_go_on(result: PlannedTests):
-    form = form_table(result, None)
+    form = form_table(result)
     made = [
         {column.key: value for column, value in zip(form.columns, row, strict=True)} | {"ballistic_limit_m_s": 760.0}
         for row in form.rows
     ]
-    again = form_table(result, read_tests(made, shipped_scenario("wilkins")))
+    again = form_table(replace(result).of(tests=read_tests(made, shipped_scenario("wilkins"))))
     assert [row[0] for row in again.rows] == [f"planned {i}" for i in range(1, 11)]
 
 
@@ -72,7 +72,7 @@ def test_planned_shots_have_their_velocities():
     wilkins = shipped_scenario("wilkins")
     shots = plan_tests(wilkins, grid, law="backing", number=2, scatter_percent=3.0, measure="outcome")
     assert "3 % of the impact velocity, given" in plan_table(shots).rows[0]
-    assert [row[-1] for row in form_table(shots, None).rows] == pytest.approx(
+    assert [row[-1] for row in form_table(shots).rows] == pytest.approx(
         [0.03 * float(step.inputs[VELOCITY]) for step in shots.planned[1:]], abs=0.05
     )
     drawn = chart(shots)

@@ -106,11 +106,12 @@ def tables(result: PlannedTests) -> list[Table | str]:
     return [plan_table(result), step_table(result), NOTE, *slopes]
 
 
-def form_table(result: PlannedTests, tests: Tests | None) -> Table:
+def form_table(result: PlannedTests) -> Table:
     """Return a table of tests for `armour calibrate` whose measured values are to be filled in.
 
     It has the tests made before, too; the names of the planned tests go on from theirs.
     """
+    tests: Tests | None = result.question.get("tests")
     given = tests.weighted if tests is not None else result.scatter_known
     uncertainty = MEASURED[LIMIT]
     measured = LIMIT if result.measure == "limit" else OUTCOME
