@@ -12,11 +12,16 @@ from armour.scenario.scenario import heading
 
 @dataclass(frozen=True, repr=False)
 class Result:
-    """Result of a computation."""
+    """Result of a computation.
+
+    Attributes
+    ----------
+    question : mapping
+        What was computed, in words, and its scenario or shots, for tables and figures; no part of the data.
+    """
 
     # Makes the tables of a result as HTML.  They belong to a layer above; `armour/__init__.py` sets this.
     _in_html: ClassVar[Callable[["Result"], str] | None] = None
-    # What was computed, in words, and its scenario or shots, for a figure; no field, so that it is no part of the data.
     question: ClassVar[Mapping[str, Any]] = {}
 
     def of(self, computed: str | None = None, **question: Any) -> Self:
