@@ -6,6 +6,7 @@ from armour.analysis.ballistic_limit import (
     confidence,
     curve_velocities,
     residual_velocity_curve,
+    scan_points,
 )
 from armour.analysis.impact import impact_at
 from armour.core.search import scan
@@ -95,6 +96,18 @@ def test_a_run_that_does_not_end_names_its_velocity(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 3)
     with pytest.raises(InputError, match=r"the run at 333\.774 m/s"):
         ballistic_limit(scenario())
+    assert "the run at 333.774 m/s" in confidence(scenario()).reason
+
+
+def test_a_dense_scan_uses_the_engine_if_it_is_compiled(monkeypatch: pytest.MonkeyPatch):
+    """The result is the same to the last bit."""
+    unusual = scenario().with_inputs({"backing.density_kg_m3": 500.0})
+    assert scan_points(unusual) == 1025
+    found = []
+    for compiled in (False, True):
+        monkeypatch.setattr("armour.engine.cache.is_compiled", lambda _name, answer=compiled: answer)
+        found.append(confidence(unusual).ballistic_limit_m_s)
+    assert found[0] == found[1]
 
 
 def test_the_curve_rises_from_the_limit():

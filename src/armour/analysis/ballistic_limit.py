@@ -5,12 +5,13 @@ The confidence in an armour is the probability that it defeats its threat, given
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import isnan
 from typing import Literal
 
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
 from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.core import search
-from armour.errors import NoLimitError
+from armour.errors import InputError, NoLimitError
 from armour.scenario.checked import checked
 from armour.scenario.evidence import ModelError, is_unusual
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -287,19 +288,32 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     Returns
     -------
     ConfidenceResult
-
-    Raises
-    ------
-    InputError
-        If a run does not end within the maximum number of steps.
+        With the reason where no ballistic limit is found or a run does not end within the maximum number of steps.
     """
     try:
-        limit = ballistic_limit(scenario, on_progress=on_progress).ballistic_limit_m_s
+        limit = _limit(scenario, on_progress)
     except NoLimitError as error:
         found = without_limit(scenario, str(error), above=error.above)
+    except InputError as error:
+        found = without_limit(scenario, str(error), above=False)
     else:
         found = of_limit(scenario, limit, scenario.impact.velocity_m_s)
     return found.of(scenario.subject(), scenario=scenario)
+
+
+def _limit(scenario: Scenario, on_progress: OnProgress) -> float:
+    """Return the ballistic limit, m/s, where the scan is dense by the engine if that has been compiled before."""
+    if scan_points(scenario) == search.DENSE_SCAN_POINTS:
+        # Imported here because a usual armour needs no numpy.
+        from armour.analysis.searches import ballistic_limits
+        from armour.analysis.variants import variants_of
+        from armour.engine import cache
+
+        if cache.is_compiled("ballistic_limits"):
+            limit = float(ballistic_limits(variants_of(scenario, {}, 1))[0])
+            if not isnan(limit):
+                return limit
+    return ballistic_limit(scenario, on_progress=on_progress).ballistic_limit_m_s
 
 
 def without_limit(scenario: Scenario, reason: str, *, above: bool) -> ConfidenceResult:

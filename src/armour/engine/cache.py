@@ -66,10 +66,10 @@ def obstacle() -> str:
     return "" if writable else f"in {path.parent}, which cannot be written"
 
 
-def is_compiled() -> bool:
-    """Return whether there is compiled code, without importing numba."""
+def is_compiled(name: str = "") -> bool:
+    """Return whether there is compiled code, or that of a kernel, without importing numba."""
     path = folder()
-    return path is not None and not obstacle() and any(path.glob("*/*.nbi"))
+    return path is not None and not obstacle() and any(path.glob(f"*/*{name}*.nbi"))
 
 
 def kernel(name: str) -> "Kernel":
