@@ -69,7 +69,7 @@ def obstacle() -> str:
 def is_compiled(name: str = "") -> bool:
     """Return whether there is compiled code, or that of a kernel, without importing numba."""
     path = folder()
-    return path is not None and not obstacle() and any(path.glob(f"*/*{name}*.nbi"))
+    return path is not None and not obstacle() and any(name in file.name for file in path.glob("*/*.nbi"))
 
 
 def kernel(name: str) -> "Kernel":
