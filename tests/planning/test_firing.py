@@ -89,12 +89,7 @@ def test_a_stated_error_is_a_prior_and_an_unknown_one_none():
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"procedure": "robbins"}, 'procedure: must be "bayesian", "neyer", "langlie" or "up-and-down", found'),
-        ({"half_width_m_s": 0.0}, "half_width_m_s: must be at least 0.1, found 0"),
-        ({"confidence": 1.0}, "confidence: must be at most 0.9999"),
-        ({"requirement_m_s": float("nan")}, "requirement_m_s: must be"),
         ({"requirement_fraction": 0.1}, "requirement_fraction: must not be given without a requirement"),
-        ({"scatter_factor": 1.0}, "scatter_factor: must be at least 1.01"),
         ({"limits_m_s": (600.0, 900.0)}, "limits_m_s: must not be given with bayesian"),
         ({"limits_m_s": (900.0, 600.0), "procedure": "neyer"}, "limits_m_s: must rise, found 900 and 600"),
         ({"requirement_m_s": 700.0, "procedure": "neyer"}, "requirement_m_s: must not be given with neyer"),
@@ -103,9 +98,6 @@ def test_a_stated_error_is_a_prior_and_an_unknown_one_none():
         ({"true_v50_m_s": 700.0, "simulate": True}, "true_scatter_m_s: must be given, as both"),
         ({"seed": 4}, "seed: must not be given without simulating"),
         ({"limits_m_s": (700.0,), "procedure": "langlie"}, r"limits_m_s\[1\]: is missing and must be given"),
-        ({"limits_m_s": 600.0, "procedure": "langlie"}, "limits_m_s: must be"),
-        ({"simulate": "yes"}, "simulate: must be"),
-        ({"seed": -1}, "seed: must be at least 0"),
     ],
 )
 def test_wrong_settings(settings: dict[str, Any], message: str):
@@ -114,12 +106,8 @@ def test_wrong_settings(settings: dict[str, Any], message: str):
 
 
 def test_wrong_shots():
-    with pytest.raises(InputError, match="as many velocities as results"):
-        plan_shots(scenario(), Shots((700.0,), ()))
     with pytest.raises(InputError, match="must be sequences of velocities and of results"):
         plan_shots(scenario(), Shots(722.0, True))  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="must be at least 1 and at most 10000 m/s, found nan"):
-        plan_shots(scenario(), Shots((float("nan"),), (True,)))
 
 
 @pytest.mark.parametrize("procedure", PROCEDURES)
@@ -155,15 +143,6 @@ def test_limits_that_shots_reach_or_leave_are_warned_of():
     left = plan_shots(scenario(), SHOTS, procedure="langlie", limits_m_s=(730.0, 740.0)).warnings
     assert any("is outside the limits, 730.0 to 740.0 m/s" in warning for warning in left)
     assert not any("limit," in warning for warning in plan_shots(scenario(), SHOTS, procedure="langlie").warnings)
-
-
-def test_a_new_file(tmp_path: Path):
-    path = tmp_path / "s.csv"
-    path.write_bytes(with_shot(path, 722.8, "partial"))
-    path.write_bytes(with_shot(path, 772.25, "complete"))
-    assert path.read_text() == "shot,velocity_m_s,result\n1,722.8,partial\n2,772.25,complete\n"
-    read = read_shots(path)
-    assert (read.velocities_m_s, read.complete) == ((722.8, 772.25), (False, True))
 
 
 @pytest.mark.parametrize(

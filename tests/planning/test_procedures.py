@@ -45,35 +45,14 @@ def test_the_steps_up_and_down(results: tuple[bool, ...], feet: float):
 
 def test_up_and_down_ends_with_three_of_each_kind_within_the_usual_span():
     velocities, results = [700.0, 716.0, 701.0, 717.0, 702.0, 718.0], [False, True] * 3
-    assert stopped_up_and_down(Shots(tuple(velocities), tuple(results)), UP_AND_DOWN).startswith(
-        "3 partial and 3 complete"
-    )
+    ended = stopped_up_and_down(Shots(tuple(velocities), tuple(results)), UP_AND_DOWN)
+    assert ended.startswith("3 partial and 3 complete")
     assert stopped_up_and_down(Shots(tuple(velocities[:5]), tuple(results[:5])), UP_AND_DOWN) == ""
     assert stopped_up_and_down(Shots((700.0, 750.0, 701.0, 751.0, 702.0, 752.0), tuple(results)), UP_AND_DOWN) == ""
     assert stopped_up_and_down(Shots((), ()), UP_AND_DOWN) == ""
 
 
 LANGLIE = ShotSettings(750.0, 15.0, (600.0, 900.0))
-
-
-def test_a_sequence_by_hand():
-    results = (True, False, False, True, True, True, False)
-    # Shot, and the shot or limit that it is midway to.
-    expected = (
-        750.0,  # midway between the limits
-        675.0,  # complete: midway to the lower limit
-        712.5,  # 1 and 2 are one of each: midway between 2 and 1
-        806.25,  # 1 to 3 are one complete and two partial, 2 and 3 partial: midway to the upper limit
-        759.375,  # 3 and 4 are one of each
-        717.1875,  # 2 to 5 are two of each: midway between 5 and 2
-        658.59375,  # 6, 5, 4 complete, 3 and 2 partial, 1 complete: midway to the lower limit
-        687.890625,  # 6 and 7 are one of each
-    )
-    fired = Shots((), ())
-    for number, velocity in enumerate(expected):
-        assert next_by_langlie(fired, LANGLIE).velocity_m_s == velocity
-        if number < len(results):
-            fired = Shots((*fired.velocities_m_s, velocity), (*fired.complete, results[number]))
 
 
 def langlie(velocities: list[float], results: list[bool], low: float, high: float) -> float:
