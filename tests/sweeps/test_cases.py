@@ -58,8 +58,6 @@ def test_a_grid_of_many_axes_is_not_held_in_memory():
     ends = source.rows(np.array([0, 10**12 - 1]))
     assert {key: column.tolist() for key, column in ends.items()} == {key: [0.0, 999.0] for key in "abcd"}
     assert source.rows(np.arange(3))["d"].tolist() == [0.0, 1.0, 2.0]
-    with pytest.raises(InputError, match="over: must span at most 1,000,000,000,000 rows, found 1e\\+15"):
-        sweep_grid(*(key + wide for key in "abcde"))
 
 
 def test_rows_of_cases(tmp_path: Path):
@@ -80,7 +78,6 @@ def test_rows_of_cases(tmp_path: Path):
         ("a,b\n1,\n", 'line 2: b: must be a number, found ""'),
         ("a,b\n1,2\n1\n", "line 3: must have 2 cells as the header has, found 1"),
         ("a,b\nx,1\ny,2\n", "line 2: a: must be a number.*\n.*line 3: a: must be a number"),
-        ("test\nx\n", 'line 2: test: must be a number, found "x"; unknown column; choose from .* armour.ceramic,'),
         ("a,a\n1,2\n", "line 1: a: must be the name of one column, found several"),
         ("a,\n1,2\n", "line 1: must name a key in each column, found none in 2"),
     ],

@@ -224,7 +224,7 @@ def plan_tests(
 
 def _source(candidates: list[str]) -> "Grid | Cases":
     """Return the candidates."""
-    from armour.planning.plan_tests import COST, of_candidates
+    from armour.planning.plan_tests import of_candidates
     from armour.sweeps.cases import Cases
 
     files = [text for text in candidates if "=" not in text]
@@ -233,6 +233,6 @@ def _source(candidates: list[str]) -> "Grid | Cases":
     if files and not files[0].endswith(".csv") and not exists(files[0]):
         raise _problem("--candidates", f'must be KEY=VALUES or a CSV file, found "{files[0]}"')
     if files:
-        return Cases(Path(files[0]), (COST,))
+        return Cases(Path(files[0]))
     with of_candidates():
         return grid_of("--candidates", candidates)

@@ -345,7 +345,7 @@ def _candidates(
     """Return the candidates as tests that measure the limit, and their costs, (n,); None without costs."""
     with of_candidates():
         if isinstance(candidates, str | PathLike):
-            candidates = Cases(Path(candidates), (COST,))
+            candidates = Cases(Path(candidates))
         source = candidates if isinstance(candidates, Grid | Cases) else source_of(candidates)
     file = str(source.path) if isinstance(source, Cases) else "candidates"
     if source.count > MAX_CANDIDATES:

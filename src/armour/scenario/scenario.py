@@ -5,7 +5,7 @@ from copy import deepcopy
 from importlib import import_module
 from operator import ge, gt, itemgetter, le, lt
 from os import PathLike
-from os.path import exists, relpath
+from os.path import relpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,7 +14,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Note, Problem, choices, refuse, suggestion
-from armour.files import located, read_toml, shipped_files, shipped_suites, write_files
+from armour.files import located, read_toml, shipped_files, write_files
 from armour.scenario.changes import changed
 from armour.scenario.checked import checked
 from armour.scenario.evidence import ModelError, armour_warnings, error_on_tests
@@ -419,10 +419,6 @@ def scenario_file(path: Path, others: Mapping[str, Path] | None = None) -> Path:
     """Return the file at a path or, where there is none, the shipped scenario, or other file, of that name."""
     known = {**shipped_files("scenarios", ".toml"), **(others or {})}
     listed = "; `armour init --list` lists the shipped scenarios"
-    if str(path) not in known and not exists(path):
-        kinds = {f"{name}.csv": "table of tests" for name in shipped_files("scenarios/tests", ".csv")}
-        if kind := (kinds | dict.fromkeys(shipped_suites(), "suite")).get(str(path)):
-            raise InputError([Problem(str(path), "", f"must be a scenario, is the name of a shipped {kind}{listed}")])
     return located(path, known, listed)
 
 

@@ -14,16 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armour.csv_files import check_header, in_line_order, number, read_csv, wrong_width
-from armour.errors import InputError, Problem, choices, refuse
+from armour.errors import InputError, Problem, refuse
 from armour.files import csv_value
-from armour.scenario.inputs import INPUTS, NAMES, ROLES
+from armour.scenario.inputs import NAMES
 from armour.scenario.keys import describe, key_name, parts_of
-from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Steps
 from armour.scenario.sections import validated
 
-# More rows than a sweep can compute in years.
-MAX_ROWS = 10**12
 # Cases are held in memory, in 8 bytes a number.
 MAX_CASES = 10_000_000
 # Longer than any name of a projectile or material.
@@ -48,11 +45,6 @@ class Grid:
     """Every combination of the values of several axes; the last axis changes fastest."""
 
     axes: tuple[Axis, ...]
-
-    def __post_init__(self) -> None:
-        if self.count > MAX_ROWS:
-            message = f"must span at most {MAX_ROWS:,} rows, found {self.count:.3g}"
-            raise InputError([Problem("sweep", "over", message)])
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -87,10 +79,10 @@ class Grid:
 class Cases:
     """Rows of a CSV file whose header names keys of the scenario: numbers, and names of projectiles and materials.
 
-    The file is read once; ``others`` are columns of numbers that are no keys.
+    The file is read once.
     """
 
-    def __init__(self, path: Path, others: Sequence[str] = ()) -> None:
+    def __init__(self, path: Path) -> None:
         self.path = path
         lines = read_csv(path)
         first, header = next(lines, (0, []))
@@ -105,7 +97,7 @@ class Cases:
             self.count += len(block)
             if self.count > MAX_CASES:
                 raise InputError([Problem(str(path), "", f"must have at most {MAX_CASES:,} rows, found more")])
-            blocks.append((np.array([line for line, _ in block]), *self._columns(block, others)))
+            blocks.append((np.array([line for line, _ in block]), *self._columns(block)))
         if not self.count:
             raise InputError([Problem(str(path), "", "must have a header of keys and at least one row")])
         self._lines, *columns = map(np.concatenate, zip(*blocks, strict=True))
@@ -123,7 +115,7 @@ class Cases:
         """Return a problem in a row, counted from a row at which a chunk starts, with its line."""
         return Problem(str(self.path), f"line {self._lines[start + row]}", f"{problem.key}: {problem.message}")
 
-    def _columns(self, block: Sequence[tuple[int, Sequence[str]]], others: Sequence[str]) -> list[Any]:
+    def _columns(self, block: Sequence[tuple[int, Sequence[str]]]) -> list[Any]:
         """Return the columns of lines, numbers or names, each (n,)."""
         file = str(self.path)
         refuse(
@@ -136,21 +128,14 @@ class Cases:
             kind, read = ("name", _name) if key in NAMES.values() else ("number", number)
             values = [read(cell) for cell in cells]
             if None in values:
-                known = [*NAMES.values(), *INPUTS, *others]
-                hint = "" if _is_key(key) or key in known else f"; unknown column{choices(key, known)}"
                 problems += (
-                    Problem(file, f"line {line}: {key}", f'must be a {kind}, found "{cell[:40]}"{hint}')
+                    Problem(file, f"line {line}: {key}", f'must be a {kind}, found "{cell[:40]}"')
                     for (line, _), cell, value in zip(block, cells, values, strict=True)
                     if value is None
                 )
             columns.append(np.array(values))
         refuse(in_line_order(problems))
         return columns
-
-
-def _is_key(name: str) -> bool:
-    """Return whether a column is in a section of a scenario or of a role."""
-    return name.split(".")[0] in {*Scenario.model_fields, *ROLES}
 
 
 def _name(cell: str) -> str | None:

@@ -152,7 +152,7 @@ class Store:
     def _open(self) -> None:
         """Check that the folder and the output are this job's, or free."""
         known = self._known()
-        others = differences(self.job, known["job"]) if known else []
+        others = [name for name in self.job if known and known["job"].get(name) != self.job[name]]
         # Without a chunk, it is what a process left that was killed before its first one.
         if others and self.starts():
             message = (
@@ -221,19 +221,6 @@ class Store:
             with suppress(OSError):
                 message += f"; what is done is kept, {RESUME}" if self.starts() else ""
             raise _problem(error.filename or self.output, message) from None
-
-
-def differences(here: Mapping[str, str], there: Mapping[str, str]) -> list[str]:
-    """Return what differs between two jobs, in words."""
-    found = [name for name in here if here[name] != there.get(name)]
-    if "version" in found:
-        # The source of another version is another one.
-        found = [name for name in found if name != "program"]
-    words = {
-        "version": f"version of armour ({there.get('version')}, where this is {here['version']})",
-        "program": "program (its source, or the version of numba or numpy)",
-    }
-    return [words.get(name, name) for name in found]
 
 
 def _problem(path: Path | str, message: str) -> InputError:
