@@ -44,7 +44,7 @@ def v50(
 
     With the scenario of the same armour, the ballistic limit by the model is shown too.
     """
-    fired = armour.read_shots(table_file(shots), one_kind="prior" in options)
+    fired = armour.read_shots(table_file(shots), one_kind=options["prior"])
     return Answer(armour.v50(fired, scenario, on_progress=on_progress, **options))
 
 
@@ -128,7 +128,7 @@ def plan_shots(
         return Answer(armour.plan_shots(scenario, fired, on_progress=on_progress, **options))
     if table is None:
         raise _problem("--result", "adds a shot to SHOTS, which is not given")
-    if "simulate" in options:
+    if options["simulate"]:
         raise _problem("--result", "is of a shot that was fired; it must not be given with --simulate")
     check_outputs(plot=plot, updated=table, force=force)
     return _with_result(scenario, on_progress, table, result, velocity_m_s, options)

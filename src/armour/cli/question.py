@@ -56,33 +56,33 @@ def options_of(function: Callable[..., Any]) -> Iterator[inspect.Parameter]:
     meanings = dict(MEANING.findall(f"{inspect.getdoc(function)}\n"))
     hints = get_type_hints(function)
     for name, each in inspect.signature(function).parameters.items():
-        members = get_args(hints[name]) if get_origin(hints[name]) in (Union, UnionType) else (hints[name],)
-        words = [word for kind in members if get_origin(kind) is Literal for word in get_args(kind)]
+        kinds = get_args(hints[name]) if get_origin(hints[name]) in (Union, UnionType) else (hints[name],)
+        words = [word for kind in kinds if get_origin(kind) is Literal for word in get_args(kind)]
         told = " ".join(meanings.get(name, "").split()).replace("`", "")
         if each.default and each.default is not each.empty and "default" not in told:
             told = f"{told.removesuffix('.')}; by default {each.default}."
-        kind: Any = None
-        if bool in members:
+        if bool in kinds:
             told = told.removeprefix("Whether to ")
-            kind = Annotated[bool, option(told[:1].upper() + told[1:], f"--{name.replace('_', '-')}")]
+            switch = option(told[:1].upper() + told[1:], f"--{name.replace('_', '-')}")
+            yield parameter(name, Annotated[bool, switch], False)
         elif words:
             choices = "|".join(words)
             metavar = choices if len(choices) < 20 else name.upper()
-            kind = Annotated[str | None, option(told, metavar=metavar, autocompletion=completion.among(words))]
-        elif int in members or float in members:
+            word = option(told, metavar=metavar, autocompletion=completion.among(words))
+            yield parameter(name, Annotated[str | None, word])
+        elif int in kinds or float in kinds:
             yield number_option(name, told)
-        elif str in members:
-            kind = Annotated[list[str] | None, option(told, metavar="INPUT", autocompletion=completion.inputs)]
-        if kind is not None:
-            yield parameter(name, kind, False if bool in members else None)
+        elif str in kinds:
+            inputs = option(told, metavar="INPUT", autocompletion=completion.inputs)
+            yield parameter(name, Annotated[list[str] | None, inputs])
 
 
 def number_option(name: str, description: str) -> inspect.Parameter:
     """Return an option of a number."""
-    return parameter(name, Annotated[str | None, option(description, metavar="NUMBER", parser=number)], None)
+    return parameter(name, Annotated[str | None, option(description, metavar="NUMBER", parser=number)])
 
 
-def parameter(name: str, kind: Any, default: Any) -> inspect.Parameter:
+def parameter(name: str, kind: Any, default: Any = None) -> inspect.Parameter:
     """Make a parameter of a command."""
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=kind, default=default)
 
@@ -162,8 +162,7 @@ def question(
         static["scenario"] = static["scenario"].replace(annotation=ScenarioFile)
         static |= {name: number_option(name, text) for name, (_key, text) in keys.items()}
         if csv:
-            table = Annotated[Path | None, option(csv, metavar="FILE"), Output.TABLE]
-            static["csv"] = parameter("csv", table, None)
+            static["csv"] = parameter("csv", Annotated[Path | None, option(csv, metavar="FILE"), Output.TABLE])
         static |= {name: parameter(name, *common) for name, common in COMMON.items() if name not in own}
         files = {
             name: mark for name in static for mark in get_args(static[name].annotation) if isinstance(mark, Output)
@@ -188,13 +187,11 @@ def question(
                 raise InputError([Problem("command line", "--set", "changes a scenario, which is not given")])
             if not first:
                 say_if_compiling()
-            asked = {name: values[name] for name in values if name in own or name not in static}
-            # The defaults are those of the function.
-            asked = {
-                name: value for name, value in asked.items() if name in own or not (value is None or value is False)
-            }
+            # An option that is not given has the default of the public function.
+            given = {name for name in values if name in own or (name not in static and values[name] is not None)}
+            asked = {name: values[name] for name in given} | {"scenario": loaded}
             with progress(unit, first=first) as count, as_options(function.__name__, named):
-                answer = function(**asked | {"scenario": loaded, "on_progress": count})
+                answer = function(on_progress=count, **asked)
             _respond(answer, loaded, outputs, plot=plot, as_json=values["as_json"], of_threats=of_threats)
 
         command.__dict__.update(__signature__=inspect.Signature(), parameters=parameters)
