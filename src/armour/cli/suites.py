@@ -55,10 +55,9 @@ def validate(
     from armour.validation.validate import kept_by_update
 
     path = suite_file("paper" if suite is None else suite)
-    if update and path != suite:
-        refuse([Problem("validate", "--update", "must be given a suite; what is published stays")])
-    if update and changes:
-        refuse([Problem("validate", "--update", "must not be given with --set: the suite would not hold without")])
+    wrong = ["must be given a suite; what is published stays"] if path != suite else []
+    wrong += ["must not be given with --set: the suite would not hold without"] if changes else []
+    refuse(Problem("validate", "--update", message) for message in wrong if update)
     updated = suite if update else None
     check_outputs(markdown, junit, updated=updated, force=force)
     chosen = load_suite(path, changes_of(changes or ())).only(only)
