@@ -176,8 +176,7 @@ class Answers:
     @cached_property
     def perforated(self) -> Bools:
         """Whether each impact perforates."""
-        found: Bools = self.impacts.outcome == Outcome.PERFORATED
-        return found
+        return self.impacts.outcome == Outcome.PERFORATED
 
     @cached_property
     def ballistic_limits(self) -> Floats:
@@ -208,8 +207,7 @@ class Answers:
     @cached_property
     def residual_masses(self) -> Floats:
         """Residual masses of the penetrators, g."""
-        found: Floats = self.fields.rho_p * cross_section(self.fields.D0) * self.impacts.L / G
-        return found
+        return self.fields.rho_p * cross_section(self.fields.D0) * self.impacts.L / G
 
     @property
     def fields(self) -> Any:
@@ -229,8 +227,7 @@ class Answers:
     @property
     def masses_lost(self) -> Floats:
         """Masses lost, %."""
-        found: Floats = 100.0 * (1.0 - (self.impacts.L / MM) / (self.fields.L0 / MM))
-        return found
+        return 100.0 * (1.0 - (self.impacts.L / MM) / (self.fields.L0 / MM))
 
     @property
     def plug_velocities(self) -> Floats:
@@ -240,8 +237,7 @@ class Answers:
     @property
     def probabilities_of_defeat(self) -> Floats:
         """Probabilities of defeating the threats, given the error of the model."""
-        found: Floats = self.variants.errors.probability_of_defeat(self.ballistic_limits, self.variants.velocities)
-        return found
+        return self.variants.errors.probability_of_defeat(self.ballistic_limits, self.variants.velocities)
 
     def changes(self, quantities: Sequence[str]) -> dict[str, int]:
         """Return ways in which quantities are not all of the answer, in words, each with its number of rows."""

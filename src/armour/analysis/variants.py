@@ -58,21 +58,18 @@ class Variants(NamedTuple):
     @property
     def ceramics_mm(self) -> Floats:
         """Ceramic thicknesses, mm, (n,)."""
-        found: Floats = batch.fields(self.parameters).Hc0 / MM
-        return found
+        return batch.fields(self.parameters).Hc0 / MM
 
     @property
     def backings_mm(self) -> Floats:
         """Back plate thicknesses, mm, (n,)."""
-        found: Floats = batch.fields(self.parameters).Hb / MM
-        return found
+        return batch.fields(self.parameters).Hb / MM
 
     @property
     def areal_densities_kg_m2(self) -> Floats:
         """Areal densities, kg/m², (n,)."""
         p = batch.fields(self.parameters)
-        found: Floats = p.rho_c * p.Hc0 + p.rho_B * p.Hb
-        return found
+        return p.rho_c * p.Hc0 + p.rho_B * p.Hb
 
 
 def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:
@@ -113,8 +110,7 @@ def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[t
 
 def unusual(variants: Variants) -> Bools:
     """Return which rows are far from all that the model was compared with."""
-    found: Bools = is_unusual(batch.fields(variants.parameters))
-    return found
+    return is_unusual(batch.fields(variants.parameters))
 
 
 def grid_of(scenario: Scenario) -> Optimise:
@@ -144,8 +140,7 @@ def impacts(variants: Variants, threads: int | None = None) -> batch.Impacts:
 
 def perforated(variants: Variants, threads: int | None = None) -> Bools:
     """Return whether the impact of each row perforates."""
-    found: Bools = impacts(variants, threads).outcome == Outcome.PERFORATED
-    return found
+    return impacts(variants, threads).outcome == Outcome.PERFORATED
 
 
 def check_resolved(resolved: Bools, variants: Variants) -> None:

@@ -185,8 +185,7 @@ class Catalogue:
 
     def objective(self, candidates: Candidates) -> Floats:
         """Return the quantity of each design that is minimised."""
-        values: Floats = getattr(candidates, self.section.minimise)
-        return values
+        return getattr(candidates, self.section.minimise)
 
     def ranges(self, pair: int) -> list[tuple[str, str, float, float]]:
         """Return key, name and ends, mm, of the ranges of thicknesses of a pair; lists of thicknesses are none."""

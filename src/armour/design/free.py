@@ -66,8 +66,7 @@ def minimise_over_backings(
         best = values.argmin(axis=1)
         centre, least = backings[rows, best], values.min(axis=1)
         if width <= BACKING_TOLERANCE_MM or not np.isfinite(least).any():
-            found: Floats = least
-            return found
+            return least
         closer = np.linspace(np.maximum(centre - width, low), np.minimum(centre + width, high), 2 * CLOSER, axis=1)
         backings = np.concatenate([centre[:, None], closer], axis=1)
         width /= CLOSER

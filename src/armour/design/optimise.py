@@ -373,8 +373,7 @@ def _refined(search: Search, first: int) -> BestDesign:
 
 def _governing(search: Search, where: Ints) -> list[int]:
     """Return for each design the threat whose required velocity the ballistic limit exceeds by the least."""
-    threats: list[int] = search.excess_m_s(where).argmin(axis=1).tolist()
-    return threats
+    return search.excess_m_s(where).argmin(axis=1).tolist()
 
 
 def _designs(search: Search, where: Ints, *, with_margins: bool) -> tuple[Design, ...]:

@@ -56,8 +56,7 @@ class Search:
 
     def excess_m_s(self, where: Ints) -> Floats:
         """Return by how much lowest ballistic limits exceed the velocities required, m/s, (designs, threats)."""
-        excess: Floats = self.limits(where) - self.catalogue.required_m_s(self.candidates.at(where))
-        return excess
+        return self.limits(where) - self.catalogue.required_m_s(self.candidates.at(where))
 
     def probabilities(self, place: int) -> "dict[str, Estimate] | None":
         """Return the probabilities of perforation of a design, by threat that bounds it; None where one is too high."""
@@ -164,8 +163,7 @@ class Search:
 
     def margins(self, limits: Floats) -> Floats:
         """Return ballistic limits, (designs, threats), less the velocities of the threats, m/s."""
-        margins: Floats = limits - self.catalogue.velocities_m_s
-        return margins
+        return limits - self.catalogue.velocities_m_s
 
     def _resolutions(self, costs: Floats, criteria: Sequence[str]) -> Floats:
         """Return the difference of each criterion that counts; limits are determined to a tolerance."""

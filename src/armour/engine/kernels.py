@@ -147,8 +147,7 @@ def compiled(name: str, folder: Path | None = None) -> Kernel:
     gc.disable()
     try:
         compile_by_name(folder)
-        found: Kernel = compiled_function(kernel, types.void(*SIGNATURES[name]), folder, nogil=True)
-        return found
+        return compiled_function(kernel, types.void(*SIGNATURES[name]), folder, nogil=True)
     finally:
         if collecting:
             gc.enable()

@@ -36,8 +36,7 @@ class Task(NamedTuple):
     def information(self, chosen: Sequence[int] | Ints) -> Floats:
         """Return the information of a set of candidates with the base, (k, k)."""
         rows = self.rows[np.asarray(chosen, dtype=int)]
-        found: Floats = self.base + rows.T @ rows
-        return found
+        return self.base + rows.T @ rows
 
     def loss(self, information: Floats) -> Floats:
         """Return the criterion of matrices, (..., k, k): less is better, inf where they are singular."""
@@ -55,11 +54,9 @@ class Task(NamedTuple):
         """Return how fast the criterion falls when information is added in the direction of each candidate, (n,)."""
         inverse = np.linalg.inv(information)
         if self.targets is None:
-            quadratic: Floats = np.einsum("nk,kl,nl->n", self.rows, inverse, self.rows)
-            return quadratic
+            return np.einsum("nk,kl,nl->n", self.rows, inverse, self.rows)
         seen = self.rows @ inverse @ self.targets.T
-        found: Floats = (seen**2).sum(axis=1) / np.einsum("tk,kl,tl->", self.targets, inverse, self.targets)
-        return found
+        return (seen**2).sum(axis=1) / np.einsum("tk,kl,tl->", self.targets, inverse, self.targets)
 
 
 def identified(base: Floats, rows: Floats) -> Floats:
@@ -70,15 +67,13 @@ def identified(base: Floats, rows: Floats) -> Floats:
     scaled = every / np.where(scale > 0.0, scale, 1.0)
     _, values, directions = np.linalg.svd(scaled, full_matrices=False)
     kept = directions[values > SINGULAR * values.max(initial=1e-300)] * scale
-    found: Floats = np.linalg.qr(kept.T)[0]
-    return found
+    return np.linalg.qr(kept.T)[0]
 
 
 def _root(information: Floats) -> Floats:
     """Return rows whose information is that of a matrix, (k, k)."""
     values, vectors = np.linalg.eigh(information)
-    found: Floats = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
-    return found
+    return np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
 
 
 def missing(base: Floats, rows: Floats) -> int:
@@ -177,8 +172,7 @@ def _worth(task: Task, losses: Floats, totals: Floats, cost: float | None) -> Fl
     """Return losses of sets; inf where they are too dear or, without a bound, for the same total cost."""
     if cost is None:
         losses, totals = losses + task.rows.shape[1] * np.log(totals), np.zeros_like(totals)
-    found: Floats = np.where(totals <= (cost or 0.0) * (1.0 + TIE), losses, np.inf)
-    return found
+    return np.where(totals <= (cost or 0.0) * (1.0 + TIE), losses, np.inf)
 
 
 def _first_best(losses: Floats) -> int:

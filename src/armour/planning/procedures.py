@@ -156,8 +156,7 @@ FLAT = 1.31525757633905
 
 def _weights(z: Floats) -> Floats:
     """Return the Fisher information of shots on the argument of the normal distribution function."""
-    weights: Floats = np.exp(-z * z - np.log(2.0 * np.pi) - log_ndtr(z) - log_ndtr(-z))
-    return weights
+    return np.exp(-z * z - np.log(2.0 * np.pi) - log_ndtr(z) - log_ndtr(-z))
 
 
 INFORMATION = _weights(ARGUMENTS)
@@ -285,16 +284,14 @@ def gains(weights: Floats, target: Floats, response: Floats) -> Floats:
     probability = _product(weights, response).clip(1e-12, 1.0 - 1e-12)
     mean = weights @ target
     covariance = _product(weights * (target - mean[:, None]), response)
-    gained: Floats = covariance**2 / (probability * (1.0 - probability))
-    return gained
+    return covariance**2 / (probability * (1.0 - probability))
 
 
 def _product(weights: Floats, response: Floats) -> Floats:
     """Return the sums over the points, (n, m)."""
     # On a busy machine the threads of the linear algebra cost more than few distributions are worth.
     few = len(weights) <= FUTURES
-    product: Floats = np.einsum("np,mp->nm", weights, response) if few else weights @ response.T
-    return product
+    return np.einsum("np,mp->nm", weights, response) if few else weights @ response.T
 
 
 def candidates(known: Posterior, settings: ShotSettings, count: int) -> Floats:
@@ -320,8 +317,7 @@ class Firings:
 
     def aims(self) -> Floats:
         """Return the next velocity of each firing."""
-        best: Floats = self.velocities[gains(self.weights, self.target, self.response).argmax(axis=1)]
-        return best
+        return self.velocities[gains(self.weights, self.target, self.response).argmax(axis=1)]
 
     def add(self, velocities: Floats, complete: Bools) -> None:
         """Add a shot to each firing."""

@@ -103,8 +103,7 @@ def _column(source: Source) -> Column:
 
 def _cell(item: Any, source: Source) -> Cell:
     value = getattr(item, source.key) if isinstance(source, Column) else source[1]
-    cell: Cell = value(item) if callable(value) else value
-    return cell
+    return value(item) if callable(value) else value
 
 
 def csv_text(table: Table) -> str:

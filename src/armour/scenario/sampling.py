@@ -45,8 +45,7 @@ def correlated(uncertainty: Uncertainty, points: Floats) -> Floats:
     if not uncertainty.correlation:
         return points
     factor = np.linalg.cholesky(correlation_matrix(list(uncertainty.inputs()), uncertainty.correlation))
-    found: Floats = ndtr(ndtri(points) @ factor.T)
-    return found
+    return ndtr(ndtri(points) @ factor.T)
 
 
 def columns_of(uncertainty: Uncertainty, own: Mapping[str, float], points: Floats) -> dict[str, Floats]:
@@ -71,8 +70,7 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, own: float) 
         return np.full(np.shape(probabilities), own)
     value, start, end = _truncated(distribution, own)
     parts = np.asarray(probabilities)
-    found: Floats = np.clip(value((1.0 - parts) * start + parts * end), *_ends(distribution))
-    return found
+    return np.clip(value((1.0 - parts) * start + parts * end), *_ends(distribution))
 
 
 @lru_cache(maxsize=64)

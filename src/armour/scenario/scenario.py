@@ -146,8 +146,7 @@ class Scenario(Section):
     def name_of(self, role: str) -> str | None:
         """Return the name of the library entry in a role; None if the scenario names no ceramic."""
         section, key = NAMES[role].split(".")
-        name: str | None = getattr(getattr(self, section), key)
-        return name
+        return getattr(getattr(self, section), key)
 
     def entry_of(self, role: str) -> LibraryEntry | None:
         """Return the library entry in a role; None if the scenario names no ceramic."""

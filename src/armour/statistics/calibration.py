@@ -335,8 +335,7 @@ def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bool
     added = deviations * left_out
     scatter = np.maximum(deviations @ deviations - added, 0.0) / freedom
     limit = t.ppf(1.0 - 0.5 * FALSE_ALARMS / len(deviations), freedom)
-    found: Bools = added > limit**2 * scatter
-    return found
+    return added > limit**2 * scatter
 
 
 def _strange(tests: Tests, residuals: Sequence[Residual], coefficients: int) -> Iterator[str]:

@@ -37,8 +37,7 @@ class Prior(NamedTuple):
     def scores(self, x: Floats) -> Floats:
         """Return independent standard normal scores of inputs in their units, (q,)."""
         some = x[self.where]
-        found: Floats = self.root @ ((np.where(self.logs, np.log(np.abs(some)), some) - self.centres) / self.widths)
-        return found
+        return self.root @ ((np.where(self.logs, np.log(np.abs(some)), some) - self.centres) / self.widths)
 
     def rows(self, x: Floats) -> Floats:
         """Return the derivatives of the scores by the inputs, (q, k)."""
@@ -48,8 +47,7 @@ class Prior(NamedTuple):
 
     def deviations(self, x: Floats) -> Floats:
         """Return the standard deviations of the inputs near a point, (q,)."""
-        found: Floats = self.widths * np.where(self.logs, x[self.where], 1.0)
-        return found
+        return self.widths * np.where(self.logs, x[self.where], 1.0)
 
     def centred(self, x: Floats) -> Floats:
         """Return a point with the inputs that have a distribution at its centre."""
@@ -175,8 +173,7 @@ class Likelihood(NamedTuple):
         scales = [m.uncertainty or m.value for m in self.tests.measurements]
         values = np.array([m.value for m in self.tests.measurements])
         self.on_progress(len(values), None)
-        found: Floats = ((self.predicted(x) - values) / scales)[self.kept]
-        return found
+        return ((self.predicted(x) - values) / scales)[self.kept]
 
     def predicted(self, x: Floats) -> Floats:
         """Return the model's values of the m measurements; inputs are in their units, (k,) or, test by test, (k, n)."""
@@ -313,8 +310,7 @@ def search(likelihood: Likelihood, start: Floats, held: int | None = None, scatt
             return np.concatenate([of_tests, prior.scores(found)])
 
         def slopes(some: Floats) -> Floats:
-            found: Floats = approx_fprime(some, losses, DIFFERENCE)
-            return found
+            return approx_fprime(some, losses, DIFFERENCE)
 
         if len(free):
             x[free] = least_squares(
@@ -438,8 +434,7 @@ def rows_at(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats, 
 
 def hazard(z: Floats) -> Floats:
     """Return the density of the normal distribution divided by the distribution function."""
-    found: Floats = np.exp(-0.5 * z * z - log_ndtr(z)) / sqrt(2.0 * pi)
-    return found
+    return np.exp(-0.5 * z * z - log_ndtr(z)) / sqrt(2.0 * pi)
 
 
 def _aicc(likelihood: Likelihood, best: Point) -> float | None:

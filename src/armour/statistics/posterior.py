@@ -39,8 +39,7 @@ NODES, NARROWINGS, DEPTH, ENOUGH = (201, 31), 6, 15.0, 0.75
 
 def _normal(probabilities: Floats) -> Floats:
     """Return quantiles of the normal distribution, all finite."""
-    quantiles: Floats = ndtri(probabilities.clip(1e-15, 1.0 - 1e-15))
-    return quantiles
+    return ndtri(probabilities.clip(1e-15, 1.0 - 1e-15))
 
 
 @dataclass(frozen=True)
@@ -81,8 +80,7 @@ class FiringPrior(NamedTuple):
         error, df = self.error, self.error.degrees_of_freedom
         t = (100.0 * (v50 / self.limit_m_s - 1.0) - error.mean_percent) / error.scale_percent
         z = (log_ratio - log(self.scatter_percent / 100.0)) / log(self.scatter_factor)
-        density: Floats = -0.5 * (df + 1.0) * np.log1p(t * t / df) - 0.5 * z * z
-        return density
+        return -0.5 * (df + 1.0) * np.log1p(t * t / df) - 0.5 * z * z
 
     def greatest_scatter_m_s(self) -> float:
         """Return the upper end of the plausible interval of the scatter, at the model's limit."""
@@ -99,8 +97,7 @@ class Grid(NamedTuple):
 
     def response(self, velocities_m_s: Floats) -> Floats:
         """Return the probability of complete penetration at velocities, (m,) -> (m, points)."""
-        response: Floats = ndtr((velocities_m_s[:, None] - self.v50_m_s) / self.scatter_m_s)
-        return response
+        return ndtr((velocities_m_s[:, None] - self.v50_m_s) / self.scatter_m_s)
 
     def v50_quantiles(self, weights: Floats, probabilities: Sequence[float]) -> Floats:
         """Return quantiles of V50 for each of n distributions of weight over the points, (n, points) -> (n, k)."""
@@ -133,8 +130,7 @@ class Posterior(NamedTuple):
         step = max(float(logs[1] - logs[0]), 1e-12)
         some = np.linspace(logs.min() - 0.5 * step, logs.max() + 0.5 * step, 2 * self.grid.shape[1])
         below = np.array([self.weights @ np.clip(0.5 + (one - logs) / step, 0.0, 1.0) for one in some])
-        found: list[float] = np.exp(np.interp(ndtri(probabilities), _normal(below), some)).tolist()
-        return found
+        return np.exp(np.interp(ndtri(probabilities), _normal(below), some)).tolist()
 
     def variance(self, target: Floats) -> float:
         """Return the variance of a quantity that has values at the points, (points,)."""
@@ -144,8 +140,7 @@ class Posterior(NamedTuple):
         """Return the probability density of V50 at velocities, s/m; 0 beyond the grid."""
         nodes = self.grid.v50_m_s[:: self.grid.shape[1]]
         parts = self.weights.reshape(self.grid.shape).sum(axis=1)
-        density: Floats = np.interp(velocities_m_s, nodes, parts / (nodes[1] - nodes[0]), left=0.0, right=0.0)
-        return density
+        return np.interp(velocities_m_s, nodes, parts / (nodes[1] - nodes[0]), left=0.0, right=0.0)
 
     def probability_above(self, velocity_m_s: float, fraction: float) -> float:
         """Return the probability that the velocity at which a fraction of shots perforates exceeds a velocity."""
@@ -159,8 +154,7 @@ def is_above(grid: Grid, velocity_m_s: float, fraction: float) -> Floats:
     """
     excess = grid.v50_m_s + float(ndtri(fraction)) * grid.scatter_m_s - velocity_m_s
     step = max(float(np.diff(grid.v50_m_s[:: grid.shape[1]]).mean()), 1e-12)
-    above: Floats = np.clip(0.5 + excess / step, 0.0, 1.0)
-    return above
+    return np.clip(0.5 + excess / step, 0.0, 1.0)
 
 
 def prior_of(

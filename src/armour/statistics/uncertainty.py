@@ -69,8 +69,7 @@ def _basis(chances: Floats, uniform: bool) -> Floats:
 def _moments(basis: Floats, values: Floats) -> Floats:
     """Return the sums of products of the columns of a basis, (n, terms), and values, (n,)."""
     columns = np.column_stack([basis, values])
-    found: Floats = columns.T @ columns
-    return found
+    return columns.T @ columns
 
 
 def _explained(moments: Floats) -> Floats:
@@ -78,8 +77,7 @@ def _explained(moments: Floats) -> Floats:
     basis, products, squares = moments[:, :-1, :-1], moments[:, :-1, -1], moments[:, -1, -1]
     fitted = np.einsum("ni,ni->n", products, np.linalg.solve(basis, products[..., None])[..., 0])
     mean = products[:, 0] ** 2 / basis[:, 0, 0]
-    found: Floats = (fitted - mean) / (squares - mean)
-    return found
+    return (fitted - mean) / (squares - mean)
 
 
 def total_indices(
@@ -104,8 +102,7 @@ def total_indices(
 def _changed(sums: Floats) -> Floats:
     """Return the total index from stacked sums of 1, values, their squares and half the squares of their changes."""
     count, values, squares, changes = sums.T
-    found: Floats = changes / (squares - values**2 / count)
-    return found
+    return changes / (squares - values**2 / count)
 
 
 def _sums(values: Floats) -> Floats:

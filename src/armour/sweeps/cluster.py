@@ -91,8 +91,7 @@ class _SameProgram(Executor):
 
     def submit(self, function: Callable[..., Any], /, *args: Any) -> Future[Any]:  # type: ignore[override]
         """Call a function; it and its arguments go as bytes, which a worker of another version does not read."""
-        future: Future[Any] = self._executor.submit(_called_there, program(), pickle.dumps((function, args)))
-        return future
+        return self._executor.submit(_called_there, program(), pickle.dumps((function, args)))
 
 
 def _called_there(expected: str, call: bytes) -> Any:

@@ -130,8 +130,7 @@ class SweepResult(TableResult):
         if name not in self.columns:
             message = f"must name a column, found {describe(name)}{choices(str(name), list(self.columns))}"
             raise InputError([Problem("sweep", "column", message)])
-        column: NDArray[Any] = self.columns[name]
-        return column
+        return self.columns[name]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.columns)

@@ -49,8 +49,7 @@ class Question(NamedTuple):
 
 
 def _quantity(name: str, asked: Asked) -> float | str:
-    value: float | str = QUANTITIES[name].compute(asked.answers)[0].item()
-    return value
+    return QUANTITIES[name].compute(asked.answers)[0].item()
 
 
 def _saved_percent(amount: Callable[[Variants], Floats], asked: Asked) -> float:
