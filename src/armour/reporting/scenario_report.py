@@ -29,7 +29,6 @@ from armour.reporting.views.confidence import DEFEAT, SAMPLED_ALONE, chance, ext
 from armour.reporting.views.design import AREAL_DENSITY, BALLISTIC_LIMIT, COST, MARGIN, REQUIRED, required_margins
 from armour.reporting.views.library import entry_table
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, ROLES, VELOCITY
-from armour.scenario.library import LibraryEntry
 from armour.scenario.scenario import Scenario, title_beside
 from armour.scenario.schema import Threat
 from armour.statistics.sensitivity import SensitivityResult, sensitivity
@@ -62,7 +61,6 @@ class Contents:
     energy: EnergyBalance
     sensitivity: SensitivityResult
     uncertainty: UncertaintyResult | None  # None without distributions that apply to the answer
-    entries: tuple[LibraryEntry, ...]  # projectile and materials
     warnings: tuple[str, ...]
 
 
@@ -82,9 +80,7 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
 
     design = optimise(scenario, on_progress=on_part) if asks_for_design(scenario) and not as_is else None
     faced = _faced(scenario if design is None else _with_best(scenario, design))
-    threats = (
-        [_against(*each) for each in faced] if design is None else [_passed(design, threat) for _, threat in faced]
-    )
+    threats = [_against(*each, design) for each in faced]
     sampled = scenario.uncertainty is not None and bool(scenario.uncertainty.inputs())
     misplaced = [_misplaced(scenario, against) for against, _ in faced]
     if sampled:
@@ -114,7 +110,6 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         energy=energy_balance(answer, impact),
         sensitivity=sensitivity(answer, on_progress=on_part),
         uncertainty=uncertainty(answer, on_progress=on_part) if sampled and not misplaced[place] else None,
-        entries=tuple(entry for role in ROLES if (entry := answer.entry_of(role)) is not None),
         warnings=(
             *(impact.warnings if design is None else design.warnings),
             *(() if limit is None else not_monotonic(limit)),
@@ -144,11 +139,16 @@ def _faced(scenario: Scenario) -> list[tuple[Scenario, Threat]]:
     ]
 
 
-def _against(scenario: Scenario, threat: Threat) -> AgainstThreat:
+def _against(scenario: Scenario, threat: Threat, design: DesignResult | None) -> AgainstThreat:
+    """Return the scenario's own armour, or else the best design, against a threat."""
+    name, required = threat.title, threat.margin_m_s
+    if design is not None:
+        best = design.best
+        return AgainstThreat(name, True, best.margins_m_s[name], required, best.probabilities_of_defeat[name])
     limit, sure = _limit(scenario)
     margin = None if limit is None else limit.ballistic_limit_m_s - threat.velocity_m_s
     defeated = simulate(scenario).outcome == "defeated"
-    return AgainstThreat(threat.title, defeated, margin, threat.margin_m_s, sure.probability_of_defeat)
+    return AgainstThreat(name, defeated, margin, required, sure.probability_of_defeat)
 
 
 def _excess(found: AgainstThreat) -> float:
@@ -156,12 +156,6 @@ def _excess(found: AgainstThreat) -> float:
     if found.margin_m_s is None:
         return inf if found.defeated else -inf
     return found.margin_m_s - found.required_margin_m_s
-
-
-def _passed(design: DesignResult, threat: Threat) -> AgainstThreat:
-    """Return the best design against a threat."""
-    best, name = design.best, threat.title
-    return AgainstThreat(name, True, best.margins_m_s[name], threat.margin_m_s, best.probabilities_of_defeat[name])
 
 
 def _sampled(found: AgainstThreat, scenario: Scenario, on_part: OnProgress) -> AgainstThreat:
@@ -389,8 +383,8 @@ def _tables(contents: Contents) -> Iterator[tuple[str, Table]]:
     if contents.uncertainty is not None:
         yield "Results under uncertain inputs", uncertainty_view.estimate_table(contents.uncertainty)
     yield "Sensitivity to the inputs", sensitivity_view.elasticity_table(contents.sensitivity)
-    for entry in contents.entries:
-        yield f"{entry.kind.capitalize()}: {entry.name}", _in_words(entry_table(entry))
+    for entry in filter(None, map(contents.answer.entry_of, ROLES)):
+        yield f"{entry.kind.capitalize()}: {entry.name}", entry_table(entry, Column("quantity", prose=True), in_words)
 
 
 def _margins(contents: Contents) -> Table:
@@ -413,12 +407,6 @@ def _requirement(found: AgainstThreat) -> str:
         return ""
     has = found.defeated if found.margin_m_s is None else found.margin_m_s >= found.required_margin_m_s
     return "met" if has else "not met"
-
-
-def _in_words(table: Table) -> Table:
-    """Return a table of keys, the first column, with their words and units in place of them."""
-    columns = (Column("quantity", prose=True), *table.columns[1:])
-    return replace(table, columns=columns, rows=tuple((in_words(str(name)), *rest) for name, *rest in table.rows))
 
 
 def _charts(contents: Contents) -> Iterator[Chart]:

@@ -5,7 +5,7 @@ from typing import Any, TypeVar
 import numpy as np
 import pytest
 
-from armour.analysis.ballistic_limit import ballistic_limit, curve_velocities, residual_velocity_curve
+from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import simulate
 from armour.design.optimise import Pair
 from armour.reporting.charts import (
@@ -115,8 +115,7 @@ def test_a_long_tail_is_left_out():
 
 def test_a_ballistic_limit():
     limit = ballistic_limit(scenario())
-    velocities = curve_velocities(limit, scenario())
-    chart = limit_view.limit_chart(limit, residual_velocity_curve(scenario(), velocities))
+    chart = limit_view.chart(limit)
     [panel] = chart.panels
     assert labels(panel) == ["no armour", "projectile", "plug", f"ballistic limit {WILKINS_LIMIT:.1f} m/s"]
     assert some(panel, Line)[1].y[0] == 0.0

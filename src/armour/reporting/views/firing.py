@@ -38,15 +38,17 @@ def v50_table(result: FiringResult) -> Table:
 
 def recommended_table(fit: FittedCurve, level: float) -> Table:
     """Return the velocities and the scale of the recommended curve, with their intervals."""
-    rows = (
-        ("V50", fit.v50_m_s, fit.v50_interval_m_s),
-        ("V05", fit.v05_m_s, fit.v05_interval_m_s),
-        ("V95", fit.v95_m_s, fit.v95_interval_m_s),
-        ("scale", fit.scale_m_s, fit.scale_interval_m_s),
+
+    def ends(name: str) -> str:
+        return interval(getattr(fit, f"{name.lower()}_interval_m_s"), ".1f")
+
+    return listing(
+        ("V50", "V05", "V95", "scale"),
+        (Column("quantity"), str),
+        (Column("estimate", "m/s", ".1f"), lambda name: getattr(fit, f"{name.lower()}_m_s")),
+        (Column(f"{percent(level)} interval", "m/s"), ends),
+        title=f"recommended: {fit.curve}, {fit.method}",
     )
-    columns = Column("quantity"), Column("estimate", "m/s", ".1f"), Column(f"{percent(level)} interval", "m/s")
-    cells = tuple((name, value, interval(ends, ".1f")) for name, value, ends in rows)
-    return Table(columns, cells, f"recommended: {fit.curve}, {fit.method}")
 
 
 def curve_table(result: FiringResult) -> Table:

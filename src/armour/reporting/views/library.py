@@ -1,5 +1,7 @@
 """The library of projectiles and materials, and what is shipped."""
 
+from collections.abc import Callable
+
 from armour.files import read_toml, shipped_files, shipped_suites
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.scenario.library import OPTIONAL, Kind, Library, LibraryEntry
@@ -47,10 +49,13 @@ def shipped_tables() -> list[Table | str]:
     ]
 
 
-def entry_table(entry: LibraryEntry) -> Table:
-    """Return the values of an entry of the library, with status and source."""
-    columns = (Column("key"), Column("value", spec="g"), Column("status"), Column("source", prose=True))
-    return Table(columns, tuple((key, v.value, v.status, v.source) for key, v in entry.values.items()))
+KEY = Column("key")
+
+
+def entry_table(entry: LibraryEntry, first: Column = KEY, words: Callable[[str], str] = str) -> Table:
+    """Return the values of an entry of the library, with status and source; on request with keys in words."""
+    columns = (first, Column("value", spec="g"), Column("status"), Column("source", prose=True))
+    return Table(columns, tuple((words(key), v.value, v.status, v.source) for key, v in entry.values.items()))
 
 
 def entry_tables(entry: LibraryEntry) -> list[Table | str]:

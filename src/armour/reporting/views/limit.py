@@ -1,9 +1,6 @@
 """A ballistic limit."""
 
-from collections.abc import Sequence
-
 from armour.analysis.ballistic_limit import LimitResult, curve_velocities, residual_velocity_curve
-from armour.analysis.impact import ImpactResult
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, listing, record
 from armour.reporting.text import interval
@@ -45,19 +42,15 @@ def tables(result: LimitResult) -> list[Table | str]:
     return [*found, error_note(result, result.model_error)]
 
 
-def limit_chart(limit: LimitResult, curve: Sequence[ImpactResult]) -> charts.Chart:
-    """Describe the residual velocity over impact velocity, in the order of the curve, with the ballistic limit."""
-    impact = [result.impact_velocity_m_s for result in curve]
-    series = (
-        charts.Line(impact, impact, ":", 1.0, label="no armour", colour="ink"),
-        charts.Line(impact, [result.residual_velocity_m_s for result in curve], label="projectile"),
-        charts.Line(impact, [result.plug_velocity_m_s for result in curve], "--", label="plug", colour="green"),
-        charts.velocity_rule("ballistic limit", limit.ballistic_limit_m_s, "vermilion"),
-    )
-    return charts.Chart("", (charts.residual_velocity_panel(series, limits=(impact[0], impact[-1])),))
-
-
 def chart(result: LimitResult) -> charts.Chart:
     """Describe the residual velocity over impact velocity, which is computed here, with the ballistic limit."""
     scenario = charts.needed(result, "scenario")
-    return limit_chart(result, residual_velocity_curve(scenario, curve_velocities(result, scenario)))
+    curve = residual_velocity_curve(scenario, curve_velocities(result, scenario))
+    impact = [each.impact_velocity_m_s for each in curve]
+    series = (
+        charts.Line(impact, impact, ":", 1.0, label="no armour", colour="ink"),
+        charts.Line(impact, [each.residual_velocity_m_s for each in curve], label="projectile"),
+        charts.Line(impact, [each.plug_velocity_m_s for each in curve], "--", label="plug", colour="green"),
+        charts.velocity_rule("ballistic limit", result.ballistic_limit_m_s, "vermilion"),
+    )
+    return charts.Chart("", (charts.residual_velocity_panel(series, limits=(impact[0], impact[-1])),))

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from armour.errors import InputError, Problem
 from armour.reporting import charts
@@ -43,14 +42,11 @@ def _undrawn(message: str) -> InputError:
     return InputError([Problem("plot", "result", message)])
 
 
-Floats = NDArray[np.float64]
-
-
 # Rows of a sweep whose points are marked on a curve.
 MAX_MARKERS = 40
 
 
-def sweep_chart(table: Mapping[str, Floats], keys: Sequence[str], name: str, scenario: Scenario) -> charts.Chart:
+def sweep_chart(table: Mapping[str, Any], keys: Sequence[str], name: str, scenario: Scenario) -> charts.Chart:
     """Describe a quantity over one key of a sweep, as a curve, or two, as a map; thicknesses have areal densities.
 
     Over a key of names there is a bar for each name, and over such a key and numbers a curve for each.

@@ -96,6 +96,7 @@ def chart(result: UncertaintyResult) -> charts.Chart:
         for velocity, value, low, high in points
     )
     label = f"at {at:g} m/s: {p.value:.3f}, {p.low:.3f} to {p.high:.3f} by sampling"
+    words = f"perforated {label}"
     quantiles = {name: result.ballistic_limit_m_s[name].value for name in ("V05", "V50", "V95")}
     series: list[charts.Series] = [
         charts.Band(curve.velocity_m_s, curve.low, curve.high),
@@ -107,23 +108,12 @@ def chart(result: UncertaintyResult) -> charts.Chart:
             charts.velocity_rule(*item, "soft", style)
             for item, style in zip(quantiles.items(), ("-.", "-", "--"), strict=True)
         ),
-        charts.Points(
-            [at],
-            [p.value],
-            y_ends=((p.low, p.high),),
-            label=label,
-            colour="vermilion",
-            text=(f"perforated {label}",),
-        ),
+        charts.Points([at], [p.value], y_ends=((p.low, p.high),), label=label, colour="vermilion", text=(words,)),
     ]
     uncertain = [velocity for velocity, value, *_ in points if SHOWN_PROBABILITY < value < 1.0 - SHOWN_PROBABILITY]
     changed = [limit for index in result.inputs for limit in index.limits_m_s]
-    x = charts.Axis(
-        "velocity",
-        "m/s",
-        spec=".1f",
-        limits=charts.widened([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *changed]),
-    )
+    limits = charts.widened([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *changed])
+    x = charts.Axis("velocity", "m/s", spec=".1f", limits=limits)
     panels = [charts.Panel(x, charts.Axis("probability of perforation", limits=(0.0, 1.0)), tuple(series))]
     if result.inputs:
         names = tuple(charts.quantity_axis(index.input).label for index in result.inputs)
