@@ -1,6 +1,7 @@
 import tomllib
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,10 +13,11 @@ from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics.calibration import calibrate, with_ceramic
 from armour.statistics.fitted_library import library_text, save_fit, scenario_text
 from armour.statistics.measured import read_tests
-from tests.helpers.cases import TESTS, csv_file, scenario, shipped_scenario
-from tests.helpers.fits import wilkins_fit
+from tests.helpers.cases import TESTS, scenario, shipped_scenario
+from tests.helpers.fits import table_of, wilkins_fit
 
 C, B = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
+LIMITS = f"{C},{B},ballistic_limit_m_s"
 
 
 def test_a_library_holds_the_tests(tmp_path: Path):
@@ -99,52 +101,6 @@ coefficient = 0.2
     assert found.entry("ceramic", "AD85, calibrated")["flow_stress_backing_exponent"] == pytest.approx(0.3232, abs=1e-3)
 
 
-def test_a_coefficient_that_is_bounded_on_one_side_has_no_distribution(tmp_path: Path):
-    wilkins = shipped_scenario("wilkins")
-    header = "impact.velocity_m_s,outcome,ballistic_limit_uncertainty_m_s"
-    tests = read_tests(csv_file(tmp_path / "t.csv", header, "700,defeated,10"), wilkins)
-    with pytest.raises(NoAnswerError, match=r"ceramic\.flow_stress_GPa on one side only"):
-        scenario_text(calibrate(tests, wilkins), tests, wilkins, tmp_path / "s.toml")
-
-
-def test_a_library_of_outcomes_has_their_velocities_and_no_interval_that_is_open(tmp_path: Path):
-    wilkins = shipped_scenario("wilkins")
-    header = "impact.velocity_m_s,outcome,ballistic_limit_uncertainty_m_s"
-    tests = read_tests(csv_file(tmp_path / "t.csv", header, "700,defeated,10", "750,perforated,10"), wilkins)
-    result = calibrate(tests, wilkins)
-    [stress] = result.coefficients
-    opened = replace(result, coefficients=(replace(stress, interval=(None, 6.0)),))
-    for found, interval in ((result, True), (opened, False)):
-        [entry] = tomllib.loads(library_text(found, tests, wilkins))["ceramic"].values()
-        assert ("% interval" in entry["flow_stress_GPa"]["source"]) is interval
-        assert [test["impact.velocity_m_s"] for test in entry["flow_stress_GPa"]["tests"]] == [700.0, 750.0]
-
-
-def test_too_few_tests_have_no_error_of_the_model(tmp_path: Path):
-    wilkins = shipped_scenario("wilkins")
-    header = f"{C},ballistic_limit_m_s,ballistic_limit_uncertainty_m_s"
-    tests = read_tests(csv_file(tmp_path / "t.csv", header, "6.35,720,5"), wilkins)
-    written = tomllib.loads(scenario_text(calibrate(tests, wilkins), tests, wilkins, tmp_path / "s.toml"))
-    assert "model" not in written["uncertainty"]
-
-
-def test_a_coefficient_that_is_not_identified_is_not_written(tmp_path: Path):
-    wilkins = shipped_scenario("wilkins")
-    rows = [f"6.35,6.35,{v}" for v in (700, 710, 720)]
-    tests = read_tests(csv_file(tmp_path / "t.csv", f"{C},{B},ballistic_limit_m_s", *rows), wilkins)
-    with pytest.raises(NoAnswerError, match="not identified"):
-        library_text(calibrate(tests, wilkins, law="ceramic"), tests, wilkins)
-
-
-def test_a_fit_that_no_scenario_allows_is_not_written(tmp_path: Path):
-    wilkins = shipped_scenario("wilkins")
-    rows = ("5,6,166.39", "6,7,181.98", "7,5,173.88", "8,8,203.81")
-    tests = read_tests(csv_file(tmp_path / "t.csv", f"{C},{B},ballistic_limit_m_s", *rows), wilkins)
-    result = calibrate(tests, wilkins, ["projectile.penetrator_diameter_mm"])
-    with pytest.raises(NoAnswerError, match=r"nothing to write: .* must make a rod 0\.1 to 100 diameters long"):
-        library_text(result, tests, wilkins)
-
-
 def test_an_entry_of_the_scenario_is_written_whole(tmp_path: Path):
     entry = {"based_on": "AD85", "density_kg_m3": 3500.0}
     for name in ("mine", "AD85"):
@@ -164,3 +120,45 @@ def test_a_fit_is_saved_as_the_command_writes_it(tmp_path: Path):
     assert load_scenario(tmp_path / "case.toml").armour.ceramic == "AD85, calibrated"
     with pytest.raises(InputError, match="save_fit: library: must be given, or fitted"):
         save_fit(result, tests, wilkins)
+
+
+OUTCOMES = "impact.velocity_m_s,outcome,ballistic_limit_uncertainty_m_s"
+
+
+def test_a_library_of_outcomes_has_their_velocities_and_no_interval_that_is_open():
+    wilkins = shipped_scenario("wilkins")
+    tests = table_of(wilkins, OUTCOMES, "700,defeated,10", "750,perforated,10")
+    result = calibrate(tests, wilkins)
+    [stress] = result.coefficients
+    opened = replace(result, coefficients=(replace(stress, interval=(None, 6.0)),))
+    for found, interval in ((result, True), (opened, False)):
+        [entry] = tomllib.loads(library_text(found, tests, wilkins))["ceramic"].values()
+        assert ("% interval" in entry["flow_stress_GPa"]["source"]) is interval
+        assert [test["impact.velocity_m_s"] for test in entry["flow_stress_GPa"]["tests"]] == [700.0, 750.0]
+
+
+def test_too_few_tests_have_no_error_of_the_model(tmp_path: Path):
+    wilkins = shipped_scenario("wilkins")
+    tests = table_of(wilkins, f"{C},ballistic_limit_m_s,ballistic_limit_uncertainty_m_s", "6.35,720,5")
+    written = tomllib.loads(scenario_text(calibrate(tests, wilkins), tests, wilkins, tmp_path / "s.toml"))
+    assert "model" not in written["uncertainty"]
+
+
+@pytest.mark.parametrize(
+    ("table", "settings", "message"),
+    [
+        ([OUTCOMES, "700,defeated,10"], {}, r"ceramic\.flow_stress_GPa on one side only"),
+        ([LIMITS, "6.35,6.35,700", "6.35,6.35,710", "6.35,6.35,720"], {"law": "ceramic"}, "not identified"),
+        (
+            [LIMITS, "5,6,166.39", "6,7,181.98", "7,5,173.88", "8,8,203.81"],
+            {"fit": ["projectile.penetrator_diameter_mm"]},
+            r"nothing to write: .* must make a rod 0\.1 to 100 diameters long",
+        ),
+    ],
+)
+def test_what_is_not_written(tmp_path: Path, table: list[str], settings: dict[str, Any], message: str):
+    """An input that is bounded on one side only or not identified, and a fit that no scenario allows."""
+    wilkins = shipped_scenario("wilkins")
+    tests = table_of(wilkins, *table)
+    with pytest.raises(NoAnswerError, match=message):
+        scenario_text(calibrate(tests, wilkins, **settings), tests, wilkins, tmp_path / "s.toml")
