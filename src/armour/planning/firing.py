@@ -278,8 +278,10 @@ def plan_shots(
     if simulate:
         dice = np.random.default_rng(seed)
         if true_v50_m_s is None or true_scatter_m_s is None:
-            drawn = _known(prior, "true_v50_m_s", "to draw it from")
-            true_v50_m_s, true_scatter_m_s = _drawn(posterior_of(drawn, fired.velocities_m_s, fired.complete), dice)
+            prior = _known(prior, "true_v50_m_s", "to draw it from")
+            grid, weights = posterior_of(prior, fired.velocities_m_s, fired.complete)
+            drawn = dice.choice(len(weights), p=weights)
+            true_v50_m_s, true_scatter_m_s = float(grid.v50_m_s[drawn]), float(grid.scatter_m_s[drawn])
         for _ in range(MAX_SIMULATED):
             if why_stopped(fired, settings):
                 break
@@ -339,12 +341,6 @@ def _known(prior: FiringPrior | None, key: str, purpose: str) -> FiringPrior:
         message = f"must be given: the error of the model, {purpose}, is not known"
         raise InputError([Problem("plan_shots", key, message)])
     return prior
-
-
-def _drawn(known: Posterior, dice: np.random.Generator) -> tuple[float, float]:
-    """Return V50 and scatter to simulate shots with, m/s."""
-    drawn = dice.choice(len(known.weights), p=known.weights)
-    return float(known.grid.v50_m_s[drawn]), float(known.grid.scatter_m_s[drawn])
 
 
 def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:

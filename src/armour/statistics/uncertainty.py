@@ -120,6 +120,8 @@ INDEX_DIVISOR, MIN_INDEX_SAMPLES, MAX_INDEX_SAMPLES = 4, 256, 2**16
 # Samples that are computed at a time, which bounds the memory.
 SAMPLES_AT_A_TIME = 2**12
 
+UNKNOWN = Note("the error of the model is not known for such an armour, and not included", "uncertainty.model")
+
 # Called with the number of samples computed since the last call.
 OnSamples = Callable[[int], None]
 
@@ -245,7 +247,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     NoLimitError
         If a sample has no ballistic limit in the range of the search.
     """
-    section = section_of(scenario)
+    section, error = section_of(scenario), scenario.model_error()
     points = points_of(section)
     total = section.samples + index_samples(section) * (len(_ranked(section)) + 1)
     hits, limits = np.empty(section.samples, dtype=bool), np.empty(section.samples)
@@ -272,11 +274,11 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         inputs=influences(scenario, points, limits, on_samples),
         warnings=(
             *_misplaced(section, scenario.inputs()),
-            *_unknown(scenario),
+            *([] if error or scenario.excludes_error() else [UNKNOWN]),
             *scenario.unused_threats(),
             *scenario.warnings(deterministic, "ballistic_limit"),
         ),
-        model_error=scenario.model_error(),
+        model_error=error,
     ).of(scenario.subject(), scenario=scenario)
 
 
@@ -298,13 +300,6 @@ def _misplaced(section: Uncertainty, own: Mapping[str, float]) -> Iterator[Note]
             moved = moved_mean(distribution, own[name])
             if moved:
                 yield Note(f"truncation moves its mean from {moved[0]:g} to {moved[1]:.4g}", f"uncertainty.{name}")
-
-
-def _unknown(scenario: Scenario) -> tuple[str, ...]:
-    """Return a warning where the error of the model is not known."""
-    if scenario.model_error() is not None or scenario.excludes_error():
-        return ()
-    return ("uncertainty.model: the error of the model is not known for such an armour, and not included",)
 
 
 def _in_portions(scenario: Scenario, points: Floats, on_samples: OnSamples) -> Iterator[tuple[slice, Samples]]:
@@ -401,10 +396,5 @@ def influences(scenario: Scenario, points: Floats, limits: Floats, on_samples: O
         Influence(name, first.get(name), total.get(name), (low, high))
         for name, (low, high) in zip(names, limits_at_ends, strict=True)
     ]
-    return tuple(sorted(result, key=_influence, reverse=True))
-
-
-def _influence(index: Influence) -> float:
-    """Return the total index or, without one, the first-order index."""
-    found = index.total or index.first
-    return found.value if found else 0.0
+    none = Estimate(0.0, 0.0, 0.0)
+    return tuple(sorted(result, key=lambda index: (index.total or index.first or none).value, reverse=True))
