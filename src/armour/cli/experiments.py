@@ -25,7 +25,7 @@ FAR_FROM_PLAN = 0.1
 LIMITS = {"limits_m_s": "--lower-m-s, --upper-m-s", "limits_m_s[0]": "--lower-m-s", "limits_m_s[1]": "--upper-m-s"}
 
 
-@question(*LIMIT, what="the ballistic limit", first="fitting")
+@question(LIMIT, what="the ballistic limit", first="fitting")
 def v50(
     on_progress: "OnProgress",
     shots: Annotated[
@@ -48,7 +48,7 @@ def v50(
     return Answer(armour.v50(fired, scenario, on_progress=on_progress, **options))
 
 
-@question(*FIT, unit="tests")
+@question(FIT, unit="tests")
 def calibrate(
     on_progress: "OnProgress",
     tests: Annotated[
@@ -88,7 +88,7 @@ def calibrate(
     return Answer(result, contents=contents, file=str(tests))
 
 
-@question(*LIMIT, first="searching", named=LIMITS)
+@question(LIMIT, first="searching", named=LIMITS)
 def plan_shots(
     scenario: "Scenario",
     on_progress: "OnProgress",
@@ -179,7 +179,7 @@ def _problem(name: str, message: str) -> InputError:
     return InputError([Problem("command line", name, message)])
 
 
-@question(*FIT, unit="armours", named={"designs": "--design"})
+@question(FIT, unit="armours", named={"designs": "--design"})
 def plan_tests(
     scenario: "Scenario",
     on_progress: "OnProgress",

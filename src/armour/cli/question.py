@@ -136,7 +136,8 @@ class Answer(NamedTuple):
 
 
 def question(
-    *reads: str,
+    reads: Sequence[str],
+    *,
     what: str = "the answer",
     unit: str = "impacts",
     first: str = "",
@@ -180,6 +181,7 @@ def question(
             check_outputs(*outputs, tables=tables, plot=plot, force=values["force"])
             loaded = None
             if values["scenario"] is not None:
+                # The prior of a fit is the distributions; that of V50 the error of the model, which it always reads.
                 read = [*reads, "uncertainty"] if values.get("prior") and "uncertainty.model" not in reads else reads
                 settings = {f"--{name}": (key, values[name]) for name, (key, _text) in keys.items()}
                 loaded = read_scenario(values["scenario"], changes, read, settings, what)

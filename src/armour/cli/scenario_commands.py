@@ -41,7 +41,7 @@ LIMIT = ("impact.projectile", "armour", "ballistic_limit", "uncertainty.model")
 
 
 @question(
-    *("impact", "armour", "ballistic_limit", "uncertainty.model"),
+    ("impact", "armour", "ballistic_limit", "uncertainty.model"),
     what="the simulated impact",
     first="computing",
     velocity=("impact.velocity_m_s", "Impact velocity in place of the scenario's, m/s."),
@@ -63,7 +63,7 @@ def simulate(
     return Answer(result.of(confidence=sure), warnings, more)
 
 
-@question(*LIMIT, what="the ballistic limit", first="searching")
+@question(LIMIT, what="the ballistic limit", first="searching")
 def ballistic_limit(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     """Find the ballistic limit."""
     from armour.analysis.ballistic_limit import not_monotonic
@@ -72,7 +72,7 @@ def ballistic_limit(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     return Answer(result, (*not_monotonic(result), *result.warnings))
 
 
-@question(*LIMIT, what="the ballistic limit", first="searching")
+@question(LIMIT, what="the ballistic limit", first="searching")
 def compare(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     """Compare the model with closed-form formulas."""
     from armour.analysis.ballistic_limit import not_monotonic
@@ -82,7 +82,7 @@ def compare(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
 
 
 @question(
-    *DESIGNS,
+    DESIGNS,
     what="the design",
     csv="Write the Pareto front or, where none is asked for, the frontier as CSV.",
     of_threats=True,
@@ -96,7 +96,7 @@ def optimise(scenario: "Scenario", on_progress: "OnProgress", **options: Any) ->
     return Answer(armour.optimise(scenario, on_progress=on_progress, **options))
 
 
-@question("impact", "armour", "ballistic_limit", "optimise", unit="designs")
+@question(("impact", "armour", "ballistic_limit", "optimise"), unit="designs")
 def sensitivity(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     """Rank the inputs by their effect on the answers.
 
@@ -107,7 +107,7 @@ def sensitivity(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
 
 
 @question(
-    *("impact", "armour", "ballistic_limit", "uncertainty"),
+    ("impact", "armour", "ballistic_limit", "uncertainty"),
     unit="samples",
     samples=("uncertainty.samples", "Number of samples in place of the scenario's, at least 128."),
 )
