@@ -115,7 +115,3 @@ def test_parts_take_half_a_second(rows_per_second: float, expected: list[int], m
     assert [part.stop - part.start for part in parts] == expected
     assert parts[0].start == 0
     assert all(before.stop == after.start for before, after in pairwise(parts))
-
-
-def test_no_rows_have_no_part():
-    assert list(results.portions(0, 10)) == []

@@ -1,7 +1,7 @@
 """Searches by interpolation, against bisection on the outcome."""
 
 from collections.abc import Callable
-from math import inf, nextafter, sqrt
+from math import inf, sqrt
 from typing import Any
 
 import pytest
@@ -14,17 +14,12 @@ from armour.core.search import (
     CLOSE,
     ENERGY_LEFT,
     GOLDEN,
-    HIDDEN_RUNS,
-    MAX_INTERPOLATED_RUNS,
-    PARABOLA_ERROR,
     Bracket,
     Change,
     Impact,
     Root,
     SearchResult,
     Solver,
-    after_defeat,
-    after_perforation,
     bisected,
     change_at_peak,
     change_between_causes,
@@ -35,7 +30,6 @@ from armour.core.search import (
     impact,
     impact_of,
     initial_bracket,
-    is_converged,
     narrowed,
     next_change,
     next_point,
@@ -67,13 +61,6 @@ def test_the_limits_are_those_of_scan_and_bisection_in_few_runs():
         runs.append(found.runs - scanned)
     assert max(runs) <= 12
     assert sum(runs) / len(runs) < 7
-
-
-def test_an_interval_of_bisection():
-    for x, expected in ((0.0, (0.0, 0.125)), (0.3, (0.25, 0.375)), (0.375, (0.375, 0.5)), (1.0, (0.875, 1.0))):
-        assert bisected(x, 0.0, 1.0, 0.2) == expected
-    low, high = bisected(0.3, 0.0, 1.0, 0.0)
-    assert low <= 0.3 < high == nextafter(low, 1.0)
 
 
 def test_the_least_thickness_takes_few_runs():
@@ -150,18 +137,6 @@ def test_the_slope_at_the_root_is_that_of_the_parabola():
     assert slope_at_root(700.0, x(1.0), 1.0, x(3.0), 3.0) == pytest.approx(0.3)
 
 
-def test_a_bracket_after_runs():
-    b = after_perforation(initial_bracket(0.0, 1000.0), 800.0, 100.0, 750.0, 7.0)
-    assert (b.high, b.high_known, b.low_known, b.points, b.runs) == (800.0, True, False, 1, 1)
-    assert (b.estimate, b.error) == (750.0, 7.0)
-    b = after_defeat(b, 740.0)
-    assert (b.low, b.low_known, b.runs) == (740.0, True, 2)
-    b = after_perforation(b, 760.0, 20.0, 0.0, 0.0)
-    assert b.estimate == pytest.approx(750.0)
-    assert b.error == pytest.approx(0.0)
-    assert (b.x1, b.f1, b.x2, b.f2) == (760.0, 20.0, 800.0, 100.0)
-
-
 SOLVER = Solver(1.0, 0.0, STEPS)
 
 
@@ -230,19 +205,6 @@ def test_the_next_point_is_inside_the_bracket(tolerance: float, points: int, run
             assert 750.0 < next_point(b, tolerance) < 800.0
 
 
-def test_convergence():
-    b = known_bracket(750.0, 750.5)
-    assert is_converged(b, 0.5)
-    assert not is_converged(b, 0.4)
-    assert not is_converged(b._replace(low_known=False), 0.5)
-    assert is_converged(b._replace(high=750.0000000000001), 0.0)
-
-
-def test_a_scan_is_evenly_spaced_on_a_logarithmic_scale():
-    assert scan(3.0, 48.0, 5) == pytest.approx([3.0, 6.0, 12.0, 24.0, 48.0])
-    assert len(VELOCITIES) == search.SCAN_POINTS
-
-
 def test_how_near_an_impact_is_to_the_other_outcome():
     p = armour()
     y = State(Z=5e-3, L=1.01e-3 * p.L0, V=300.0, W=0.0, h=0.0)
@@ -290,24 +252,6 @@ def hill(V: float) -> Impact:
     return stopped(V, -((V - 250.0) ** 2))
 
 
-def test_a_peak_is_searched_by_golden_section(monkeypatch: pytest.MonkeyPatch):
-    velocities = scanned_as(monkeypatch, hill)
-    found = change_at_peak(armour(), hill(100.0), hill(200.0), hill(400.0), SOLVER)
-    first = 200.0 + 200.0 * GOLDEN
-    second = first + (400.0 - first) * GOLDEN
-    third = first + (200.0 - first) * GOLDEN
-    fourth = third + (200.0 - third) * GOLDEN
-    assert velocities[:4] == pytest.approx([first, second, third, fourth])
-    assert len(velocities) == found.runs == HIDDEN_RUNS
-    assert found.below == found.above
-    assert pytest.approx(250.0, abs=3.0) == found.above.V
-    velocities = scanned_as(monkeypatch, hill)
-    found = change_at_peak(armour(), hill(100.0), hill(270.0), hill(300.0), SOLVER)
-    assert velocities[0] == pytest.approx(270.0 - 170.0 * GOLDEN)
-    assert velocities[1] == pytest.approx(270.0 + (velocities[0] - 270.0) * GOLDEN)
-    assert pytest.approx(250.0, abs=3.0) == found.above.V
-
-
 @pytest.mark.parametrize("resolved", [True, False])
 def test_a_search_of_a_peak_ends_at_the_other_outcome(monkeypatch: pytest.MonkeyPatch, resolved: bool):
     def given(V: float) -> Impact:
@@ -319,15 +263,6 @@ def test_a_search_of_a_peak_ends_at_the_other_outcome(monkeypatch: pytest.Monkey
     velocities = scanned_as(monkeypatch, given)
     above = change_at_peak(armour(), hill(230.0), hill(240.0), hill(265.0), SOLVER)
     assert above == Change(hill(240.0), given(240.0 + 25.0 * GOLDEN), 1)
-
-
-def test_causes_are_separated_by_bisection(monkeypatch: pytest.MonkeyPatch):
-    velocities = scanned_as(monkeypatch, lambda V: stopped(V, eroded=V > 130.0))
-    found = change_between_causes(armour(), stopped(100.0), stopped(200.0, eroded=True), SOLVER)
-    assert velocities[:5] == [150.0, 125.0, 137.5, 131.25, 128.125]
-    assert len(velocities) == found.runs == HIDDEN_RUNS
-    assert found.below == found.above
-    assert 130.0 - 100.0 / 2**HIDDEN_RUNS <= found.below.V <= 130.0
 
 
 @pytest.mark.parametrize("resolved", [True, False])
@@ -365,22 +300,6 @@ def test_a_scan_ends_at_a_change_or_an_unresolved_run(monkeypatch: pytest.Monkey
     assert changes(monkeypatch, rising) == (Change(rising[-1], rising[-1], 3), [])
     falling = [Impact(10.0 * i, True, False, True, -float(i)) for i in range(1, 6)]
     assert changes(monkeypatch, [*falling, stopped(60.0)]) == (Change(falling[-1], stopped(60.0), 4), [])
-
-
-def test_a_scan_searches_at_a_peak_and_between_causes(monkeypatch: pytest.MonkeyPatch):
-    depths = [1.0, 2.0, 4.0, 3.0, 3.0, 3.5, 3.5, 2.0]
-    given = [stopped(10.0 * (i + 1), depth) for i, depth in enumerate(depths)]
-    found, searched = changes(monkeypatch, given)
-    assert found == Change(given[-1], given[-1], 6 + 10)
-    assert searched == [(given[1], given[2], given[3])]
-    eroding = [i._replace(eroded=i.V > 25.0) for i in given]
-    found, searched = changes(monkeypatch, eroding)
-    assert found == Change(eroding[-1], eroding[-1], 6 + 10)
-    assert searched == [(eroding[1], eroding[2])]
-    for hidden in (Impact(35.0, True, False, True, -1.0), Impact(35.0, False, False, False, 0.0)):
-        found, _ = changes(monkeypatch, given, hidden)
-        confirming = 2 if hidden.resolved else 0
-        assert found == Change(given[2], hidden, 2 + 10 + confirming)
 
 
 def test_a_change_between_near_velocities_is_confirmed(monkeypatch: pytest.MonkeyPatch):
@@ -423,35 +342,10 @@ def test_a_dense_scan_ends_at_a_change_of_usual_runs():
     assert limits[0] == pytest.approx(limits[1], abs=0.02)
 
 
-@pytest.mark.parametrize("resolved", [True, False])
-def test_a_change_is_reported_with_its_runs(monkeypatch: pytest.MonkeyPatch, resolved: bool):
-    above = Impact(800.0, True, False, resolved, -1.0)
-    monkeypatch.setattr(search, "next_change", lambda *_: Change(stopped(700.0), above, 5))
-    monkeypatch.setattr(search, "narrowed", lambda *_: SearchResult(750.0, 751.0, 4, True))
-    found = find_ballistic_limit(armour(), VELOCITIES, 1e-3, 1.0, 0.0, STEPS)
-    assert found == ((750.0, 751.0, 10, True) if resolved else (800.0, 800.0, 6, False))
-
-
 def linear(V: float, sign: float, limit: float = 700.0, left: float = 0.8, bend: float = 0.0) -> Impact:
     """Impacts on the other side of a limit whose residual energy is about a part of what is left above the limit."""
     more = sign * (V * V - limit * limit)
     return Impact(V, True, False, True, -left * more - bend * more * more) if more > 0.0 else stopped(V)
-
-
-@pytest.mark.parametrize(("bend", "rough_runs", "runs"), [(0.0, 2, 4), (1e-6, 4, 7)])
-def test_a_change_is_narrowed_in_few_runs(monkeypatch: pytest.MonkeyPatch, bend: float, rough_runs: int, runs: int):
-    def given(V: float) -> Impact:
-        return linear(V, 1.0, bend=bend)
-
-    monkeypatch.setattr(search, "rough_impact", lambda _, V, __: given(V))
-    monkeypatch.setattr(search, "impact", lambda _, V, __: given(V))
-    root = rough_root(armour(), 620.0, 790.0, given(790.0), 1.0, SOLVER)
-    assert root.x == pytest.approx(700.0, rel=1e-4)
-    assert root.slope == pytest.approx(1.0 / (0.8 * 1400.0), rel=1e-2)
-    assert root.resolved
-    found = narrowed(armour(), Change(given(620.0), given(790.0), 0), 1e-4, SOLVER)
-    assert found == (*bisected(700.0, 620.0, 790.0, 1e-4), runs, True)
-    assert root.runs == rough_runs
 
 
 def test_a_change_to_defeat_is_narrowed(monkeypatch: pytest.MonkeyPatch):
@@ -483,17 +377,3 @@ def test_an_unresolved_run_ends_the_narrowing(monkeypatch: pytest.MonkeyPatch):
     found = narrowed(armour(), change, 1e-4, SOLVER)
     assert found == (found.low, found.low, rough.runs + 1, False)
     assert found.low == pytest.approx(700.0, abs=2e-4)
-
-
-def test_the_next_point_is_beyond_the_estimate_by_its_error():
-    b = known_bracket(700.0, 800.0)._replace(estimate=740.0, error=2.0)
-    for points, beyond in ((1, 2.0), (2, 0.03 * 60.0), (3, PARABOLA_ERROR * 2.0)):
-        assert next_point(b._replace(points=points), 0.03) == pytest.approx(740.0 + beyond)
-        assert next_point(b._replace(points=points), 30.0) == pytest.approx(750.0)
-    b = b._replace(points=1)
-    assert next_point(b._replace(runs=MAX_INTERPOLATED_RUNS), 0.03) == pytest.approx(742.0)
-    assert next_point(b._replace(runs=MAX_INTERPOLATED_RUNS + 1), 0.03) == 750.0
-    assert next_point(b._replace(estimate=799.0), 10.0) == pytest.approx(791.0)
-    assert next_point(b._replace(estimate=792.0, error=0.0), 10.0) == pytest.approx(792.0 + 10.0 / 3.0)
-    assert next_point(b._replace(estimate=695.0), 0.03) == pytest.approx(700.0 + 4.0 * 5.0)
-    assert next_point(b._replace(estimate=699.0, error=0.5), 0.03) == pytest.approx(700.0 + 4.0 * 1.0)

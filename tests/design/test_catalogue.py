@@ -1,7 +1,6 @@
 """Catalogues: layers, threats, constraints and costs, and wrong questions about them."""
 
 from typing import Any
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.engine import batch
 from armour.errors import InputError, NoDesignError
-from armour.scenario import scenario as scenarios
 from tests.helpers.cases import CERAMICS, METALS, RANGE, THREATS, catalogue, scenario
 from tests.helpers.plain_designs import defeats, designs, posed
 
@@ -143,14 +141,6 @@ def test_nothing_on_offer():
         optimise(catalogue(fast))
 
 
-def test_a_pair_that_cannot():
-    metals = [{"material": "6061-T6", "thickness_mm": [10.0]}, {"material": "7075-T6", "thickness_mm": [0.5]}]
-    result = optimise(catalogue(backing=metals))
-    assert [pair.reason for pair in result.pairs if pair.best is None] == [
-        "no design defeats 7.62 mm AP at 800 m/s or M2"
-    ] * 2
-
-
 @pytest.mark.parametrize(
     "asked",
     [{"minimise": "cost_per_m2"}, {"pareto": ["thickness_mm", "cost_per_m2"]}, {"cost_max_per_m2": 1000.0}],
@@ -228,16 +218,6 @@ def test_the_rows_of_pairs_and_threats_are_those_of_their_scenarios(ceramic: str
             variants = found.variants(one, threat)
             assert variants.parameters.tolist() == batch.packed([armour]).tolist()
             assert variants.velocities.tolist() == [found.threats[threat].required_m_s]
-
-
-def test_no_scenario_is_made_for_a_material(monkeypatch: pytest.MonkeyPatch):
-    """Each would validate the whole library."""
-    case, parsed = catalogue(), Mock(wraps=scenarios._made)
-    monkeypatch.setattr(scenarios, "_made", parsed)
-    found = catalogue_of(case)
-    assert not parsed.called
-    found.against(0, 0)
-    assert parsed.called
 
 
 @pytest.mark.parametrize(

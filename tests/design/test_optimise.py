@@ -169,11 +169,6 @@ def test_no_design_is_no_answer():
         optimise(threat)
 
 
-def test_a_scenario_without_a_grid():
-    with pytest.raises(InputError, match="optimise: is missing"):
-        optimise(scenario())
-
-
 def test_a_grid_of_ceramic_without_a_ceramic():
     with pytest.raises(InputError, match=r"armour\.ceramic: must name a ceramic"):
         optimise(scenario(ceramic=None, ceramic_mm=0.0, optimise=GRID))

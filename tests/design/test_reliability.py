@@ -1,7 +1,6 @@
 """Bounds on the probability of perforation."""
 
 from typing import Any
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.design.reliability import Reliability
 from armour.errors import InputError, NoDesignError
-from armour.scenario import scenario as scenarios
 from tests.helpers.cases import METALS, THREATS, catalogue
 from tests.helpers.plain_designs import defeats, designs
 
@@ -54,17 +52,6 @@ def test_a_threat_without_a_bound_beside_one_with():
     best = optimise(catalogue(threats, UNCERTAIN)).best
     assert [*best.probabilities] == ["M2"]
     assert best.probabilities["M2"].high <= 0.3
-
-
-def test_no_scenario_is_made_for_a_design(monkeypatch: pytest.MonkeyPatch):
-    """Each would take longer than its first samples."""
-    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "probability_of_perforation": 0.02}
-    offered = catalogue_of(catalogue([threat], UNCERTAIN))
-    reliability, parsed = Reliability(offered), Mock(wraps=scenarios._made)
-    designs = offered.candidates(0, np.array([6.0, 12.0]), np.array([6.0, 12.0]))
-    monkeypatch.setattr(scenarios, "_made", parsed)
-    assert [reliability.probabilities(designs, place) is None for place in (0, 1)] == [True, False]
-    assert not parsed.called
 
 
 def test_the_error_of_the_model_needs_more_armour():

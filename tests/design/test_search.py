@@ -13,9 +13,8 @@ from armour.core.state import Outcome
 from armour.design import catalogue as module
 from armour.design import free, requirement
 from armour.design.candidates import MARGIN_PARTS
-from armour.design.catalogue import Catalogue, catalogue_of
+from armour.design.catalogue import Catalogue
 from armour.design.optimise import Design, optimise
-from armour.design.requirement import Requirement
 from armour.design.search import distinct, undominated
 from armour.engine import batch
 from armour.scenario.scenario import load_scenario
@@ -106,11 +105,6 @@ def test_a_big_catalogue_is_exact():
                 good &= batch.impacts(rows, np.full(400, velocity)).outcome == Outcome.DEFEATED
             least = min(least, float(np.where(good, a.rho_c * hc + a.rho_B * hb, np.inf).min()) / 1000.0)
     assert result.best.areal_density_kg_m2 == pytest.approx(least, rel=1e-12)
-
-
-def test_undominated_rows():
-    costs = np.array([[1.0, 5.0], [2.0, 2.0], [2.0, 2.0], [3.0, 3.0], [5.0, 1.0], [1.0, 6.0]])
-    assert undominated(costs).tolist() == [0, 1, 4]
 
 
 def test_a_front_with_margins():
@@ -210,30 +204,3 @@ def test_a_search_in_portions(monkeypatch: pytest.MonkeyPatch):
     assert dataclasses.replace(found, runs=whole.runs) == whole
     assert max(len(call.args[1].pair) for call in variants.call_args_list) == 20
     assert sum(counted) >= found.runs
-
-
-def test_the_limits_against_all_threats_are_found_in_one_pass(monkeypatch: pytest.MonkeyPatch):
-    alone = [Requirement(catalogue_of(catalogue([threat]))) for threat in THREATS]
-    offered = alone[0].catalogue.candidates(0, np.array([6.0, 9.0]), np.array([5.0, 6.0]))
-    expected = np.column_stack([each.lowest_limits(offered) for each in alone])
-    passes = Mock(wraps=batch.ballistic_limits)
-    monkeypatch.setattr(batch, "ballistic_limits", passes)
-    together = Requirement(catalogue_of(catalogue()))
-    np.testing.assert_array_equal(together.lowest_limits(offered), expected)
-    assert passes.call_count == 2  # by a coarse and a dense scan
-    assert together.runs == sum(each.runs for each in alone)
-
-
-def test_few_designs_are_tried_with_all_threats_in_one_pass(monkeypatch: pytest.MonkeyPatch):
-    condition = Requirement(catalogue_of(catalogue()))
-    thick = np.linspace(4.0, 12.0, 9)
-    offered = condition.catalogue.candidates(0, thick, thick)
-    passes = Mock(wraps=batch.impacts)
-    monkeypatch.setattr(batch, "impacts", passes)
-    few, runs, calls = condition.defeats(offered), condition.runs, passes.call_count
-    monkeypatch.setattr(requirement, "FEW_DESIGNS", 0)
-    np.testing.assert_array_equal(condition.defeats(offered), few)
-    assert 0 < few.sum() < len(few)
-    assert (calls, passes.call_count) == (1, 3)
-    # Those that the first threat perforates are not tried with the second.
-    assert condition.runs - runs < runs == 2 * len(few)

@@ -2,7 +2,6 @@
 
 import os
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ from armour.core.search import find_ballistic_limit, find_least_ceramic_thicknes
 from armour.core.state import Outcome, Parameters
 from armour.core.stepping import time_step
 from armour.engine import batch
-from armour.engine import cache as cached
 from tests.helpers.runs import random_designs
 
 COUNT = 400
@@ -88,12 +86,6 @@ def test_arrays_of_any_layout(rows: batch.Floats):
         np.testing.assert_array_equal(batch.impacts(made, velocity).V, expected)
 
 
-def test_integer_settings(rows: batch.Floats):
-    found = batch.ballistic_limits(rows[:3], 20, 4000, 1, batch.SolverOptions(V_arrest=1, time_step=0))
-    expected = batch.ballistic_limits(rows[:3], 20.0, 4000.0, 1.0)
-    np.testing.assert_array_equal(found.perforated, expected.perforated)
-
-
 def test_without_knowledge_of_the_cores_of_this_process(
     rows: batch.Floats, velocities: batch.Floats, monkeypatch: pytest.MonkeyPatch
 ):
@@ -103,12 +95,6 @@ def test_without_knowledge_of_the_cores_of_this_process(
     monkeypatch.setattr(os, "cpu_count", lambda: None)
     assert batch.available_cores() == 1
     np.testing.assert_array_equal(batch.impacts(rows, velocities).V, expected)
-
-
-def test_a_process_restricted_to_some_cores(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.delattr(os, "process_cpu_count", raising=False)
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _pid: {3}, raising=False)
-    assert batch.available_cores() == 1
 
 
 def test_rows_of_another_shape(rows: batch.Floats, velocities: batch.Floats):
@@ -123,18 +109,6 @@ def test_searches_of_invalid_numbers_end(rows: batch.Floats):
     assert len(batch.ballistic_limits(invalid, 20.0, 4000.0, 1e-2, batch.SolverOptions(max_steps=2000)).runs) == 3
 
 
-def test_few_searches_are_divided_among_the_threads(rows: batch.Floats, monkeypatch: pytest.MonkeyPatch):
-    kernel, sizes = cached.kernel("ballistic_limits"), []
-
-    def counted(part: batch.Floats, *others: Any) -> None:
-        sizes.append(len(part))
-        kernel(part, *others)
-
-    monkeypatch.setattr(cached, "kernel", lambda _name: counted)
-    batch.ballistic_limits(rows[:64], 20.0, 4000.0, 1.0, batch.SolverOptions(threads=4))
-    assert sizes == [8] * 8
-
-
 def test_an_empty_batch(rows: batch.Floats, velocities: batch.Floats):
     assert len(batch.impacts(rows[:0], velocities[:0]).V) == 0
 
@@ -143,21 +117,3 @@ def test_impacts_that_reach_the_maximum_number_of_steps(rows: batch.Floats, velo
     found = batch.impacts(rows[:3], velocities[:3], batch.SolverOptions(max_steps=3))
     assert (found.outcome == Outcome.UNRESOLVED).all()
     assert not batch.ballistic_limits(rows[:3], 20.0, 4000.0, 1e-2, batch.SolverOptions(max_steps=3)).resolved.any()
-
-
-def test_fields_are_views(rows: batch.Floats):
-    copy = rows.copy()
-    batch.fields(copy).Hc0[:] = 1.0
-    assert (copy[:, 4] == 1.0).all()
-
-
-def test_a_bracket_is_bounded_where_the_outcome_changes():
-    """A root in the range, nothing that perforates, nothing that is defeated."""
-    infinite = np.inf
-    found = batch.Brackets(
-        np.array([500.0, 900.0, -infinite]),
-        np.array([501.0, infinite, 100.0]),
-        np.array([5, 2, 1]),
-        np.array([True, True, True]),
-    )
-    assert found.bounded.tolist() == [True, False, False]

@@ -139,19 +139,6 @@ def test_a_home_that_cannot_be_written(home: Path, compiler: FakeCompiler):
     assert_not_used(compiler, "which cannot be written")
 
 
-@pytest.mark.usefixtures("kept")
-def test_a_home_that_can_only_be_read(compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(os, "access", lambda _path, _mode: False)
-    assert_not_used(compiler, "which cannot be written")
-
-
-def test_numbas_settings_are_restored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(CONFIG, "CACHE_DIR", "of the user")
-    with kernels.numba_cache(tmp_path):
-        assert str(tmp_path) == CONFIG.CACHE_DIR
-    assert CONFIG.CACHE_DIR == "of the user"
-
-
 def missing(package: str) -> str:
     raise PackageNotFoundError(package)
 
@@ -207,12 +194,6 @@ def test_a_change_of_any_file_of_the_core_is_another_folder(tmp_path: Path):
         path.write_text(text)
     (package / "engine" / "batch.py").write_text("")
     assert cache.digest(package) == before
-
-
-def test_another_version_of_numba_is_another_folder(monkeypatch: pytest.MonkeyPatch):
-    before = cache.folder()
-    monkeypatch.setattr(cache, "version", lambda _package: "0.0")
-    assert cache.folder() != before
 
 
 PROGRAM = """
