@@ -25,7 +25,7 @@ def calibration_table(result: CalibrationResult) -> Table:
     """Return the quality of a fit to tests, and how well the tests' uncertainties, if any, explain the deviations."""
     weighted = result.weights == "uncertainties"
     widened = weighted and result.widened_by > 1.0
-    aicc = None if _has_prior(result) else "too few tests" if result.aicc is None else result.aicc
+    aicc = None if _has_prior(result) else _or(result.aicc, "too few tests")
     return record(
         result,
         (Column("tests", spec="d"), len({residual.test for residual in result.residuals})),
@@ -58,12 +58,9 @@ def coefficient_table(result: CalibrationResult) -> Table:
     return listing(
         result.coefficients,
         (Column("coefficient", prose=True), lambda c: in_words(c.name)),
-        (Column("estimate", spec=".4g"), lambda c: "not identified" if c.estimate is None else c.estimate),
+        (Column("estimate", spec=".4g"), lambda c: _or(c.estimate, "not identified")),
         (between(result, prose=True), lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason)))),
-        (
-            Column("part of the prior", "%", ".0f"),
-            lambda c: None if c.prior_share is None else 100.0 * c.prior_share,
-        ),
+        (Column("part of the prior", "%", ".0f"), lambda c: c.prior_share and 100.0 * c.prior_share),
     )
 
 
@@ -81,23 +78,19 @@ def law_table(result: CalibrationResult) -> Table:
         result.laws,
         column_of("law"),
         column_of("coefficients", "d"),
-        (
-            Column("mean error", "%", ".2f"),
-            lambda law: few if law.mean_error_percent is None else law.mean_error_percent,
-        ),
-        (
-            Column("mean leave-one-out error", "%", ".2f"),
-            lambda law: few if law.left_out_error_percent is None else law.left_out_error_percent,
-        ),
-        (Column("AICc", spec=".1f"), lambda law: without if law.aicc is None else law.aicc),
+        (column_of("mean_error_percent", ".2f"), lambda law: _or(law.mean_error_percent, few)),
+        (Column("mean leave-one-out error", "%", ".2f"), lambda law: _or(law.left_out_error_percent, few)),
+        (Column("AICc", spec=".1f"), lambda law: _or(law.aicc, without)),
     )
+
+
+def _or(value: float | None, words: str) -> Cell:
+    return words if value is None else value
 
 
 def correlation_table(result: CalibrationResult) -> Table:
     """Return the correlations of the coefficients, which are numbered in the heading."""
-    names = [
-        f"{number} {in_words(coefficient.name)}" for number, coefficient in enumerate(result.coefficients, start=1)
-    ]
+    names = [f"{number} {in_words(each.name)}" for number, each in enumerate(result.coefficients, start=1)]
     numbers = (Column(name.partition(" ")[0], spec="+.3f") for name in names)
     rows: list[tuple[Cell, ...]] = [(name, *values) for name, values in zip(names, result.correlation, strict=True)]
     return Table((Column("correlation", prose=True), *numbers), tuple(rows))

@@ -1,6 +1,7 @@
 """A plan of shots."""
 
 from collections.abc import Iterator
+from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, listing, record
 from armour.reporting.text import interval, percent
 from armour.reporting.views.confidence import chance, error_note
+from armour.scenario.inputs import VELOCITY
 from armour.statistics.posterior import FiringEstimate
 from armour.statistics.v50 import Shots
 
@@ -94,13 +96,8 @@ def share_note(share: float) -> str:
 def _shot_table(plan: ShotPlan) -> Table:
     """Return the shots in their order."""
     fired = plan.fired
-    numbers = map(str, range(1, len(fired.complete) + 1))
-    shots = [
-        ((fired.names[place] if place < len(fired.names) else "") or number, velocity, complete)
-        for place, (number, velocity, complete) in enumerate(
-            zip(numbers, fired.velocities_m_s, fired.complete, strict=True)
-        )
-    ]
+    rows = zip_longest(fired.names, fired.velocities_m_s, fired.complete, fillvalue="")
+    shots = [(name or str(number), *shot) for number, (name, *shot) in enumerate(rows, start=1)]
     decimals = max(len(f"{velocity:.3f}".rstrip("0").partition(".")[2]) for velocity in fired.velocities_m_s)
     return listing(
         shots,
@@ -120,36 +117,30 @@ def chart(plan: ShotPlan) -> charts.Chart:
     limits = (x[0], x[-1])
     shots: list[charts.Series] = [*shot_points(plan.fired)]
     if plan.curve:
-        shots.insert(0, charts.Line(x, plan.curve.probability, label="probability by the posterior", colour="blue"))
+        shots.insert(0, charts.Line(x, plan.curve.probability, label="probability by the posterior"))
     elif plan.recommended:
         fit = plan.recommended
-        shots.insert(
-            0, charts.Line(x, [fit.probability(v) for v in x], label=f"{fit.curve}, {fit.method}", colour="blue")
-        )
+        shots.insert(0, charts.Line(x, [fit.probability(v) for v in x], label=f"{fit.curve}, {fit.method}"))
     shots += _rules(plan, limits, label=not plan.curve)
+    velocity = charts.quantity_axis(VELOCITY, limits=limits)
     probability = charts.Axis("probability of complete penetration", limits=(-0.05, 1.05))
-    panels = [
-        charts.Panel(
-            charts.Axis("impact velocity", "m/s", limits=limits), probability, tuple(shots), shares_x=bool(plan.curve)
-        )
-    ]
-    note = ""
+    panels = [charts.Panel(velocity, probability, tuple(shots), shares_x=bool(plan.curve))]
+    notes = [f"{plan.stopped}."] if plan.stopped else []
     if plan.curve and plan.posterior:
         v50: list[charts.Series] = [
             charts.Line(x, plan.curve.prior, label="prior: the model with its error", colour="purple", style="--"),
-            charts.Line(x, plan.curve.posterior, label="posterior: with the shots", colour="blue"),
+            charts.Line(x, plan.curve.posterior, label="posterior: with the shots"),
             *_rules(plan, limits, label=True),
         ]
         density = charts.Axis("probability density of V50", "s/m", from_zero=True)
-        panels.insert(0, charts.Panel(charts.Axis("impact velocity", "m/s", limits=limits), density, tuple(v50)))
+        panels.insert(0, charts.Panel(velocity, density, tuple(v50)))
         ends = interval(plan.posterior.v50_interval_m_s, ".1f")
-        note = f"Posterior: V50 {plan.posterior.v50_m_s:.1f} m/s, {percent(plan.confidence)} interval {ends} m/s."
+        words = f"V50 {plan.posterior.v50_m_s:.1f} m/s, {percent(plan.confidence)} interval {ends} m/s"
+        notes.insert(0, f"Posterior: {words}.")
     fired = len(plan.fired.complete)
     file = f" in {Path(plan.fired.file).name}" if fired and plan.fired.file != "shots" else ""
     title = f"V50 firing, {plan.procedure}: {fired} shots{file}"
-    return charts.Chart(
-        title, tuple(panels), " ".join(filter(None, (note, f"{plan.stopped}." if plan.stopped else "")))
-    )
+    return charts.Chart(title, tuple(panels), " ".join(notes))
 
 
 def shot_points(shots: Shots) -> Iterator[charts.Points]:
