@@ -31,8 +31,8 @@ def test_a_plan_is_a_pure_function_of_the_shots_so_far(procedure: Any):
     assert 650.0 < first.next_velocity_m_s < 850.0
     assert first.reason
     assert (first.fired, first.simulated, first.stopped) == (SHOTS, 0, "")
-    assert first.to_dict()["posterior"]["v50_m_s"] > first.to_dict()["prior"]["v50_m_s"]
-    assert json.loads(json.dumps(first.to_dict(), allow_nan=False))["procedure"] == procedure
+    found = json.loads(json.dumps(first.to_dict(), allow_nan=False))
+    assert found["posterior"]["v50_m_s"] > found["prior"]["v50_m_s"]
     assert repr(first) == f"<ShotPlan: {ARMOUR}: 4 shots, the next at {first.next_velocity_m_s:.1f} m/s>"
 
 

@@ -89,14 +89,6 @@ def test_tests_made_before(wilkins: Scenario):
     assert halves == sorted(halves, reverse=True)
 
 
-def test_where_the_scatter_comes_from(wilkins: Scenario):
-    limits = [{CERAMIC: c, "ballistic_limit_m_s": v, "ballistic_limit_uncertainty_m_s": 20.0} for c, v in LIMITS]
-    read = read_tests(limits, wilkins)
-    known = plan_tests(wilkins, GRID, tests=read, number=1)
-    assert (known.scatter_known, known.scatter_source) == (True, "uncertainties")
-    assert plan_tests(wilkins, GRID, tests=read, number=1, scatter_percent=3.0).scatter_source == "given"
-
-
 def test_a_given_scatter_is_that_of_the_tests_made_before(wilkins: Scenario):
     """It counts as the uncertainty of each of them."""
     limits = [{CERAMIC: c, "ballistic_limit_m_s": v} for c, v in LIMITS]
@@ -107,6 +99,8 @@ def test_a_given_scatter_is_that_of_the_tests_made_before(wilkins: Scenario):
     )
     assert one.planned == other.planned
     assert one.scatter_percent == pytest.approx(3.0)
+    known = plan_tests(wilkins, GRID, tests=read_tests(given, wilkins), number=1)
+    assert (known.scatter_known, known.scatter_source, one.scatter_source) == (True, "uncertainties", "given")
 
 
 def test_residual_velocities_do_not_tell_how_limits_scatter(wilkins: Scenario):
@@ -253,16 +247,12 @@ def test_wrong_settings(wilkins: Scenario, settings: dict[str, object], words: s
     assert words in str(caught.value)
 
 
-def test_too_many_candidates(wilkins: Scenario, monkeypatch: pytest.MonkeyPatch):
+def test_too_many_candidates_and_a_design_of_another_ceramic(wilkins: Scenario, monkeypatch: pytest.MonkeyPatch):
+    with pytest.raises(InputError, match="must be that of the candidates, AD85"):
+        plan_tests(wilkins, GRID, scatter_percent=3.0, designs=[wilkins.replaced({"armour.ceramic": "B4C"})])
     monkeypatch.setattr("armour.planning.plan_tests.MAX_CANDIDATES", 8)
     with pytest.raises(InputError, match="candidates: must be at most 8 candidates, found 9"):
         plan_tests(wilkins, GRID, scatter_percent=3.0)
-
-
-def test_a_design_of_another_ceramic(wilkins: Scenario):
-    other = wilkins.replaced({"armour.ceramic": "B4C"})
-    with pytest.raises(InputError, match="must be that of the candidates, AD85"):
-        plan_tests(wilkins, GRID, scatter_percent=3.0, designs=[other])
 
 
 def test_a_result_is_plain_data(wilkins: Scenario):

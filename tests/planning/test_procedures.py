@@ -101,29 +101,6 @@ def shots(*fired: tuple[float, int]) -> Shots:
     return Shots(tuple(level for level, _ in fired), tuple(bool(result) for _, result in fired))
 
 
-@pytest.mark.parametrize(
-    ("fired", "expected"),
-    [
-        ([], 11.0),
-        # All of one kind: the farthest of midway to the limit, two guesses of the scatter, and twice the range.
-        ([(11, 0)], 17.0),
-        ([(11, 0), (17, 0)], 23.0),
-        ([(11, 0), (17, 0), (23, 0)], 35.0),
-        ([(11, 1)], 5.0),
-        ([(11, 1), (5, 1)], -1.0),
-        # Apart by more than the guess: midway.
-        ([(11, 0), (17, 1)], 14.0),
-        ([(11, 0), (17, 1), (14, 1)], None),
-    ],
-)
-def test_the_binary_search(fired: list[tuple[float, int]], expected: float | None):
-    found = next_by_neyer(shots(*fired), NEYER)
-    if expected is None:
-        assert not found.why.startswith("binary search")
-    else:
-        assert found.velocity_m_s == expected
-
-
 def test_separated_shots_reduce_the_guess_of_the_scatter():
     apart = [(11, 0), (17, 1), (13, 1)]
     assert "guessed scatter of 3.0" in next_by_neyer(shots(*apart), NEYER).why
@@ -237,10 +214,6 @@ def test_the_velocity_has_the_greatest_gain():
     assert aim.velocity_m_s == pytest.approx(others[np.argmax(gained)], abs=1.0)
 
 
-def test_the_first_shot_is_at_the_models_limit():
-    assert next_bayesian(Shots((), ()), BAYESIAN).velocity_m_s == pytest.approx(720.0, abs=2.0)
-
-
 def test_the_end_by_the_interval():
     low, high = posterior(SHOTS, BAYESIAN).estimate(0.95).v50_interval_m_s
     half = 0.5 * (high - low)
@@ -274,11 +247,7 @@ def test_many_firings_at_once_choose_as_one_does():
 
 def test_fewer_shots_are_expected_for_a_wider_interval_and_as_shots_are_fired():
     assert expected_shots(SHOTS, BAYESIAN) == expected_shots(SHOTS, BAYESIAN)
-    wide = expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=30.0))
-    narrow = expected_shots(SHOTS, BAYESIAN)
-    start = expected_shots(Shots((), ()), BAYESIAN)
-    assert wide is not None
-    assert narrow is not None
-    assert start is not None
+    wide = expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=30.0)) or 0
+    narrow, start = expected_shots(SHOTS, BAYESIAN) or 0, expected_shots(Shots((), ()), BAYESIAN) or 0
     assert 0 < wide < narrow < start
     assert expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=0.5)) is None
