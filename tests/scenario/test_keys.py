@@ -1,6 +1,6 @@
 import pytest
 
-from armour.scenario.keys import describe, key_name, line_of, lines_of
+from armour.scenario.keys import key_name, line_of, lines_of
 
 TEXT = """# a comment
 title = "x [not.a.table]"
@@ -73,20 +73,3 @@ def test_what_stands_before_an_error():
 )
 def test_keys_are_written_as_toml_writes_them(parts: list[str | int], name: str):
     assert key_name(parts) == name
-
-
-@pytest.mark.parametrize(
-    ("value", "words"),
-    [
-        (True, "true"),
-        ({}, "a table"),
-        ([1], "a list"),
-        ("x", 'the text "x"'),
-        (-3, "-3"),
-        (float("nan"), "nan"),
-        ("x" * 1000, f'the text "{"x" * 37}..."'),
-        (10**400, "a whole number of more than 64 bits"),
-    ],
-)
-def test_what_was_found(value: object, words: str):
-    assert describe(value) == words

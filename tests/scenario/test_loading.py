@@ -1,5 +1,5 @@
 import pickle
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from copy import deepcopy
 from math import pi
 from pathlib import Path
@@ -12,9 +12,7 @@ from armour.errors import InputError, Problem
 from armour.scenario.changes import changed
 from armour.scenario.scenario import Scenario, load_scenario, parse_scenario, save_scenario
 from armour.scenario.schema import Range
-from tests.helpers.cases import SCENARIOS, catalogue, data, scenario
-
-UNCERTAIN = (("impact", "velocity_m_s"), ("armour", "ceramic_thickness_mm"), ("ceramic", "flow_stress_GPa"))
+from tests.helpers.cases import SCENARIOS, data, scenario
 
 
 def messages(content: dict[str, Any]) -> list[str]:
@@ -250,39 +248,6 @@ def test_a_range_has_its_ends_and_the_digits_of_the_file():
     assert values[-1] == 20.0
     assert Range(min=1.0, max=1.0, step=5.0).values() == (1.0,)
     assert Range(min=1.0, max=2.0, step=0.4).values() == (1.0, 1.4, 1.8)
-
-
-def tables_of(value: Any, *parts: str | int) -> Iterator[tuple[str | int, ...]]:
-    """Keys and indices of a table and of the tables within it."""
-    if isinstance(value, dict):
-        yield parts
-    for key, inner in value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ():
-        yield from tables_of(inner, *parts, key)
-
-
-WHOLE: dict[str, Any] = {
-    **data(**{name: catalogue().model_dump(exclude_none=True)[name] for name in ("threat", "design")}),
-    "solver": {"arrest_velocity_m_s": 1.0},
-    "ballistic_limit": {"tolerance_m_s": 0.01},
-    "optimise": {f"{layer}_thickness_mm": {"min": 1.0, "max": 2.0, "step": 1.0} for layer in ("ceramic", "backing")},
-    "uncertainty": {
-        **{role: {key: {"distribution": "normal", "standard_deviation_percent": 5.0}} for role, key in UNCERTAIN},
-        "correlation": [{"between": [".".join(pair) for pair in UNCERTAIN[:2]], "coefficient": 0.5}],
-    },
-    "library": {"ceramic": {"c": {"based_on": "AD85", "density_kg_m3": {"value": 3500.0, "status": "measured"}}}},
-}
-
-
-@pytest.mark.parametrize("parts", list(tables_of(WHOLE)), ids=str)
-def test_an_unknown_key_is_refused_in_every_table(parts: tuple[str | int, ...]):
-    content = deepcopy(WHOLE)
-    parse_scenario(content)
-    table: Any = content
-    for part in parts:
-        table = table[part]
-    table["colour"] = 1.0
-    found = messages(content)
-    assert any("colour" in message for message in found), found
 
 
 def test_a_scenario_made_of_sections_is_validated():

@@ -84,11 +84,8 @@ def test_rows_outside_what_the_model_was_compared_with():
     [
         ([], "must be a sequence of finite numbers, or a range with min, max and step, found []"),
         ("4:8:2", "4:8:2"),
-        ([[4.0]], "[[4.0]]"),
         ([4.0, np.nan], "[4.0, nan]"),
         ({"min": 8.0, "max": 4.0, "step": 1.0}, "max: must be at least min, which is 8, found 4"),
-        ((x for x in "ab"), "must be a sequence of finite numbers"),
-        ({"min": 4.0}, "max"),
     ],
 )
 def test_wrong_values(values, found: str):
