@@ -70,14 +70,14 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, own: float) 
         return np.full(np.shape(probabilities), own)
     value, start, end = _truncated(distribution, own)
     parts = np.asarray(probabilities)
-    return np.clip(value((1.0 - parts) * start + parts * end), *_ends(distribution))
+    return np.clip(value((1.0 - parts) * start + parts * end), *distribution.ends)
 
 
 @lru_cache(maxsize=64)
 def truncation_problem(distribution: Distribution, own: float) -> str:
     """Return why a distribution has no values between its min and max; "" if it has."""
     whole = _untruncated(distribution, own)
-    low, high = _ends(distribution)
+    low, high = distribution.ends
     if max(whole.cdf(high) - whole.cdf(low), whole.sf(low) - whole.sf(high)) > LEAST_PROBABILITY:
         return ""
     ends = " and ".join(f"{key} {end:g}" for key, end in (("min", low), ("max", high)) if np.isfinite(end))
@@ -89,17 +89,11 @@ def truncation_problem(distribution: Distribution, own: float) -> str:
 
 def moved_mean(distribution: Distribution, own: float) -> tuple[float, float] | None:
     """Return the mean before and after truncation; None where they differ by less than a tenth of the deviation."""
-    if distribution.min is None and distribution.max is None:
+    if np.isinf(distribution.ends).all():
         return None
     whole = _untruncated(distribution, own)
     before, after = float(whole.mean()), float(quantiles(distribution, MIDDLES, own).mean())
     return (before, after) if abs(after - before) > MOVED * whole.std() else None
-
-
-def _ends(distribution: Distribution) -> tuple[float, float]:
-    """Return the least and the greatest value of a distribution, infinite where there is none."""
-    low = -np.inf if distribution.min is None else distribution.min
-    return low, np.inf if distribution.max is None else distribution.max
 
 
 # Designs are sampled one after the other, and scipy takes long to make a distribution and to ask it.
@@ -107,7 +101,7 @@ def _ends(distribution: Distribution) -> tuple[float, float]:
 def _truncated(distribution: Distribution, own: float) -> tuple[Callable[[Floats], Any], float, float]:
     """Return the inverse of a distribution function or, for an upper tail, of its complement, and both their ends."""
     whole = _untruncated(distribution, own)
-    low, high = _ends(distribution)
+    low, high = distribution.ends
     # A distribution function that is near 1 has no digits left for the upper tail.
     upper = whole.cdf(low) > 0.5
     chance, value = (whole.sf, whole.isf) if upper else (whole.cdf, whole.ppf)
@@ -118,9 +112,8 @@ def _truncated(distribution: Distribution, own: float) -> tuple[Callable[[Floats
 def _untruncated(distribution: Distribution, own: float) -> Any:
     """Return the distribution of scipy, without truncation."""
     if distribution.distribution == "uniform":
-        assert distribution.min is not None
-        assert distribution.max is not None
-        return stats.uniform(distribution.min, distribution.max - distribution.min)
+        low, high = distribution.ends
+        return stats.uniform(low, high - low)
     centre, width = centre_and_width(distribution, own)
     if isinstance(distribution, ErrorDistribution):
         return stats.t(distribution.degrees_of_freedom, centre, width)

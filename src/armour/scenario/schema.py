@@ -390,9 +390,14 @@ class Distribution(Section):
         """Whether the distribution has a fixed location or truncation, independent of the scenario's value."""
         return (self.mean, self.min, self.max) != (None, None, None)
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The least and the greatest value, infinite where there is none."""
+        return -inf if self.min is None else self.min, inf if self.max is None else self.max
+
     def contains(self, own: float) -> bool:
         """Return whether the scenario's own value lies between min and max and, where a mean is given, near it."""
-        low, high = (default if end is None else end for end, default in ((self.min, -inf), (self.max, inf)))
+        low, high = self.ends
         mean = own if self.mean is None else self.mean
         width = self.standard_deviation or (self.standard_deviation_percent or 0.0) / 100.0 * abs(mean)
         return low <= own <= high and abs(own - mean) <= NEAR * width
