@@ -17,7 +17,6 @@ from armour.scenario.evidence import ModelError
 from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
 from tests.helpers.cases import RANGE, SCENARIOS, THREATS, scenario
-from tests.helpers.exotic import changing_designs
 from tests.helpers.results import OTHER, THREAT, best_design, design_result, uncertainty_result
 
 
@@ -86,11 +85,6 @@ def test_a_density_on_offer_is_the_answers():
     assert found.design is not None
     added = case.design.added_areal_density_kg_m2 if case.design is not None else 0.0
     assert found.impact.areal_density_kg_m2 + added == pytest.approx(found.design.best.areal_density_kg_m2)
-
-
-def test_changes_of_the_outcome_above_the_limit_are_told():
-    found = contents_of(changing_designs()["defeated in between"])
-    assert [warning.count("above") for warning in found.warnings if "not monotonic" in warning] == [3]
 
 
 def test_a_distribution_about_another_value_than_the_designs_is_left_out():

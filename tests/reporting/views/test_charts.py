@@ -5,7 +5,6 @@ from typing import Any, TypeVar
 import numpy as np
 import pytest
 
-from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import simulate
 from armour.design.optimise import Pair
 from armour.reporting.charts import (
@@ -25,7 +24,6 @@ from armour.reporting.views import calibration as calibration_view
 from armour.reporting.views import design as design_view
 from armour.reporting.views import firing as v50_view
 from armour.reporting.views import impact as impact_view
-from armour.reporting.views import limit as limit_view
 from armour.reporting.views import sensitivity as sensitivity_view
 from armour.reporting.views import suite as suite_view
 from armour.reporting.views import sweep as sweep_view
@@ -111,15 +109,6 @@ def test_a_long_tail_is_left_out():
         assert all(max(line.x) <= panel.x.limits[1] for line in some(panel, Line))  # type: ignore[type-var, operator]
         assert chart.note.startswith(f"Drawn up to {panel.x.limits[1]:.3g} µs of {slow.duration_us:.3g} µs. Stages: ")
     assert all(f"{stage.stage} from " in chart.note for stage in slow.stages)
-
-
-def test_a_ballistic_limit():
-    limit = ballistic_limit(scenario())
-    chart = limit_view.chart(limit)
-    [panel] = chart.panels
-    assert labels(panel) == ["no armour", "projectile", "plug", f"ballistic limit {WILKINS_LIMIT:.1f} m/s"]
-    assert some(panel, Line)[1].y[0] == 0.0
-    assert some(panel, Rule)[0].at == limit.ballistic_limit_m_s
 
 
 def test_designs_of_a_pair():
@@ -391,12 +380,6 @@ def test_a_sweep_over_both_thicknesses(keys: tuple[str, str]):
     assert areal.label == "lines of equal areal density, kg/m²"
     first, second = (quantity_axis(key).label.removesuffix(" thickness") for key in keys)
     assert chart.title == f"Ballistic limit over {first} and {second} thickness"
-
-
-def test_words_that_both_keys_end_in_stand_once():
-    keys = ("ceramic.flow_stress_GPa", "backing.flow_stress_GPa")
-    chart = sweep_view.sweep_chart(table(*keys), keys, "ballistic_limit_m_s", scenario())
-    assert chart.title == "Ballistic limit over ceramic and back plate flow stress"
 
 
 def test_a_front_over_three_criteria_says_what_is_not_drawn():

@@ -1,5 +1,7 @@
 """V50 from firing results."""
 
+from typing import Any
+
 import numpy as np
 
 from armour.errors import InputError, Problem
@@ -85,10 +87,8 @@ def tables(result: FiringResult) -> list[Table | str]:
         table = prior_table(result.prior, result.posterior, result.confidence)
         found += [table, SCATTER_ASSUMED, share_note(result.prior_share)]
     if not result.fits:
-        return [
-            *found,
-            "the shots alone have no curve: none were complete, none partial, or the complete ones no faster",
-        ]
+        words = "the shots alone have no curve: none were complete, none partial, or the complete ones no faster"
+        return [*found, words]
     if result.recommended is None:
         found.append("no curve is recommended: the penalised likelihood is greatest for a curve that does not rise")
     else:
@@ -118,8 +118,7 @@ def chart(result: FiringResult) -> charts.Chart:
     """Describe shots, the recommended curve with its band, V50, and the model's ballistic limit where there is one."""
     shots = charts.needed(result, "shots")
     if not result.fits:
-        message = "must have a curve to draw, and these shots have none"
-        raise InputError([Problem(shots.file, "", message)])
+        raise InputError([Problem(shots.file, "", "must have a curve to draw, and these shots have none")])
     series: list[charts.Series] = [*shot_points(shots)]
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
     reach, margin = fastest - slowest or 0.01 * fastest, 0.1 * (fastest - slowest)
@@ -127,10 +126,8 @@ def chart(result: FiringResult) -> charts.Chart:
     fit = result.recommended or result.fits[0]
     after = result.posterior
     ends = [fit.v50_m_s, *fit.v50_interval_m_s, model]
-    between_ends = interval(fit.v50_interval_m_s, ".1f")
     bounded = fit.v50_interval_m_s != (None, None)
-    if bounded:
-        between_ends = f"{between_ends} m/s"
+    between_ends = interval(fit.v50_interval_m_s, ".1f") + (" m/s" if bounded else "")
     wanted = [slowest, fastest, *(end for end in ends if end is not None)]
     low, high = max(slowest - reach, min(wanted) - margin), min(fastest + reach, max(wanted) + margin)
     if after is not None:
@@ -148,11 +145,9 @@ def chart(result: FiringResult) -> charts.Chart:
         bar = ((start, end),) if bounded else ()
         series.append(charts.Points([fit.v50_m_s], [0.5], x_ends=bar, text=words))
     if after is not None:
-        name = f"posterior with the model as prior: V50 {after.v50_m_s:.1f} m/s"
-        bar = (after.v50_interval_m_s,)
-        series.append(
-            charts.Points([after.v50_m_s], [POSTERIOR], "D", label=name, colour="purple", x_ends=bar, text=(name,))
-        )
+        name, bar = f"posterior with the model as prior: V50 {after.v50_m_s:.1f} m/s", (after.v50_interval_m_s,)
+        look: Any = {"marker": "D", "colour": "purple", "label": name, "text": (name,)}
+        series.append(charts.Points([after.v50_m_s], [POSTERIOR], x_ends=bar, **look))
     if mean is not None:
         name = "mean of shots" if mean.rule == "no usual rule" else "MIL-STD-662F"
         series.append(charts.velocity_rule(f"{name}: V50", mean.v50_m_s, "soft"))
@@ -164,8 +159,6 @@ def chart(result: FiringResult) -> charts.Chart:
         series.append(charts.velocity_rule("this model: ballistic limit", model, "ink", ":"))
     elif model is not None:
         notes.append(f"The model's ballistic limit, {model:.1f} m/s, is outside the axis.")
-    axes = (
-        charts.quantity_axis(VELOCITY, limits=(low, high)),
-        charts.Axis("probability of complete penetration", limits=(-0.02, 1.02)),
-    )
-    return charts.Chart("", (charts.Panel(*axes, tuple(series), height=1.1),), " ".join(notes))
+    velocity = charts.quantity_axis(VELOCITY, limits=(low, high))
+    probability = charts.Axis("probability of complete penetration", limits=(-0.02, 1.02))
+    return charts.Chart("", (charts.Panel(velocity, probability, tuple(series), height=1.1),), " ".join(notes))
