@@ -255,8 +255,7 @@ def plan_tests(
     count = len(rows.names)
     informing = gradients[:count] / known.scatter
     if measure == "outcome":
-        velocities = np.concatenate([group.column(VELOCITY) for group in rows.groups])
-        velocities = velocities[np.argsort(np.concatenate([group.where for group in rows.groups]), kind="stable")]
+        velocities = np.array([cell[VELOCITY] for cell in rows.cells], dtype=np.float64)
         # As in a calibration, an outcome's scatter is in proportion to its velocity.
         z = (velocities - limits[:count]) / (known.scatter * velocities)
         informing *= (limits[:count] / velocities * np.sqrt(hazard(z) * hazard(-z)))[:, None]
