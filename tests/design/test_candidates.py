@@ -1,12 +1,15 @@
 """Candidate designs: free thicknesses, against grids and against each other."""
 
+import numpy as np
 import pytest
 
 from armour.analysis.impact import simulate
+from armour.analysis.variants import variants_of
+from armour.design.candidates import least_areal_densities
 from armour.design.optimise import optimise
 from armour.errors import InputError
 from armour.scenario.scenario import load_scenario
-from tests.helpers.cases import CERAMICS, METALS, SCENARIOS, THREATS, catalogue
+from tests.helpers.cases import CERAMICS, METALS, SCENARIOS, THREATS, catalogue, scenario
 
 
 def test_thicknesses_that_are_free_come_to_the_refined_optimum():
@@ -100,3 +103,18 @@ def test_a_front_of_margins_has_the_designs_of_lists_beside_free_ones():
     thicknesses = {name: [d.ceramic_thickness_mm for d in front if d.ceramic == name] for name in ("AD85", "AD99.5")}
     assert len(set(thicknesses["AD85"])) > 3
     assert set(thicknesses["AD99.5"]) == {9.0}
+
+
+def test_least_areal_densities_are_those_of_refined_designs():
+    grid = {
+        "ceramic_thickness_mm": {"min": 4.0, "max": 14.0, "step": 1.0},
+        "backing_thickness_mm": {"min": 4.0, "max": 9.0, "step": 1.0},
+    }
+    of = scenario(backing="5083-H3", optimise=grid)
+    velocities = [750.0, 850.0, 3000.0]
+    least = least_areal_densities(variants_of(of, {"impact.velocity_m_s": np.array(velocities)}, 3))
+    for velocity, found in zip(velocities[:2], least[:2], strict=True):
+        refined = optimise(of.replaced({"impact.velocity_m_s": velocity}), refine=True).refined
+        assert refined is not None
+        assert found == pytest.approx(refined.areal_density_kg_m2, abs=1e-5)
+    assert np.isnan(least[2])

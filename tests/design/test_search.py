@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.core.state import Outcome
+from armour.design import candidates, requirement
 from armour.design import catalogue as module
-from armour.design import free, requirement
 from armour.design.candidates import MARGIN_PARTS
 from armour.design.catalogue import Catalogue
 from armour.design.optimise import Design, optimise
@@ -120,7 +120,7 @@ def test_a_front_with_margins():
 def test_a_front_with_margins_of_free_thicknesses_is_no_rounding(monkeypatch: pytest.MonkeyPatch):
     """Designs differ by more than the tolerance of a limit, and reach from the cheapest to the thickest."""
     monkeypatch.setattr(module, "FIRST_VALUES", 5)
-    monkeypatch.setattr(free, "BACKING_TOLERANCE_MM", 0.05)
+    monkeypatch.setattr(candidates, "BACKING_TOLERANCE_MM", 0.05)
     layers = {
         "ceramic": [{"material": "AD85", "thickness_mm": {"min": 2.0, "max": 12.0}, "cost_per_kg": 12.0}],
         "backing": [{"material": "5083-H3", "thickness_mm": {"min": 4.0, "max": 12.0}, "cost_per_kg": 9.0}],

@@ -112,8 +112,7 @@ def bisect_rows(
 
 def least_ceramics_mm(variants: Variants, threads: int | None = None) -> Least:
     """Return the least ceramic thickness of the grid's range that defeats each impact, mm; NaN where none does."""
-    grid = variants.settings.grid
-    assert grid is not None, "checked before"
+    grid = variants.grid
     low, high = grid.ceramic_thickness_mm.min, grid.ceramic_thickness_mm.max
     found = batch.least_thicknesses(
         variants.parameters,
@@ -145,18 +144,12 @@ def least_ceramics_mm(variants: Variants, threads: int | None = None) -> Least:
 
 def least_backings_mm(variants: Variants, threads: int | None = None) -> Least:
     """Return the least back plate thickness of the grid's range that defeats each impact, mm; NaN where none does."""
-    grid = variants.settings.grid
-    assert grid is not None, "checked before"
+    count, backing = len(variants.velocities), variants.grid.backing_thickness_mm
 
     def with_backing(values: Floats, rows: Ints) -> Variants:
         return with_thicknesses(variants.at(rows), backing_mm=values)
 
-    count, backing = len(variants.velocities), grid.backing_thickness_mm
-    return least_values_mm(
-        lambda *at: ~perforated(with_backing(*at), threads),
-        lambda *at: unusual(with_backing(*at)),
-        *(np.full(count, backing.min), np.full(count, backing.max)),
-    )
+    return _least(with_backing, np.full(count, backing.min), np.full(count, backing.max), threads)
 
 
 def least_totals_mm(variants: Variants, threads: int | None = None) -> Least:
@@ -164,9 +157,7 @@ def least_totals_mm(variants: Variants, threads: int | None = None) -> Least:
 
     The layers keep their proportion and are within the grid's ranges.
     """
-    grid = variants.settings.grid
-    assert grid is not None, "checked before"
-    ceramics, backings = variants.ceramics_mm, variants.backings_mm
+    grid, ceramics, backings = variants.grid, variants.ceramics_mm, variants.backings_mm
     totals = ceramics + backings
     low, high = grid.backing_thickness_mm.min / backings, grid.backing_thickness_mm.max / backings
     layered = ceramics > 0.0
@@ -180,12 +171,14 @@ def least_totals_mm(variants: Variants, threads: int | None = None) -> Least:
         return with_thicknesses(variants.at(some), ceramic_mm=ceramic_mm, backing_mm=backing_mm)
 
     least = Least(np.full(len(totals), np.nan), np.zeros(len(totals), dtype=bool))
-    least.mm[where], least.changes_again[where] = least_values_mm(
-        lambda *at: ~perforated(scaled(*at), threads),
-        lambda *at: unusual(scaled(*at)),
-        *(low[where] * totals[where], high[where] * totals[where]),
-    )
+    found = _least(scaled, low[where] * totals[where], high[where] * totals[where], threads)
+    least.mm[where], least.changes_again[where] = found
     return least
+
+
+def _least(thick: Callable[[Floats, Ints], Variants], low: Floats, high: Floats, threads: int | None) -> Least:
+    """Return the least thickness from low to high, mm, that defeats each impact, given rows of some thicknesses."""
+    return least_values_mm(lambda *at: ~perforated(thick(*at), threads), lambda *at: unusual(thick(*at)), low, high)
 
 
 def least_values_mm(defeated: Condition, is_unusual: Condition, low: Floats, high: Floats) -> Least:

@@ -50,6 +50,12 @@ class Variants(NamedTuple):
         return Variants(self.parameters[where], self.velocities[where], self.settings)
 
     @property
+    def grid(self) -> Optimise:
+        """Ranges of thicknesses; `grid_of` checks that the scenario has them."""
+        assert self.settings.grid is not None, "checked before"
+        return self.settings.grid
+
+    @property
     def errors(self) -> ModelError:
         """Errors of the model, as numbers or arrays, (n,); NaN where unknown."""
         given = self.settings.error

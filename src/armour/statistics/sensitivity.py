@@ -11,7 +11,7 @@ from armour.analysis.evaluate import Answers
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress, portions
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Floats, Variants, concatenated, grid_of, variants_of
-from armour.design.free import least_areal_densities, searches_of
+from armour.design.candidates import least_areal_densities, searches_of
 from armour.errors import NoAnswerError
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
