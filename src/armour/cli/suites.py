@@ -2,7 +2,6 @@
 
 from itertools import groupby
 from operator import attrgetter
-from os.path import exists
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -141,10 +140,11 @@ def figures(
     if not chosen:
         message = f'must be part of a name, found "{only}"; there are {", ".join(names)}'
         raise InputError([Problem("figures", "--only", message)])
-    if folder.is_dir():
-        check_outputs(*(folder / f"{name}.{ending}" for name in chosen for ending in ("csv", image)), force=force)
-    elif exists(folder):
-        raise InputError([Problem(str(folder), "", "must be a folder or free to be made one")])
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        raise InputError([Problem(str(folder), "", "must be a folder or free to be made one")]) from None
+    check_outputs(*(folder / f"{name}.{ending}" for name in chosen for ending in ("csv", image)), force=force)
     say_if_compiling()
     # Each figure is written as soon as it is computed: all of them take a while.
     with progress("figures", len(chosen)) as count:
@@ -156,6 +156,5 @@ def figures(
                 figures = [compute_figure(section, path.parent) for section in panels[name]]
                 table, chart = suite.figure_table(figures), suite.figure_chart(figures)
             drawn = draw.rendered(chart, f".{image}")
-            folder.mkdir(parents=True, exist_ok=True)
             write({folder / f"{name}.csv": csv_text(table), folder / f"{name}.{image}": drawn})
             count(1)
