@@ -1,5 +1,6 @@
 """Commands on suites of published values, and on the paper's figures."""
 
+import os
 from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
@@ -141,10 +142,12 @@ def figures(
         message = f'must be part of a name, found "{only}"; there are {", ".join(names)}'
         raise InputError([Problem("figures", "--only", message)])
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        os.listdir(folder)
+        check_outputs(*(folder / f"{name}.{ending}" for name in chosen for ending in ("csv", image)), force=force)
+    except FileNotFoundError:
+        pass  # it is made
     except OSError:
         raise InputError([Problem(str(folder), "", "must be a folder or free to be made one")]) from None
-    check_outputs(*(folder / f"{name}.{ending}" for name in chosen for ending in ("csv", image)), force=force)
     say_if_compiling()
     # Each figure is written as soon as it is computed: all of them take a while.
     with progress("figures", len(chosen)) as count:
@@ -156,5 +159,6 @@ def figures(
                 figures = [compute_figure(section, path.parent) for section in panels[name]]
                 table, chart = suite.figure_table(figures), suite.figure_chart(figures)
             drawn = draw.rendered(chart, f".{image}")
+            folder.mkdir(parents=True, exist_ok=True)
             write({folder / f"{name}.csv": csv_text(table), folder / f"{name}.{image}": drawn})
             count(1)
