@@ -24,16 +24,20 @@ CERAMICS = [f"armour.ceramic,{C},{LIMIT}", "AD85,6,700", "AD99.5,7,720"]
 @pytest.mark.parametrize(
     ("table", "settings", "message"),
     [
-        (ONE, {}, "must have at least 2 measurements without uncertainties for 1 coefficients"),
+        (ONE, {}, "must have at least 2 measurements, as their uncertainties are not given, for 1 coefficients"),
         (TWO, {"fit": [C]}, "must not be a column where it is fitted"),
         (TWO, {"fit": [V]}, "must be a property of a material or projectile"),
         (TWO, {"fit": ["hardness"]}, 'found "hardness"; choose from'),
         (TWO, {"fit": "ceramic"}, 'calibrate: fit: must name an input of the scenario, found "ceramic"'),
         (TWO, {"fit": []}, "must name at least one input"),
-        (TWO, {"law": "linear"}, "must have at least 4 measurements without uncertainties for 3 coefficients, found 2"),
+        (
+            TWO,
+            {"law": "linear"},
+            "at least 4 measurements, as their uncertainties are not given, for 3 coefficients, found 2",
+        ),
         (TWO, {"law": "linaer"}, 'found the text "linaer"; did you mean "linear"'),
         (TWO, {"fit": [TAU], "law": "all"}, f"calibrate: law: must not be given where {STRESS} is not fitted"),
-        (OUTCOMES, {}, "1 coefficients, found 1; outcomes alone do not tell how measurements scatter"),
+        (OUTCOMES, {}, "at least 2 measurements, as their uncertainties are not given, for 1 coefficients, found 1"),
         (WEIGHTED, {"law": "linear"}, "must have at least 3 measurements or outcomes for 3 coefficients, found 2"),
         (CERAMICS, {}, "armour.ceramic: must be the same in all tests where the ceramic is fitted, found AD85, AD99.5"),
     ],
@@ -68,7 +72,7 @@ NORMAL = {"distribution": "normal", "standard_deviation_percent": 5.0}
         (None, "is missing and must be given for a prior"),
         ({"distribution": "uniform", "min": 4.0, "max": 6.0}, "must be normal or"),
         ({**NORMAL, "min": 4.0}, "without min and max, to be a prior"),
-        (NORMAL, "with a prior one is enough where its uncertainty is given"),
+        (NORMAL, "must have at least 2 measurements, as their uncertainties are not given,"),
     ],
 )
 def test_priors_that_are_none(distribution: object, message: str):

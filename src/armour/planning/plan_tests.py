@@ -29,12 +29,12 @@ from armour.statistics.likelihood import (
     DIFFERENCE,
     Fit,
     Likelihood,
-    enough,
     fit_inputs,
     hazard,
     likelihood_of,
     needed_of,
     rows_at,
+    usable,
 )
 from armour.statistics.measured import LIMIT, MEASURED, MaterialGroup, Measurement, Tests, subject_of
 from armour.sweeps.cases import Cases, Grid, source_of
@@ -432,7 +432,7 @@ def _knowledge(
         made = [(tests.file, group.scenario) for group in tests.groups[:1]]
         _check_materials(made, likelihood.tests.groups[0].scenario, names)
         of_tests = likelihood_of(tests, names, on_progress, prior=prior)
-        if enough(tests, of_tests.kept, needed_of(of_tests)):
+        if usable(tests, of_tests.kept) >= needed_of(of_tests):
             fit = fit_inputs(tests, names, on_progress, prior=prior)
         scatter = scatter or (fit.spread if fit and not tests.weighted else _given_scatter(tests))
     if scatter is None:
@@ -465,7 +465,7 @@ def _fitted(fit: Fit, scatter: float) -> _Knowledge:
     # The search comes close to an end and does not reach it.
     if (np.minimum(fit.best.x - lower, upper - fit.best.x) < AT_END * (upper - lower)).any():
         warnings.append("the fit to the tests ends at the end of the range of its search")
-    freedom = fit.degrees_of_freedom if fit.likelihood.scatters else None
+    freedom = None if tests.weighted else fit.degrees_of_freedom
     return _Knowledge(fit.best.x, rows.T @ rows, scatter, freedom, tuple(warnings))
 
 

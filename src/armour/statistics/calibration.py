@@ -16,7 +16,7 @@ from armour.scenario.checked import Names, checked
 from armour.scenario.keys import key_name
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
-from armour.statistics.likelihood import MIN_P_VALUE, Coefficient, Fit, enough, fit_inputs, intervals, without
+from armour.statistics.likelihood import MIN_P_VALUE, Coefficient, Fit, fit_inputs, intervals, usable, without
 from armour.statistics.measured import LIMIT, Tests, common_of, subject_of
 
 FLOW_STRESS = "ceramic.flow_stress_GPa"
@@ -367,19 +367,15 @@ def _unlike(tests: Tests) -> Iterator[str]:
 
 def _bad_fit(done: Fit) -> tuple[str, ...]:
     """Return a warning where the deviations are larger than the uncertainties explain."""
-    if done.p_value is not None and done.p_value < MIN_P_VALUE and done.widened_by == 1.0:
-        return (
-            "the tests deviate from the fit and its prior by more than the uncertainties given explain: chi-squared "
-            f"{done.chi_squared:.2f} on {done.degrees_of_freedom:.3g} degrees of freedom, p = {done.p_value:.2g}; "
-            "the prior, the model or the uncertainties are wrong, and the intervals do not allow for it",
-        )
-    if done.widened_by == 1.0:
+    if done.p_value is None or done.p_value >= MIN_P_VALUE:
         return ()
+    prior, widened = " or the prior", "not widened"
+    if done.widened_by > 1.0:
+        prior, widened = "", f"widened by {done.widened_by:.2f}"
     return (
         "the deviations are larger than the uncertainties given explain: chi-squared "
         f"{done.chi_squared:.2f} on {done.degrees_of_freedom:.3g} degrees of freedom, p = {done.p_value:.2g}; "
-        f"the intervals are widened by {done.widened_by:.2f} and allow for these degrees of freedom, "
-        "but the model or the uncertainties are wrong",
+        f"the intervals are {widened}, and the model, the uncertainties{prior} are wrong",
     )
 
 
@@ -401,7 +397,7 @@ def _left_out(done: Fit) -> Floats:
     spare = not tests.weighted and any(m.side for m in tests.measurements)
     for fold in range(folds):
         kept = of_test % folds != fold
-        if enough(tests, kept, count + spare):
+        if usable(tests, kept) >= count + spare:
             inputs[:, fold::folds] = without(done, kept)[:, None]
     fitted = ~np.isnan(inputs[0])
     found = done.likelihood.predicted(np.where(fitted, inputs, done.best.x[:, None]))

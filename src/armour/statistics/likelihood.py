@@ -158,16 +158,6 @@ class Likelihood(NamedTuple):
         """0 for measured values, +1 or -1 for outcomes; of those that count."""
         return np.array([m.side for m in self.tests.measurements])[self.kept]
 
-    @property
-    def scatters(self) -> bool:
-        """Whether the scatter is unknown."""
-        return not self.tests.weighted
-
-    @property
-    def of_law(self) -> Bools:
-        """Whether each input is a coefficient of a law of the flow stress, (k,)."""
-        return np.array([name.partition(".")[2] in FLOW_STRESS_LAW for name in self.names])
-
     def deviations(self, x: Floats) -> Floats:
         """Return the model's deviations from the measurements that count, divided by uncertainties or values."""
         scales = [m.uncertainty or m.value for m in self.tests.measurements]
@@ -259,7 +249,7 @@ def fit_inputs(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, 
     """Fit inputs to tests, from several starts; see `armour.statistics.calibration.calibrate`."""
     likelihood = likelihood_of(tests, inputs, on_progress, prior=prior)
     check_enough(likelihood)
-    of_law = likelihood.of_law
+    of_law = likelihood.lower < 0.0
     starts = [np.where(of_law, 0.0, start) for start in STARTS]
     starts += [np.where(of_law, LAW_START, 1.0)] if of_law.any() else []
     ends = [search(likelihood, start) for start in starts]
@@ -304,47 +294,38 @@ def search(likelihood: Likelihood, start: Floats, held: int | None = None, scatt
         """Move to the most likely inputs given the scatter, and return their deviations."""
 
         def losses(some: Floats) -> Floats:
-            of_tests = _losses(deviations_at(tuple(some.tolist())) / scatter, sides)
+            z = deviations_at(tuple(some.tolist())) / scatter
             found = x.copy()
             found[free] = some
-            return np.concatenate([of_tests, prior.scores(found)])
+            return np.concatenate([_losses(z, sides), prior.scores(found)])
 
         def slopes(some: Floats) -> Floats:
             return approx_fprime(some, losses, DIFFERENCE)
 
         if len(free):
-            x[free] = least_squares(
-                losses,
-                x[free],
-                jac=slopes,
-                bounds=(likelihood.lower[free], likelihood.upper[free]),
-                xtol=1e-10,
-            ).x
+            bounds = likelihood.lower[free], likelihood.upper[free]
+            x[free] = least_squares(losses, x[free], jac=slopes, bounds=bounds, xtol=1e-10).x
         return deviations_at(tuple(x[free].tolist()))
 
     def lost(deviations: Floats, scatter: float) -> float:
-        return _lost(deviations, sides, scatter) + float((prior.scores(x) ** 2).sum())
+        of_tests = float((_losses(deviations / scatter, sides) ** 2).sum() + 2.0 * (sides == 0).sum() * log(scatter))
+        return of_tests + float((prior.scores(x) ** 2).sum())
 
     def profile(log_scatter: float) -> float:
         return lost(moved(exp(log_scatter)), exp(log_scatter))
 
-    if scatter_matters and likelihood.scatters and scatter is None:
+    if scatter_matters and not likelihood.tests.weighted and scatter is None:
         ends = log(SCATTERS[0]), log(SCATTERS[1])
         scatter = exp(minimize_scalar(profile, bounds=ends, options={"xatol": SCATTER_TOLERANCE}).x)
     deviations = moved(scatter if scatter and scatter_matters else 1.0)
     if scatter is None:
-        scatter = float(np.clip(np.sqrt(np.mean(deviations**2)), *SCATTERS)) if likelihood.scatters else 1.0
+        scatter = 1.0 if likelihood.tests.weighted else float(np.clip(np.sqrt(np.mean(deviations**2)), *SCATTERS))
     return Point(x, scatter, lost(deviations, scatter))
 
 
 def _losses(z: Floats, sides: Floats) -> Floats:
     """Return signed roots of -2 times the logarithms of likelihoods, given deviations in standard deviations."""
     return np.where(sides == 0, z, np.sqrt(-2.0 * log_ndtr(sides * z)))
-
-
-def _lost(deviations: Floats, sides: Floats, scatter: float) -> float:
-    """Return -2 times the logarithm of the likelihood, but for what does not depend on inputs and scatter."""
-    return float((_losses(deviations / scatter, sides) ** 2).sum() + 2.0 * (sides == 0).sum() * log(scatter))
 
 
 def _judged(likelihood: Likelihood, best: Point, starts: int, agreeing: int) -> Fit:
@@ -360,8 +341,8 @@ def _judged(likelihood: Likelihood, best: Point, starts: int, agreeing: int) -> 
     slope = hazard(toward)
     weights, of_tests = rows_at(likelihood, best.x, best.scatter)
     rows = all_rows = np.vstack([of_tests, likelihood.prior.rows(best.x)])
-    tail = 0.5 * (1.0 + CONFIDENCE)
-    if likelihood.scatters:
+    tail, weighted = 0.5 * (1.0 + CONFIDENCE), likelihood.tests.weighted
+    if not weighted:
         # The scatter is an unknown too, on which the estimates depend through the outcomes and the prior.
         of_scatter = [*np.where(exact, 0.0, -weights * z), *(0.0 * scores), sqrt(2.0 * exact.sum())]
         all_rows = np.column_stack([np.vstack([rows, np.zeros(count)]), of_scatter])
@@ -370,7 +351,7 @@ def _judged(likelihood: Likelihood, best: Point, starts: int, agreeing: int) -> 
     leverages = (rows * inverse.T[: len(rows), :count]).sum(axis=1)
     p_value, widened_by, chi_squared, spread = None, 1.0, float((z[exact] ** 2).sum()), best.scatter
     normal = float(norm.ppf(tail)) ** 2
-    if likelihood.scatters:
+    if not weighted:
         number = float(exact.sum() + 0.5 * (toward**2 * slope * hazard(-toward))[~exact].sum())
         # What the prior determines takes no degree of freedom from the tests, and no part in the error of the scatter.
         by_tests = count - float(leverages[of_prior].sum())
@@ -439,7 +420,7 @@ def hazard(z: Floats) -> Floats:
 
 def _aicc(likelihood: Likelihood, best: Point) -> float | None:
     """Return Akaike's information criterion, corrected for the number of measurements; None for too few."""
-    unknown = len(best.x) + likelihood.scatters
+    unknown = len(best.x) + (not likelihood.tests.weighted)
     exact = [m for m in likelihood.tests.measurements if m.side == 0]
     left = len(likelihood.sides) - unknown - 1
     if left < 1:
@@ -534,27 +515,19 @@ def _check(tests: Tests, inputs: Sequence[str]) -> None:
 
 def check_enough(likelihood: Likelihood) -> None:
     """Check that there are enough tests for a fit."""
-    tests, count, needed = likelihood.tests, len(likelihood.names), needed_of(likelihood)
-    if enough(tests, likelihood.kept, needed):
-        return
-    kinds, found = "measurements or outcomes", len(tests.measurements)
-    if not tests.weighted:
-        kinds, found = "measurements without uncertainties", sum(m.side == 0 for m in tests.measurements)
-    message = f"must have at least {needed} {kinds} for {count} coefficients, found {found}"
-    if found < len(tests.measurements):
-        message += "; outcomes alone do not tell how measurements scatter"
-    elif not tests.weighted and len(likelihood.prior.where):
-        message += "; with a prior one is enough where its uncertainty is given"
-    raise InputError([Problem(tests.file, "", message)])
+    tests, needed, found = likelihood.tests, needed_of(likelihood), usable(likelihood.tests, likelihood.kept)
+    if found < needed:
+        kinds = "measurements or outcomes" if tests.weighted else "measurements, as their uncertainties are not given,"
+        message = f"must have at least {needed} {kinds} for {len(likelihood.names)} coefficients, found {found}"
+        raise InputError([Problem(tests.file, "", message)])
 
 
 def needed_of(likelihood: Likelihood) -> int:
     """Return the number of measurements that a fit needs: without uncertainties one more, which tells their scatter."""
     count = len(likelihood.names)
-    return count + 1 if likelihood.scatters else max(count - len(likelihood.prior.where), 1)
+    return max(count - len(likelihood.prior.where), 1) if likelihood.tests.weighted else count + 1
 
 
-def enough(tests: Tests, kept: Bools, needed: int) -> bool:
-    """Return whether enough measurements are kept; without uncertainties outcomes do not count."""
-    counted = [tests.weighted or m.side == 0 for m in tests.measurements]
-    return int((kept & counted).sum()) >= needed
+def usable(tests: Tests, kept: Bools) -> int:
+    """Return how many measurements are kept; without uncertainties outcomes do not count."""
+    return int((kept & [tests.weighted or m.side == 0 for m in tests.measurements]).sum())
