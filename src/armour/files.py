@@ -51,7 +51,7 @@ def shipped_tests() -> dict[str, Path]:
     return {path.name: path for path in shipped_files("scenarios/tests", ".csv").values()}
 
 
-def located(path: Path, known: Mapping[str, Path], listed: str = "") -> Path:
+def located(path: Path, known: Mapping[str, Path], listed: str) -> Path:
     """Return the file at a path or, where there is none, the one that is known by this name.
 
     Raise an InputError with the closest name, and with where the names are listed, if there is neither.

@@ -89,7 +89,7 @@ def test_rows_are_checked_whole():
     columns = dict(zip(ROD, np.array(rows).T, strict=True))
     assert np.isfinite(evaluate(scenario(), columns, ["ballistic_limit_m_s"])["ballistic_limit_m_s"][0])
     columns[ROD[1]] = np.array([5.46, 5460.0, 5.46])
-    with pytest.raises(InputError, match=r"row 3: library.*must make a rod .* found 3\.22e\+03 diameters"):
+    with pytest.raises(InputError, match=r"row 3: projectile.*must make a rod .* found 3\.22e\+03 diameters"):
         evaluate(scenario(), columns, ["ballistic_limit_m_s"])
 
 

@@ -7,7 +7,7 @@ from math import nan
 from typing import Any, NamedTuple
 
 from armour.core.state import Parameters
-from armour.errors import Note
+from armour.errors import InputError, Note, Problem
 from armour.files import read_toml, shipped
 from armour.scenario.inputs import VELOCITY
 from armour.units import GPA
@@ -16,6 +16,8 @@ from armour.units import GPA
 FAR = 2.0
 # Relative differences of density and Young's modulus up to which a ceramic is the same.
 SAME_DENSITY, SAME_MODULUS = 0.02, 0.05
+# More respects than any kind of armour has.
+MOST = 1000
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,8 @@ class ModelError:
         from scipy.special import stdtrit
 
         wanted = np.asarray(probability)
+        if not ((wanted >= 0.0) & (wanted <= 1.0)).all():
+            raise InputError([Problem("quantile", "probability", f"must be 0 to 1, found {probability}")])
         # Versions of scipy differ at 0 and at 1.
         ends = [wanted == 0.0, wanted == 1.0]
         deviation = np.select(ends, [-np.inf, np.inf], stdtrit(self.degrees_of_freedom, wanted))
@@ -151,6 +155,13 @@ class Evidence(NamedTuple):
     velocities_m_s: tuple[float, float]
     error: tuple[float, float, float]  # mean and scale, per cent, and degrees of freedom
 
+    def differences(self, armour: Parameters) -> Any:
+        """Return in how many respects an armour, or each of n, differs from the kind; a bare one from a tile in most."""
+        found = MOST * (self.bare != (armour.Hc0 == 0.0))
+        for limits in self.kind:
+            found = found + limits.fails(armour)
+        return found
+
 
 def _ranges(data: Mapping[str, tuple[float, float]]) -> tuple[DataRange, ...]:
     return tuple(DataRange(MEASURES[name], *ends) for name, ends in data.items())
@@ -225,7 +236,7 @@ class Limit(NamedTuple):
 def error_on_tests(armour: Parameters) -> ModelError | None:
     """Return the error of the ballistic limit on tests of such armours; None if there are none."""
     evidence = closest(armour)
-    if any(limits.fails(armour) for limits in evidence.kind):
+    if evidence.differences(armour):
         return None
     extrapolated = tuple(str(limits) for limits in evidence.measured if limits.fails(armour))
     return ModelError(*evidence.error, evidence.title, extrapolated)
@@ -233,8 +244,7 @@ def error_on_tests(armour: Parameters) -> ModelError | None:
 
 def closest(armour: Parameters) -> Evidence:
     """Return the evidence whose kind of armour and penetrator an armour differs from in the fewest respects."""
-    known = [evidence for evidence in shipped_evidence() if evidence.bare == (armour.Hc0 == 0.0)]
-    return min(known, key=lambda evidence: sum(bool(limits.fails(armour)) for limits in evidence.kind))
+    return min(shipped_evidence(), key=lambda evidence: evidence.differences(armour))
 
 
 def is_unusual(armour: Parameters) -> Any:
@@ -317,10 +327,7 @@ def row_errors(armour: Any) -> ModelError:
 
     found = np.full((3, len(armour.Hc0)), np.nan)
     for evidence in shipped_evidence():
-        of_kind = evidence.bare == (armour.Hc0 == 0.0)
-        for limits in evidence.kind:
-            of_kind &= ~limits.fails(armour)
-        found[:, of_kind] = np.array(evidence.error)[:, None]
+        found[:, evidence.differences(armour) == 0] = np.array(evidence.error)[:, None]
     return ModelError(*found)
 
 
@@ -331,9 +338,7 @@ def row_limits(armour: Any, velocities: Any) -> Iterator[tuple[str, int]]:
     """
     import numpy as np
 
-    fails = [sum(limits.fails(armour).astype(int) for limits in evidence.kind) for evidence in shipped_evidence()]
-    other = [1000 * (evidence.bare != (armour.Hc0 == 0.0)) for evidence in shipped_evidence()]
-    nearest = (np.array(fails) + np.array(other)).argmin(axis=0)
+    nearest = np.argmin([evidence.differences(armour) for evidence in shipped_evidence()], axis=0)
     for index in np.unique(nearest):
         where = nearest == index
         some = Parameters(*(values[where] for values in armour))

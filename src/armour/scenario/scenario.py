@@ -14,7 +14,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Note, Problem, choices, refuse, suggestion
-from armour.files import located, read_toml, shipped_files, write_files
+from armour.files import located, read_toml, shipped_files, shipped_suites, shipped_tests, write_files
 from armour.scenario.changes import changed
 from armour.scenario.checked import checked
 from armour.scenario.evidence import ModelError, armour_warnings, error_on_tests
@@ -185,15 +185,16 @@ class Scenario(Section):
         """Return the scenario with other values of inputs, validated again."""
         self.check_names(values, self.file)
         changes: dict[str, Any] = {}
+        names: dict[str, str] = {}
         for name, value in values.items():
             entry = self.entry_of(INPUTS[name].section) if INPUTS[name].kind else None
-            if entry is None:
-                changes[name] = value
-                continue
-            changes[key_name(["library", entry.kind, entry.name, INPUTS[name].key])] = value
-            if entry.name not in getattr(self.library, entry.kind):
-                changes[key_name(["library", entry.kind, entry.name, "based_on"])] = entry.name
-        return self.replaced(changes)
+            key = name if entry is None else key_name(["library", entry.kind, entry.name, INPUTS[name].key])
+            changes[key], names[key] = value, name
+        try:
+            return self.replaced(changes)
+        except InputError as error:
+            found = [problem._replace(key=names.get(problem.key, problem.key)) for problem in error.problems]
+            raise InputError(found) from None
 
     def bases_of(self, kind: Kind, name: str) -> list[str]:
         """Return an entry and those that it is based on, one on the next, up to the first from outside the scenario."""
@@ -417,8 +418,9 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
 def scenario_file(path: Path, others: Mapping[str, Path] | None = None) -> Path:
     """Return the file at a path or, where there is none, the shipped scenario, or other file, of that name."""
     known = {**shipped_files("scenarios", ".toml"), **(others or {})}
-    listed = "; `armour init --list` lists the shipped scenarios"
-    return located(path, known, listed)
+    kinds = {"suite": shipped_suites(), "table of tests or shots": shipped_tests()}
+    listed = [f"; {path} is a shipped {kind}, not a scenario" for kind, names in kinds.items() if str(path) in names]
+    return located(path, known, "".join(listed) or "; `armour init --list` lists the shipped scenarios")
 
 
 @checked
@@ -487,47 +489,23 @@ def parse_changed(
 ) -> Scenario:
     """Make a scenario from plain data with other values by dotted key or input, one mapping after the other.
 
-    Inputs are those of the scenario with all other changes, whatever their order.  `set_by_hand` are the keys of values
-    of the library that were set before.
+    Inputs are set last, whatever their order.  `set_by_hand` are the keys of values of the library that were set before.
     """
     inputs: dict[str, Any] = {}
-    others: list[Parts] = []
     for group in filter(None, changes):
         by_role = {key: value for key, value in group.items() if _names_a_role(key)}
         inputs |= {key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}
         rest = {key: value for key, value in group.items() if key not in by_role}
         data = _based(changed(data, rest, file), data, rest, file, folder)
-        others += (leaf for key, value in rest.items() for leaf, _ in leaves(value, parts_of(key)))
-    set_by_hand = set_by_hand.union(leaf[:4] for leaf in others if leaf[0] == "library" and len(leaf) > 3)
+        set_now = (leaf for key, value in rest.items() for leaf, _ in leaves(value, parts_of(key)))
+        set_by_hand = set_by_hand.union(leaf[:4] for leaf in set_now if leaf[0] == "library" and len(leaf) > 3)
     made = _made(_Source(deepcopy(dict(data)), file, folder, set_by_hand))
     if not inputs:
         return made
-    _check_not_twice(made, inputs, others)
     try:
         return made.with_inputs(inputs)
     except InputError as error:
-        raise InputError([_told_of(made, inputs, problem._replace(file=file)) for problem in error.problems]) from None
-
-
-def _check_not_twice(scenario: Scenario, inputs: Iterable[str], keys: Iterable[Parts]) -> None:
-    """Check that none of the keys that change sets the value of an input that changes, too."""
-    givers = {scenario.input_of(key[1:]): key_name(key) for key in keys if key[0] == "library"}
-    refuse(
-        Problem(scenario.file, name, f"must not be given with {givers[name]}, which sets the same")
-        for name in inputs
-        if name in givers
-    )
-
-
-def _told_of(scenario: Scenario, inputs: Iterable[str], problem: Problem) -> Problem:
-    """Return a problem in an entry of the scenario as one with the input that sets its key or, if none, another one."""
-    table, _, key = problem.key.rpartition(".")
-    for role in ROLES:
-        entry = scenario.entry_of(role)
-        own = [name for name in inputs if name.startswith(f"{role}.")]
-        if own and entry is not None and table == key_name(["library", entry.kind, entry.name]):
-            return problem._replace(key=f"{role}.{key}" if f"{role}.{key}" in own else own[0])
-    return problem
+        raise InputError([problem._replace(file=file) for problem in error.problems]) from None
 
 
 def _names_a_role(key: str) -> bool:
