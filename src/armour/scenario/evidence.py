@@ -156,7 +156,7 @@ class Evidence(NamedTuple):
     error: tuple[float, float, float]  # mean and scale, per cent, and degrees of freedom
 
     def differences(self, armour: Parameters) -> Any:
-        """Return in how many respects an armour, or each of n, differs from the kind; a bare one from a tile in most."""
+        """Return in how many respects an armour, or each of n, differs; with and without ceramic in most."""
         found = MOST * (self.bare != (armour.Hc0 == 0.0))
         for limits in self.kind:
             found = found + limits.fails(armour)

@@ -489,7 +489,7 @@ def parse_changed(
 ) -> Scenario:
     """Make a scenario from plain data with other values by dotted key or input, one mapping after the other.
 
-    Inputs are set last, whatever their order.  `set_by_hand` are the keys of values of the library that were set before.
+    Inputs are set last.  `set_by_hand` are the keys of values of the library that were set before.
     """
     inputs: dict[str, Any] = {}
     for group in filter(None, changes):
