@@ -1,12 +1,11 @@
 """Questions a suite may ask: any quantity, the lightest design, and what replacing one material saves."""
 
-from collections.abc import Callable, Collection
-from functools import cached_property, partial
-from typing import NamedTuple
+from collections.abc import Callable
+from functools import cached_property
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import Answers, groups_of
-from armour.analysis.quantities import DESIGNS, QUANTITIES
+from armour.analysis.quantities import DESIGNS, GRID, QUANTITIES
 from armour.analysis.variants import Floats, Variants, grid_of
 from armour.design.optimise import BestDesign, optimise
 from armour.errors import InputError, NoDesignError, Problem
@@ -39,47 +38,34 @@ class Asked:
         return before.with_least_backing, after.with_least_backing
 
 
-class Question(NamedTuple):
-    """A number, or the outcome, that a suite may ask."""
-
-    answer: Callable[[Asked], float | str]
-    on_grid: bool = True  # needs the scenario's grid of designs
-    of_two: bool = False  # compares the scenario with its replacement
-    reads: Collection[str] = ("impact", "optimise")  # see `armour.scenario.reach`
-
-
-def _quantity(name: str, asked: Asked) -> float | str:
-    return QUANTITIES[name].compute(asked.answers)[0].item()
-
-
-def _saved_percent(amount: Callable[[Variants], Floats], asked: Asked) -> float:
-    before, after = (float(amount(armours)[0]) for armours in asked.required)
-    return 100.0 * (1.0 - after / before)
-
-
-QUESTIONS: dict[str, Question] = {
-    **{
-        name: Question(partial(_quantity, name), quantity.on_grid, reads=quantity.reads)
-        for name, quantity in QUANTITIES.items()
-    },
-    "optimum_ceramic_thickness_mm": Question(lambda asked: asked.lightest.ceramic_thickness_mm, reads=DESIGNS),
-    "optimum_backing_thickness_mm": Question(lambda asked: asked.lightest.backing_thickness_mm, reads=DESIGNS),
-    "optimum_areal_density_kg_m2": Question(lambda asked: asked.lightest.areal_density_kg_m2, reads=DESIGNS),
-    "thickness_saved_percent": Question(
-        partial(_saved_percent, lambda armours: armours.ceramics_mm + armours.backings_mm), of_two=True
-    ),
-    "weight_saved_percent": Question(
-        partial(_saved_percent, lambda armours: armours.areal_densities_kg_m2), of_two=True
-    ),
+# Questions about the lightest design: its attributes.
+LIGHTEST = ("optimum_ceramic_thickness_mm", "optimum_backing_thickness_mm", "optimum_areal_density_kg_m2")
+# Questions about the replacement of one material by another: what is less with it, in per cent of what it was.
+SAVINGS: dict[str, Callable[[Variants], Floats]] = {
+    "thickness_saved_percent": lambda armours: armours.ceramics_mm + armours.backings_mm,
+    "weight_saved_percent": lambda armours: armours.areal_densities_kg_m2,
+}
+# What a suite may ask, and what each question reads, see `armour.scenario.reach`.
+QUESTIONS: dict[str, tuple[str, ...]] = {
+    **{name: quantity.reads for name, quantity in QUANTITIES.items()},
+    **dict.fromkeys(LIGHTEST, DESIGNS),
+    **dict.fromkeys(SAVINGS, GRID),
 }
 
 
 def answer(name: str, asked: Asked) -> float | str:
     """Answer a question; raise NoAnswerError if it has no answer in the scenario's range."""
-    found = QUESTIONS[name].answer(asked)
-    if found == found:
-        return found
-    if not QUESTIONS[name].on_grid:
+    value: float | str
+    if name in LIGHTEST:
+        value = getattr(asked.lightest, name.removeprefix("optimum_"))
+    elif name in SAVINGS:
+        before, after = (float(SAVINGS[name](armours)[0]) for armours in asked.required)
+        value = 100.0 * (1.0 - after / before)
+    else:
+        value = QUANTITIES[name].compute(asked.answers)[0].item()
+    if value == value:
+        return value
+    if "optimise" not in QUESTIONS[name]:
         ballistic_limit(asked.scenario)  # raises, and says why
     velocity = asked.scenario.impact.velocity_m_s
     raise NoDesignError(
@@ -90,10 +76,9 @@ def answer(name: str, asked: Asked) -> float | str:
 
 def check_answerable(name: str, scenario: Scenario, replacement: Scenario | None = None) -> None:
     """Check that a scenario has the grid that a question needs, and that exactly one material is replaced."""
-    question = QUESTIONS[name]
-    if question.on_grid:
+    if "optimise" in QUESTIONS[name]:
         grid_of(scenario)
-    if question.of_two:
+    if name in SAVINGS:
         before, after = scenario.armour, (replacement or scenario).armour
         if (before.ceramic != after.ceramic) == (before.backing != after.backing):
             message = "must name another ceramic or another backing, and not both"

@@ -8,62 +8,40 @@ from math import inf
 from os import PathLike
 from os.path import exists
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, field_validator, model_validator
 
 from armour.analysis.quantities import label_and_unit
 from armour.csv_files import number
-from armour.errors import MAX_PROBLEMS, InputError, Problem, refuse, suggestion
+from armour.errors import InputError, Problem, refuse, suggestion
 from armour.files import read_toml, shipped, shipped_files, suite_file
 from armour.scenario.checked import checked
 from armour.scenario.keys import canonical, describe, key_name, leaves, parts_of
 from armour.scenario.reach import check_reach, check_read, check_used, read_of
 from armour.scenario.scenario import Scenario, parse_changed
-from armour.scenario.sections import Section, SectionT, validated
+from armour.scenario.sections import LIST_TAG, RANGE_TAG, NumberOrText, Section, SectionT, validated
 from armour.statistics.measured import MEASURED, read_tests
 from armour.units import words_and_unit
-from armour.validation.questions import QUESTIONS, check_answerable
+from armour.validation.questions import QUESTIONS, SAVINGS, check_answerable
 
 Cells = Mapping[str, float | str]
 
 
-@dataclass(frozen=True)
-class Condition:
-    """Condition on a cell: one of some texts and numbers, or a number from a least one to below a greatest one."""
+class Between(Section):
+    """Numbers from a least one to below a greatest one."""
 
-    values: tuple[float | str, ...] = ()
-    least: float = -inf
+    min: float = -inf
     below: float = inf
 
-    def met(self, cell: float | str | None) -> bool:
-        """Whether a cell, None where it is empty, meets the condition."""
-        value = number(str(cell))
-        if self.values:
-            return cell in self.values or value in self.values
-        return value is not None and self.least <= value < self.below
 
-
-def _condition(value: object) -> Condition:
-    if (
-        isinstance(value, dict)
-        and value
-        and not value.keys() - {"min", "below"}
-        and all(map(_is_number, value.values()))
-    ):
-        return Condition((), value.get("min", -inf), value.get("below", inf))
-    values: list[Any] = value if isinstance(value, list) else [value]
-    if values and all(isinstance(one, str) or _is_number(one) for one in values):
-        return Condition(tuple(values))
-    must = "must be a text, a number, a list of them, or a range such as { min = 3, below = 7 }"
-    raise ValueError(f"{must}, found {describe(value)}")
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-Where = dict[str, Annotated[Any, BeforeValidator(_condition)]]
+# Condition on a cell: a number or text, a list of them, or a range.
+Condition = Annotated[
+    Annotated[list[NumberOrText], Tag(LIST_TAG)] | Annotated[Between, Tag(RANGE_TAG)],
+    Discriminator(lambda value: LIST_TAG if isinstance(value, list) else RANGE_TAG),
+    BeforeValidator(lambda value: value if isinstance(value, list | dict) else [value]),
+]
+Where = dict[str, Condition]
 Percent = Annotated[float, Field(ge=0.0, le=1e6)]
 
 
@@ -78,44 +56,21 @@ class GroupSection(Section):
 
 
 def meets(cells: Cells, where: Mapping[str, Condition]) -> bool:
-    """Whether the cells of a row meet every condition."""
-    return all(condition.met(cells.get(column)) for column, condition in where.items())
+    """Whether the cells of a row, without the empty ones, meet every condition."""
+    return all(_met(condition, cells.get(column)) for column, condition in where.items())
 
 
-def selected(
-    path: Path, scenario: Scenario, quantity: str, notes: list[str], where: Mapping[str, Condition]
-) -> Iterator[tuple[str, Cells, Scenario]]:
-    """Yield name, cells and scenario of the tests of a file that measure a quantity and meet the conditions.
-
-    The scenario has the names of the projectile and of the materials, but not the numbers in the cells.
-    """
-    tests = read_tests(path, scenario, notes)
-    of_test = {int(index): group.scenario for group in tests.groups for index in group.where}
-    chosen = [i for i, cells in enumerate(tests.cells) if quantity in cells and meets(cells, where)]
-    if not chosen:
-        message = f"must have tests with {' and '.join((quantity, *where))} as the suite selects them, found none"
-        raise InputError([Problem(str(path), "", message)])
-    for i in chosen:
-        yield tests.names[i], tests.cells[i], of_test[i]
+def _met(condition: Condition, cell: float | str | None) -> bool:
+    value = number(str(cell))
+    if isinstance(condition, Between):
+        return value is not None and condition.min <= value < condition.below
+    return cell in condition or value in condition
 
 
 # Column of a table that holds the expected values.
 EXPECTED = "expected"
 # Column of a table that holds measured values, from which the expected ones are the relative differences.
 MEASURED_COLUMN = "measured"
-# Questions about the replacement of one material by another.
-SAVINGS = tuple(name for name, question in QUESTIONS.items() if question.of_two)
-
-
-def _number_or_text(value: object) -> object:
-    """Check an expected value before pydantic does, which would report each type of the union."""
-    if isinstance(value, str):
-        return value
-    if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST:
-        return value
-    raise ValueError(f"must be a number up to {LARGEST:g}, or the outcome in quotes, found {describe(value)}")
-
-
 # Largest number; it keeps what is computed from numbers finite.
 LARGEST = 1e12
 Name = Annotated[str, Field(min_length=1)]
@@ -163,18 +118,19 @@ class _Expectation(Section):
 class CaseSection(_Expectation):
     """A case."""
 
-    expected: Annotated[float | str, BeforeValidator(_number_or_text)]
+    expected: NumberOrText
     replaced_by: dict[str, Any] | None = None
     measured: Annotated[float, Field(ge=1.0 / LARGEST, le=LARGEST)] | None = None
+    file: ClassVar = ""
 
     @model_validator(mode="after")
     def _fits_the_quantity(self) -> "CaseSection":
-        outcomes = ("perforated", "defeated")
         if self.quantity == "outcome":
-            if self.expected not in outcomes:
-                raise ValueError(f'expected must be "perforated" or "defeated", found {self.expected!r}')
-        elif isinstance(self.expected, str):
-            raise ValueError(f"expected must be a number for {self.quantity}, found {self.expected!r}")
+            if self.expected not in ("perforated", "defeated"):
+                raise ValueError(f'expected must be "perforated" or "defeated", found {describe(self.expected)}')
+        elif isinstance(self.expected, str) or abs(self.expected) > LARGEST:
+            must = f"expected must be a number up to {LARGEST:g} for {self.quantity}"
+            raise ValueError(f"{must}, found {describe(self.expected)}")
         if (self.quantity in SAVINGS) != (self.replaced_by is not None):
             raise ValueError(f"replaced_by belongs to {' and '.join(SAVINGS)}, and to nothing else")
         if self.quantity == "outcome" and self.measured is not None:
@@ -195,6 +151,7 @@ class TableSection(_Expectation):
     mean_percent: Number = 0.0
     mean_band_percent: Percent | None = None
     rivals: list[Name] = []
+    replaced_by: ClassVar = None
 
     @model_validator(mode="after")
     def _shape(self) -> "TableSection":
@@ -202,16 +159,13 @@ class TableSection(_Expectation):
             raise ValueError(f"a table must be of numbers that one scenario answers, found {self.quantity}")
         if self.rms_band is not None and self.rms_band_percent is not None:
             raise ValueError("must have rms_band or rms_band_percent, found both")
-        in_suite = [key for key in ("columns", "rows", "rivals") if getattr(self, key)]
-        in_file = [key for key in ("where", "group", "mean_band_percent") if getattr(self, key)]
+        of_others = ("columns", "rows", "rivals", "rms_band") if self.file else ("where", "group", "mean_band_percent")
+        if wrong := [key for key in of_others if key in self.model_fields_set]:
+            raise ValueError(f"must not have {wrong[0]} {'with' if self.file else 'without'} a file")
         if self.file:
-            if in_suite or self.rms_band is not None:
-                raise ValueError(f"must not have {[*in_suite, 'rms_band'][0]} with a file")
             if self.quantity not in MEASURED:
                 raise ValueError(f"quantity must be one of {', '.join(MEASURED)} with a file, found {self.quantity}")
             return self
-        if in_file:
-            raise ValueError(f"must have a file with {in_file[0]}")
         if not self.rows:
             raise ValueError("must have rows, or a file that has them")
         if len(set(self.columns)) != len(self.columns):
@@ -231,10 +185,6 @@ class TableSection(_Expectation):
     def compares(self) -> bool:
         """Whether the expected values are differences from measured ones."""
         return MEASURED_COLUMN in self.columns and MEASURED_COLUMN not in self.rivals
-
-    def without_groups(self) -> "TableSection":
-        """Return the table of some rows of a file, which its bands are not made for."""
-        return self.model_copy(update={"group": [], "rms_band_percent": None, "mean_band_percent": None})
 
 
 class SuiteSection(Section):
@@ -369,16 +319,15 @@ class Suite:
             message = f'must have a case whose name contains "{text}", found none'
             raise InputError([Problem(str(self.file), "", message)])
         kept = {case.group for case in cases}
-        left = {case.group for case, found in zip(self.cases, named, strict=True) if not found}
-        return replace(
-            self,
-            cases=cases,
-            tables=tuple(
-                table.without_groups() if table.file and table.name in left else table
-                for table in self.tables
-                if table.name in kept
-            ),
+        # The bands of a table of a file are made for all its rows.
+        partial = {case.group for case, chosen in zip(self.cases, named, strict=True) if case.cells and not chosen}
+        unbound: dict[str, Any] = {"group": [], "rms_band_percent": None, "mean_band_percent": None}
+        tables = (
+            table.model_copy(update=unbound if table.name in partial else None)
+            for table in self.tables
+            if table.name in kept
         )
+        return replace(self, cases=cases, tables=tuple(tables))
 
 
 @checked
@@ -417,16 +366,11 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
         except InputError as error:
             for problem in error.problems:
                 wrong.setdefault((row.place[:2], problem), _placed(problem, row, path))
-        if len(wrong) > MAX_PROBLEMS:
-            break
-    problems = list(wrong.values())[:MAX_PROBLEMS]
-    if len(wrong) > MAX_PROBLEMS:
-        problems.append(Problem(str(path), "", "must be right up to here; what follows is not checked"))
-    refuse(problems)
+    refuse(wrong.values())
     asked = [
         (made, case) for case in cases for made in (case.scenario, case.replacement) if changes and made is not None
     ]
-    reads = (name for made, case in asked for name in read_of(made, QUESTIONS[case.quantity].reads))
+    reads = (name for made, case in asked for name in read_of(made, QUESTIONS[case.quantity]))
     check_read(changes, {"impact.projectile", "armour", *reads})
     check_used(changes, *(made for made, _ in asked))
     return Suite(suite.title, path, tuple(cases), tuple(suite.table), suite.description)
@@ -434,7 +378,7 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
 
 def _placed(problem: Problem, row: "_Row", path: Path) -> Problem:
     """Return a problem in the scenario of a case with its place in the suite; one in a file of tests is as it is."""
-    if row.in_file:
+    if row.section.file:
         return problem
     in_row = problem.key in row.inputs
     where = key_name([*row.place[: 4 if in_row else 2], *([] if in_row else ["scenario"])])
@@ -456,7 +400,6 @@ class _Row(NamedTuple):
     inputs: Mapping[str, float] = {}
     rivals: Mapping[str, float] = {}
     measured: float | None = None
-    in_file: bool = False
 
 
 def _rows(suite: SuiteSection) -> Iterator[_Row]:
@@ -473,45 +416,47 @@ def _rows(suite: SuiteSection) -> Iterator[_Row]:
         yield _Row(case, ("case", index, EXPECTED), case.expected, measured=case.measured)
     for index, table in enumerate(suite.table):
         if table.file:
-            yield _Row(table, ("table", index, "file"), in_file=True)
+            yield _Row(table, ("table", index, "file"))
 
 
-def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object], read: Read) -> Iterator[Case]:
-    """Yield the case of a row, or those of a file."""
-    section = row.section
+def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object], read: Read) -> list[Case]:
+    """Return the case of a row, or those of a file."""
+    section, quantity = row.section, row.section.quantity
     file = _file(folder, section.scenario)
     scenario = _scenario(file, read, section.set, row.inputs, changes)
     replacement = None
-    if isinstance(section, CaseSection) and section.replaced_by is not None:
+    if section.replaced_by is not None:
         replacement = _scenario(file, read, section.set, section.replaced_by, changes)
-    check_answerable(section.quantity, scenario, replacement)
+    check_answerable(quantity, scenario, replacement)
     if row.first:
         _check_changes(row, scenario, replacement)
-    if isinstance(section, TableSection) and row.in_file:
-        tests = _file(folder, section.file)
-        for name, cells, made in selected(tests, scenario, section.quantity, suite.notes, section.where):
-            yield Case(suite, section, name, made, float(cells[section.quantity]), row.place, cells=cells)
-    else:
+    if not isinstance(section, TableSection) or not section.file:
         name = ", ".join(map(_in_words, row.inputs, row.inputs.values())) or section.name
-        yield Case(suite, section, name, scenario, row.expected, row.place, replacement, row.rivals, row.measured)
+        return [Case(suite, section, name, scenario, row.expected, row.place, replacement, row.rivals, row.measured)]
+    tests = read_tests(_file(folder, section.file), scenario, suite.notes)
+    of_test = {int(place): group.scenario for group in tests.groups for place in group.where}
+    cases = [
+        Case(suite, section, tests.names[place], of_test[place], float(cells[quantity]), row.place, cells=cells)
+        for place, cells in enumerate(tests.cells)
+        if quantity in cells and meets(cells, section.where)
+    ]
+    if not cases:
+        conditions = " and ".join((quantity, *section.where))
+        message = f"must have tests with {conditions} as the suite selects them, found none"
+        raise InputError([Problem(tests.file, "", message)])
+    return cases
 
 
 def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) -> None:
     """Check that the changes and the columns of a section, of which the first row is given, all count."""
-    quantity, file = QUESTIONS[row.section.quantity], scenario.file
-    for changes in (row.section.set, getattr(row.section, "replaced_by", None) or {}):
+    file = scenario.file
+    reads = read_of(scenario, QUESTIONS[row.section.quantity])
+    for changes in (row.section.set, row.section.replaced_by or {}):
         given = [leaf for key, value in changes.items() for leaf, _ in leaves(value, parts_of(key))]
         # The title is for people; entries of the library may be based on each other.
         counting = [leaf[0] not in ("title", "library") for leaf in given] + [True] * len(row.inputs)
         keys = compress(canonical([*map(key_name, given), *row.inputs], file), counting)
-        check_reach(
-            scenario,
-            list(keys),
-            read_of(scenario, quantity.reads),
-            file,
-            row.section.quantity,
-            closed_forms=bool(row.rivals),
-        )
+        check_reach(scenario, list(keys), reads, file, row.section.quantity, closed_forms=bool(row.rivals))
         check_used(changes, scenario, *([replacement] if replacement else []), file=file, option="")
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isnan, sqrt
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
@@ -346,22 +346,13 @@ def _summary(table: TableSection, bands: TableSection | GroupSection, rows: Sequ
 DIGITS = 8
 
 
-class Update(NamedTuple):
-    """A case and its new expected value."""
-
-    case: Case
-    expected: float | str
-
-
-def updates_of(result: SuiteResult) -> list[Update]:
-    """Return the regression values that differ from the computed ones to the digits that are written."""
+def updates_of(result: SuiteResult) -> list[Check]:
+    """Return the checks of regression values that differ from the computed ones, these to the digits as written."""
     updates = []
-    for case, computed in ((check.case, check.computed) for check in result.checks):
-        if computed is None or case.not_scored or case.cells or not case.regression:
-            continue
-        new = float(f"{computed:.{DIGITS}g}") if isinstance(computed, float) else computed
-        if new != case.expected:
-            updates.append(Update(case, new))
+    for check in result.checks:
+        computed = float(f"{check.computed:.{DIGITS}g}") if isinstance(check.computed, float) else check.computed
+        if check.case.regression and not check.case.not_scored and computed not in (None, check.case.expected):
+            updates.append(replace(check, computed=computed))
     return updates
 
 
@@ -372,7 +363,7 @@ def kept_by_update(result: SuiteResult) -> SuiteResult:
     return replace(result, checks=checks, summaries=tuple(each for each in result.summaries if each.name in groups))
 
 
-def updated_file(content: bytes, updates: Sequence[Update]) -> bytes:
+def updated_file(content: bytes, updates: Sequence[Check]) -> bytes:
     """Return a suite file with other expected values; its comments, layout, line ends and byte order mark stay."""
     import tomlkit  # slow to import
 
@@ -383,5 +374,5 @@ def updated_file(content: bytes, updates: Sequence[Update]) -> bytes:
         *path, last = update.case.place
         for key in path:
             table = table[key]
-        table[last] = update.expected
+        table[last] = update.computed
     return mark + tomlkit.dumps(document).encode()

@@ -16,7 +16,7 @@ from armour.scenario.sections import TINY
 from armour.validation.figures import Figure
 from armour.validation.rivals import Error
 from armour.validation.suite import Case
-from armour.validation.validate import Check, Status, SuiteResult, TableSummary, Update
+from armour.validation.validate import Check, Status, SuiteResult, TableSummary
 
 
 def check_groups(result: SuiteResult) -> dict[str, list[Check]]:
@@ -176,13 +176,13 @@ def tables(result: SuiteResult) -> list[Table | str]:
     return [*suite_tables(result), "", *(f"{name}: {note}" for name, note in notes), verdict(result)]
 
 
-def update_table(updates: Sequence[Update]) -> Table:
+def update_table(updates: Sequence[Check]) -> Table:
     """Return the expected values that an update changes."""
     return listing(
         updates,
         (Column("case", prose=True), lambda update: update.case.full_name),
         (Column("expected", spec=".10g"), lambda update: update.case.expected),
-        (Column("computed", spec=".10g"), lambda update: update.expected),
+        (Column("computed", spec=".10g"), lambda update: update.computed),
     )
 
 
