@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from armour.sweeps.cluster import CHUNKS_AHEAD
-from armour.sweeps.sweep import CHUNK_S, MAX_CHUNK, duration, size
+from armour.sweeps.sweep import CHUNK_S, MAX_CHUNK, duration
 
 Row = dict[str, Any]
 # A sweep beyond a machine.
@@ -184,8 +184,8 @@ def _beyond(workers: list[Row], tasks: Row, clients: list[Row]) -> str:
             "the scheduler, a task for each chunk": duration(stages["scheduler"]),
             "the client, sending and writing": duration(stages["client"]),
             "the client, joining after": duration(chunks * client["join_chunk"] + MANY_ROWS * client["join_row"]),
-            "disk": size(2 * MANY_ROWS * client["bytes"]),
-            "rows under way, in the scheduler": size(sent),
+            "disk": f"{2 * MANY_ROWS * client['bytes'] / 1e9:,.1f} GB",
+            "rows under way, in the scheduler": f"{sent / 1e6:,.1f} MB",
             **{f"cores that the {stage} keeps busy": f"{work / s:,.0f}" for stage, s in stages.items()},
         }
         for key, cell in cells.items():

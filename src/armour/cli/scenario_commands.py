@@ -234,9 +234,9 @@ def grid_of(option: str, texts: Sequence[str]) -> "Grid":
 def _approve(effort: "Effort", yes: bool) -> None:
     """Announce a sweep that is not over at once; refuse a large one without ``--yes``."""
     if effort.is_large and not yes:
-        raise _wrong(f"{effort}; --yes to go on")
+        raise _wrong(f"{effort.words}; --yes to go on")
     if effort.seconds > ANNOUNCED_S:
-        say(str(effort))
+        say(effort.words)
 
 
 # What a report reads: keys that it shows, and what the results for the scenario's own armour depend on.

@@ -56,26 +56,10 @@ OnChunk = Callable[[int, bool], None]
 class Effort(NamedTuple):
     """Work of a sweep."""
 
-    rows: int
     row_s: float  # on one worker
     seconds: float
-    bytes: float  # of the output, or more if it is Parquet
-    free_bytes: int  # on its disk
-
-    def __str__(self) -> str:
-        text = f"{self.rows:,} rows; about {duration(self.seconds)}"
-        if self._fits:
-            return text
-        return f"{text}; {size(2 * self.bytes)} to write and join, where {size(self.free_bytes)} are free"
-
-    @property
-    def _fits(self) -> bool:
-        return 2 * self.bytes <= self.free_bytes
-
-    @property
-    def is_large(self) -> bool:
-        """Return whether to ask before such a sweep."""
-        return self.seconds > LONG_S or self.rows > MANY_ROWS or not self._fits
+    words: str
+    is_large: bool  # whether to ask before such a sweep
 
 
 class Workers(NamedTuple):
@@ -401,28 +385,21 @@ def effort_of(
         bytes_each = len(csv_of({**rows, **results})) / count
         if count < number or (number > 1 and taken > SAMPLE_S):
             break
-    free = shutil.disk_usage(output.parent).free
     seconds = each * source.count / (workers.number if workers else 1)
-    return Effort(source.count, each, seconds, bytes_each * source.count, free)
-
-
-def size(count: float) -> str:
-    """Return a number of bytes in words, such as "1.5 GB"."""
-    return f"{count / 1e9:,.1f} GB" if count >= 1e9 else f"{count / 1e6:.1f} MB"
+    needed, free = 2.0 * bytes_each * source.count, shutil.disk_usage(output.parent).free
+    words = f"{source.count:,} rows; about {duration(seconds)}"
+    if needed > free:
+        words += f"; {needed / 1e9:.3g} GB to write and join, where {free / 1e9:.3g} GB are free"
+    return Effort(each, seconds, words, seconds > LONG_S or source.count > MANY_ROWS or needed > free)
 
 
 def duration(seconds: float) -> str:
     """Return a length of time in words, such as "90 hours"."""
-    for limit, unit, name in (
-        (120, 1, "seconds"),
-        (7200, 60, "minutes"),
-        (360000, 3600, "hours"),
-        (2e8, 86400, "days"),
-    ):
+    for limit, unit, name in ((120, 1, "seconds"), (7200, 60, "minutes"), (360000, 3600, "hours")):
         if seconds < limit:
             number = max(round(seconds / unit), 1)
             return f"{number} {name if number > 1 else name[:-1]}"
-    return f"{seconds / 31557600:,.0f} years"
+    return f"{seconds / 86400:,.0f} days"
 
 
 @cache
