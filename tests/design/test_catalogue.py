@@ -84,20 +84,6 @@ def test_what_costs_nothing():
     assert [(pair.ceramic, pair.reason) for pair in result.pairs] == [("AD85", ""), ("AD99.5", "dearer")]
 
 
-def test_a_pair_of_which_no_design_meets_the_constraints():
-    ceramics = [{"material": "AD85", "thickness_mm": [12.0]}, {"material": "AD99.5", "thickness_mm": [30.0]}]
-    metal = [{"material": "6061-T6", "thickness_mm": [8.0]}]
-    result = optimise(catalogue(ceramic=ceramics, backing=metal, thickness_max_mm=25.0))
-    assert [(pair.ceramic, pair.reason) for pair in result.pairs] == [
-        ("AD85", ""),
-        (
-            "AD99.5",
-            "design.thickness_max_mm: the thinnest design that defeats every threat has 38 mm, "
-            "at most 25 mm is allowed",
-        ),
-    ]
-
-
 @pytest.mark.parametrize("free", [{}, {"ceramic": [{"material": "AD99.5", "thickness_mm": {"min": 1.0, "max": 20.0}}]}])
 def test_a_pair_without_a_design_says_which_constraint_keeps_it_out(free: dict[str, Any]):
     masses = {
@@ -121,24 +107,19 @@ def test_a_pair_of_which_no_free_thickness_defeats_the_threats():
     ceramics = [{"material": "AD85", "thickness_mm": {"min": 1.0, "max": 12.0}}]
     for constraint in ({}, {"areal_density_max_kg_m2": 500.0}):
         result = optimise(catalogue(ceramic=ceramics, backing=metals, **constraint))
-        assert [pair.reason for pair in result.pairs] == ["", "no design defeats 7.62 mm AP at 800 m/s or M2"]
+        assert [pair.reason for pair in result.pairs] == ["", "no design defeats every threat and all slower impacts"]
 
 
 def test_nothing_on_offer():
-    thinnest = optimise(catalogue(minimise="thickness_mm")).best.thickness_mm
-    least = f"the thinnest design that defeats every threat has {thinnest:.4g} mm, at most 5 mm is allowed"
+    lightest = optimise(catalogue()).best.thickness_mm
+    least = f"the lightest design that defeats every threat has {lightest:.4g} mm, at most 5 mm is allowed"
     with pytest.raises(NoDesignError, match=rf"^design\.thickness_max_mm: {least}$"):
         optimise(catalogue(thickness_max_mm=5.0))
-    lightest, cheapest = optimise(catalogue()).best, optimise(catalogue(minimise="cost_per_m2")).best
-    apart = {"cost_max_per_m2": cheapest.cost_per_m2, "areal_density_max_kg_m2": lightest.areal_density_kg_m2}
-    assert (lightest.cost_per_m2 or 0.0) > (cheapest.cost_per_m2 or 0.0) > 0.0
-    with pytest.raises(NoDesignError, match=r"; no design keeps to all of them at once$"):
-        optimise(catalogue(**apart))
     fast = [{"projectile": "7.62 mm AP", "velocity_m_s": 2500.0}]
-    with pytest.raises(NoDesignError, match=r"^no design defeats 7.62 mm AP at 2500 m/s; offer thicker layers"):
-        optimise(catalogue(fast, thickness_max_mm=20.0))
-    with pytest.raises(NoDesignError, match=r"^no design defeats 7.62 mm AP at 2500 m/s; offer thicker layers"):
-        optimise(catalogue(fast))
+    for constraint in ({}, {"thickness_max_mm": 20.0}):
+        message = r"^no design defeats 7.62 mm AP at 2500 m/s and all slower impacts; offer thicker layers"
+        with pytest.raises(NoDesignError, match=message):
+            optimise(catalogue(fast, **constraint))
 
 
 @pytest.mark.parametrize(

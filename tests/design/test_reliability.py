@@ -135,9 +135,9 @@ def test_a_pair_whose_error_is_not_known_is_left_out():
 def test_an_error_that_is_not_known_against_one_threat():
     threats = [
         {"projectile": "7.62 mm AP", "velocity_m_s": 700.0},
-        {"projectile": "30 mm APDS", "velocity_m_s": 100.0, "name": "the APDS"},
+        {"projectile": "30 mm APDS", "velocity_m_s": 100.0},
     ]
-    with pytest.raises(NoDesignError, match="AD85 on 6061-T6 against the APDS; "):
+    with pytest.raises(NoDesignError, match="the error of the model is not known for any of the designs"):
         optimise(catalogue(threats, confidence=0.6))
 
 

@@ -1,6 +1,6 @@
 """Design optimisation: the best design that defeats every threat, and its comparison with the others."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from math import inf, isnan
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -11,7 +11,7 @@ from armour.analysis.results import OnProgress, Result, data_frame, ignore_progr
 from armour.analysis.variants import Ints
 from armour.core.state import Parameters
 from armour.design.candidates import candidates_of
-from armour.design.catalogue import MARGIN, Catalogue, catalogue_of
+from armour.design.catalogue import MARGIN, Candidates, Catalogue, catalogue_of
 from armour.design.requirement import Requirement
 from armour.design.search import Search
 from armour.errors import NoDesignError, Note, Problem, refuse
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 # Thicknesses that a warning lists.
 MOST_LISTED = 5
-ERROR_UNKNOWN = "the error of the model is not known"
+GIVE_ERROR = "[uncertainty.model] can give it"
 
 
 class Objective(NamedTuple):
@@ -250,7 +250,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     search = Search(requirement, candidates_of(requirement), reliability)
     first = search.first(np.arange(len(search.values)))
     if first is None:
-        raise NoDesignError(_why_none(search))
+        raise NoDesignError(_why_none(search, _unconstrained(search), range(len(catalogue.offers))))
 
     criteria = tuple(catalogue.section.pareto or ())
     pair = int(search.candidates.pair[first])
@@ -445,16 +445,13 @@ def _pairs(search: Search, best: int) -> tuple[Pair, ...]:
     # The limits of the first designs, which most often pass, are computed together, which is quicker.
     search.limits(np.array([own[0] for own in possible if len(own)], dtype=np.int64))
     places = [search.first(own) for own in possible]
-    without = [index for index, place in enumerate(places) if place is None]
-    unconstrained = _unconstrained(search.catalogue, without) if without else {}
+    unconstrained = _unconstrained(search) if None in places else search
     pairs = []
     for index, (offer, place) in enumerate(zip(offers, places, strict=True)):
         if place is not None:
             found, (excess, reason) = _best(search, place), _excess(search, place, least)
         else:
-            found, excess = None, None
-            needed = _least_of(unconstrained, without.index(index))
-            reason = _bound_by_constraints(search.catalogue.section, needed) or _why_none_of(search, index)
+            found, excess, reason = None, None, _why_none(search, unconstrained, [index])
         pairs.append(Pair(offer.ceramic.material, offer.backing.material, found, excess, reason))
     return tuple(sorted(pairs, key=lambda pair: inf if pair.excess_percent is None else pair.excess_percent))
 
@@ -472,72 +469,46 @@ def _excess(search: Search, place: int, least: float) -> tuple[float | None, str
     return excess, f"{near}{excess:.1f} % {comparative}"
 
 
-def _why_none(search: Search) -> str:
-    """Return why no design passes."""
-    catalogue, scenario = search.catalogue, search.catalogue.scenario
-    if least := _least_of(_unconstrained(catalogue, range(len(catalogue.offers)))):
-        return _bound_by_constraints(catalogue.section, least)
-    if catalogue.sampled and not len(search.values):
-        return "no design in the catalogue meets the constraints of [design]"
-    defeating = search.defeating.any()
-    if scenario.design is None and not scenario.threat and not defeating:
-        ceramic, backing = (layer.thicknesses()[-1] for layer in catalogue.offers[0][:2])
-        return (
-            f"no design: every design of the grid, up to {ceramic:g} mm ceramic on {backing:g} mm back plate, is "
-            f"perforated at {scenario.impact.velocity_m_s:g} m/s; "
-            "raise the max of optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"
-        )
-    if catalogue.sampled and defeating:
-        unknown = (
-            ""
-            if scenario.uncertainty is not None and scenario.uncertainty.model is not None
-            else ("; where the error of the model is not known, [uncertainty.model] can give it")
-        )
-        return f"no design keeps the probability of perforation within the bound of every threat{unknown}"
-    reasons = dict.fromkeys(_why_none_of(search, pair) for pair in range(len(catalogue.offers)))
-    known = not all(reason.startswith(ERROR_UNKNOWN) for reason in reasons)
-    return "; ".join(reasons) + ("; offer thicker layers in [design] or [optimise]" if known else "")
+def _unconstrained(search: Search) -> Search:
+    """Return a search of the catalogue without constraints and without bounds on sampled probabilities."""
+    unbounded = dict.fromkeys(objective.bound for objective in OBJECTIVES.values())
+    section = search.catalogue.section.model_copy(update=unbounded)
+    free = Requirement(replace(search.catalogue, section=section))
+    return Search(free, candidates_of(free))
 
 
-def _unconstrained(catalogue: Catalogue, pairs: Sequence[int]) -> dict[str, Search]:
-    """Return searches of some pairs without the constraints, by the quantity of each constraint, which is minimised.
-
-    Where inputs are sampled too, this is not searched for.
-    """
-    unbounded = {objective.bound: None for objective in OBJECTIVES.values()}
-    searches = {}
-    for name, objective in OBJECTIVES.items():
-        if getattr(catalogue.section, objective.bound) is not None and not catalogue.sampled:
-            section = catalogue.section.model_copy(update={**unbounded, "minimise": name})
-            offers = tuple(catalogue.offers[pair] for pair in pairs)
-            free = Requirement(replace(catalogue, section=section, offers=offers, layers=catalogue.layers[pairs]))
-            searches[name] = Search(free, candidates_of(free))
-    return searches
-
-
-def _bound_by_constraints(section: DesignSection, least: Mapping[str, float]) -> str:
-    """Return which constraints keep designs out, given the least that a design without them has; "" if none does."""
-    bounds = {name: getattr(section, OBJECTIVES[name].bound) for name in least}
-    missed = {name: value for name, value in least.items() if value > bounds[name]}
-    parts = []
-    for name, value in (missed or least).items():
-        of = OBJECTIVES[name]
-        parts.append(
-            f"design.{of.bound}: the {of.least} design that defeats every threat has {value:.4g}{of.unit}, "
-            f"at most {bounds[name]:g}{of.unit} is allowed"
-        )
-    return "; ".join(parts if missed or not parts else [*parts, "no design keeps to all of them at once"])
+def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> str:
+    """Return why no design of some pairs passes: the constraints that keep it out, or what it would have to defeat."""
+    catalogue, section = search.catalogue, search.catalogue.section
+    first = unconstrained.first(unconstrained.of_pairs(pairs))
+    if first is not None and (beyond := _beyond(section, unconstrained.candidates, first)):
+        return beyond
+    own = search.candidates.at(search.of_pairs(pairs))
+    thickest = [np.array([layer.thicknesses()[-1]]) for layer in catalogue.offers[pairs[0]][:2]]
+    unknown = catalogue.unknown_errors(own if len(own.pair) else catalogue.candidates(pairs[0], *thickest)).any(axis=1)
+    if unknown.all():
+        names = [layer.material for layer in catalogue.offers[pairs[0]][:2] if layer.material]
+        armour = " on ".join(names) if len(pairs) == 1 else "any of the designs"
+        return f"the error of the model is not known for {armour}; {GIVE_ERROR}"
+    hint = f"; where the error of the model is not known, {GIVE_ERROR}" if unknown.any() else ""
+    whole = len(pairs) == len(catalogue.offers)
+    if catalogue.sampled:
+        near = "" if whole else f" within {section.runners_up_percent:g} % of the best"
+        return f"no design{near} keeps the probability of perforation within the bound of every threat{hint}"
+    threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
+    thicker = "; offer thicker layers in [design] or [optimise]" if whole else ""
+    return f"no design defeats {threats} and all slower impacts{hint}{thicker}"
 
 
-def _least_of(unconstrained: Mapping[str, Search], pair: int | None = None) -> dict[str, float]:
-    """Return the least of each constrained quantity among the designs, or those of a pair, that pass; {} if none do."""
-    found = {}
-    for name, search in unconstrained.items():
-        first = search.first(np.arange(len(search.values)) if pair is None else search.of_pair(pair))
-        if first is None:
-            return {}
-        found[name] = float(search.values[first])
-    return found
+def _beyond(section: DesignSection, candidates: Candidates, place: int) -> str:
+    """Return which constraints the design exceeds that is the best without them; "" for none."""
+    least = OBJECTIVES[section.minimise].least
+    return "; ".join(
+        f"design.{of.bound}: the {least} design that defeats every threat has {value:.4g}{of.unit}, "
+        f"at most {bound:g}{of.unit} is allowed"
+        for name, of in OBJECTIVES.items()
+        if (bound := getattr(section, of.bound)) is not None and (value := getattr(candidates, name)[place]) > bound
+    )
 
 
 def _subject(catalogue: Catalogue) -> str:
@@ -550,28 +521,3 @@ def _subject(catalogue: Catalogue) -> str:
     }
     wanted = OBJECTIVES[catalogue.section.minimise].least.capitalize()
     return f"{wanted} {catalogue.scenario.subject(varied, catalogue.scenario.threat)}"
-
-
-def _why_none_of(search: Search, pair: int) -> str:
-    """Return why no design of a pair passes."""
-    catalogue, own, offer = search.catalogue, search.of_pair(pair), search.catalogue.offers[pair]
-    if catalogue.sampled and not len(own):
-        return "no design meets the constraints"
-    thickest = (np.array([layer.thicknesses()[-1]]) for layer in offer[:2])
-    candidates = search.candidates.at(own) if len(own) else catalogue.candidates(pair, *thickest)
-    unknown = catalogue.unknown_errors(candidates)
-    if unknown.any(axis=1).all():
-        armour = f"{offer.ceramic.material} on {offer.backing.material}" if offer.ceramic.material else "bare plates"
-        threats = np.array(catalogue.titles)[unknown.any(axis=0)]
-        against = "" if len(threats) == len(catalogue.titles) else f" against {' or '.join(threats)}"
-        return f"{ERROR_UNKNOWN} for {armour}{against}; [uncertainty.model] can give it"
-    good = own[search.defeating[own]]
-    if len(good) and catalogue.sampled:
-        return f"no design within {catalogue.section.runners_up_percent:g} % of the best"
-    if len(good):
-        lost = (search.excess_m_s(good) < 0.0).all(axis=0)
-    else:
-        lost = np.array([not search.requirement.defeats(candidates, i).any() for i in range(len(catalogue.threats))])
-    titles = " or ".join(np.array(catalogue.titles)[lost]) or "all threats at once"
-    lower = " and at every lower velocity" if len(good) else ""
-    return f"no design defeats {titles}{lower}"

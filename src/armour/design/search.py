@@ -42,6 +42,10 @@ class Search:
         """Return the designs of a pair."""
         return self._by_pair[self._ends[pair] : self._ends[pair + 1]]
 
+    def of_pairs(self, pairs: Sequence[int]) -> Ints:
+        """Return the designs of some pairs, in the order of the objective."""
+        return np.flatnonzero(np.isin(self.candidates.pair, pairs))
+
     def limits(self, where: Ints) -> Floats:
         """Return the lowest ballistic limits of designs against each threat, m/s, (designs, threats)."""
         unknown = where[np.isnan(self._limits[where, 0])]
