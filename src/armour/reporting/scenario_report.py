@@ -217,7 +217,7 @@ def scenario_report(contents: Contents, command: str) -> Report:
         ),
         charts=tuple(_charts(contents)),
         cards=(*_armour(contents), _outcome(contents), _reliability(contents)),
-        warnings=(*map(_told, contents.warnings), *_extrapolated(contents), *_without_margin(contents)),
+        warnings=tuple(_warnings(contents)),
         cross_section=contents.answer,
     )
 
@@ -229,17 +229,14 @@ def _subject(contents: Contents) -> str:
 
 def _question(contents: Contents) -> str:
     """Return the question that the scenario asks."""
-    design, threats = contents.design, " and ".join(map(_the, contents.threats))
+    design = contents.design
+    threats = " and ".join(f"the {found.threat.removeprefix('the ')}" for found in contents.threats)
     if design is None:
         return f"Does this armour defeat {threats}?"
     armour, best = "available armour", design.best
     if len(design.pairs) == 1:
         armour = f"{best.ceramic} on {best.backing}" if best.ceramic else best.backing
     return f"Which {armour} is the {OBJECTIVES[design.minimised].least} that defeats {threats}?"
-
-
-def _the(found: AgainstThreat) -> str:
-    return found.threat if found.threat.startswith("the ") else f"the {found.threat}"
 
 
 def _byline(contents: Contents) -> tuple[tuple[str, str], ...]:
@@ -334,23 +331,20 @@ def _reliability(contents: Contents) -> Card:
     return Card(subject, chance(1.0 - p.value), f"{interval}, from the given distributions{given}")
 
 
-def _extrapolated(contents: Contents) -> list[str]:
-    """Return a warning where the error of the model is extrapolated."""
-    error = contents.confidence.model_error
-    return [] if error is None else [f"the error of the model is {text}" for text in extrapolation(error)]
-
-
-def _told(warning: str) -> str:
-    """Return a warning with the words of the input that it is about, in place of its key."""
-    if not isinstance(warning, Note) or (name := warning.key.removeprefix("uncertainty.")) not in INPUTS:
-        return warning
-    words = in_words(name)
-    return Note(warning.text, words if name == warning.key else f"distribution of the {words}")
-
-
-def _without_margin(contents: Contents) -> list[str]:
-    ask = "design.confidence = 0.95 in the scenario designs for a probability of 95 %"
-    return [] if contents.design is None else design_view.margin_notes(contents.design.best, ask)
+def _warnings(contents: Contents) -> Iterator[str]:
+    """Give all warnings, with the words of the inputs that they are about in place of their keys."""
+    for warning in contents.warnings:
+        name = warning.key.removeprefix("uncertainty.") if isinstance(warning, Note) else ""
+        if isinstance(warning, Note) and name in INPUTS:
+            words = in_words(name)
+            yield Note(warning.text, words if name == warning.key else f"distribution of the {words}")
+        else:
+            yield warning
+    if error := contents.confidence.model_error:
+        yield from (f"the error of the model is {text}" for text in extrapolation(error))
+    if contents.design is not None:
+        ask = "design.confidence = 0.95 in the scenario designs for a probability of 95 %"
+        yield from design_view.margin_notes(contents.design.best, ask)
 
 
 def _energy(contents: Contents) -> Section:

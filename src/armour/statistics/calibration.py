@@ -259,15 +259,14 @@ def calibrate(
         if law == "all"
     )
     results: list[CalibrationResult] = []
-    for done, found in sorted(fits, key=lambda pair: _or_inf(pair[1].left_out_error_percent)):
+    # A law without a leave-one-out error comes last.
+    errors = [np.inf if found.left_out_error_percent is None else found.left_out_error_percent for _, found in fits]
+    for place in np.argsort(errors, kind="stable"):
+        done, found = fits[place]
         results.append(replace(found, coefficients=intervals(done), laws=laws).of(subject_of(tests), scenario=scenario))
         if not any(coefficient.estimate is None for coefficient in results[-1].coefficients):
             return results[-1]
     return results[0]
-
-
-def _or_inf(value: float | None) -> float:
-    return np.inf if value is None else value
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
@@ -369,13 +368,13 @@ def _bad_fit(done: Fit) -> tuple[str, ...]:
     """Return a warning where the deviations are larger than the uncertainties explain."""
     if done.p_value is None or done.p_value >= MIN_P_VALUE:
         return ()
-    prior, widened = " or the prior", "not widened"
+    widened, wrong = "not widened", "model, the uncertainties or the prior"
     if done.widened_by > 1.0:
-        prior, widened = "", f"widened by {done.widened_by:.2f}"
+        widened, wrong = f"widened by {done.widened_by:.2f}", "model or the uncertainties"
     return (
         "the deviations are larger than the uncertainties given explain: chi-squared "
         f"{done.chi_squared:.2f} on {done.degrees_of_freedom:.3g} degrees of freedom, p = {done.p_value:.2g}; "
-        f"the intervals are {widened}, and the model, the uncertainties{prior} are wrong",
+        f"the intervals are {widened}, and the {wrong} are wrong",
     )
 
 

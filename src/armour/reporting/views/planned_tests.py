@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from armour.analysis.quantities import label_and_unit
-from armour.planning.plan_tests import PlannedTest, PlannedTests
+from armour.planning.plan_tests import PlannedTests
 from armour.reporting import charts
 from armour.reporting.table import Cell, Column, Table, column_of, listing, record
 from armour.reporting.text import percent
@@ -46,7 +46,9 @@ def plan_table(result: PlannedTests) -> Table:
     if result.measure == "outcome":
         measured, of = "outcome of one shot, defeated or perforated", "impact velocity"
     why = "the candidates do not determine the inputs" if result.not_identified else "too few tests"
-    efficient = f"none: {why}" if result.efficiency is None else f"at least {percent_of(result.efficiency)}"
+    efficient = f"none: {why}"
+    if result.efficiency is not None:
+        efficient = f"at least {percent(int(1000.0 * result.efficiency) / 1000.0)}"
     return record(
         result,
         (Column("criterion"), CRITERIA[result.criterion]),
@@ -60,14 +62,11 @@ def plan_table(result: PlannedTests) -> Table:
     )
 
 
-def percent_of(part: float) -> str:
-    """Format an efficiency, rounded down."""
-    return percent(int(1000.0 * part) / 1000.0)
-
-
 def step_table(result: PlannedTests) -> Table:
     """Return the tests in their order, with what is known after each."""
-    steps = result.planned[0 if _known(result.planned[0]) else 1 :]
+    before = result.planned[0]
+    nothing = {*before.half_widths.values(), *before.limit_half_widths_m_s} == {None}
+    steps = result.planned[1:] if nothing else result.planned
     keys = list(result.candidates)
     varied = [key for key in keys if len(set(result.candidates[key])) > 1] or keys
     names = result.designs if len(result.designs) > 1 else ["the design"] * len(result.designs)
@@ -83,21 +82,15 @@ def step_table(result: PlannedTests) -> Table:
         ),
         (Column("ballistic limit by the model", "m/s", ".0f"), lambda step: step.ballistic_limit_m_s),
         column_of("total_cost", ".6g"),
-        *((_half_width(name), lambda step, name=name: step.half_widths[name]) for name in result.values),
+        *(
+            (Column(f"± {words}", unit, ".3g"), lambda step, name=name: step.half_widths[name])
+            for name, (words, unit) in zip(result.values, map(label_and_unit, result.values), strict=True)
+        ),
         *(
             (Column(f"± limit of {name}", "m/s", ".1f"), lambda step, index=index: step.limit_half_widths_m_s[index])
             for index, name in enumerate(names)
         ),
     )
-
-
-def _half_width(name: str) -> Column:
-    words, unit = label_and_unit(name)
-    return Column(f"± {words}", unit, ".3g")
-
-
-def _known(step: PlannedTest) -> bool:
-    return any(value is not None for value in (*step.half_widths.values(), *step.limit_half_widths_m_s))
 
 
 def tables(result: PlannedTests) -> list[Table | str]:
@@ -142,14 +135,8 @@ GAINS = "Gains of one more test for its cost are relative to the mean of the pla
 MAX_LISTED = 6
 
 
-# Looks of candidates that are tested once, twice, and so on; those tested more often look like the last.
-MARKS: tuple[dict[str, Any], ...] = (
-    {"marker": "o", "size": 6.0},
-    {"marker": "s", "size": 7.0},
-    {"marker": "^", "size": 8.0},
-    {"marker": "D", "size": 8.0},
-    {"marker": "*", "size": 12.0},
-)
+# Markers of candidates that are tested once, twice, and so on; those tested more often have the last.
+MARKERS = "os^D*"
 
 
 def chart(result: PlannedTests) -> charts.Chart:
@@ -179,11 +166,13 @@ def chart(result: PlannedTests) -> charts.Chart:
         order = np.argsort(gains, kind="stable")  # the greatest is written last
         series = _map(*charts.on_grid(columns[0][order], columns[1][order], gains[order]))
         points = places
-    velocities = _velocities(result)
+    outcomes = result.planned[1:] if result.measure == "outcome" else ()
+    velocities = [float(step.inputs[VELOCITY]) for step in outcomes]
     repeats = Counter(points)
     for times in sorted(set(repeats.values())):
         some = [point for point, count in repeats.items() if count == times]
-        look = MARKS[min(times, len(MARKS)) - 1]
+        rank = min(times, len(MARKERS))
+        look: Any = {"marker": MARKERS[rank - 1], "size": 5.0 + rank}
         label = "one test" if times == 1 else f"{times} tests"
         xs, ys = zip(*some, strict=True)
         shots = [[v for place, v in zip(points, velocities, strict=False) if place == point] for point in some]
@@ -193,11 +182,6 @@ def chart(result: PlannedTests) -> charts.Chart:
     if velocities:
         note += f" The planned shots are at {velocities_in_words(velocities)}."
     return charts.Chart("", (charts.Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
-
-
-def _velocities(result: PlannedTests) -> list[float]:
-    """Return the impact velocities of planned shots, m/s; none where the limit is measured."""
-    return [float(step.inputs[VELOCITY]) for step in result.planned[1:]] if result.measure == "outcome" else []
 
 
 def velocities_in_words(velocities: Iterable[float]) -> str:
