@@ -1,4 +1,3 @@
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -7,7 +6,6 @@ from armour.errors import InputError
 from armour.scenario.library import (
     KINDS,
     Library,
-    read_library,
     shipped_library,
 )
 
@@ -129,10 +127,3 @@ def test_a_mass_in_the_wrong_unit_is_noticed():
 def test_a_name_that_is_not_there_is_an_error_with_the_nearest():
     with pytest.raises(KeyError, match="AD85"):
         shipped_library().find("AD8")
-
-
-def test_a_library_file(tmp_path: Path):
-    path = tmp_path / "mine.toml"
-    path.write_text("[ceramic.X]\nbased_on = 'AD85'\nflow_stress_GPa = {value = 4, status = 'fitted', source = 'us'}\n")
-    value = read_library(path, shipped_library()).find("X")[0].values["flow_stress_GPa"]
-    assert (value.value, value.status, value.source) == (4, "fitted", "us")

@@ -49,16 +49,8 @@ def test_a_bare_plate_with_or_without_a_ceramic_named(ceramic: str | None):
     assert bare.areal_density_kg_m2() == pytest.approx(17.4625)
 
 
-def test_defaults():
-    case = scenario()
-    assert case.solver.time_step_us is None
-    assert case.solver.arrest_velocity_m_s == 1.0
-    assert (case.ballistic_limit.velocity_min_m_s, case.ballistic_limit.velocity_max_m_s) == (20, 4000)
-    assert case.ballistic_limit.tolerance_m_s == 0.01
-    assert case.optimise is None
-
-
 AXIS = {"min": 2, "max": 3, "step": 0.5}
+NO_CERAMIC = {"ceramic": None}
 
 
 def grid(ceramic: dict[str, float], backing: dict[str, float] = AXIS) -> dict[str, Any]:
@@ -78,6 +70,9 @@ MINE = {"based_on": "AD85", "flow_stress_GPa": -1}
         ({"impact.velocity_m_s": True}, "impact.velocity_m_s: must be a number, found true"),
         ({"impact.velocity_m_s": 1e6}, "impact.velocity_m_s: must be at most 10000, found 1000000.0"),
         ({"impact.velocity_m_s": 5e-324}, "impact.velocity_m_s: must be at least 1e-09, found 4.94066e-324"),
+        ({"armour": NO_CERAMIC}, "armour.ceramic_thickness_mm: must be 0 where no ceramic is named, found 6.35"),
+        ({"uncertainty": {"model": {}}}, "uncertainty.model: must have scale_percent, or included = false"),
+        ({"uncertainty.model": {"included": False, "source": "a"}}, "nothing else where included is false, found sou"),
         ({"impact.velocity_m_s": 10**400}, "must be a number, found a whole number of more than 64 bits"),
         ({"impact.projectile": 7}, "impact.projectile: must be a text in quotes, found 7"),
         ({"impact.projectile": "7.62 mm"}, 'must name a projectile of the library, found "7.62 mm"; did you mean'),
@@ -122,11 +117,6 @@ MINE = {"based_on": "AD85", "flow_stress_GPa": -1}
 )
 def test_a_mistake_is_named(changes: dict[str, Any], message: str):
     assert any(message in found for found in messages(changed(data(), changes)))
-
-
-def test_a_ceramic_thickness_needs_a_ceramic():
-    [found] = messages(data(ceramic=None))
-    assert found.startswith("armour.ceramic_thickness_mm: must be 0 where no ceramic is named, found 6.35")
 
 
 def test_a_single_value_of_an_entry_that_is_not_known_makes_no_entry():

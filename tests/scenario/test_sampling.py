@@ -75,14 +75,6 @@ def test_samples_have_the_correlation_and_the_distributions(method: str):
         assert stats.kstest(values, stats.norm(OWN[name], 0.1 * OWN[name]).cdf).statistic < 0.01
 
 
-def test_the_seed_determines_the_samples():
-    def points(seed: int) -> np.ndarray:
-        return points_of(Uncertainty.model_validate({**SECTION, "samples": 128, "seed": seed}))
-
-    np.testing.assert_array_equal(points(1), points(1))
-    assert (points(1) != points(2)).any()
-
-
 @pytest.mark.parametrize("method", ["sobol", "latin hypercube"])
 def test_each_replicate_covers_the_whole_range(method: str):
     """Each has a point of its own in each of as many equal parts as it has points."""

@@ -1,5 +1,4 @@
 import re
-import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -25,12 +24,10 @@ def test_axes():
     [
         ("a", 'over: must be KEY=MIN:MAX:STEP or KEY=VALUE,VALUE,..., found "a"'),
         ("a b=1", "over: must be KEY=MIN:MAX:STEP"),
-        ("=1", "over: must be KEY=MIN:MAX:STEP"),
         ("a=", 'over a: must be MIN:MAX:STEP or VALUE,VALUE,... of finite numbers, found ""'),
         ("a=1:2", 'over a: must be MIN:MAX:STEP or VALUE,VALUE,... of finite numbers, found "1:2"'),
         ("a=1,x", "over a: must be MIN:MAX:STEP"),
         ("a=1:nan:1", "over a: must be MIN:MAX:STEP"),
-        ("a=1_0", "over a: must be MIN:MAX:STEP"),
         ("a=\u0661", "over a: must be MIN:MAX:STEP"),
         ("a=2:1:1", "over a: max: must be at least min, which is 2, found 1"),
         ("a=1:2:0", "over a: step: must be greater than 0, found 0"),
@@ -60,13 +57,18 @@ def test_a_grid_of_many_axes_is_not_held_in_memory():
     assert source.rows(np.arange(3))["d"].tolist() == [0.0, 1.0, 2.0]
 
 
-def test_rows_of_cases(tmp_path: Path):
+def test_rows_of_cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     rows = np.random.default_rng(3).uniform(0.0, 1.0, (57, 2))
     source = Cases(csv_file(tmp_path / "cases.csv", "a,b", *(f"{a!r},{b!r}" for a, b in rows.tolist())))
     assert (source.keys, source.count) == (("a", "b"), 57)
     found = source.rows(np.arange(50, 57))
     for column, key in enumerate(source.keys):
         np.testing.assert_array_equal(found[key], rows[50:, column])
+    spaced = Cases(csv_file(tmp_path / "spaced.csv", '"a"', "1.0", "", " 2"))
+    assert spaced.digest == Cases(csv_file(tmp_path / "same.csv", "a", "1", "2")).digest != source.digest
+    monkeypatch.setattr(cases, "MAX_CASES", 56)
+    with pytest.raises(InputError, match="must have at most 56 rows, found more"):
+        Cases(source.path)
 
 
 @pytest.mark.parametrize(
@@ -86,14 +88,6 @@ def test_wrong_tables(tmp_path: Path, text: str, message: str):
     (tmp_path / "cases.csv").write_text(text)
     with pytest.raises(InputError, match=message):
         Cases(tmp_path / "cases.csv")
-
-
-def test_a_table_is_read_once(tmp_path: Path):
-    path = csv_file(tmp_path / "cases.csv", "a", "1", "2")
-    source, same = Cases(path), Cases(csv_file(tmp_path / "same.csv", '"a"', "1.0", "", " 2"))
-    csv_file(path, "b", "3")
-    assert source.rows(np.arange(2))["a"].tolist() == [1.0, 2.0]
-    assert source.digest == same.digest != Cases(path).digest
 
 
 def test_names_stand_beside_numbers(tmp_path: Path):
@@ -119,18 +113,3 @@ def test_names_stand_beside_numbers(tmp_path: Path):
 def test_wrong_lines_with_names(tmp_path: Path, line: str, message: str):
     with pytest.raises(InputError, match=message):
         Cases(csv_file(tmp_path / "cases.csv", "armour.ceramic,a", "AD85,1", line))
-
-
-def test_a_table_of_many_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(cases, "BLOCK", 300)
-    path = csv_file(tmp_path / "cases.csv", "a,b", *["0.123456789,1e-3"] * 9000)
-    tracemalloc.start()
-    try:
-        assert Cases(path).count == 9000
-        # 8 bytes a number, and once more while the blocks are joined.
-        assert tracemalloc.get_traced_memory()[1] < 2 * 9000 * 3 * 8 + 300_000
-    finally:
-        tracemalloc.stop()
-    monkeypatch.setattr(cases, "MAX_CASES", 8999)
-    with pytest.raises(InputError, match="must have at most 8,999 rows, found more"):
-        Cases(path)

@@ -185,7 +185,7 @@ def _beyond(workers: list[Row], tasks: Row, clients: list[Row]) -> str:
             "the client, sending and writing": duration(stages["client"]),
             "the client, joining after": duration(chunks * client["join_chunk"] + MANY_ROWS * client["join_row"]),
             "disk": f"{2 * MANY_ROWS * client['bytes'] / 1e9:,.1f} GB",
-            "rows under way, in the scheduler": f"{sent / 1e6:,.1f} MB",
+            "rows under way, in the scheduler": f"{sent / 1e9:,.1f} GB",
             **{f"cores that the {stage} keeps busy": f"{work / s:,.0f}" for stage, s in stages.items()},
         }
         for key, cell in cells.items():
