@@ -9,11 +9,11 @@ from pydantic import Field, field_validator
 
 from armour.analysis.evaluate import evaluate
 from armour.analysis.quantities import QUANTITIES
-from armour.files import shipped
+from armour.files import read_toml, shipped
 from armour.scenario.scenario import load_scenario
 from armour.scenario.schema import Range
-from armour.scenario.sections import Section
-from armour.validation.suite import load_suite, read_sections
+from armour.scenario.sections import Section, validated
+from armour.validation.suite import load_suite
 from armour.validation.validate import SuiteResult, validate
 
 # Suites whose expected values a parity figure shows, with the text that names of its cases contain.
@@ -103,7 +103,7 @@ def paper_figures() -> Path:
 
 def read_figures(path: Path) -> list[FigureSection]:
     """Read a file of figures."""
-    return read_sections(path, FigureFile).figure
+    return validated(FigureFile, read_toml(path), str(path)).figure
 
 
 def compute_figure(section: FigureSection, folder: Path) -> Figure:

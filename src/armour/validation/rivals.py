@@ -43,25 +43,15 @@ def errors_of(computed: Iterable[tuple[Case, float | str | None]]) -> tuple[Erro
 
     The predictions are those of the rivals, of this model and of simpler formulas.
     """
-    cases: list[Case] = []
+    rows = [(case, value) for case, value in computed if case.rivals and abs(float(case.expected)) >= TINY]
+    cases = [case for case, _ in rows]
     percents_of: dict[str, list[float]] = {}
-    for case, value in computed:
-        expected = case.expected
-        if not case.rivals or isinstance(expected, str) or abs(expected) < TINY:
-            continue
-        cases.append(case)
+    for case, value in rows:
         own = {"this model": value} if isinstance(value, float) else {}
         for name, predicted in {**case.rivals, **own, **_florence(case)}.items():
-            percents_of.setdefault(name, []).append(100.0 * abs(predicted / expected - 1.0))
+            percents_of.setdefault(name, []).append(100.0 * abs(predicted / float(case.expected) - 1.0))
     found = [
-        Error(
-            cases[0].group,
-            name,
-            len(percents),
-            sum(percents) / len(percents),
-            max(percents),
-            fitted=_fitted_before(cases[0]) if name == "this model" else "",
-        )
+        _error(cases[0].group, name, percents, _fitted_before(cases[0]) if name == "this model" else "")
         for name, percents in percents_of.items()
     ]
     if len(cases) >= MIN_FITTED and cases[0].quantity == LIMIT:
@@ -119,7 +109,7 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
         return
     computed = np.array([[residual.computed, residual.left_out] for residual in result.residuals], dtype=np.float64).T
     fitted = f"flow stress of {name} to these tests: {stress.estimate:.2f} GPa"
-    yield _error(cases, "this model, flow stress refitted", *computed, fitted=fitted)
+    yield _fitted_error(cases, "this model, flow stress refitted", fitted, *computed)
 
 
 def _together(cases: Sequence[Case], where: Sequence[int]) -> MaterialGroup:
@@ -145,7 +135,7 @@ def _rules(cases: Sequence[Case]) -> Iterator[Error]:
         name = "p = 1" if p else "p fitted"
         fitted = f"k = {rule.k:.2f} to these tests" if p else f"k = {rule.k:.2f} and p = {rule.p:.3f} to these tests"
         predicted = np.array([rule.limit(density) for density in densities])
-        yield _error(cases, f"areal density rule, {name}", predicted, np.array(left_out), fitted=fitted)
+        yield _fitted_error(cases, f"areal density rule, {name}", fitted, predicted, np.array(left_out))
 
 
 def areal_densities(cases: Sequence[Case]) -> Floats:
@@ -158,15 +148,14 @@ def measured_limits(cases: Sequence[Case]) -> Floats:
     return np.array([float(case.expected) for case in cases])
 
 
-def _error(cases: Sequence[Case], predictor: str, predicted: Floats, left_out: Floats, *, fitted: str) -> Error:
+def _fitted_error(cases: Sequence[Case], predictor: str, fitted: str, predicted: Floats, left_out: Floats) -> Error:
     """Return the errors of a prediction that is fitted to measured limits, given all predicted values."""
-    percents, apart = (100.0 * np.abs(values / measured_limits(cases) - 1.0) for values in (predicted, left_out))
-    return Error(
-        table=cases[0].group,
-        predictor=predictor,
-        count=len(cases),
-        mean_percent=float(percents.mean()),
-        largest_percent=float(percents.max()),
-        left_out_percent=float(apart.mean()),
-        fitted=fitted,
-    )
+    off, apart = (100.0 * np.abs(values / measured_limits(cases) - 1.0) for values in (predicted, left_out))
+    return _error(cases[0].group, predictor, off.tolist(), fitted, float(apart.mean()))
+
+
+def _error(
+    table: str, predictor: str, percents: Sequence[float], fitted: str, left_out_percent: float | None = None
+) -> Error:
+    mean = sum(percents) / len(percents)
+    return Error(table, predictor, len(percents), mean, max(percents), left_out_percent, fitted)

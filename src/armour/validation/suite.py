@@ -20,7 +20,7 @@ from armour.scenario.checked import checked
 from armour.scenario.keys import canonical, describe, key_name, leaves, parts_of
 from armour.scenario.reach import check_reach, check_read, check_used, read_of
 from armour.scenario.scenario import Scenario, parse_changed
-from armour.scenario.sections import LIST_TAG, RANGE_TAG, NumberOrText, Section, SectionT, validated
+from armour.scenario.sections import LIST_TAG, RANGE_TAG, NumberOrText, Section, validated
 from armour.statistics.measured import MEASURED, read_tests
 from armour.units import words_and_unit
 from armour.validation.questions import QUESTIONS, SAVINGS, check_answerable
@@ -353,7 +353,7 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     """
     changes = changes or {}
     path = suite_file(path)
-    suite = read_sections(path, SuiteSection)
+    suite = validated(SuiteSection, read_toml(path), str(path))
     if not suite.case and not suite.table:
         raise InputError([Problem(str(path), "case", "is missing: a suite must have at least one case or table")])
     read = cache(read_toml)
@@ -383,11 +383,6 @@ def _placed(problem: Problem, row: "_Row", path: Path) -> Problem:
     in_row = problem.key in row.inputs
     where = key_name([*row.place[: 4 if in_row else 2], *([] if in_row else ["scenario"])])
     return Problem(str(path), where, f"must be a valid scenario: {problem}")
-
-
-def read_sections(path: Path, model: type[SectionT]) -> SectionT:
-    """Read a TOML file as the sections of a model."""
-    return validated(model, read_toml(path), str(path))
 
 
 class _Row(NamedTuple):

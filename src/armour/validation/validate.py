@@ -241,13 +241,17 @@ def check(case: Case, known: dict[str, Asked]) -> Check:
 
 
 def _judged(case: Case, computed: float | str | None, message: str = "") -> Check:
-    """Return the check of a computed value, None without an answer; a row of a file may have no band of its own."""
+    """Return the check of a computed value, or None and why there is none; rows of files may have no band."""
+    status: Status = "not scored"
     calibrated = _calibrated_to(case)
-    scored = not (case.not_scored or calibrated)
-    if computed is None:
-        return Check(case, None, "no answer" if scored else "not scored", message)
-    scored = scored and (case.band is not None or not case.cells)
-    return Check(case, computed, _status(case, computed) if scored else "not scored", calibrated)
+    if not (case.not_scored or calibrated):
+        if computed is None:
+            status = "no answer"
+        elif isinstance(computed, str) or isinstance(case.expected, str):
+            status = "within" if computed == case.expected else "outside"
+        elif case.band is not None:
+            status = "within" if abs(computed - case.expected) <= case.band else "outside"
+    return Check(case, computed, status, message if computed is None else calibrated)
 
 
 def _of_files(cases: Sequence[Case]) -> dict[int, float | None]:
@@ -295,13 +299,6 @@ def _same(given: float | str, found: object) -> bool:
     return abs(found - given) <= 1e-6 * abs(given)
 
 
-def _status(case: Case, computed: float | str) -> Status:
-    if isinstance(computed, str) or isinstance(case.expected, str):
-        return "within" if computed == case.expected else "outside"
-    assert case.band is not None
-    return "within" if abs(computed - case.expected) <= case.band else "outside"
-
-
 def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[TableSummary]:
     """Yield the summary of a table and of each group of it."""
     yield _summary(table, table, rows)
@@ -314,29 +311,25 @@ def _summary(table: TableSection, bands: TableSection | GroupSection, rows: Sequ
     percent = bool(table.file) or table.rms_band_percent is not None
     deviations = [row.deviation_percent if percent else row.deviation for row in rows]
     numbers = [deviation for deviation in deviations if deviation is not None]
-    count = len(numbers)
-    mean = sum(numbers) / count if count else 0.0
-    rms = sqrt(sum(d * d for d in numbers) / count) if count else 0.0
+    count = len(numbers) or 1
+    mean, rms = sum(numbers) / count, sqrt(sum(d * d for d in numbers) / count)
     rms_band, mean_band = bands.rms_band_percent if percent else table.rms_band, bands.mean_band_percent
-    held = []
-    if rms_band is not None:
-        held.append(rms <= rms_band)
-    if mean_band is not None:
-        held.append(abs(mean - bands.mean_percent) <= mean_band)
     status: Status = "not scored"
-    if held:
-        status = "within" if count and all(held) else "outside"
+    if not (rms_band is None and mean_band is None):
+        held = rms_band is None or rms <= rms_band
+        held = held and (mean_band is None or abs(mean - bands.mean_percent) <= mean_band)
+        status = "within" if numbers and held else "outside"
     return TableSummary(
         name=table.name,
-        count=count,
+        count=len(numbers),
         unit="%" if percent else rows[0].case.unit,
         mean=mean,
         rms=rms,
-        largest=max((abs(d) for d in numbers), default=0.0),
+        largest=max(map(abs, numbers), default=0.0),
         rms_band=rms_band,
         status=status,
         group=bands.name if bands is not table else "",
-        mean_magnitude=sum(map(abs, numbers)) / count if count else 0.0,
+        mean_magnitude=sum(map(abs, numbers)) / count,
         mean_expected=None if mean_band is None else bands.mean_percent,
         mean_band=mean_band,
     )

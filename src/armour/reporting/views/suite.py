@@ -16,7 +16,7 @@ from armour.scenario.sections import TINY
 from armour.validation.figures import Figure
 from armour.validation.rivals import Error
 from armour.validation.suite import Case
-from armour.validation.validate import Check, Status, SuiteResult, TableSummary
+from armour.validation.validate import FAILED, Check, Status, SuiteResult, TableSummary
 
 
 def check_groups(result: SuiteResult) -> dict[str, list[Check]]:
@@ -103,12 +103,6 @@ def held_to(summary: TableSummary) -> str:
     return ", ".join(parts)
 
 
-def group_notes(result: SuiteResult) -> list[tuple[str, str]]:
-    """Return the groups of rows of files that leave their bands, with these."""
-    outside = [summary for summary in result.summaries if summary.status == "outside"]
-    return [(summary.full_name, held_to(summary)) for summary in outside if _of_file(result, summary.name)]
-
-
 def _of_file(result: SuiteResult, table: str) -> bool:
     return any(check.case.cells for check in result.checks if check.case.group == table)
 
@@ -142,9 +136,8 @@ def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
 
 def verdict(result: SuiteResult) -> str:
     """Return the outcome of a suite in a line."""
-    scored = result.count("within", "outside", "no answer")
-    parts = [f"{result.count('within')} of {scored} within their bands"]
-    for status in ("outside", "no answer"):
+    parts = [f"{result.count('within')} of {result.count('within', *FAILED)} within their bands"]
+    for status in FAILED:
         if result.count(status):
             parts.append(f"{result.count(status)} {status}")
     unscored = sum(check.status == "not scored" and not check.in_group for check in result.checks)
@@ -158,9 +151,11 @@ def suite_tables(result: SuiteResult) -> list[Table]:
     """
     found = []
     for name, checks in check_groups(result).items():
-        in_file = bool(checks[0].case.cells)
-        found.append(group_table(result, name) if in_file else check_table(checks, name))
-        if failed := [check for check in checks if in_file and check.status in ("outside", "no answer")]:
+        if not checks[0].case.cells:
+            found.append(check_table(checks, name))
+            continue
+        found.append(group_table(result, name))
+        if failed := [check for check in checks if check.status in FAILED]:
             found.append(check_table(failed, f"{name}: not within their bands"))
     if (whole := summary_table(result)).rows:
         found.append(whole)
@@ -172,7 +167,8 @@ def suite_tables(result: SuiteResult) -> list[Table]:
 def tables(result: SuiteResult) -> list[Table | str]:
     """Return the tables of a suite, why cases are outside their bands or not scored, and the outcome in a line."""
     notes = note_rows([check for check in result.checks if check.status != "within" and not check.in_group])
-    notes += group_notes(result)
+    groups = [each for each in result.summaries if each.status == "outside" and _of_file(result, each.name)]
+    notes += [(group.full_name, held_to(group)) for group in groups]
     return [*suite_tables(result), "", *(f"{name}: {note}" for name, note in notes), verdict(result)]
 
 
@@ -249,9 +245,8 @@ def report(result: SuiteResult, command: str = "") -> Report:
 def _source(checks: list[Check]) -> tuple[str, ...]:
     """Return source and reason of a table, which all its rows share."""
     case = checks[0].case
-    parts = [text for text in (case.source, f"band: {case.reason}" if case.reason else "") if text]
-    text = "; ".join(parts) + "."
-    return (text[:1].upper() + text[1:],) if case.group and parts else ()
+    text = "; ".join(filter(None, (case.source, case.reason and f"band: {case.reason}")))
+    return (f"{text[:1].upper()}{text[1:]}.",) if case.group and text else ()
 
 
 def junit(result: SuiteResult, seconds: float) -> bytes:
@@ -278,8 +273,6 @@ def junit(result: SuiteResult, seconds: float) -> bytes:
 
 
 def _add(suite: ElementTree.Element, group: str, name: str, status: Status, message: str) -> None:
-    from armour.validation.validate import FAILED
-
     case = ElementTree.SubElement(suite, "testcase", classname=printable(group), name=printable(name))
     if status in FAILED:
         ElementTree.SubElement(case, "failure", message=printable(message))
