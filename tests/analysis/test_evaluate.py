@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from armour.analysis.evaluate import evaluate, evaluate_groups, groups_of
-from armour.analysis.variants import concatenated, variants_of
 from armour.errors import InputError
 from tests.helpers.cases import scenario
 
@@ -49,37 +48,6 @@ def test_results_do_not_depend_on_the_threads():
         assert (one[name] == four[name]).all()
 
 
-def test_a_run_that_does_not_end_names_the_arrest_velocity(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 30)
-    with pytest.raises(InputError) as error:
-        evaluate(scenario(velocity=600.0, ceramic_mm=30.0, solver={"arrest_velocity_m_s": 1e-9}), {}, ["outcome"])
-    [problem] = error.value.problems
-    assert problem.key == "solver.arrest_velocity_m_s"
-    assert problem.message == "must let the run at 600 m/s end within 30 steps, found 1e-09; raise it"
-
-
-@pytest.mark.parametrize("name", ["outcome", "ballistic_limit_m_s"])
-def test_a_run_that_does_not_end_names_a_time_step_that_is_given(monkeypatch: pytest.MonkeyPatch, name: str):
-    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 30)
-    with pytest.raises(InputError, match=r"solver\.time_step_us: must let the run at .* found 0\.01; raise it"):
-        evaluate(scenario(solver={"time_step_us": 0.01}), {}, [name])
-
-
-def test_a_key_that_is_not_one_is_refused():
-    with pytest.raises(InputError, match="must be a key of the scenario"):
-        evaluate(scenario(), {"a b": np.array([1.0])}, ["outcome"])
-
-
-def test_a_value_that_is_not_allowed_is_refused():
-    with pytest.raises(InputError, match=r"armour\.ceramic_thickness_mm: must be at least 0"):
-        evaluate(scenario(), {"armour.ceramic_thickness_mm": np.array([1.0, -1.0])}, ["outcome"])
-
-
-def test_variants_are_concatenated():
-    parts = [variants_of(scenario(velocity=velocity), {}, 2) for velocity in (700.0, 800.0)]
-    assert concatenated(parts).velocities.tolist() == [700.0, 700.0, 800.0, 800.0]
-
-
 C, B = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 ROD = ("projectile.penetrator_diameter_mm", "projectile.penetrator_mass_g")
 
@@ -115,6 +83,8 @@ def test_rows_of_other_keys_are_checked_with_their_inputs():
         ({C: [[5.0]]}, ["outcome"], f"{C}: must be a column of at least one number, found an array of shape"),
         ({C: ["a"]}, ["outcome"], f"{C}: must be a column"),
         ({C: []}, ["outcome"], f"{C}: must be a column"),
+        ({"a b": [1.0]}, ["outcome"], "must be a key of the scenario"),
+        ({C: [1.0, -1.0]}, ["outcome"], f"{C}: must be at least 0"),
         ({C: [np.nan]}, ["outcome"], f"row 1: {C}: must be a finite number"),
         ({"solver.time_step_us": [np.inf]}, ["outcome"], r"row 1: solver\.time_step_us: must be a finite number"),
         ({C: [5.0], 'armour."ceramic_thickness_mm"': [6.0]}, ["outcome"], f"{C}: must be given once"),

@@ -60,15 +60,6 @@ def test_the_interface_force_is_recorded_on_both_sides_of_a_change():
     assert history.shear_force_kN[entered] != history.shear_force_kN[entered - 1]
 
 
-def test_histories_are_compared():
-    found = simulate(scenario(), history=True)
-    assert found == simulate(scenario(), history=True)
-    assert found != simulate(scenario(velocity=810.0), history=True)
-    assert found.history != simulate(scenario(velocity=810.0), history=True).history
-    assert repr(found.history).startswith("<History: ")
-    assert repr(found.history).endswith(f"instants from 0 to {found.duration_us:.2f} µs>")
-
-
 NAMES = ["wilkins", "dwell", "bare_plate", "paper/fig10_20mm"]
 
 

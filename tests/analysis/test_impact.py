@@ -62,11 +62,6 @@ def test_dwell_shows_as_ii_2():
     assert result.stages[0].stage == "ii.2"
 
 
-def test_a_history_is_recorded_on_request():
-    assert simulate(scenario()).history is None
-    assert simulate(scenario(), history=True).history is not None
-
-
 def test_a_simulation_without_a_history_does_not_import_numpy():
     code = f"""
 import sys
@@ -85,19 +80,6 @@ def test_a_time_step_given_is_taken_unless_it_is_too_coarse():
     coarse = scenario(solver={"time_step_us": 1000.0})
     assert time_step(coarse, a, 800.0) == stepping.default_time_step(a, 800.0)
     assert simulate(coarse) == simulate(scenario())
-
-
-def test_plain_data_has_the_units_in_its_keys():
-    content = simulate(scenario(), history=True).to_dict()
-    assert "history" not in content
-    assert set(content["stages"][0]) == {
-        "stage",
-        "start_us",
-        "end_us",
-        "velocity_lost_m_s",
-        "length_lost_mm",
-        "energy_lost_J",
-    }
 
 
 def test_a_run_that_does_not_end_names_the_time_step_given(monkeypatch: pytest.MonkeyPatch):

@@ -45,35 +45,6 @@ def limit_of(of: Scenario) -> float:
         return np.nan
 
 
-def defeated(variants: Variants) -> list[bool]:
-    found: list[bool] = (~perforated(variants)).tolist()
-    return found
-
-
-def test_the_least_ceramic_just_defeats_the_impact():
-    variants = rows_of(case(), [5.0] * 3, [7.0, 1.0, 60.0])
-    least = least_ceramics_mm(variants).mm
-    assert np.isnan(least).tolist() == [False, True, False]
-    assert least[2] == 1.0
-    assert defeated(with_thicknesses(variants, ceramic_mm=least).at(np.array([0, 2]))) == [True, True]
-    assert defeated(with_thicknesses(variants, ceramic_mm=least - 2e-6).at(np.array([0]))) == [False]
-
-
-def test_the_least_back_plate_is_that_of_the_least_ceramic():
-    variants = rows_of(case(), [10.0, 1.0], [5.0, 5.0])
-    least = least_backings_mm(variants).mm
-    assert np.isnan(least).tolist() == [False, True]
-    across = least_ceramics_mm(with_thicknesses(variants, backing_mm=least).at(np.array([0]))).mm
-    assert across[0] == pytest.approx(10.0, abs=1e-5)
-
-
-def test_the_least_armour_in_proportion():
-    half = 0.5 * least_totals_mm(alone(case())).mm  # the case has 6.35 mm of both
-    for less, outcome in ((-1e-9, True), (2e-6, False)):
-        found = with_thicknesses(alone(case()), ceramic_mm=half - less, backing_mm=half - less)
-        assert defeated(found) == [outcome]
-
-
 def test_no_armour_in_proportion():
     apart = {
         "ceramic_thickness_mm": {"min": 1.0, "max": 2.0, "step": 0.5},
@@ -104,16 +75,6 @@ def inside_the_data(count: int) -> list[Scenario]:
 def test_the_limit_of_a_row_is_that_of_a_single_search(of: Scenario):
     [found] = ballistic_limits(alone(of)).tolist()
     assert found == pytest.approx(limit_of(of), rel=0.0, abs=0.0, nan_ok=True)
-
-
-def test_limits_of_rows_are_those_of_single_searches():
-    thicknesses = [(c, b) for c in (2.0, 6.0, 12.0) for b in (3.0, 9.0)]
-    variants = rows_of(case(), *map(list, zip(*thicknesses, strict=True)))
-    expected = [limit_of(case(ceramic_mm=c, backing_mm=b)) for c, b in thicknesses]
-    assert ballistic_limits(variants).tolist() == expected
-    finer = ballistic_limits(variants, tolerance=1e-6)
-    assert (np.array(expected) - 0.01 <= finer).all()
-    assert (finer <= expected).all()
 
 
 def test_brackets_outside_the_range():
@@ -157,11 +118,6 @@ def test_limits_of_unusual_rows_are_searched_densely_and_in_place():
     assert limits[0] == limits[4] == pytest.approx(723.77, abs=0.02)
     assert limits[1] == limits[3] == pytest.approx(252.67, abs=0.02)
     assert changes_above(together, limits).tolist() == [False, True, True, True, False]
-
-
-def test_the_limit_of_one_unusual_armour_is_that_of_many():
-    of = narrow_ranges()
-    assert ballistic_limit(of).ballistic_limit_m_s == ballistic_limits(alone(of))[0]
 
 
 def test_the_thinnest_layer_that_stops_an_impact_that_a_thicker_one_does_not():

@@ -15,9 +15,7 @@ from armour.core.events import (
     after_event,
     confirm_event,
     event_functions,
-    first_negative,
     is_bent,
-    root_on_cubic,
     step_to_event,
     turning_point,
 )
@@ -124,17 +122,6 @@ def test_where_velocities_turn():
     assert turn(1.0, -3.0) == 0.5
 
 
-def test_the_first_negative_event_function():
-    g = (1.0, 0.0, -1.0, 2.0, float("nan"), 1.0, -3.0)
-    assert first_negative(g, -1) == 2
-    assert first_negative(g, 2) == 4
-    assert first_negative((0.0,) * 7, -1) == -1
-    for j in range(7):
-        single = tuple(-1.0 if i == j else 1.0 for i in range(7))
-        assert first_negative(single, -1) == j  # type: ignore[arg-type]
-        assert first_negative(single, j) == -1  # type: ignore[arg-type]
-
-
 def test_an_event_that_has_happened_at_the_start_of_a_step_is_located_there():
     p = armour()
     y = State(Z=0.0, L=p.L0, V=800.0, W=0.0, h=0.0)
@@ -201,11 +188,6 @@ def test_an_event_reveals_another_before_it_that_has_gone_at_the_end(monkeypatch
     found, dt, _ = step_with_events(monkeypatch, {0: lambda x: 0.8 - x, 2: lambda x: (x - 0.3) * (x - 0.9)}, 1.0)
     assert found.event == 2
     assert found.taken == pytest.approx(0.3 * dt)
-
-
-def test_a_step_without_a_turning_point_is_tried_once(monkeypatch: pytest.MonkeyPatch):
-    found, dt, trials = step_with_events(monkeypatch, {}, 1.0)
-    assert (found.event, found.taken, trials) == (-1, dt, 1)
 
 
 def test_material_that_is_held_moves_where_the_drive_force_exceeds_the_shear_force():
@@ -293,20 +275,6 @@ def test_a_confirmation_with_a_wrong_slope_ends_by_bisection():
         fraction, there = confirm_event(0, whole, 0.5, slope, 1.0, end)
         assert fraction == pytest.approx(right, abs=2.0 * EVENT_TOLERANCE)
         assert event_functions(fraction * dt, there, s, p, 1.0)[0] < 0.0
-
-
-def test_the_root_on_the_cubic_is_between_its_neighbours():
-    p = armour()
-    y = State(Z=0.0, L=p.L0, V=800.0, W=0.0, h=0.0)
-    s = first_stage(y, p)
-    k, dt = rates(y, s, p), 4e-6
-    end = step(y, k, s, p, dt)
-    g, g_end = (event_functions(t, at, s, p, 1.0)[0] for t, at in ((0.0, y), (dt, end)))
-    x, after, slope = root_on_cubic(0, Step(0.0, dt, y, k, end, rates(end, s, p), s, p, 1.0), g, g_end, 1.0)
-    right = advance(0.0, y, s, p, dt, 1.0).taken / dt
-    assert x == pytest.approx(right, abs=1e-3)
-    assert x < after < x + 1e-3
-    assert slope == pytest.approx(g_end - g, rel=0.1)
 
 
 def test_the_earlier_of_two_events_in_intact_ceramic_is_located():

@@ -11,10 +11,8 @@ from armour.core import search
 from armour.core.bounds import may_perforate
 from armour.core.run import Run
 from armour.core.search import (
-    CLOSE,
     ENERGY_LEFT,
     GOLDEN,
-    Bracket,
     Change,
     Impact,
     Root,
@@ -23,21 +21,17 @@ from armour.core.search import (
     bisected,
     change_at_peak,
     change_between_causes,
-    extrapolated_root,
     find_ballistic_limit,
     find_least_ceramic_thickness,
     first_impacts,
     impact,
     impact_of,
-    initial_bracket,
     narrowed,
     next_change,
-    next_point,
     rough_impact,
     rough_root,
     scan,
     scanned_impact,
-    slope_at_root,
 )
 from armour.core.state import Outcome, Parameters, State
 from tests.helpers.cases import armour
@@ -121,22 +115,6 @@ def test_a_tolerance_below_rounding_ends():
     assert found.runs < 120
 
 
-def test_extrapolation_is_exact_for_lines_and_parabolas():
-    def x(f: float) -> float:
-        return 700.0 + 0.3 * f - 0.02 * f * f
-
-    assert extrapolated_root(1, 700.3, 1.0, 700.6, 2.0, 0.0, 0.0) == pytest.approx(700.0)
-    assert extrapolated_root(2, x(1.0), 1.0, x(2.0), 2.0, x(5.0), 5.0) == pytest.approx(700.0)
-    assert extrapolated_root(1, 700.0, 1.0, 710.0, 1.0, 0.0, 0.0) == 700.0
-
-
-def test_the_slope_at_the_root_is_that_of_the_parabola():
-    def x(f: float) -> float:
-        return 700.0 + 0.3 * f - 0.02 * f * f
-
-    assert slope_at_root(700.0, x(1.0), 1.0, x(3.0), 3.0) == pytest.approx(0.3)
-
-
 SOLVER = Solver(1.0, 0.0, STEPS)
 
 
@@ -179,32 +157,6 @@ def test_the_bracket_is_an_interval_of_bisection(tolerance: float):
     assert not perforates(p, found.low)
 
 
-def test_a_rough_root_is_near_the_limit():
-    for p in random_designs(COUNT)[:LIMITS]:
-        found = find_ballistic_limit(p, VELOCITIES, 1e-4, 1.0, 0.0, STEPS)
-        above = next(velocity for velocity in VELOCITIES if found.high <= velocity)
-        below = VELOCITIES[VELOCITIES.index(above) - 1]
-        root = rough_root(p, below, above, rough_impact(p, above, SOLVER), 1.0, SOLVER)
-        assert root.x == pytest.approx(found.high, rel=3e-4)
-        nearness = [impact(p, found.high + more, SOLVER).nearness for more in (0.1, 0.2)]
-        assert root.slope == pytest.approx(0.1 / (nearness[0] - nearness[1]), rel=0.02)
-
-
-def known_bracket(low: float, high: float) -> Bracket:
-    """A bracket with a run at each end."""
-    return initial_bracket(low, high)._replace(low_known=True, high_known=True)
-
-
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-3, 1.0])
-@pytest.mark.parametrize("points", [1, 2, 3])
-@pytest.mark.parametrize("runs", [5, 50])
-def test_the_next_point_is_inside_the_bracket(tolerance: float, points: int, runs: int):
-    for estimate in (-1e9, 700.0, 749.9999, 750.0, 750.0001, 799.9999, 800.0, 1e9):
-        for error in (0.0, 1e-9, 1.0, 1e9, inf):
-            b = known_bracket(750.0, 800.0)._replace(points=points, estimate=estimate, error=error, runs=runs)
-            assert 750.0 < next_point(b, tolerance) < 800.0
-
-
 def test_how_near_an_impact_is_to_the_other_outcome():
     p = armour()
     y = State(Z=5e-3, L=1.01e-3 * p.L0, V=300.0, W=0.0, h=0.0)
@@ -217,17 +169,6 @@ def test_how_near_an_impact_is_to_the_other_outcome():
     assert impact_of(eroded, p, 700.0, solver) == Impact(700.0, False, True, True, 5e-3)
     unresolved = stopped._replace(outcome=Outcome.UNRESOLVED)
     assert not impact_of(unresolved, p, 700.0, solver).resolved
-
-
-@pytest.mark.parametrize("part", [0.99, 1.01])
-def test_how_close_a_rough_impact_is_repeated(monkeypatch: pytest.MonkeyPatch, part: float):
-    p, again = armour(), Impact(500.0, False, False, True, 0.0)
-    monkeypatch.setattr(search, "impact", lambda *_: again)
-    perforated = Impact(500.0, True, False, True, -part * CLOSE * 500.0**2)
-    defeated = Impact(500.0, False, False, True, (1.0 - part * CLOSE) * (p.Hc0 + p.Hb))
-    for tried in (perforated, defeated):
-        monkeypatch.setattr(search, "rough_impact", lambda *_, tried=tried: tried)
-        assert scanned_impact(p, 500.0, SOLVER) == (again if part < 1.0 else tried)
 
 
 def stopped(V: float, nearness: float = 0.0, eroded: bool = False) -> Impact:

@@ -8,8 +8,8 @@ import pytest
 from armour.core.equations import CONOID, PROJECTILE
 from armour.core.rk4 import advance
 from armour.core.search import find_ballistic_limit, scan
-from armour.core.stages import first_stage, front_velocity, medium_ahead, rates
-from armour.core.state import Medium, Parameters, Stage, State
+from armour.core.stages import front_velocity, medium_ahead, rates
+from armour.core.state import Medium, Stage, State
 from armour.core.stepping import (
     BEND_FALLING,
     BEND_RISING,
@@ -32,10 +32,6 @@ STATE = State(Z=4e-3, L=0.018, V=600.0, W=100.0, h=0.5e-3)
 RATES = State(Z=400.0, L=-200.0, V=-2e7, W=3e6, h=100.0)
 
 
-def struck(V: float, W: float = 0.0) -> State:
-    return State(Z=0.0, L=0.02, V=V, W=W, h=0.0)
-
-
 def in_stage(medium: Medium, eroding: bool, penetrated: bool, moving: bool) -> Stage:
     return Stage(medium, eroding, penetrated, moving, 750.0, 0.2e-3)
 
@@ -49,26 +45,6 @@ def test_a_given_time_step_is_limited():
     assert time_step(p, 800.0, 0.0) == default
     assert time_step(p, 800.0, 0.1 * default) == 0.1 * default
     assert time_step(p, 800.0, 100.0 * default) == default
-
-
-def length(y: State, s: Stage, p: Parameters, dt: float, rough: bool = False) -> float:
-    return step_length(y, rates(y, s, p), s, p, dt, rough)
-
-
-def test_the_step_is_the_given_one_at_impact():
-    p = armour()
-    assert length(struck(800.0), first_stage(struck(800.0), p), p, 1e-7) == 1e-7
-
-
-def test_the_step_grows_as_a_rigid_projectile_slows_in_held_ceramic():
-    s = Stage(Medium.FRAGMENTED, False, True, False, 700.0, 0.0)
-    assert length(struck(7.0), s, armour(), 1e-7) == pytest.approx(1e-5)
-
-
-def test_the_step_shrinks_with_the_projectile():
-    p = armour()
-    short = struck(800.0)._replace(L=1e-5)
-    assert length(short, first_stage(short, p), p, 1e-7) < 1e-8
 
 
 def test_the_default_step_scales_with_size():
@@ -111,16 +87,6 @@ def test_the_response_in_the_plate():
     rigid = in_stage(Medium.PLATE, False, True, False)
     expected = (2.0 * p.rho_B * 600.0 + 2.5 * sqrt(p.YB * p.rho_B)) / (p.rho_p * 0.018)
     assert response_rate(deep, RATES, rigid, p) == pytest.approx(expected)
-
-
-def test_only_the_strength_of_penetrated_fragments_depends_on_the_velocity():
-    p = armour()
-    for s in (
-        in_stage(Medium.INTACT, True, True, False),
-        in_stage(Medium.PLATE, True, True, True),
-        in_stage(Medium.FRAGMENTED, True, False, True),
-    ):
-        assert strength_by_velocity(STATE, s, p) == 0.0
 
 
 def test_the_default_step_is_the_characteristic_time():
