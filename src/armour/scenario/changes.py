@@ -8,11 +8,8 @@ from typing import Any
 
 from armour.errors import InputError, Problem, refuse, suggestion
 from armour.files import parse_toml
-from armour.scenario.inputs import INPUTS, NAMES
+from armour.scenario.inputs import INPUTS
 from armour.scenario.keys import Parts, describe, key_name, leaves, not_a_key, parts_of
-
-# A list of tables, whose keys cannot be set one by one.
-THREATS = 'threat=[{ projectile = "7.62 mm AP", velocity_m_s = 850.0, margin_m_s = 20.0 }]'
 
 
 def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = "scenario") -> dict[str, Any]:
@@ -45,14 +42,12 @@ def _put_at(data: dict[str, Any], parts: Parts, value: object) -> str:
 
     Tables that change are copied first: those of the data may be shared.
     """
-    if parts[0] == "threat" and len(parts) > 1:
-        return f"must not go below threat, a list that is set as a whole, such as {THREATS}"
     table: dict[str, Any] = data
     for i, part in enumerate(parts[:-1], 1):
         there = table.get(part, {})
         if not isinstance(there, dict):
-            found = f"must not go below {key_name(parts[:i])}, which is {describe(there)}"
-            return found + _hint(data, parts, i)
+            hint = suggestion(key_name(parts), list(INPUTS))
+            return f"must not go below {key_name(parts[:i])}, which is {describe(there)}{hint}"
         table[part] = table = dict(there)
     _put(table, parts[-1], value)
     return ""
@@ -66,13 +61,6 @@ def _put(table: dict[str, Any], key: str, value: object) -> None:
             _put(table[key], inner, value[inner])
     else:
         table[key] = deepcopy(value)
-
-
-def _hint(data: Mapping[str, Any], parts: Parts, length: int) -> str:
-    """Return a hint at the key that is meant by one that goes below the value at its first parts."""
-    roles = [role for role, key in NAMES.items() if key == key_name(parts[:length])]
-    known = [key_name(leaf) for leaf, _ in leaves(data)]
-    return suggestion(key_name([*roles, *parts[length:]] if roles else parts), list(INPUTS) if roles else known)
 
 
 def changes_of(assignments: Iterable[str]) -> dict[str, Any]:

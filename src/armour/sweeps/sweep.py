@@ -200,11 +200,8 @@ def sweep(
             raise InputError([Problem("sweep", "output", message)])
         check(scenario, source, names)
         warnings += unanswered(scenario, names)
-        try:
-            columns, concerning = chunk_of(scenario, source.rows(np.arange(source.count)), names, threads)
-        except InputError:
-            check_rows(scenario, source)  # says which row is wrong
-            raise
+        check_rows(scenario, source)
+        columns, concerning = chunk_of(scenario, source.rows(np.arange(source.count)), names, threads)
         warnings += lines_of(concerning, source.count)
         on_progress(source.count, source.count)
     else:
