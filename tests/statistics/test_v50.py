@@ -106,12 +106,6 @@ def test_wrong_files_with_every_mistake(tmp_path: Path, rows: list[str], message
     assert [message in found for message in messages] == [True] * len(messages)
 
 
-def test_results_in_other_spellings(tmp_path: Path):
-    rows = ("700,P", "710,Partial", "715,COMPLETE", "720,c")
-    path = csv_file(tmp_path / "shots.csv", "velocity_m_s,result", *rows)
-    assert read_shots(str(path)).complete == (False, False, True, True)
-
-
 @pytest.mark.parametrize(
     ("shots", "settings", "message"),
     [

@@ -29,7 +29,7 @@ from armour.analysis.variants import Bools, Floats
 from armour.planning.firing import LIMITS_PROBABILITY, limits_of
 from armour.planning.procedures import PROCEDURES, Firings, ShotSettings
 from armour.scenario.scenario import load_scenario
-from armour.statistics.posterior import FiringPrior, posterior_of, prior_of
+from armour.statistics.posterior import FiringPrior, posterior_of
 from armour.statistics.v50 import Shots
 
 SCENARIO, HALF_WIDTH_M_S, CONFIDENCE, MISS_M_S, MOST = "paper/optimum_7.62mm_AP", 15.0, 0.95, 5.0, 150
@@ -162,9 +162,9 @@ def deviation_percent(prior: FiringPrior) -> float:
 
 def prior_for(procedure: str, scatter: float) -> FiringPrior:
     """Return the prior of a procedure."""
-    scenario = load_scenario(SCENARIO)
-    prior = prior_of(scenario, ballistic_limit(scenario).ballistic_limit_m_s)
-    assert prior is not None
+    limit = ballistic_limit(load_scenario(SCENARIO))
+    assert limit.model_error is not None
+    prior = FiringPrior(limit.ballistic_limit_m_s, limit.model_error)
     if procedure != KNOWN:
         return prior
     return prior._replace(scatter_percent=100.0 * scatter / prior.limit_m_s, scatter_factor=KNOWN_FACTOR)

@@ -39,7 +39,6 @@ from armour.statistics.posterior import (
     learned,
     no_prior,
     posterior_of,
-    prior_of,
 )
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, MeanV50, Shots, check_shots
 
@@ -257,8 +256,10 @@ def plan_shots(
         problems.append((missing[0], "must be given, as both V50 and scatter to simulate or neither"))
     refuse(Problem("plan_shots", *problem) for problem in problems)
     limit = ballistic_limit(scenario, on_progress=on_progress)
-    prior = prior_of(scenario, limit.ballistic_limit_m_s, scatter_percent, scatter_factor)
-    if prior is None and procedure == "bayesian":
+    prior = None
+    if limit.model_error is not None:
+        prior = FiringPrior(limit.ballistic_limit_m_s, limit.model_error, scatter_percent, scatter_factor)
+    elif procedure == "bayesian":
         raise no_prior(scenario, "; or choose the procedure up-and-down, or neyer or langlie with limits of V50")
     if limits_m_s is None and limited:
         limits_m_s = limits_of(_known(prior, "limits_m_s", "which they follow from by default"))

@@ -440,8 +440,8 @@ def _knowledge(
         raise InputError([Problem("plan_tests", "scatter_percent", message)])
     if fit is not None:
         return _fitted(fit, scatter)
-    own = np.array([likelihood.tests.groups[0].column(name)[0] for name in likelihood.names])
-    x = likelihood.prior.centred(own / likelihood.units)
+    own = likelihood.tests.groups[0].scenario.inputs()
+    x = likelihood.prior.centred(np.array([own.get(name, 0.0) for name in likelihood.names]) / likelihood.units)
     base = likelihood.prior.rows(x).T @ likelihood.prior.rows(x)
     warning = "the plan is best near the values of the inputs that it is made for, which no tests determine"
     if of_tests is not None:

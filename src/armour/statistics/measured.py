@@ -48,11 +48,6 @@ class MaterialGroup(NamedTuple):
     where: Ints  # indices of the tests
     columns: dict[str, Floats]  # inputs that the table gives
 
-    def column(self, name: str) -> Floats:
-        """Return the values of an input; 0 where the scenario does not have it."""
-        own = self.scenario.inputs().get(name, 0.0)
-        return self.columns.get(name, np.full(len(self.where), own))
-
 
 class Tests(NamedTuple):
     """A table of tests; `read_tests` makes one.

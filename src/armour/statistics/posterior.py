@@ -157,17 +157,6 @@ def is_above(grid: Grid, velocity_m_s: float, fraction: float) -> Floats:
     return np.clip(0.5 + excess / step, 0.0, 1.0)
 
 
-def prior_of(
-    scenario: Scenario,
-    limit_m_s: float,
-    scatter_percent: float = SCATTER_PERCENT,
-    scatter_factor: float = SCATTER_FACTOR,
-) -> FiringPrior | None:
-    """Return the prior of V50 of an armour, given its limit by the model; None where its error is not known."""
-    error = scenario.model_error()
-    return None if error is None else FiringPrior(limit_m_s, error, scatter_percent, scatter_factor)
-
-
 def no_prior(scenario: Scenario, way_out: str = "") -> InputError:
     """Return the error of a question that needs a prior of a scenario that has none."""
     reason = EXCLUDED if scenario.excludes_error() else NO_TEST

@@ -122,9 +122,6 @@ SAMPLES_AT_A_TIME = 2**12
 
 UNKNOWN = Note("the error of the model is not known for such an armour, and not included", "uncertainty.model")
 
-# Called with the number of samples computed since the last call.
-OnSamples = Callable[[int], None]
-
 
 @dataclass(frozen=True)
 class Influence:
@@ -302,7 +299,9 @@ def _misplaced(section: Uncertainty, own: Mapping[str, float]) -> Iterator[Note]
                 yield Note(f"truncation moves its mean from {moved[0]:g} to {moved[1]:.4g}", f"uncertainty.{name}")
 
 
-def _in_portions(scenario: Scenario, points: Floats, on_samples: OnSamples) -> Iterator[tuple[slice, Samples]]:
+def _in_portions(
+    scenario: Scenario, points: Floats, on_samples: Callable[[int], None]
+) -> Iterator[tuple[slice, Samples]]:
     """Yield the samples at points of the unit cube, (n, inputs), in portions, and count each once it is computed."""
     section, own = section_of(scenario), own_values(scenario)
     for part in portions(len(points), SAMPLES_AT_A_TIME):
@@ -364,7 +363,9 @@ def index_samples(section: Uncertainty) -> int:
     return min(max(MIN_INDEX_SAMPLES, part), MAX_INDEX_SAMPLES)
 
 
-def influences(scenario: Scenario, points: Floats, limits: Floats, on_samples: OnSamples) -> tuple[Influence, ...]:
+def influences(
+    scenario: Scenario, points: Floats, limits: Floats, on_samples: Callable[[int], None]
+) -> tuple[Influence, ...]:
     """Estimate the influence of each input on the ballistic limit, from its samples and samples of its own."""
     section, own = section_of(scenario), own_values(scenario)
     names, inputs = _ranked(section), list(section.inputs())

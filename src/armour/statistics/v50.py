@@ -21,10 +21,10 @@ from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.curves import CDFS, FittedCurve, fit_curve
 from armour.statistics.posterior import (
     FiringEstimate,
+    FiringPrior,
     learned,
     no_prior,
     posterior_of,
-    prior_of,
 )
 from armour.units import missing_unit
 
@@ -274,9 +274,9 @@ def v50(
     before, after, share = None, None, None
     contradictions: tuple[str, ...] = ()
     if prior and scenario and model:
-        known = prior_of(scenario, model.ballistic_limit_m_s)
-        if known is None:
+        if model.model_error is None:
             raise no_prior(scenario)
+        known = FiringPrior(model.ballistic_limit_m_s, model.model_error)
         given = posterior_of(known, shots.velocities_m_s, shots.complete)
         before, after, share, contradictions = learned(posterior_of(known, (), ()), given, confidence)
     computed = f"V50 of the shots in {Path(shots.file).name}"

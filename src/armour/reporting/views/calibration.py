@@ -24,7 +24,6 @@ from armour.statistics.calibration import CalibrationResult, Residual
 def calibration_table(result: CalibrationResult) -> Table:
     """Return the quality of a fit to tests, and how well the tests' uncertainties, if any, explain the deviations."""
     weighted = result.weights == "uncertainties"
-    widened = weighted and result.widened_by > 1.0
     aicc = None if _has_prior(result) else _or(result.aicc, "too few tests")
     return record(
         result,
@@ -37,10 +36,7 @@ def calibration_table(result: CalibrationResult) -> Table:
         column_of("degrees_of_freedom", ".4g"),
         (Column("chi-squared", spec=".2f"), result.chi_squared if weighted else None),
         (Column("p value", spec=".2g"), result.p_value if weighted else None),
-        (
-            Column("intervals widened by", spec=".2f"),
-            result.widened_by if widened else None,
-        ),
+        (Column("intervals widened by", spec=".2f"), result.widened_by if result.widened_by > 1.0 else None),
         (Column("starting points that reach this solution"), f"{result.starts_agreeing} of {result.starts}"),
     )
 
