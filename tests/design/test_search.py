@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.core.state import Outcome
-from armour.design import candidates, requirement
+from armour.design import candidates, search
 from armour.design import catalogue as module
 from armour.design.candidates import MARGIN_PARTS
 from armour.design.catalogue import Catalogue
@@ -46,8 +46,8 @@ def test_who_governs_along_the_frontier():
 
 def test_margins_do_not_depend_on_the_range_of_the_search():
     wide = optimise(catalogue())
-    for search in ({"velocity_max_m_s": 500.0}, {"velocity_min_m_s": 1500.0}):
-        narrow = optimise(catalogue().replaced({"ballistic_limit": search}))
+    for ends in ({"velocity_max_m_s": 500.0}, {"velocity_min_m_s": 1500.0}):
+        narrow = optimise(catalogue().replaced({"ballistic_limit": ends}))
         assert narrow.best.margins_m_s == pytest.approx(wide.best.margins_m_s, abs=0.02)
         assert narrow.best.governing == wide.best.governing
         assert narrow.best.ballistic_limit_m_s is None
@@ -180,8 +180,8 @@ def test_a_search_in_portions(monkeypatch: pytest.MonkeyPatch):
     case = catalogue(pareto=["areal_density_kg_m2", "margin_m_s"])
     whole = optimise(case)
     variants = Mock(wraps=VARIANTS)
-    monkeypatch.setattr(requirement, "IMPACTS_AT_A_TIME", 20)
-    monkeypatch.setattr(requirement, "LIMITS_AT_A_TIME", 3)
+    monkeypatch.setattr(search, "IMPACTS_AT_A_TIME", 20)
+    monkeypatch.setattr(search, "LIMITS_AT_A_TIME", 3)
     monkeypatch.setattr(Catalogue, "variants", lambda *args: variants(*args))
     counted: list[int] = []
     found = optimise(case, on_progress=lambda count, _: counted.append(count))

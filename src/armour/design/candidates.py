@@ -10,8 +10,7 @@ from armour.analysis.results import OnProgress, ignore_progress, portions
 from armour.analysis.searches import Least, least_ceramics_mm, least_values_mm
 from armour.analysis.variants import Bools, Floats, Ints, Variants, unusual, with_thicknesses
 from armour.design.catalogue import MARGIN, Candidates, first_backings
-from armour.design.requirement import Requirement
-from armour.design.search import Search
+from armour.design.search import Requirement, Search
 from armour.scenario.schema import FreeRange, Range
 
 # Largest distance of the back plate thicknesses of the last round, mm.

@@ -12,8 +12,7 @@ from armour.analysis.variants import Ints
 from armour.core.state import Parameters
 from armour.design.candidates import candidates_of
 from armour.design.catalogue import MARGIN, Candidates, Catalogue, catalogue_of
-from armour.design.requirement import Requirement
-from armour.design.search import Search
+from armour.design.search import Requirement, Search
 from armour.errors import NoDesignError, Note, Problem, refuse
 from armour.scenario.checked import checked
 from armour.scenario.evidence import MEASURES, ModelError, armour_warnings, error_on_tests
