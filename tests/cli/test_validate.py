@@ -34,39 +34,23 @@ def suite(folder: Path) -> Path:
     return path
 
 
-def test_json(cli, suite: Path):
-    data = json.loads(cli("validate", suite, "--json").stdout)
-    assert data["passed"] is True
-    limit, speed = data["cases"]
-    assert limit["computed"] == pytest.approx(723.7716, abs=1e-3)
-    assert limit["deviation"] == pytest.approx(limit["computed"] - 723.77)
-    assert (speed["quantity"], speed["status"], speed["band"]) == ("residual_velocity_m_s", "within", 0.1)
-
-
 @pytest.mark.parametrize(
-    "assignment",
+    ("assignment", "limit"),
     [
-        "model.shear_perimeter=projectile",
-        'model.shear_perimeter = "projectile"',
-        'model={shear_perimeter="projectile"}',
+        ("model.shear_perimeter=projectile", 538.8),
+        ('model.shear_perimeter = "projectile"', 538.8),
+        ('model={shear_perimeter="projectile"}', 538.8),
+        ('library.projectile."7.62 mm AP"={based_on="7.62 mm AP", penetrator_diameter_mm=6.2}', 697.2),
+        ('library.projectile."7.62 mm AP".penetrator_diameter_mm=6.2', 697.2),
+        ("projectile.penetrator_diameter_mm=6.2", 697.2),
     ],
 )
-def test_values_are_toml_or_plain_words(cli, suite: Path, assignment: str):
+def test_values_are_toml_or_plain_words_and_entries_go_by_name_or_role(cli, suite: Path, assignment: str, limit: float):
     data = json.loads(cli("validate", suite, "--only", "limit", "--set", assignment, "--json").stdout)
-    assert data["cases"][0]["computed"] == pytest.approx(538.8, abs=0.1)
-
-
-@pytest.mark.parametrize(
-    "assignment",
-    [
-        'library.projectile."7.62 mm AP"={based_on="7.62 mm AP", penetrator_diameter_mm=6.2}',
-        'library.projectile."7.62 mm AP".penetrator_diameter_mm=6.2',
-        "projectile.penetrator_diameter_mm=6.2",
-    ],
-)
-def test_an_entry_of_the_library_is_changed_by_its_name_or_its_role(cli, suite: Path, assignment: str):
-    data = json.loads(cli("validate", suite, "--only", "limit", "--set", assignment, "--json").stdout)
-    assert data["cases"][0]["computed"] < 710.0
+    [found] = data["cases"]
+    assert found["computed"] == pytest.approx(limit, abs=0.1)
+    assert found["deviation"] == pytest.approx(found["computed"] - 723.77)
+    assert (data["passed"], found["status"], found["band"]) == (False, "outside", 0.02)
 
 
 def test_an_update_keeps_measurements(cli, suite: Path):
@@ -79,10 +63,6 @@ def test_an_update_keeps_measurements(cli, suite: Path):
     suite.write_text(SUITE.replace("723.77", "800.0") + "regression = true\n")
     assert cli("validate", suite, "--update").exit_code == 3
     assert "expected = 800.0" in suite.read_text()
-    suite.write_text(SUITE)
-    [line] = cli.fails(2, "validate", suite, "--update")
-    assert line.startswith(f"{suite}: regression: must be true for the suite")
-    assert suite.read_text() == SUITE
 
 
 def test_interrupted_it_shows_what_it_has(cli, suite: Path, monkeypatch: pytest.MonkeyPatch):
@@ -100,14 +80,3 @@ def test_interrupted_it_shows_what_it_has(cli, suite: Path, monkeypatch: pytest.
     assert result.stderr == "interrupted\n"
     assert not issubclass(KeyboardInterrupt, ArmourError)
     assert cli("validate", suite, "--json").stdout == ""
-
-
-def test_a_shipped_suite_goes_by_its_name(cli, folder: Path):
-    result = cli("validate", "plates", "--only", "on 10 mm AA6082-T6", "--json")
-    data = json.loads(result.stdout)
-    assert result.exit_code == 0
-    assert {case["name"].partition(": ")[2] for case in data["cases"]} == {".30 APM2 on 10 mm AA6082-T6"}
-    assert [table["status"] for table in data["tables"]] == ["not scored"]
-    [line] = cli.fails(2, "validate", "plates", "--update")
-    assert line.endswith("what is published stays")
-    assert list(folder.iterdir()) == []

@@ -6,8 +6,7 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import simulate
 from armour.errors import InputError
 from armour.scenario.scenario import load_scenario
-from armour.validation import figures
-from armour.validation.figures import Figure, compute_figure, paper_figures, parity, read_figures
+from armour.validation.figures import Figure, compute_figure, paper_figures, read_figures
 from tests.helpers.cases import scenario
 
 FIGURES = """
@@ -48,12 +47,6 @@ def test_quantities_may_be_divided_and_the_abscissa_moved(folder: Path):
     assert [[value * 800.0 for value in curve.values if value is not None] for curve in moved.curves] == [
         pytest.approx(curve.values) for curve in plain.curves
     ]
-
-
-def test_marks_and_levels_are_kept(folder: Path):
-    found = computed(folder, FIGURES)
-    assert [(mark.label, mark.points) for mark in found.section.mark] == [("printed", [[5.0, 100.0], [6.0, 50.0]])]
-    assert [(level.label, level.value) for level in found.section.level] == [("here", 10.0)]
 
 
 def test_several_quantities_go_by_their_names(folder: Path):
@@ -145,10 +138,3 @@ def test_a_required_thickness_gives_the_areal_density():
     for backing, ceramic, areal in pairs:
         assert ceramic is not None
         assert areal == pytest.approx(3.43 * ceramic + 2.75 * backing)
-
-
-@pytest.mark.parametrize(("name", "count"), [("parity_table3", 39), ("parity_plates", 760)])
-def test_parity_is_of_the_columns_of_table_3_and_of_all_plates(monkeypatch: pytest.MonkeyPatch, name: str, count: int):
-    monkeypatch.setattr(figures, "validate", lambda suite: suite)
-    suite = parity(name)
-    assert len(suite.cases) == count  # type: ignore[attr-defined]

@@ -159,37 +159,12 @@ def test_everything_that_is_scored_can_fail(suite: Suite):
 def test_the_model_against_all_of_it(suite: Suite):
     """One test, for the suite takes its time."""
     result = validate(suite)
-    everything_is_within_its_band(result)
-    wilkins_tests_by_every_prediction(result)
-    table_3_as_a_whole(result)
-    inconsistent_savings_are_inconsistent(result)
-    # After a change that moves a number: make docs.
-    assert (SCENARIOS.parent / "docs" / "validation.md").read_text() == markdown_report(suite_view.report(result))
-
-
-def everything_is_within_its_band(result: SuiteResult) -> None:
     assert [check.case.full_name for check in result.checks if check.status not in ("within", "not scored")] == []
     assert [summary.name for summary in result.summaries if summary.status != "within"] == []
     assert result.passed
-
-
-def wilkins_tests_by_every_prediction(result: SuiteResult) -> None:
-    errors = {error.predictor: error for error in result.errors}
-    papers = errors["the paper's program"]
-    off = [abs(row[4] / row[2] - 1.0) for row in TABLE_3]
-    assert papers.mean_percent == pytest.approx(100.0 * sum(off) / 13)
-    assert (round(papers.mean_percent, 1), round(papers.largest_percent, 1)) == (5.3, 11.9)
-    model = errors["this model"]
-    assert (round(model.mean_percent, 1), round(model.largest_percent, 1)) == (5.1, 11.3)
-    florence = [error for name, error in errors.items() if name.startswith("Florence")]
-    assert [round(error.mean_percent, 1) for error in florence] == [13.6, 28.9]
-    assert [round(error.largest_percent, 1) for error in florence] == [27.4, 46.0]
-
-
-def table_3_as_a_whole(result: SuiteResult) -> None:
-    rms = {summary.name: summary.rms for summary in result.summaries}
-    assert rms["table 3, the paper's program, 3.8 GPa"] == pytest.approx(7.576, abs=1e-3)
-    assert rms["table 3, the paper's program, 5.2 GPa"] == pytest.approx(5.119, abs=1e-3)
+    inconsistent_savings_are_inconsistent(result)
+    # After a change that moves a number: make docs.
+    assert (SCENARIOS.parent / "docs" / "validation.md").read_text() == markdown_report(suite_view.report(result))
 
 
 def inconsistent_savings_are_inconsistent(result: SuiteResult) -> None:

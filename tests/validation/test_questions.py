@@ -4,9 +4,9 @@ import pytest
 
 from armour.analysis.evaluate import evaluate
 from armour.design.optimise import optimise
-from armour.errors import InputError, NoDesignError, NoLimitError
+from armour.errors import NoDesignError
 from armour.scenario.scenario import Scenario
-from armour.validation.questions import QUESTIONS, Asked, answer, check_answerable
+from armour.validation.questions import QUESTIONS, Asked, answer
 from tests.helpers.cases import scenario
 
 GRID = {
@@ -47,19 +47,3 @@ def test_no_design_is_enough(name: str):
     fast = scenario(ceramic_mm=1.0, backing_mm=1.0, optimise=THIN)
     with pytest.raises(NoDesignError, match="no design"):
         answer(name, Asked(fast, fast.replaced({"armour.backing": "7075-T6"})))
-
-
-def test_no_limit_says_why():
-    narrow = scenario(ballistic_limit={"velocity_min_m_s": 1000.0})
-    with pytest.raises(NoLimitError, match="lower ballistic_limit"):
-        answer("ballistic_limit_m_s", Asked(narrow))
-
-
-def test_what_a_question_needs(wilkins: Scenario):
-    check_answerable("ballistic_limit_m_s", scenario())
-    with pytest.raises(InputError, match="optimise: is missing"):
-        check_answerable("optimum_areal_density_kg_m2", scenario())
-    both = {"armour.ceramic": "AD99.5", "armour.backing": "7075-T6"}
-    for replacement in (None, wilkins, wilkins.replaced(both)):
-        with pytest.raises(InputError, match="must name another ceramic or another backing, and not both"):
-            check_answerable("weight_saved_percent", wilkins, replacement)

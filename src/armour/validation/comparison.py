@@ -21,7 +21,6 @@ from armour.analysis.results import OnProgress, TableResult, ignore_progress
 from armour.errors import NoAnswerError, refuse
 from armour.scenario.checked import checked
 from armour.scenario.inputs import ROLES
-from armour.scenario.library import LibraryEntry
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.validation.rivals import Error, areal_densities, measured_limits
 from armour.validation.suite import Case, Suite, load_suite
@@ -157,7 +156,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
     velocities = [impact.impact_velocity_m_s for impact in above]
     residuals = [impact.residual_velocity_m_s for impact in above]
     cases = _tests().cases
-    own = _materials(scenario) == _materials(cases[0].scenario)
+    own = all(scenario.entry_of(role) == cases[0].scenario.entry_of(role) for role in ROLES)
     return Comparison(
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
         limit=limit,
@@ -184,10 +183,6 @@ def _tests() -> Suite:
 @cache
 def _errors() -> tuple[Error, ...]:
     return validate(_tests()).errors
-
-
-def _materials(scenario: Scenario) -> list[LibraryEntry | None]:
-    return [scenario.entry_of(role) for role in ROLES]
 
 
 def _words(cases: Sequence[Case]) -> str:

@@ -31,7 +31,7 @@ class Asked:
     @cached_property
     def required(self) -> tuple[Variants, Variants]:
         """Armours with the least of the layer whose material is replaced, before and after the replacement."""
-        assert self.replacement is not None, "checked by check_answerable"
+        assert self.replacement is not None, "a suite gives replaced_by with SAVINGS"
         before, after = self.answers, Asked(self.replacement).answers
         if self.scenario.armour.ceramic != self.replacement.armour.ceramic:
             return before.with_least_ceramic, after.with_least_ceramic
@@ -74,12 +74,12 @@ def answer(name: str, asked: Asked) -> float | str:
     )
 
 
-def check_answerable(name: str, scenario: Scenario, replacement: Scenario | None = None) -> None:
+def check_answerable(name: str, scenario: Scenario, replacement: Scenario | None) -> None:
     """Check that a scenario has the grid that a question needs, and that exactly one material is replaced."""
     if "optimise" in QUESTIONS[name]:
         grid_of(scenario)
-    if name in SAVINGS:
-        before, after = scenario.armour, (replacement or scenario).armour
+    if replacement is not None:
+        before, after = scenario.armour, replacement.armour
         if (before.ceramic != after.ceramic) == (before.backing != after.backing):
             message = "must name another ceramic or another backing, and not both"
             raise InputError([Problem(scenario.file, "replaced_by", message)])

@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, field_validator
 
 from armour.analysis.quantities import label_and_unit
 from armour.csv_files import number
-from armour.errors import InputError, Problem, refuse, suggestion
+from armour.errors import InputError, Problem, choices, refuse
 from armour.files import read_toml, shipped, shipped_files, suite_file
 from armour.scenario.checked import checked
 from armour.scenario.keys import canonical, describe, key_name, leaves, parts_of
@@ -98,8 +98,7 @@ class _Expectation(Section):
     @classmethod
     def _known(cls, quantity: str) -> str:
         if quantity not in QUESTIONS:
-            hint = suggestion(quantity, list(QUESTIONS)) or f"; there are {', '.join(QUESTIONS)}"
-            raise ValueError(f'must name a quantity, found "{quantity}"{hint}')
+            raise ValueError(f'must name a quantity, found "{quantity}"{choices(quantity, list(QUESTIONS))}')
         return quantity
 
     @model_validator(mode="after")
@@ -170,8 +169,7 @@ class TableSection(_Expectation):
             raise ValueError("must have rows, or a file that has them")
         if len(set(self.columns)) != len(self.columns):
             raise ValueError("columns must differ from each other")
-        missing = [name for name in (EXPECTED, *self.rivals) if name not in self.columns]
-        if missing:
+        if missing := [name for name in (EXPECTED, *self.rivals) if name not in self.columns]:
             raise ValueError(f"columns must hold {', '.join(missing)}")
         for index, row in enumerate(self.rows):
             if len(row) != len(self.columns):
@@ -367,12 +365,11 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
             for problem in error.problems:
                 wrong.setdefault((row.place[:2], problem), _placed(problem, row, path))
     refuse(wrong.values())
-    asked = [
-        (made, case) for case in cases for made in (case.scenario, case.replacement) if changes and made is not None
-    ]
-    reads = (name for made, case in asked for name in read_of(made, QUESTIONS[case.quantity]))
-    check_read(changes, {"impact.projectile", "armour", *reads})
-    check_used(changes, *(made for made, _ in asked))
+    if changes:
+        asked = [(made, case) for case in cases for made in (case.scenario, case.replacement) if made is not None]
+        reads = (name for made, case in asked for name in read_of(made, QUESTIONS[case.quantity]))
+        check_read(changes, {"impact.projectile", "armour", *reads})
+        check_used(changes, *(made for made, _ in asked))
     return Suite(suite.title, path, tuple(cases), tuple(suite.table), suite.description)
 
 
