@@ -73,12 +73,8 @@ def exotic(seed: int) -> Scenario:
     def projectile() -> dict[str, float]:
         diameter, density = wide(3.0, 20.0), wide(1000.0, 20000.0)
         mass = density * pi / 4.0 * diameter**3 * wide(0.5, 10.0) * 1e-6
-        return {
-            "penetrator_diameter_mm": diameter,
-            "penetrator_mass_g": mass,
-            "density_kg_m3": density,
-            "flow_stress_GPa": wide(0.05, 10.0),
-        }
+        rod = {"penetrator_diameter_mm": diameter, "penetrator_mass_g": mass, "density_kg_m3": density}
+        return {**rod, "flow_stress_GPa": wide(0.05, 10.0)}
 
     ceramic = {
         "density_kg_m3": wide(500.0, 15000.0),
@@ -174,12 +170,6 @@ def test_a_narrow_range_of_perforation_below_the_threat_is_seen():
     of = exotic(280)
     best = optimise(of).best
     assert of.design is not None
-    own = posed(
-        of,
-        of.design.ceramic[0],
-        of.design.backing[0],
-        best.ceramic_thickness_mm,
-        best.backing_thickness_mm,
-        of.threat[0].projectile,
-    )
+    [ceramic], [backing] = of.design.ceramic, of.design.backing
+    own = posed(of, ceramic, backing, *names(best)[2:], of.threat[0].projectile)
     assert withstands_below(own, of.threat[0].required_m_s, 20_000)

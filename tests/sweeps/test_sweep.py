@@ -1,6 +1,5 @@
 """A sweep gives for every row, once, what the scenario with its values gives, interrupted or not."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,6 @@ from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
 from armour.analysis.quantities import QUANTITIES
 from armour.errors import InputError
-from armour.scenario.scenario import Scenario
 from armour.sweeps.cases import Cases
 from armour.sweeps.store import Chunk, Store, read_table
 from armour.sweeps.sweep import duration, job_of, write_sweep
@@ -36,19 +34,6 @@ def test_every_quantity_of_every_row_is_that_of_the_scenario(tmp_path: Path, nam
         assert table["outcome"][row] == result.outcome
         assert table["residual_velocity_m_s"][row] == pytest.approx(result.residual_velocity_m_s, rel=1e-12)
         assert table["ballistic_limit_m_s"][row] == pytest.approx(ballistic_limit(case).ballistic_limit_m_s, rel=1e-12)
-
-
-def test_keys_of_the_library_and_the_solver(tmp_path: Path):
-    strength = "library.metal.6061-T6.shear_strength_MPa"
-    based = sweep_scenario(library={"metal": {"6061-T6": {"based_on": "6061-T6"}}})
-    source = sweep_grid(f"{strength}=200,260.4", "solver.arrest_velocity_m_s=1,5")
-    write_sweep(based, source, ["ballistic_limit_m_s"], tmp_path / "a.csv")
-    table = read_table(tmp_path / "a.csv")
-    for row in range(4):
-        metal = {"6061-T6": {"based_on": "6061-T6", "shear_strength_MPa": float(table[strength][row])}}
-        solver = {"arrest_velocity_m_s": float(table["solver.arrest_velocity_m_s"][row])}
-        expected = ballistic_limit(sweep_scenario(library={"metal": metal}, solver=solver)).ballistic_limit_m_s
-        assert float(table["ballistic_limit_m_s"][row]) == pytest.approx(expected, rel=1e-12)
 
 
 def test_a_question_without_an_answer_leaves_its_field_empty(tmp_path: Path):
@@ -127,22 +112,15 @@ def test_lengths_of_time_in_words(seconds: float, words: str):
     assert duration(seconds) == words
 
 
-@pytest.mark.parametrize(
-    ("other", "quantity"),
-    [(lambda: sweep_scenario(velocity=801.0), "outcome"), (sweep_scenario, "duration_us")],
-    ids=["scenario", "quantities"],
-)
-def test_another_sweep_does_not_resume_with_its_chunks(
-    tmp_path: Path, other: Callable[[], Scenario], quantity: str, request: pytest.FixtureRequest
-):
-    def interrupt(_rows: int, _stored: bool) -> None:
-        raise KeyboardInterrupt
-
+def test_another_scenario_or_question_is_another_job():
     source = sweep_grid("impact.velocity_m_s=700,800")
-    with pytest.raises(KeyboardInterrupt):
-        write_sweep(sweep_scenario(), source, ["outcome"], tmp_path / "a.csv", size=1, on_chunk=interrupt)
-    with pytest.raises(InputError, match=f"another sweep, which differs in {request.node.callspec.id}; finish"):
-        write_sweep(other(), source, [quantity], tmp_path / "a.csv", size=1)
+    jobs = [
+        job_of(case, source, [name])
+        for case in (sweep_scenario(), sweep_scenario(velocity=801.0))
+        for name in ("outcome", "duration_us")
+    ]
+    assert len({str(job) for job in jobs}) == 4
+    assert job_of(sweep_scenario(), source, ["outcome"]) == jobs[0]
 
 
 @pytest.mark.parametrize(
