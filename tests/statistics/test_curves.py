@@ -104,6 +104,7 @@ def test_a_plain_fit_agrees_with_a_search_point_by_point(case: str, link: Link):
 def test_symmetrical_shots_have_their_centre_as_v50(link: Link):
     fit = fitted(((690, 705, 720), (700, 715, 730)), link)
     assert fit.v50_m_s == pytest.approx(710.0, abs=1e-6)
+    assert [fit.probability(v or 0.0) for v in (fit.v05_m_s, fit.v95_m_s)] == pytest.approx([0.05, 0.95])
     low, high = fit.v50_interval_m_s
     assert low is None or high is None or low + high == pytest.approx(1420.0, abs=1e-4)
 
@@ -181,12 +182,6 @@ def test_a_penalised_curve_that_does_not_rise_or_whose_v50_is_negative_is_none()
 def test_faster_shots_that_perforate_less_often():
     with pytest.raises(NoAnswerError, match="no V50: the complete penetrations were no faster"):
         fit_curve((710.0,), (700.0,), "probit")
-
-
-@links
-def test_the_velocities_of_5_and_95_percent(link: Link):
-    fit = fitted(MIXED, link)
-    assert [fit.probability(v or 0.0) for v in (fit.v05_m_s, fit.v95_m_s)] == pytest.approx([0.05, 0.95])
 
 
 @links

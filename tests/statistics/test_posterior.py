@@ -15,23 +15,22 @@ PRIOR = FiringPrior(720.0, ModelError(-1.0, 7.0, 12.0))
 VELOCITIES, COMPLETE = (722.0, 774.0, 745.0, 760.0, 745.0), (False, True, False, True, True)
 
 
-def quadrature(velocities: tuple[float, ...], complete: tuple[bool, ...]) -> tuple[float, float]:
-    """Mean and standard deviation of V50 by sums over a fixed, fine grid, from the densities of scipy.stats."""
-    v50 = np.linspace(300.0, 1200.0, 1801)[:, None]
-    ratio = np.geomspace(0.001, 0.5, 401)
+def quadrature(velocities: tuple[float, ...], complete: tuple[bool, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A fixed, fine grid of V50 and of the scatter, and the weights on it from the densities of scipy.stats."""
+    v50, ratio = np.linspace(300.0, 1200.0, 901)[:, None], np.geomspace(0.0002, 2.0, 601)
     density = t(12.0, loc=720.0 * 0.99, scale=720.0 * 0.07).pdf(v50) * lognorm(log(2.0), scale=0.02).pdf(ratio) * ratio
     for velocity, result in zip(velocities, complete, strict=True):
         curve = norm(v50, ratio * v50)
         density = density * (curve.cdf(velocity) if result else curve.sf(velocity))
-    weights = density.sum(axis=1) / density.sum()
-    mean = float(weights @ v50[:, 0])
-    return mean, float(weights @ (v50[:, 0] - mean) ** 2) ** 0.5
+    return v50[:, 0], v50 * ratio, density / density.sum()
 
 
 @pytest.mark.parametrize("count", [0, 1, 5])
 def test_mean_and_deviation_agree_with_a_quadrature(count: int):
     found = posterior_of(PRIOR, VELOCITIES[:count], COMPLETE[:count])
-    mean, deviation = quadrature(VELOCITIES[:count], COMPLETE[:count])
+    v50, _, weights = quadrature(VELOCITIES[:count], COMPLETE[:count])
+    mean = weights.sum(axis=1) @ v50
+    deviation = (weights.sum(axis=1) @ (v50 - mean) ** 2) ** 0.5
     assert found.weights @ found.grid.v50_m_s == pytest.approx(mean, abs=0.2)
     assert found.estimate(0.95).standard_deviation_m_s == pytest.approx(deviation, rel=0.005)
 
@@ -49,14 +48,9 @@ def test_a_prior_of_one_degree_of_freedom_ends_at_ten_times_the_limit():
 
 
 def test_the_scatter_agrees_with_a_quadrature():
-    v50, ratio = np.linspace(300.0, 1200.0, 901)[:, None], np.geomspace(0.0002, 2.0, 601)
-    density = t(12.0, loc=720.0 * 0.99, scale=720.0 * 0.07).pdf(v50) * lognorm(log(2.0), scale=0.02).pdf(ratio) * ratio
-    for velocity, result in zip(VELOCITIES, COMPLETE, strict=True):
-        curve = norm(v50, ratio * v50)
-        density = density * (curve.cdf(velocity) if result else curve.sf(velocity))
-    order = np.argsort((v50 * ratio).ravel())
-    below = np.cumsum(density.ravel()[order]) / density.sum()
-    wanted = np.interp((0.025, 0.5, 0.975), below, (v50 * ratio).ravel()[order])
+    _, scatter, weights = quadrature(VELOCITIES, COMPLETE)
+    order = np.argsort(scatter.ravel())
+    wanted = np.interp((0.025, 0.5, 0.975), np.cumsum(weights.ravel()[order]), scatter.ravel()[order])
     found = posterior_of(PRIOR, VELOCITIES, COMPLETE).estimate(0.95)
     low, high = found.scatter_interval_m_s
     assert (low, found.scatter_m_s, high) == pytest.approx(wanted, rel=0.02)

@@ -165,27 +165,30 @@ def test_the_band_of_the_curve():
     assert curve.high[-1] == 1.0
 
 
+INPUTS = ["ceramic.density_kg_m3", "ceramic.flow_stress_GPa", "backing.density_kg_m3"]
+
+
+def section_of(distribution: dict[str, object], samples: int, **keys: object) -> Uncertainty:
+    """Three inputs of a distribution."""
+    ceramic = {"density_kg_m3": distribution, "flow_stress_GPa": distribution}
+    return Uncertainty.model_validate(
+        {"ceramic": ceramic, "backing": {"density_kg_m3": distribution}, "samples": samples, **keys}
+    )
+
+
 def test_intervals_hold_the_truth_as_often_as_they_say():
     """For a function in place of the engine; the engine itself: tools/campaigns/coverage_uncertainty.py."""
     normal = {"distribution": "normal", "standard_deviation": 1.0, "mean": 0.0}
     weights = np.array([3.0, 1.0, 1.0])
-    names = ["ceramic.density_kg_m3", "ceramic.flow_stress_GPa", "backing.density_kg_m3"]
-    section = Uncertainty.model_validate(
-        {
-            "ceramic": {"density_kg_m3": normal, "flow_stress_GPa": normal},
-            "backing": {"density_kg_m3": normal},
-            "samples": 512,
-            "correlation": [{"between": names[1:], "coefficient": 0.5}],
-        }
-    )
-    whole = weights @ np.array(correlation_matrix(names, section.correlation)) @ weights
+    section = section_of(normal, 512, correlation=[{"between": INPUTS[1:], "coefficient": 0.5}])
+    whole = weights @ np.array(correlation_matrix(INPUTS, section.correlation)) @ weights
     truth = {p: sqrt(whole) * stats.norm.ppf(p) for p in (0.05, 0.5, 0.95)}
     shares = np.array([9.0, 1.5**2, 1.5**2]) / whole
     held: list[bool] = []
     for seed in range(60):
         replicate = section.model_copy(update={"seed": seed})
         points = points_of(replicate)
-        values = np.array(list(columns_of(replicate, dict.fromkeys(names, 0.0), points).values())).T @ weights
+        values = np.array(list(columns_of(replicate, dict.fromkeys(INPUTS, 0.0), points).values())).T @ weights
         held += [(e := quantile(values, p)).low <= true <= e.high for p, true in truth.items()]
         estimates = first_order_indices(replicate, points, values)
         held += [e.low <= true <= e.high for e, true in zip(estimates, shares, strict=True)]
@@ -296,17 +299,6 @@ def test_samples_are_computed_in_portions(monkeypatch: pytest.MonkeyPatch):
     assert {total for _, total in done} == {sum(count for count, _ in done)}
 
 
-INPUTS = ["ceramic.density_kg_m3", "ceramic.flow_stress_GPa", "backing.density_kg_m3"]
-
-
-def section_of(distribution: dict[str, object], samples: int, **keys: object) -> Uncertainty:
-    """Three inputs of a distribution."""
-    ceramic = {"density_kg_m3": distribution, "flow_stress_GPa": distribution}
-    return Uncertainty.model_validate(
-        {"ceramic": ceramic, "backing": {"density_kg_m3": distribution}, "samples": samples, **keys}
-    )
-
-
 def ishigami(points: Floats) -> Floats:
     a, b, c = pi * (2.0 * points.T - 1.0)
     found: Floats = np.sin(a) + 7.0 * np.sin(b) ** 2 + 0.1 * c**4 * np.sin(a)
@@ -327,20 +319,3 @@ def test_ishigamis_function(method: str):
             assert estimate.value == pytest.approx(true, abs=0.02)
             # Not each of a dozen intervals need hold the truth.
             assert abs(estimate.value - true) < 1.5 * (estimate.high - estimate.value)
-
-
-def test_a_linear_function_of_correlated_inputs():
-    """The first-order index of x1 of a sum is (a1 + rho a2)^2 / Var."""
-    section = section_of(
-        {"distribution": "normal", "mean": 0.0, "standard_deviation": 1.0},
-        1024,
-        correlation=[{"between": INPUTS[:2], "coefficient": 0.6}],
-    )
-    points = points_of(section)
-    assert list(section.inputs()) == INPUTS
-    a, b, c = columns_of(section, dict.fromkeys(INPUTS, 0.0), points).values()
-    found = first_order_indices(section, points, 2.0 * a - b + c)
-    whole = 4.0 + 1.0 - 2.4 + 1.0
-    for estimate, true in zip(found, (1.4**2 / whole, 0.2**2 / whole, 1.0 / whole), strict=True):
-        assert estimate.low < true < estimate.high
-        assert estimate.high - estimate.low < 0.1
