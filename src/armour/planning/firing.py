@@ -5,6 +5,7 @@ from codecs import BOM_UTF8
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -267,14 +268,13 @@ def plan_shots(
     settings = ShotSettings(
         estimate_m_s=limit.ballistic_limit_m_s,
         scatter_m_s=limit.ballistic_limit_m_s * scatter_percent / 100.0,
+        limits_m_s=limits_m_s or (-inf, inf),
         half_width_m_s=HALF_WIDTH_M_S if half_width_m_s is None and not rule_ends else half_width_m_s,
         confidence=confidence,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
         prior=prior,
     )
-    if limits_m_s is not None:
-        settings = settings._replace(limits_m_s=limits_m_s)
     next_aim, why_stopped = PROCEDURES[procedure]
     if simulate:
         dice = np.random.default_rng(seed)

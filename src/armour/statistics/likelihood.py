@@ -437,14 +437,12 @@ def intervals(fit: Fit) -> tuple[Coefficient, ...]:
         bounds = float(likelihood.lower[i]), float(likelihood.upper[i])
         (low, flat_below), (high, flat_above) = (_end(fit, i, bound, error) for bound in bounds)
         ends = (None if low is None else low * unit, None if high is None else high * unit)
-        reason = ""
         if ends == (None, None):
-            reason = "the tests bound it neither above nor below"
+            found.append(Coefficient(name, None, None, "the tests bound it neither above nor below"))
         elif flat_below or flat_above:
-            bound = bounds[0 if flat_below else 1]
-            reason = f"the tests fit as well at {bound * unit:.3g}, the end of the range of the search"
-        if reason:
-            found.append(Coefficient(name, None, None if ends == (None, None) else ends, reason))
+            bound = bounds[0 if flat_below else 1] * unit
+            reason = f"the tests fit as well at {bound:.3g}, the end of the range of the search"
+            found.append(Coefficient(name, None, ends, reason))
         else:
             estimate, share = float(fit.best.x[i]) * unit, fit.prior_shares[i]
             found.append(Coefficient(name, estimate, ends, standard_error=error * unit, prior_share=share))

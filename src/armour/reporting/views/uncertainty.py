@@ -84,11 +84,8 @@ SHOWN_PROBABILITY = 0.002
 
 def chart(result: UncertaintyResult) -> charts.Chart:
     """Describe the probability of perforation over velocity, and the ballistic limits at quantiles of each input."""
-    curve, p, at = (
-        result.curve,
-        result.probability_of_perforation,
-        charts.needed(result, "scenario").impact.velocity_m_s,
-    )
+    curve, p = result.curve, result.probability_of_perforation
+    at = charts.needed(result, "scenario").impact.velocity_m_s
     found, level = result.deterministic_m_s, percent(result.confidence)
     points = list(zip(curve.velocity_m_s, curve.probability, curve.low, curve.high, strict=True))
     text = tuple(
@@ -96,7 +93,6 @@ def chart(result: UncertaintyResult) -> charts.Chart:
         for velocity, value, low, high in points
     )
     label = f"at {at:g} m/s: {p.value:.3f}, {p.low:.3f} to {p.high:.3f} by sampling"
-    words = f"perforated {label}"
     quantiles = {name: result.ballistic_limit_m_s[name].value for name in ("V05", "V50", "V95")}
     series: list[charts.Series] = [
         charts.Band(curve.velocity_m_s, curve.low, curve.high),
@@ -108,7 +104,9 @@ def chart(result: UncertaintyResult) -> charts.Chart:
             charts.velocity_rule(*item, "soft", style)
             for item, style in zip(quantiles.items(), ("-.", "-", "--"), strict=True)
         ),
-        charts.Points([at], [p.value], y_ends=((p.low, p.high),), label=label, colour="vermilion", text=(words,)),
+        charts.Points(
+            [at], [p.value], y_ends=((p.low, p.high),), label=label, colour="vermilion", text=(f"perforated {label}",)
+        ),
     ]
     uncertain = [velocity for velocity, value, *_ in points if SHOWN_PROBABILITY < value < 1.0 - SHOWN_PROBABILITY]
     changed = [limit for index in result.inputs for limit in index.limits_m_s]
