@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
 from armour.analysis.results import TableResult, by_column
 from armour.core import stages, stepping
@@ -245,13 +245,6 @@ class EnergyBalance:
         return self.before - self.left - sum(row.total for row in self.rows)
 
 
-class _Loss(NamedTuple):
-    """Energy, J, or power, W, lost with eroded material and by braking."""
-
-    eroded: float
-    braked: float
-
-
 def energy_balance(scenario: Scenario, impact: ImpactResult) -> EnergyBalance:
     """Integrate the loss of kinetic energy in each stage of an impact along its run.
 
@@ -270,16 +263,16 @@ def energy_balance(scenario: Scenario, impact: ImpactResult) -> EnergyBalance:
     return EnergyBalance(kinetic_energy(trace[0], armour), tuple(rows), kinetic_energy(trace[-1], armour))
 
 
-def _lost(start: Instant, end: Instant, p: Parameters) -> _Loss:
-    """Return the energies lost in a step, J."""
+def _lost(start: Instant, end: Instant, p: Parameters) -> list[float]:
+    """Return the energies lost in a step with eroded material and by braking, J."""
     dt, s = end.t - start.t, start.s
     k0, k1 = stages.rates(start.y, s, p), stages.rates(end.y, s, p)
     middle = state_within(start.y, k0, end.y, k1, dt, 0.5)
     powers = _power(start.y, k0, p), _power(middle, stages.rates(middle, s, p), p), _power(end.y, k1, p)
-    return _Loss(*(dt / 6.0 * (first + 4.0 * mid + last) for first, mid, last in zip(*powers, strict=True)))
+    return [dt / 6.0 * (first + 4.0 * mid + last) for first, mid, last in zip(*powers, strict=True)]
 
 
-def _power(y: State, k: State, p: Parameters) -> _Loss:
-    """Return the powers, W, at a state with its rates."""
+def _power(y: State, k: State, p: Parameters) -> tuple[float, float]:
+    """Return the powers lost with eroded material and by braking, W, at a state with its rates."""
     per_length = p.rho_p * cross_section(p.D0)
-    return _Loss(-0.5 * per_length * k.L * y.V**2, -per_length * y.L * k.V * y.V)
+    return -0.5 * per_length * k.L * y.V**2, -per_length * y.L * k.V * y.V

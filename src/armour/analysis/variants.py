@@ -11,7 +11,7 @@ from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem
 from armour.scenario.evidence import UNKNOWN, ModelError, is_unusual, row_errors, row_limits
-from armour.scenario.inputs import INPUTS, VELOCITY, YIELD
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY, YIELD
 from armour.scenario.library import DEFAULTS, ROD, length_mm
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import BallisticLimitSection, Optimise, Solver
@@ -84,10 +84,8 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
     Each row equals the scenario that `Scenario.with_inputs` makes of its values.
     """
     rows = np.tile(batch.packed([scenario.core_armour()]), (count, 1))
+    _set_inputs(rows, columns)
     field = batch.fields(rows)
-    for name, values in columns.items():
-        if INPUTS[name].field:
-            getattr(field, INPUTS[name].field)[:] = values * INPUTS[name].factor
     rod = {key: f"projectile.{key}" for key in ROD}
     if any(name in columns for name in rod.values()):
         own = scenario.inputs()
@@ -101,6 +99,13 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
                 getattr(field, target.field)[:] = DEFAULTS[key][0] * columns[YIELD] * target.factor
     velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
     return Variants(rows, velocities, settings_of(scenario))
+
+
+def _set_inputs(parameters: Floats, columns: Mapping[str, Floats | float]) -> None:
+    """Set parameters of rows to values of named inputs, among them the thicknesses of the layers."""
+    for name, values in columns.items():
+        if INPUTS[name].field:
+            getattr(batch.fields(parameters), INPUTS[name].field)[:] = np.asarray(values) * INPUTS[name].factor
 
 
 def concatenated(parts: Sequence[Variants]) -> Variants:
@@ -161,9 +166,6 @@ def with_thicknesses(
 ) -> Variants:
     """Return the variants with other thicknesses, mm."""
     parameters = variants.parameters.copy()
-    field = batch.fields(parameters)
-    if ceramic_mm is not None:
-        field.Hc0[:] = np.asarray(ceramic_mm) * MM
-    if backing_mm is not None:
-        field.Hb[:] = np.asarray(backing_mm) * MM
+    given = {CERAMIC: ceramic_mm, BACKING: backing_mm}
+    _set_inputs(parameters, {name: values for name, values in given.items() if values is not None})
     return variants._replace(parameters=parameters)

@@ -78,23 +78,20 @@ def _of_pair(
     def of_backings(backings: Floats, ceramics: Floats) -> Candidates:
         return of_ceramics(ceramics, backings)
 
-    def least_ceramics(free: Range | FreeRange, backings: Floats) -> Floats:
-        return known("ceramic", backings, _least(requirement, free, of_ceramics, backings, verify=verify))
-
-    def least_backings(free: Range | FreeRange, ceramics: Floats) -> Floats:
-        return known("back plate", ceramics, _least(requirement, free, of_backings, ceramics, verify=verify))
-
-    def known(layer: str, other: Floats, found: Least) -> Floats:
+    def least(layer: str, free: Range | FreeRange, other: Floats) -> Candidates:
+        """Return the designs with the least thickness of a free layer on each thickness of the other."""
+        designs = of_ceramics if layer == "ceramic" else of_backings
+        found = _least(requirement, free, designs, other, verify=verify)
         requirement.changing[pair, layer].update(other[found.changes_again].tolist())
-        return found.mm
+        return designs(found.mm, other)
 
     if ceramic is None and backing is None:
         return of_ceramics(np.repeat(ceramics, len(backings)), np.tile(backings, len(ceramics)))
     if ceramic is None:
         assert backing is not None
-        return of_ceramics(ceramics, least_backings(backing, ceramics))
+        return least("back plate", backing, ceramics)
     if backing is None:
-        return of_ceramics(least_ceramics(ceramic, backings), backings)
+        return least("ceramic", ceramic, backings)
 
     # Both are free: each round has back plate thicknesses closer together around the best designs of the round before.
     found: list[Candidates] = []
@@ -102,7 +99,7 @@ def _of_pair(
 
     def values_of(backings: Floats) -> Floats:
         some, where = np.unique(backings, return_inverse=True)
-        designs = of_ceramics(least_ceramics(ceramic, some), some)
+        designs = least("ceramic", ceramic, some)
         found.append(designs)
         violations = catalogue.violations(designs)
         if (violations > 0.0).all():

@@ -95,8 +95,19 @@ class Catalogue:
 
     def against(self, pair: int, threat: int) -> Scenario:
         """Return the scenario of a pair against a threat."""
-        offer = self.offers[pair]
-        return _scenario_of(_without_catalogue(self.scenario), offer.ceramic, offer.backing, self.threats[threat])
+        ceramic, backing = self.offers[pair][:2]
+        changes: dict[str, object] = {
+            "threat": [],  # without the catalogue, the other changes are made more quickly
+            "design": None,
+            "armour.backing": backing.material,
+            "impact.projectile": self.threats[threat].projectile,
+            VELOCITY: self.threats[threat].velocity_m_s,
+        }
+        if ceramic.material:
+            changes["armour.ceramic"] = ceramic.material
+        densities = {"ceramic.density_kg_m3": ceramic.density_kg_m3, "backing.density_kg_m3": backing.density_kg_m3}
+        given = {name: value for name, value in densities.items() if value is not None}
+        return self.scenario.replaced(changes).with_inputs(given)
 
     @cached_property
     def velocities_m_s(self) -> Floats:
@@ -317,11 +328,6 @@ def _too_much(file: str, section: DesignSection, threats: int) -> list[Problem]:
     return found
 
 
-def _without_catalogue(scenario: Scenario) -> Scenario:
-    """Return the scenario of an impact alone, which is quicker to change than one with many threats and materials."""
-    return scenario.replaced({"threat": [], "design": None})
-
-
 def _inputs_of_layer(scenario: Scenario, role: str, layer: CeramicLayer | BackingLayer) -> dict[str, float]:
     """Return the values of the inputs of a layer's material, by name; of a bare plate's ceramic, none."""
     if not layer.material:
@@ -349,17 +355,3 @@ def _section_of(scenario: Scenario) -> DesignSection:
     if not backings:
         backings = (BackingLayer(material=armour.backing, thickness_mm=grid_of(scenario).backing_thickness_mm),)
     return section.model_copy(update={"ceramic": ceramics, "backing": backings})
-
-
-def _scenario_of(scenario: Scenario, ceramic: CeramicLayer, backing: BackingLayer, threat: Threat) -> Scenario:
-    """Return the scenario with other materials and the impact of a threat."""
-    changes: dict[str, object] = {
-        "armour.backing": backing.material,
-        "impact.projectile": threat.projectile,
-        VELOCITY: threat.velocity_m_s,
-    }
-    if ceramic.material:
-        changes["armour.ceramic"] = ceramic.material
-    densities = {"ceramic.density_kg_m3": ceramic.density_kg_m3, "backing.density_kg_m3": backing.density_kg_m3}
-    given = {name: value for name, value in densities.items() if value is not None}
-    return scenario.replaced(changes).with_inputs(given)

@@ -8,7 +8,8 @@ from scipy.special import bdtrc
 
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.samples import CONFIDENCE, Estimate, own_values, proportion, sampled, section_at, section_of
-from armour.analysis.variants import perforated
+from armour.analysis.variants import perforated, variants_of
+from armour.core.state import Parameters
 from armour.design.catalogue import NO_BOUND, Candidates, Catalogue
 from armour.errors import Problem, refuse
 from armour.scenario.evidence import error_on_tests
@@ -16,7 +17,6 @@ from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 from armour.scenario.sampling import columns_of, points_of
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import MAX_SAMPLES, ErrorDistribution, Uncertainty
-from armour.units import MM
 
 # Samples of a design after which it is first checked whether it can still pass.
 FIRST_SAMPLES = 64
@@ -62,12 +62,13 @@ class Reliability:
         Also None where the error of the model is not known.  Samples are taken in growing parts, only as many as it
         takes to see that the bound is exceeded.
         """
-        armour = scenario.core_armour()._replace(Hc0=ceramic_mm * MM, Hb=backing_mm * MM)
+        own = own_values(scenario)
+        layers = {CERAMIC: ceramic_mm, BACKING: backing_mm} if CERAMIC in own else {BACKING: backing_mm}
+        [row] = variants_of(scenario, {name: np.array([value]) for name, value in layers.items()}, 1).parameters
+        armour = Parameters(*row.tolist())
         error = None if scenario.excludes_error() else scenario.given_error() or error_on_tests(armour)
         if error is None and not scenario.excludes_error():
             return None
-        own = own_values(scenario)
-        layers = {CERAMIC: ceramic_mm, BACKING: backing_mm} if CERAMIC in own else {BACKING: backing_mm}
         own |= layers
         section = section_at(scenario, own, error)
         points = self.points[:, : len(section.inputs())]

@@ -147,7 +147,7 @@ class Search:
 
     def of_pairs(self, pairs: Sequence[int]) -> Ints:
         """Return the designs of some pairs, in the order of the objective."""
-        return np.flatnonzero(np.isin(self.candidates.pair, pairs))
+        return np.sort(np.concatenate([self.of_pair(pair) for pair in pairs]))
 
     def limits(self, where: Ints) -> Floats:
         """Return the lowest ballistic limits of designs against each threat, m/s, (designs, threats)."""
