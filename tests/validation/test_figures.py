@@ -34,34 +34,34 @@ def computed(folder: Path, text: str) -> Figure:
 def test_curves_are_the_quantity_over_the_keys(folder: Path):
     found = computed(folder, FIGURES)
     assert found.x == (4.0, 6.0, 8.0)
-    assert [curve.label for curve in found.curves] == ["A", "B"]
-    for curve, ceramic in zip(found.curves, ("AD85", "AD99.5"), strict=True):
+    assert list(found.curves) == ["A", "B"]
+    for values, ceramic in zip(found.curves.values(), ("AD85", "AD99.5"), strict=True):
         cases = [scenario(ceramic=ceramic, ceramic_mm=thickness, backing_mm=thickness) for thickness in found.x]
-        assert curve.values == tuple(simulate(case).residual_velocity_m_s for case in cases)
+        assert values == tuple(simulate(case).residual_velocity_m_s for case in cases)
 
 
 def test_quantities_may_be_divided_and_the_abscissa_moved(folder: Path):
     plain = computed(folder, FIGURES)
     moved = computed(folder, FIGURES.replace("x_label", "add_to_x = 8.0\ndivide_by = 800.0\nx_label"))
     assert moved.x == (12.0, 14.0, 16.0)
-    assert [[value * 800.0 for value in curve.values if value is not None] for curve in moved.curves] == [
-        pytest.approx(curve.values) for curve in plain.curves
+    assert [[value * 800.0 for value in values if value is not None] for values in moved.curves.values()] == [
+        pytest.approx(values) for values in plain.curves.values()
     ]
 
 
 def test_several_quantities_go_by_their_names(folder: Path):
     two = FIGURES.replace('"residual_velocity_m_s"', '"velocity_lost_percent", "mass_lost_percent"')
-    labels = [curve.label for curve in computed(folder, two).curves]
+    labels = list(computed(folder, two).curves)
     assert labels == ["A, velocity lost", "A, mass lost", "B, velocity lost", "B, mass lost"]
     alone = two.replace('curve = [{ label = "A" }, { label = "B", set = { armour = { ceramic = "AD99.5" } } }]', "")
-    assert [curve.label for curve in computed(folder, alone).curves] == ["velocity lost", "mass lost"]
+    assert list(computed(folder, alone).curves) == ["velocity lost", "mass lost"]
 
 
 def test_a_curve_has_a_gap_where_there_is_no_answer(folder: Path):
     text = FIGURES.replace("residual_velocity_m_s", "ballistic_limit_m_s")
     text = text.replace('{ label = "A" }', '{ label = "A", set = { ballistic_limit = { velocity_max_m_s = 700.0 } } }')
     limit = ballistic_limit(scenario(ceramic_mm=4.0, backing_mm=4.0)).ballistic_limit_m_s
-    first, *others = computed(folder, text).curves[0].values
+    first, *others = computed(folder, text).curves["A"]
     assert first == pytest.approx(limit, abs=0.01)
     assert others == [None, None]
 
@@ -105,9 +105,8 @@ def test_curves_pass_near_the_numbers_of_the_papers_text(name: str, tolerance: f
                 ends = dict.fromkeys(("min", "max"), x - section.add_to_x)
                 at = section.model_copy(update={"range": section.range.model_copy(update=ends)})
                 figure = compute_figure(at, path.parent)
-                [named] = [curve for curve in figure.curves if mark.of == curve.label]
                 assert figure.x == (x,)
-                assert named.values[0] == pytest.approx(y, abs=tolerance)
+                assert figure.curves[mark.of][0] == pytest.approx(y, abs=tolerance)
                 found += 1
     assert found == marks
 
@@ -118,12 +117,12 @@ def test_designs_are_drawn_at_three_velocities(names: tuple[str, str]):
     path = paper_figures()
     for section in [section for section in read_figures(path) if section.name in names]:
         at = section.model_copy(update={"range": section.range.model_copy(update={"step": 6.0})})
-        curves = compute_figure(at, path.parent).curves
-        for values in zip(*(curve.values for curve in curves), strict=True):
+        curves = compute_figure(at, path.parent).curves.values()
+        for values in zip(*curves, strict=True):
             assert len(set(values)) == 3
             assert sorted(values) == list(values)
         for curve in curves:
-            assert len(set(curve.values)) == len(curve.values)
+            assert len(set(curve)) == len(curve)
 
 
 def test_a_required_thickness_gives_the_areal_density():
@@ -134,7 +133,7 @@ def test_a_required_thickness_gives_the_areal_density():
         if section.name in ("fig05", "fig07")
     ]
     thickness, density = (compute_figure(section, path.parent) for section in coarse)
-    pairs = zip(thickness.x, thickness.curves[0].values, density.curves[0].values, strict=True)
+    pairs = zip(thickness.x, *(next(iter(each.curves.values())) for each in (thickness, density)), strict=True)
     for backing, ceramic, areal in pairs:
         assert ceramic is not None
         assert areal == pytest.approx(3.43 * ceramic + 2.75 * backing)

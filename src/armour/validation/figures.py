@@ -1,5 +1,6 @@
 """Figures of the paper: what they show, and their curves computed by the model."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -80,20 +81,12 @@ class FigureFile(Section):
 
 
 @dataclass(frozen=True)
-class FigureCurve:
-    """A quantity over the abscissa; None where it has no value."""
-
-    label: str
-    values: tuple[float | None, ...]
-
-
-@dataclass(frozen=True)
 class Figure:
-    """Curves of a figure, or of a panel of one, over the abscissa ``x``."""
+    """Curves of a figure, or of a panel of one, by label, over the abscissa ``x``; None where one has no value."""
 
     section: FigureSection
     x: tuple[float, ...]
-    curves: tuple[FigureCurve, ...]
+    curves: Mapping[str, tuple[float | None, ...]]
 
 
 def paper_figures() -> Path:
@@ -111,7 +104,7 @@ def compute_figure(section: FigureSection, folder: Path) -> Figure:
     base = load_scenario(folder / section.scenario)
     x = section.range.values()
     columns = dict.fromkeys(section.over, np.array(x))
-    curves = []
+    curves = {}
     for curve in section.curve:
         found = evaluate(base.replaced(curve.set), columns, section.quantities)
         for name in section.quantities:
@@ -119,10 +112,9 @@ def compute_figure(section: FigureSection, folder: Path) -> Figure:
             if len(section.quantities) > 1 or not parts:
                 parts.append(QUANTITIES[name].label)
             scaled = found[name] / section.divide_by
-            values = tuple(float(value) if np.isfinite(value) else None for value in scaled)
-            curves.append(FigureCurve(", ".join(parts), values))
+            curves[", ".join(parts)] = tuple(float(value) if np.isfinite(value) else None for value in scaled)
     # Rounded, so that a sum has the digits of its terms.
-    return Figure(section, tuple(round(value + section.add_to_x, 9) for value in x), tuple(curves))
+    return Figure(section, tuple(round(value + section.add_to_x, 9) for value in x), curves)
 
 
 def parity(name: str) -> SuiteResult:

@@ -32,7 +32,7 @@ from armour.scenario.inputs import BACKING, CERAMIC
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import Shots, v50
-from armour.validation.figures import Figure, FigureCurve, FigureLevel, FigureMark, FigureSection
+from armour.validation.figures import Figure, FigureLevel, FigureMark, FigureSection
 from tests.helpers.cases import scenario, shipped_scenario
 from tests.helpers.results import OTHER, THREAT, best_design, design_result, impact, uncertainty_result
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
@@ -162,7 +162,7 @@ def test_designs_of_several_pairs_against_several_threats():
 
 
 def figure() -> Figure:
-    curves = (FigureCurve("A", (1.0, None, 9.0)), FigureCurve("B", (2.0, 3.0, 4.0)))
+    curves = {"A": (1.0, None, 9.0), "B": (2.0, 3.0, 4.0)}
     printed = FigureMark(label="printed", of="B", points=[[5.0, 3.0]], x_ends=[[4.5, 5.5]])
     marks = [printed, FigureMark(label="another", points=[[6.0, 2.0]])]
     levels = [FigureLevel(label="L", value=5.0)]

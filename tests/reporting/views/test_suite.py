@@ -12,7 +12,7 @@ from armour.reporting.views.suite import (
     figure_table,
     junit,
 )
-from armour.validation.figures import Figure, FigureCurve, FigureSection
+from armour.validation.figures import Figure, FigureSection
 from tests.helpers.suites import TABLE, case, result
 
 
@@ -30,7 +30,7 @@ def test_checks_of_several_quantities_have_units_of_their_own(folder: Path):
 def test_curves_as_a_file():
     axes: dict[str, Any] = {"x_label": "x, mm", "y_label": "V, m/s"}
     section = FigureSection.model_construct(**axes)
-    figure = Figure(section, (1.0, 2.0), (FigureCurve("a", (0.1, None)),))
+    figure = Figure(section, (1.0, 2.0), {"a": (0.1, None)})
     assert csv_text(figure_table([figure])) == '"x, mm","a: V, m/s"\n1.0,0.1\n2.0,\n'
     axes = {"x_label": "y, mm", "y_label": "m"}
     other = Figure(FigureSection.model_construct(**axes), (3.0, 4.0), figure.curves)

@@ -287,12 +287,10 @@ def figure_table(panels: Sequence[Figure]) -> Table:
     for panel in panels:
         y_label = panel.section.y_label
         columns[panel.section.x_label] = panel.x
-        for curve in panel.curves:
+        for label, values in panel.curves.items():
             # The label of a curve may name its quantity, or what the curve differs in.
-            named = curve.label.rpartition(", ")[2] in quantities
-            columns[f"{curve.label}, {y_label.rpartition(', ')[2]}" if named else f"{curve.label}: {y_label}"] = (
-                curve.values
-            )
+            named = label.rpartition(", ")[2] in quantities
+            columns[f"{label}, {y_label.rpartition(', ')[2]}" if named else f"{label}: {y_label}"] = values
     return Table(
         tuple(Column(label, spec="g", key=label) for label in columns), tuple(zip(*columns.values(), strict=True))
     )
@@ -311,18 +309,18 @@ def figure_chart(panels: Sequence[Figure]) -> charts.Chart:
 def _figure_panel(figure: Figure) -> charts.Panel:
     section = figure.section
     series: list[charts.Series] = [
-        charts.Line(figure.x, curve.values, charts.STYLES[index], label=curve.label, colour=charts.COLOURS[index])
-        for index, curve in enumerate(figure.curves)
+        charts.Line(figure.x, values, charts.STYLES[index], label=label, colour=charts.COLOURS[index])
+        for index, (label, values) in enumerate(figure.curves.items())
     ]
     series += (
         charts.Rule(level.value, ":", vertical=False, label=level.label, colour="ink") for level in section.level
     )
-    colours = {curve.label: colour for curve, colour in zip(figure.curves, charts.COLOURS, strict=False)}
+    colours = dict(zip(figure.curves, charts.COLOURS, strict=False))
     for mark, marker, size in zip(section.mark, ("*", "D", "s"), (9.0, 5.0, 5.0), strict=False):
         xs, ys = zip(*mark.points, strict=True)
         ends, colour = tuple((low, high) for low, high in mark.x_ends), colours.get(mark.of, "soft")
         series.append(charts.Points(xs, ys, marker, size, x_ends=ends, label=mark.label, colour=colour))
-    shown = [value for curve in figure.curves for value in curve.values if value is not None]
+    shown = [value for values in figure.curves.values() for value in values if value is not None]
     from_zero = bool(shown) and min(shown) < 0.3 * max(shown)
     x, y = (
         charts.Axis(section.x_label, limits=(figure.x[0], figure.x[-1])),
