@@ -62,7 +62,13 @@ def read_rows(
         raise InputError([Problem(file, "", message)])
     header = lines[0][1]
     check_header(file, *lines[0])
-    wrong = [Problem(file, *found) for found in _wrong_columns(header, [*numbers, *texts], needed)]
+    known = [*numbers, *texts]
+    wrong = [
+        Problem(file, name or "header", f"unknown column{missing_unit(name, known) or choices(name, known)}")
+        for name in dict.fromkeys(header)
+        if name not in known
+    ]
+    wrong += (Problem(file, name, "is missing and must be a column") for name in needed if name not in header)
     rows: list[CsvRow] = []
     problems: list[Problem] = []
     seen: dict[tuple[str, ...], str] = {}
@@ -174,13 +180,3 @@ def number(cell: str) -> float | None:
     except ValueError:
         return None
     return value if isfinite(value) else None
-
-
-def _wrong_columns(header: Sequence[str], known: Sequence[str], needed: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """Yield the mistakes in a header: key and message."""
-    for name in dict.fromkeys(header):
-        if name not in known:
-            yield name or "header", f"unknown column{missing_unit(name, known) or choices(name, known)}"
-    for name in needed:
-        if name not in header:
-            yield name, "is missing and must be a column"

@@ -51,10 +51,10 @@ def shipped_tests() -> dict[str, Path]:
     return {path.name: path for path in shipped_files("scenarios/tests", ".csv").values()}
 
 
-def located(path: Path, known: Mapping[str, Path], listed: str) -> Path:
+def located(path: Path, known: Mapping[str, Path], listed: str = "") -> Path:
     """Return the file at a path or, where there is none, the one that is known by this name.
 
-    Raise an InputError with the closest name, and with where the names are listed, if there is neither.
+    Raise an InputError with the closest name, and with where the names are `listed` or all, if there is neither.
     """
     name = path.as_posix()
     try:
@@ -63,20 +63,19 @@ def located(path: Path, known: Mapping[str, Path], listed: str) -> Path:
     except (OSError, ValueError) as error:
         if name not in known:
             hint = suggestion(path.with_suffix("").as_posix(), [*known]) or suggestion(path.stem, [*known])
+            listed = listed or f"; shipped are {', '.join(known)}"
             raise InputError([Problem(str(path), "", f"cannot be read: {reason(error)}{hint}{listed}")]) from None
     return known[name]
 
 
 def table_file(path: str | PathLike[str]) -> Path:
     """Return the file of a path or, where there is none, of the shipped table of tests or shots of that name."""
-    known = shipped_tests()
-    return located(Path(path), known, f"; shipped are {', '.join(known)}")
+    return located(Path(path), shipped_tests())
 
 
 def suite_file(path: str | PathLike[str]) -> Path:
     """Return the file of a path or, where there is none, of the shipped suite of that name."""
-    known = shipped_suites()
-    return located(Path(path), known, f"; shipped are {', '.join(known)}")
+    return located(Path(path), shipped_suites())
 
 
 def reason(error: OSError | ValueError) -> str:
