@@ -110,11 +110,6 @@ def test_wrong_settings(settings: dict[str, Any], message: str):
         plan_shots(scenario(), **settings)
 
 
-def test_wrong_shots():
-    with pytest.raises(InputError, match="must be sequences of velocities and of results"):
-        plan_shots(scenario(), Shots(722.0, True))  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize("procedure", PROCEDURES)
 def test_absurd_shots_have_a_finite_plan(procedure: Any):
     plan = plan_shots(scenario(), Shots((2.0, 9000.0, 9000.0), (True, False, False)), procedure=procedure)

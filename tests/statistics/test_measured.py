@@ -117,6 +117,7 @@ def test_rows_are_read_as_a_file_is(tmp_path: Path):
     assert read[0].cells == read[1].cells == read[2].cells
     assert read[0].scenario == case
     assert repr(read[0]) == "<Tests: 2 tests of rows, 2 measurements>"
+    assert len(read_tests("wilkins.csv", case).names) == 13
 
 
 @pytest.mark.parametrize(
@@ -132,7 +133,3 @@ def test_rows_are_read_as_a_file_is(tmp_path: Path):
 def test_wrong_rows(rows: Any, message: str):
     with pytest.raises(InputError, match=message):
         read_tests(rows, scenario())
-
-
-def test_a_shipped_table_goes_by_name():
-    assert len(read_tests("wilkins.csv", scenario()).names) == 13

@@ -120,6 +120,7 @@ def test_wrong_files_with_every_mistake(tmp_path: Path, rows: list[str], message
             "must give scale_percent for a prior",
         ),
         (Shots((700.0,), (True,)), {}, "at least one partial and one complete"),
+        (Shots(722.0, True), {}, "must be sequences of velocities and of results"),  # type: ignore[arg-type]
         (Shots((700.0, 800.0), (True,)), {}, "as many velocities as results, found 2 and 1"),
         (Shots((700.0, float("nan")), (True, False)), {}, "at most 10000 m/s, found nan"),
         (Shots(("690", "700"), (True, False)), {}, "must be velocities as numbers, and True for each"),  # type: ignore[arg-type]
