@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from armour.analysis.variants import Variants, grid_of, variants_of
+from armour.analysis.variants import grid_of, variants_of
 from armour.engine import batch
 from armour.errors import InputError
 from armour.scenario.scenario import Scenario
@@ -39,10 +39,6 @@ def case(velocity: float = 850.0, **thicknesses: float) -> Scenario:
     return scenario(backing="5083-H3", velocity=velocity, optimise=WIDE, **thicknesses)
 
 
-def alone(of: Scenario) -> Variants:
-    return variants_of(of, {}, 1)
-
-
 def test_the_grid_must_be_there():
     with pytest.raises(InputError, match="optimise: is missing"):
         grid_of(scenario())
@@ -51,10 +47,6 @@ def test_the_grid_must_be_there():
 def test_a_grid_of_ceramic_without_a_ceramic():
     with pytest.raises(InputError, match=r"armour\.ceramic: must name a ceramic"):
         grid_of(scenario(ceramic=None, ceramic_mm=0.0, optimise=WIDE))
-
-
-def test_areal_densities():
-    assert alone(scenario()).areal_densities_kg_m2 == pytest.approx(3.43 * 6.35 + 2.75 * 6.35)
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -7,10 +7,6 @@ import pytest
 from armour.core import equations as eq
 
 
-def test_cross_section():
-    assert isclose(eq.cross_section(6.5e-3), pi * 6.5e-3**2 / 4)
-
-
 def test_crack_velocity_is_a_fifth_of_the_bar_wave():
     assert isclose(eq.crack_velocity(267e9, 3430.0), 1764.5687, rel_tol=1e-7)
 
@@ -37,10 +33,6 @@ def test_intact_strength_by_a_law(law: tuple[float, float, float, float], factor
 def test_intact_strength_by_the_product_of_the_thicknesses():
     assert isclose(eq.intact_strength(5e9, 8.0, 16.0, 12.0, 0.0, 0.5, 0.0, 0.0), 5e9 * sqrt(3.0))
     assert isclose(eq.intact_strength(5e9, 8.0, 16.0, 12.0, -1.0, 0.5, 0.0, 0.0), 5e9 * sqrt(3.0) / 1.5)
-
-
-def test_fragmented_strength_is_the_intact_one_when_the_ceramic_has_just_cracked():
-    assert eq.fragmented_strength(5.2e9, 750.0, 0.0, 750.0) == 5.2e9
 
 
 def test_fragmented_strength_falls_with_the_square_of_the_relative_velocity():

@@ -177,13 +177,6 @@ def test_each_event_that_comes_and_goes_is_found_where_a_velocity_turns(
     assert found.taken == pytest.approx(0.25 * dt, rel=1e-3 if rough else 1e-10)
 
 
-@pytest.mark.parametrize("j", range(7))
-def test_an_event_after_a_turning_point_is_found(monkeypatch: pytest.MonkeyPatch, j: int):
-    found, dt, _ = step_with_events(monkeypatch, {j: lambda x: 0.8 - x}, 0.5)
-    assert found.event == j
-    assert found.taken == pytest.approx(0.8 * dt)
-
-
 def test_an_event_reveals_another_before_it_that_has_gone_at_the_end(monkeypatch: pytest.MonkeyPatch):
     found, dt, _ = step_with_events(monkeypatch, {0: lambda x: 0.8 - x, 2: lambda x: (x - 0.3) * (x - 0.9)}, 1.0)
     assert found.event == 2

@@ -4,22 +4,12 @@ from math import exp, isclose
 
 import pytest
 
-from armour.core.rk4 import advance, state_within, step
+from armour.core.rk4 import state_within, step
 from armour.core.stages import rates
 from armour.core.state import Medium, Stage, State
 from tests.helpers.cases import armour
 
 START = State(Z=0.001, L=0.02, V=700.0, W=10.0, h=0.0001)
-
-
-def test_advance_is_linear():
-    k = State(1.0, 2.0, 3.0, 4.0, 5.0)
-    assert advance(START, k, 2.0) == tuple(y + 2.0 * rate for y, rate in zip(START, k, strict=True))
-
-
-def test_a_step_of_no_length_changes_nothing():
-    s = Stage(Medium.FRAGMENTED, True, True, True, 750.0, 0.0)
-    assert step(START, rates(START, s, armour()), s, armour(), 0.0) == START
 
 
 def test_a_step_is_exact_to_fifth_order():

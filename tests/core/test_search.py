@@ -9,7 +9,6 @@ import pytest
 from armour.analysis.ballistic_limit import bisect
 from armour.core import search
 from armour.core.bounds import may_perforate
-from armour.core.run import Run
 from armour.core.search import (
     ENERGY_LEFT,
     GOLDEN,
@@ -25,7 +24,6 @@ from armour.core.search import (
     find_least_ceramic_thickness,
     first_impacts,
     impact,
-    impact_of,
     narrowed,
     next_change,
     rough_impact,
@@ -33,7 +31,7 @@ from armour.core.search import (
     scan,
     scanned_impact,
 )
-from armour.core.state import Outcome, Parameters, State
+from armour.core.state import Parameters
 from tests.helpers.cases import armour
 from tests.helpers.runs import perforates, random_designs
 
@@ -155,20 +153,6 @@ def test_the_bracket_is_an_interval_of_bisection(tolerance: float):
     assert found[:2] == bisected(inside, VELOCITIES[above - 1], VELOCITIES[above], tolerance)
     assert perforates(p, found.high)
     assert not perforates(p, found.low)
-
-
-def test_how_near_an_impact_is_to_the_other_outcome():
-    p = armour()
-    y = State(Z=5e-3, L=1.01e-3 * p.L0, V=300.0, W=0.0, h=0.0)
-    solver = Solver(2.0, 0.0, STEPS)
-    perforated = Run(Outcome.PERFORATED, 1e-5, y, 7)
-    assert impact_of(perforated, p, 700.0, solver) == Impact(700.0, True, False, True, 4.0 - 90_000.0)
-    stopped = perforated._replace(outcome=Outcome.DEFEATED)
-    assert impact_of(stopped, p, 700.0, solver) == Impact(700.0, False, False, True, 5e-3)
-    eroded = stopped._replace(y=y._replace(L=0.99e-3 * p.L0))
-    assert impact_of(eroded, p, 700.0, solver) == Impact(700.0, False, True, True, 5e-3)
-    unresolved = stopped._replace(outcome=Outcome.UNRESOLVED)
-    assert not impact_of(unresolved, p, 700.0, solver).resolved
 
 
 def stopped(V: float, nearness: float = 0.0, eroded: bool = False) -> Impact:

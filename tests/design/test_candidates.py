@@ -93,18 +93,6 @@ def test_lists_cannot_be_refined():
         optimise(catalogue(ceramic=[CERAMICS[1], one], backing=METALS[1:]), refine=True)
 
 
-def test_a_front_of_margins_has_the_designs_of_lists_beside_free_ones():
-    ceramics = [
-        {"material": "AD85", "thickness_mm": {"min": 9.0, "max": 11.0}},
-        {"material": "AD99.5", "thickness_mm": [9.0]},
-    ]
-    metal = [{"material": "6061-T6", "thickness_mm": [8.0]}]
-    front = optimise(catalogue(ceramic=ceramics, backing=metal, pareto=["areal_density_kg_m2", "margin_m_s"])).pareto
-    thicknesses = {name: [d.ceramic_thickness_mm for d in front if d.ceramic == name] for name in ("AD85", "AD99.5")}
-    assert len(set(thicknesses["AD85"])) > 3
-    assert set(thicknesses["AD99.5"]) == {9.0}
-
-
 def test_least_areal_densities_are_those_of_refined_designs():
     grid = {
         "ceramic_thickness_mm": {"min": 4.0, "max": 14.0, "step": 1.0},

@@ -292,10 +292,8 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     """
     try:
         limit = _limit(scenario, on_progress)
-    except NoLimitError as error:
-        found = without_limit(scenario, str(error), above=error.above)
-    except InputError as error:
-        found = without_limit(scenario, str(error), above=False)
+    except (NoLimitError, InputError) as error:
+        found = without_limit(scenario, str(error), above=isinstance(error, NoLimitError) and error.above)
     else:
         found = of_limit(scenario, limit, scenario.impact.velocity_m_s)
     return found.of(scenario.subject(), scenario=scenario)
