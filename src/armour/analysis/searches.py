@@ -181,21 +181,28 @@ def _least(thick: Callable[[Floats, Ints], Variants], low: Floats, high: Floats,
     return least_values_mm(lambda *at: ~perforated(thick(*at), threads), lambda *at: unusual(thick(*at)), low, high)
 
 
-def least_values_mm(defeated: Condition, is_unusual: Condition, low: Floats, high: Floats) -> Least:
+def least_values_mm(
+    defeated: Condition, is_unusual: Condition, low: Floats, high: Floats, points: int = DENSE_SCAN_POINTS
+) -> Least:
     """Return the least thickness from low to high, mm, that defeats the threat in each row, by bisection or scan.
 
-    Where a row is not unusual, the outcome is taken to change once at most.
+    Where a row is not unusual, the outcome is taken to change once at most; the others are scanned at some points.
     """
     rows = np.arange(len(low))
     least = np.where(defeated(low, rows), low, np.nan)
     rest = rows[np.isnan(least)]
     rest = rest[defeated(high[rest], rest)]
     least[rest] = bisect_rows(partial(_at_rows, defeated, rest), THICKNESS_TOLERANCE_MM, low[rest], high[rest])
-    return scanned_where_unusual(least, is_unusual, defeated, low, high)
+    return scanned_where_unusual(least, is_unusual, defeated, low, high, points)
 
 
 def scanned_where_unusual(
-    least: Floats, is_unusual: Condition, defeated: Condition, low: Floats, high: Floats
+    least: Floats,
+    is_unusual: Condition,
+    defeated: Condition,
+    low: Floats,
+    high: Floats,
+    points: int = DENSE_SCAN_POINTS,
 ) -> Least:
     """Return least thicknesses of rows, mm, which a scan from low to high takes the place of where a row is unusual.
 
@@ -205,8 +212,8 @@ def scanned_where_unusual(
     where = np.flatnonzero(is_unusual(least, np.arange(len(least))))
     for start in range(0, len(where), SCANS_AT_A_TIME):
         rows = where[start : start + SCANS_AT_A_TIME]
-        values = np.linspace(low[rows], high[rows], DENSE_SCAN_POINTS, axis=1)
-        stops = defeated(values.ravel(), np.repeat(rows, DENSE_SCAN_POINTS)).reshape(values.shape)
+        values = np.linspace(low[rows], high[rows], points, axis=1)
+        stops = defeated(values.ravel(), np.repeat(rows, points)).reshape(values.shape)
         first, some = stops.argmax(axis=1), np.arange(len(rows))
         upper = bisect_rows(
             partial(_at_rows, defeated, rows),

@@ -9,6 +9,7 @@ import numpy as np
 from armour.analysis.results import OnProgress, ignore_progress, portions
 from armour.analysis.searches import Least, least_ceramics_mm, least_values_mm
 from armour.analysis.variants import Bools, Floats, Ints, Variants, unusual, with_thicknesses
+from armour.core.search import SCAN_POINTS
 from armour.design.catalogue import MARGIN, Candidates, first_backings
 from armour.design.search import Requirement, Search
 from armour.scenario.schema import FreeRange, Range
@@ -148,6 +149,7 @@ def _least(
         lambda values, rows: passes(values, rest[rows]),
         lambda values, rows: is_unusual(values, rest[rows]),
         *(least.mm[rest], high[rest]),
+        points=SCAN_POINTS,  # each a limit, with velocities scanned densely
     )
     least.mm[rest] = again.mm
     least.changes_again[rest] |= again.changes_again
