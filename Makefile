@@ -6,13 +6,17 @@ VENV := .venv
 BIN := $(VENV)/bin
 LOWEST := $(VENV)/lowest
 
-.PHONY: demo test lowest check site format docs bench coverage mutants release clean
+.PHONY: demo test quick lowest check site format docs bench coverage mutants release clean
 
 demo: $(VENV)/installed
 	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine
 
 test: check
 	$(BIN)/pytest -n auto
+
+# The tests of what is computed, without those that take long: for daily work.
+quick: $(VENV)/developing
+	$(BIN)/pytest -n auto -m 'not slow'
 
 # Types are not checked here: they are those of the newest libraries.
 lowest: $(LOWEST)/installed

@@ -12,6 +12,8 @@ from armour.errors import InputError, NoLimitError
 from tests.helpers.cases import scenario
 from tests.helpers.exotic import changing_designs
 
+pytestmark = pytest.mark.slow
+
 
 def test_bisection_narrows_to_the_tolerance():
     low, high = bisect(lambda x: x > 2.0**0.5, 0.0, 4.0, 1e-6)

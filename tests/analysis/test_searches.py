@@ -19,6 +19,8 @@ from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario
 from tests.helpers.exotic import changing_designs, narrow_ranges, random_wide_designs
 
+pytestmark = pytest.mark.slow
+
 WIDE = {
     "ceramic_thickness_mm": {"min": 1.0, "max": 20.0, "step": 0.5},
     "backing_thickness_mm": {"min": 1.0, "max": 20.0, "step": 0.5},

@@ -20,6 +20,8 @@ from armour.statistics.measured import read_tests
 from tests.helpers.cases import SCENARIOS, TESTS, shipped_scenario
 from tests.helpers.exotic import changing_designs
 
+pytestmark = pytest.mark.slow
+
 WILKINS, CATALOGUE = SCENARIOS / "wilkins.toml", SCENARIOS / "catalogue.toml"
 SHOTS = SCENARIOS / "tests" / "shots.csv"
 

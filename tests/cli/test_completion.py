@@ -16,6 +16,8 @@ from typer.testing import CliRunner
 from armour.cli.app import app
 from armour.cli.completion import for_bash
 
+pytestmark = pytest.mark.slow
+
 
 def offered(line: str) -> list[str]:
     """Return what fish is offered at the end of a command line."""

@@ -19,6 +19,8 @@ from armour.cli import question
 from armour.cli.console import progress, show_json
 from tests.helpers.cases import SCENARIOS
 
+pytestmark = pytest.mark.slow
+
 
 def test_json_has_no_number_without_a_value_and_no_control_character(capsys: pytest.CaptureFixture[str]):
     text = "é µ\x1b\x9b\u202e\ufffe\udcff\U000e0001"

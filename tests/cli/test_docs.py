@@ -11,6 +11,8 @@ import pytest
 
 from tests.helpers.cases import SCENARIOS
 
+pytestmark = pytest.mark.slow
+
 REPOSITORY = SCENARIOS.parent
 PAGES = [*sorted(REPOSITORY.glob("*.md")), *sorted((REPOSITORY / "docs").rglob("*.md"))]
 IDS = [page.relative_to(REPOSITORY).as_posix() for page in PAGES]

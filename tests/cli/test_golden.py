@@ -20,6 +20,7 @@ from armour.cli.app import app
 from armour.files import shipped
 
 GOLDEN = Path(__file__).parent / "golden"
+SLOW = ("ballistic-limit", "calibrate", "plan-shots", "v50", "validate")
 # A terminal of 80 columns without colours.
 TERMINAL = {"FORCE_COLOR": "1", "TERM": "dumb", "COLUMNS": "80"}
 
@@ -43,7 +44,13 @@ def played(session: str) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in GOLDEN.glob("*.txt")))
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name
+        for name in sorted(path.stem for path in GOLDEN.glob("*.txt"))
+    ],
+)
 @pytest.mark.usefixtures("folder")
 def test_a_session(name: str):
     session = (GOLDEN / f"{name}.txt").read_text(encoding="utf-8")

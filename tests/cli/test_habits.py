@@ -17,6 +17,8 @@ from armour.cli.app import COMMANDS, app
 from tests.cli.test_docs import PAGES, sessions
 from tests.helpers.cases import SCENARIOS
 
+pytestmark = pytest.mark.slow
+
 WILKINS = SCENARIOS / "wilkins.toml"
 TAKE_A_SCENARIO = ("simulate", "ballistic-limit", "optimise", "sensitivity", "compare", "uncertainty")
 

@@ -14,6 +14,8 @@ from armour.reporting import draw
 from armour.validation import figures
 from tests.helpers.cases import SCENARIOS
 
+pytestmark = pytest.mark.slow
+
 WILKINS, SHOTS = SCENARIOS / "wilkins.toml", SCENARIOS / "tests" / "shots.csv"
 LIBRARY = '[ceramic."AD85, own"]\nbased_on = "AD85"\n'
 OWN = WILKINS.read_text().replace('"AD85"', '"AD85, own"') + '\n[library]\nfiles = ["lib.toml"]\n'

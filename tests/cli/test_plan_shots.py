@@ -11,6 +11,8 @@ import pytest
 
 import armour
 
+pytestmark = pytest.mark.slow
+
 NEXT = "next velocity"
 
 

@@ -12,6 +12,8 @@ from armour import MODEL_VERSION, __version__
 from armour.engine import cache
 from tests.helpers.cases import SCENARIOS
 
+pytestmark = pytest.mark.slow
+
 REPOSITORY = SCENARIOS.parent
 # Imported by no command but those that plot, keep a history or refine.
 HEAVY = ["matplotlib", "numpy", "scipy"]

@@ -10,6 +10,8 @@ import pytest
 from tests.helpers.cases import SCENARIOS
 from tests.helpers.suites import TABLE
 
+pytestmark = pytest.mark.slow
+
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 OPTIMUM = SCENARIOS / "paper" / "optimum_7.62mm_AP.toml"
 QUIET = (

@@ -15,6 +15,8 @@ from armour.scenario.scenario import load_scenario
 from armour.sweeps.store import read_table
 from tests.helpers.cases import SCENARIOS
 
+pytestmark = pytest.mark.slow
+
 WILKINS = SCENARIOS / "wilkins.toml"
 CERAMIC = "armour.ceramic_thickness_mm"
 OVER = ("--over", "armour.ceramic_thickness_mm=6.35")

@@ -14,6 +14,8 @@ from armour.scenario.scenario import Scenario, load_scenario
 from tests.helpers.cases import SCENARIOS, library, scenario, shipped_scenario
 from tests.helpers.exotic import narrow_ranges
 
+pytestmark = pytest.mark.slow
+
 GRID = {
     "ceramic_thickness_mm": {"min": 8.0, "max": 14.0, "step": 0.5},
     "backing_thickness_mm": {"min": 4.0, "max": 9.0, "step": 1.0},

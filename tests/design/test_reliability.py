@@ -13,6 +13,8 @@ from armour.errors import InputError, NoDesignError
 from tests.helpers.cases import METALS, THREATS, catalogue
 from tests.helpers.plain_designs import defeats, designs
 
+pytestmark = pytest.mark.slow
+
 UNCERTAIN: dict[str, Any] = {
     "samples": 1024,
     "model": {"included": False},

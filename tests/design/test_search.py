@@ -20,6 +20,8 @@ from armour.engine import batch
 from armour.scenario.scenario import load_scenario
 from tests.helpers.cases import SCENARIOS, THREATS, catalogue, scenario
 
+pytestmark = pytest.mark.slow
+
 VARIANTS = Catalogue.variants
 
 

@@ -15,6 +15,8 @@ import pytest
 from armour.engine import cache, kernels
 from armour.errors import ArmourError
 
+pytestmark = pytest.mark.slow
+
 CONFIG: Any = numba.config
 
 

@@ -10,6 +10,8 @@ from armour.core.stepping import default_time_step
 from tests.helpers.runs import path, perforates, random_designs, traced
 from tests.numerics.reference import ARREST, Reference
 
+pytestmark = pytest.mark.slow
+
 COUNT = 40
 
 

@@ -15,6 +15,8 @@ from armour.planning.procedures import PROCEDURES
 from armour.statistics.v50 import Shots, read_shots
 from tests.helpers.cases import scenario
 
+pytestmark = pytest.mark.slow
+
 SHOTS = Shots((723.0, 770.0, 745.0, 760.0), (False, True, False, False))
 ARMOUR = "6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP"
 # Silicon carbide on titanium: no error is known.

@@ -16,6 +16,8 @@ from armour.statistics.calibration import FLOW_STRESS, calibrate
 from armour.statistics.measured import read_tests
 from tests.helpers.cases import TESTS, csv_file, shipped_scenario
 
+pytestmark = pytest.mark.slow
+
 LIMITS = ((6.0, 700.0), (7.0, 760.0), (8.0, 810.0))
 GRID = {CERAMIC: [5.0, 8.0, 11.0], BACKING: [4.0, 6.0, 8.0]}
 

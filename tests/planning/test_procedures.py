@@ -25,6 +25,8 @@ from armour.scenario.evidence import ModelError
 from armour.statistics.posterior import FiringPrior, Posterior, posterior_of
 from armour.statistics.v50 import Shots
 
+pytestmark = pytest.mark.slow
+
 UP_AND_DOWN = ShotSettings(720.0, 15.0)
 
 

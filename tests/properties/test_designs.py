@@ -15,6 +15,8 @@ from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario
 from tests.helpers.plain_designs import CRITERIA, defeats, designs, passes, posed, withstands_below
 
+pytestmark = pytest.mark.slow
+
 # Exotic catalogues in which the lightest design that defeats the threats at their own velocities has a lower limit.
 LOWER_LIMITS = [52, 705, 756, 925, 1048, 1058]
 

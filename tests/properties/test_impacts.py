@@ -3,6 +3,7 @@
 from math import isfinite
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,6 +16,8 @@ from armour.core.stepping import default_time_step
 from armour.errors import NoLimitError
 from armour.scenario.scenario import parse_scenario
 from tests.helpers.cases import perforates
+
+pytestmark = pytest.mark.slow
 
 PROJECTILES = {"7.62 mm AP": 6.5, "25 mm APDS": 14.25, "7.62 mm APM2": 6.25}
 

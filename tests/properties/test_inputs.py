@@ -18,6 +18,8 @@ from typer.testing import CliRunner
 from armour.cli.app import app
 from tests.helpers.cases import SCENARIOS
 
+pytestmark = pytest.mark.slow
+
 WILKINS: dict[str, Any] = tomllib.loads((SCENARIOS / "wilkins.toml").read_text())
 # A scenario with a table of every kind that these commands read.
 SCENARIO: dict[str, Any] = {

@@ -16,6 +16,8 @@ from armour.reporting.views import uncertainty as uncertainty_view
 from tests.helpers.cases import scenario
 from tests.helpers.results import OTHER, THREAT, design_result, impact, uncertainty_result
 
+pytestmark = pytest.mark.slow
+
 MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 GRID = [4.0, 6.0, 8.0], [5.0, 7.0]
 VALUES: list[list[float | None]] = [[0.0, 30.0, 60.0], [20.0, None, 80.0]]

@@ -21,6 +21,8 @@ from tests.helpers.cases import SCENARIOS, scenario
 from tests.helpers.results import design_result, impact
 from tests.helpers.suites import TABLE, case, result
 
+pytestmark = pytest.mark.slow
+
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 

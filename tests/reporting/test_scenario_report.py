@@ -19,6 +19,8 @@ from armour.statistics.uncertainty import uncertainty
 from tests.helpers.cases import RANGE, SCENARIOS, THREATS, scenario
 from tests.helpers.results import OTHER, THREAT, best_design, design_result, uncertainty_result
 
+pytestmark = pytest.mark.slow
+
 
 @cache
 def contents(name: str) -> Contents:

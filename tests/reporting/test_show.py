@@ -24,6 +24,8 @@ from tests.helpers.results import design_result, impact, planned_tests, uncertai
 from tests.helpers.suites import case
 from tests.helpers.suites import result as suite_result
 
+pytestmark = pytest.mark.slow
+
 SHOTS = Shots((700.0, 710.0, 720.0, 730.0), (False, True, False, True))
 LIMIT = "ballistic_limit_m_s"
 THREE = ["armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "ceramic.flow_stress_GPa"]

@@ -30,6 +30,8 @@ from tests.helpers.cases import TESTS, csv_file, scenario, shipped_scenario
 from tests.helpers.fits import fitted, table_of
 from tools.campaigns.coverage_calibration import CASES, Simulation, Table
 
+pytestmark = pytest.mark.slow
+
 C, B, V = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "impact.velocity_m_s"
 TAU = "backing.shear_strength_MPa"
 

@@ -11,6 +11,8 @@ from armour.errors import NoAnswerError
 from armour.statistics.curves import CDFS, Z95, FittedCurve, Likelihood, Link, fit_curve, penalised_band
 from tools.campaigns.coverage import simulate
 
+pytestmark = pytest.mark.slow
+
 Shots = tuple[tuple[float, ...], tuple[float, ...]]
 MIXED: Shots = ((700, 710, 720, 722), (715, 725, 730, 735))
 APART: Shots = ((700, 708, 715), (731, 740, 748))

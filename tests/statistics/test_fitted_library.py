@@ -16,6 +16,8 @@ from armour.statistics.measured import read_tests
 from tests.helpers.cases import TESTS, scenario, shipped_scenario
 from tests.helpers.fits import table_of, wilkins_fit
 
+pytestmark = pytest.mark.slow
+
 C, B = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 LIMITS = f"{C},{B},ballistic_limit_m_s"
 

@@ -11,6 +11,8 @@ from armour.scenario.evidence import ModelError
 from armour.statistics.posterior import SCATTER_FACTOR, SCATTER_PERCENT, FiringPrior, learned, posterior_of
 from tests.helpers.cases import SCENARIOS
 
+pytestmark = pytest.mark.slow
+
 PRIOR = FiringPrior(720.0, ModelError(-1.0, 7.0, 12.0))
 VELOCITIES, COMPLETE = (722.0, 774.0, 745.0, 760.0, 745.0), (False, True, False, True, True)
 

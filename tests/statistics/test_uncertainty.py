@@ -25,6 +25,8 @@ from armour.statistics.uncertainty import (
 )
 from tests.helpers.cases import scenario, shipped_scenario
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def uncertain() -> Scenario:

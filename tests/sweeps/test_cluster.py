@@ -19,6 +19,8 @@ from armour.sweeps.cluster import connected, workers_of
 from armour.sweeps.sweep import write_sweep
 from tests.helpers.cases import sweep_grid, sweep_scenario
 
+pytestmark = pytest.mark.slow
+
 VELOCITIES = "impact.velocity_m_s=700,800"
 QUANTITIES = ("ballistic_limit_m_s", "residual_velocity_m_s", "outcome")
 

@@ -17,6 +17,8 @@ from armour.sweeps.sweep import sweep as sweep_in_python
 from tests.helpers.cases import csv_file, sweep_grid, sweep_scenario
 from tests.helpers.exotic import narrow_ranges
 
+pytestmark = pytest.mark.slow
+
 KEYS = ("impact.velocity_m_s", "armour.ceramic_thickness_mm", "armour.backing_thickness_mm")
 
 

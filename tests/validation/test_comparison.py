@@ -11,6 +11,8 @@ from armour.reporting.views.comparison import rule_note
 from armour.validation.comparison import Comparison, compare
 from tests.helpers.cases import scenario
 
+pytestmark = pytest.mark.slow
+
 
 @cache
 def wilkins() -> Comparison:

@@ -16,6 +16,8 @@ from armour.validation.validate import SuiteResult, validate
 from tests.helpers.cases import TESTS, scenario
 from tests.helpers.fits import wilkins_fit
 
+pytestmark = pytest.mark.slow
+
 CERAMIC_RATIO = MEASURES["ceramic_thickness_ratio"]
 BACKING_RATIO = MEASURES["backing_thickness_ratio"]
 BACKING_STRENGTH = MEASURES["backing_strength_GPa"]

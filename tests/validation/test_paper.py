@@ -12,6 +12,8 @@ from armour.validation.validate import SuiteResult, paper_suite, validate
 from tests.helpers.cases import SCENARIOS, scenario
 from tools.campaigns.perturbations import perturbations, scored, survivors
 
+pytestmark = pytest.mark.slow
+
 # Table 3: ceramic and backing, mm; limits, m/s: measured, predicted with 3.8 GPa and with 5.2 GPa.
 TABLE_3 = [
     (5.8, 7.24, 735, 606, 724),

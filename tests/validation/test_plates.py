@@ -17,6 +17,8 @@ from armour.validation.validate import Check, SuiteResult, result_of, validate
 from tests.helpers.cases import SCENARIOS
 from tests.numerics.reference import Reference
 
+pytestmark = pytest.mark.slow
+
 FOLDER = SCENARIOS / "tests"
 # Names of the data base's rounds in the library.
 ROUNDS = {
