@@ -8,7 +8,8 @@ import pytest
 from scipy import stats
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.samples import Estimate, Samples
+from armour.analysis.estimates import Estimate
+from armour.analysis.samples import Samples
 from armour.analysis.variants import Floats, perforated, variants_of
 from armour.errors import InputError, NoLimitError
 from armour.scenario.sampling import columns_of, points_of

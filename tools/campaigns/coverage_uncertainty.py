@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import make_lsq_spline
 
+from armour.analysis.estimates import Estimate
 from armour.analysis.results import portions
-from armour.analysis.samples import Estimate, own_values, sampled, section_of
+from armour.analysis.samples import own_values, sampled, section_of
 from armour.analysis.variants import Floats, perforated
 from armour.scenario.inputs import VELOCITY
 from armour.scenario.sampling import columns_of, points_of

@@ -21,7 +21,7 @@ from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import DesignSection
 
 if TYPE_CHECKING:
-    from armour.analysis.samples import Estimate
+    from armour.analysis.estimates import Estimate
 
 # Thicknesses that a warning lists.
 MOST_LISTED = 5

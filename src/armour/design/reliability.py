@@ -6,8 +6,9 @@ from math import ceil, log, log1p
 import numpy as np
 from scipy.special import bdtrc
 
+from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
 from armour.analysis.results import OnProgress, ignore_progress
-from armour.analysis.samples import CONFIDENCE, Estimate, own_values, proportion, sampled, section_at, section_of
+from armour.analysis.samples import own_values, sampled, section_at, section_of
 from armour.analysis.variants import perforated, variants_of
 from armour.core.state import Parameters
 from armour.design.catalogue import NO_BOUND, Candidates, Catalogue

@@ -16,7 +16,7 @@ from armour.design.catalogue import COST, MARGIN, Candidates, Catalogue, first_b
 from armour.scenario.schema import FASTEST_M_S
 
 if TYPE_CHECKING:
-    from armour.analysis.samples import Estimate
+    from armour.analysis.estimates import Estimate
     from armour.design.reliability import Reliability
 
 # Velocity, m/s, from which a ballistic limit is searched for below the range of the section ``ballistic_limit``.

@@ -14,8 +14,8 @@ from filelock import FileLock, Timeout
 from pydantic import Field
 
 from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.analysis.samples import CONFIDENCE, Confidence
 from armour.csv_files import read_csv
 from armour.errors import InputError, Problem, refuse
 from armour.files import reason

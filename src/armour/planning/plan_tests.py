@@ -13,9 +13,9 @@ from pydantic import Field, PlainValidator
 from scipy.optimize import approx_fprime
 from scipy.stats import norm, t
 
+from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import check_keys, scenarios_of
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.samples import CONFIDENCE
 from armour.analysis.variants import Floats
 from armour.errors import MAX_PROBLEMS, InputError, Problem, choices, refuse
 from armour.planning import optimal_design

@@ -8,8 +8,8 @@ from typing import Any, Literal
 import numpy as np
 from scipy.stats import t
 
+from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.samples import CONFIDENCE
 from armour.analysis.variants import Bools, Floats, outside_limits, variants_of
 from armour.errors import InputError, Problem
 from armour.scenario.checked import Names, checked

@@ -11,9 +11,9 @@ from scipy.optimize import approx_fprime, brentq, least_squares, minimize_scalar
 from scipy.special import log_ndtr
 from scipy.stats import chi2, norm, t
 
+from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import Answers
 from armour.analysis.results import OnProgress
-from armour.analysis.samples import CONFIDENCE
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated, variants_of
 from armour.errors import InputError, Problem, refuse

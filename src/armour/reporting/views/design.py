@@ -131,7 +131,7 @@ def _thicknesses(design: Any) -> tuple[float, float]:
 def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
     """Return the best design's margin against each threat, and the probabilities of defeat and of perforation."""
     # Imported here because commands without tables do not need scipy.
-    from armour.analysis.samples import CONFIDENCE
+    from armour.analysis.estimates import CONFIDENCE
 
     best = result.best
     defeat, sampled = best.probabilities_of_defeat, best.probabilities

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from armour.analysis.samples import Estimate
+from armour.analysis.estimates import Estimate
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, between, column_of, in_words, listing, record
 from armour.reporting.text import interval, percent
