@@ -73,7 +73,7 @@ def inside_the_data(count: int) -> list[Scenario]:
     ]
 
 
-@pytest.mark.parametrize("of", [*inside_the_data(5), *changing_designs().values(), *random_wide_designs(7, 1)])
+@pytest.mark.parametrize("of", [*inside_the_data(3), *changing_designs().values(), *random_wide_designs(4, 1)])
 def test_the_limit_of_a_row_is_that_of_a_single_search(of: Scenario):
     [found] = ballistic_limits(alone(of)).tolist()
     assert found == pytest.approx(limit_of(of), rel=0.0, abs=0.0, nan_ok=True)

@@ -48,7 +48,7 @@ def scenarios(draw: st.DrawFn) -> dict[str, Any]:
 
 
 @given(scenarios())
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_every_impact_ends_with_an_outcome_and_sensible_numbers(data: dict[str, Any]):
     scenario = parse_scenario(data)
     result = simulate(scenario, history=True)
@@ -73,7 +73,7 @@ def test_every_impact_ends_with_an_outcome_and_sensible_numbers(data: dict[str, 
 
 
 @given(scenarios())
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 def test_just_above_its_limit_an_armour_is_perforated_and_just_below_it_is_not(data: dict[str, Any]):
     scenario = parse_scenario(data)
     armour = scenario.core_armour()
