@@ -45,3 +45,11 @@ def test_the_longest_run_allowed_ends_in_a_message(cli, monkeypatch: pytest.Monk
     monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 5)
     [line] = cli.fails(2, "simulate", SCENARIOS / "wilkins.toml")
     assert "solver.arrest_velocity_m_s: must let the run at 800 m/s end" in line
+
+
+@pytest.mark.parametrize(
+    "words",
+    ["", "simulate", "simulate a.toml --velocity fast", "fly", "plan tests wilkins", "sweep wilkins --threads 0"],
+)
+def test_wrong_usage(cli, words: str):
+    assert cli(*words.split()).exit_code == 2
