@@ -3,6 +3,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize(("image", "start"), [("png", b"\x89PNG"), ("svg", b"<?xml")])
 def test_a_figure_and_its_curve(cli, folder: Path, image: str, start: bytes):

@@ -7,6 +7,8 @@ import pytest
 from tests.helpers.cases import SCENARIOS
 from tools.notebook import outputs
 
+pytestmark = pytest.mark.slow
+
 NOTEBOOK = SCENARIOS.parent / "docs" / "study.ipynb"
 # The file stays small enough to be read in a browser.
 MAX_BYTES = 200_000

@@ -11,6 +11,8 @@ from armour.errors import InputError
 from armour.scenario.scenario import load_scenario
 from tests.helpers.cases import CERAMICS, METALS, SCENARIOS, THREATS, catalogue, scenario
 
+pytestmark = pytest.mark.slow
+
 
 def test_thicknesses_that_are_free_come_to_the_refined_optimum():
     optimum = load_scenario(SCENARIOS / "paper" / "optimum_7.62mm_AP.toml")

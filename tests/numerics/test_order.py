@@ -8,6 +8,8 @@ from armour.core.run import run
 from armour.core.state import Parameters
 from tests.helpers.runs import STAGE_PATHS, path, traced
 
+pytestmark = pytest.mark.slow
+
 LONGEST = 0.5e-6
 # Longer steps of this case are shortened by the response of the motion.
 LONGEST_OF = {"plate moves, stops and moves": 0.25e-6}

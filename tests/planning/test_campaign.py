@@ -1,10 +1,13 @@
 """The campaign counts what the program does."""
 
 import numpy as np
+import pytest
 
 from armour.statistics.curves import fit_curve
 from armour.statistics.v50 import Shots
 from tools.campaigns.shots import Intervals, simulate
+
+pytestmark = pytest.mark.slow
 
 
 def test_intervals_on_a_grid_are_those_of_the_program():

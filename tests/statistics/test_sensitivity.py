@@ -11,6 +11,8 @@ from armour.statistics.measured import LIMIT, RESIDUAL
 from armour.statistics.sensitivity import CHANGE, OPTIMUM, sensitivity
 from tests.helpers.cases import scenario, shipped_scenario
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize(
     "changes",

@@ -9,6 +9,8 @@ from armour.errors import InputError
 from armour.statistics.v50 import MeanV50, Shots, mean_v50, read_shots, v50
 from tests.helpers.cases import csv_file, scenario
 
+pytestmark = pytest.mark.slow
+
 MIXED = Shots((700, 710, 715, 720, 725, 730, 722, 735), (False, False, True, False, True, True, False, True))
 APART = Shots((700, 708, 715, 731, 740, 748), (False, False, False, True, True, True))
 

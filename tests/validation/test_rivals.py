@@ -16,6 +16,8 @@ from tests.helpers.cases import SCENARIOS
 from tests.helpers.fits import wilkins_fit
 from tests.helpers.suites import TABLE, result
 
+pytestmark = pytest.mark.slow
+
 CERAMIC, PLATE, LIMIT = np.loadtxt(SCENARIOS / "tests" / "wilkins.csv", delimiter=",", skiprows=1).T
 DENSITY = 3.43 * CERAMIC + 2.75 * PLATE
 NAMES = ["this model, flow stress refitted", "areal density rule, p = 1", "areal density rule, p fitted"]

@@ -1,5 +1,7 @@
 """Tables and chart of a plan of shots."""
 
+import pytest
+
 from armour.planning.firing import plan_shots
 from armour.reporting.charts import Line, Points, Rule
 from armour.reporting.table import Table
@@ -7,6 +9,8 @@ from armour.reporting.views.shot_plan import chart, share_note, tables
 from armour.statistics.v50 import Shots
 from tests.helpers.cases import scenario
 from tests.helpers.results import quantities
+
+pytestmark = pytest.mark.slow
 
 SHOTS = Shots((700.0, 720.0), (False, True))
 
