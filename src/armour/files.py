@@ -42,8 +42,8 @@ def shipped_files(folder: str, ending: str) -> dict[str, Path]:
 
 
 def shipped_suites() -> dict[str, Path]:
-    """Return the shipped suites by name; their folder also holds the definitions of the figures."""
-    return {name: path for name, path in shipped_files("suites", ".toml").items() if name != "figures"}
+    """Return the shipped suites by name."""
+    return shipped_files("suites", ".toml")
 
 
 def shipped_tests() -> dict[str, Path]:

@@ -16,7 +16,7 @@ REQUIRED = (
     "both in proportion; areal density: of that ceramic on the scenario's back plate); none where no thickness does"
 )
 # What a quantity depends on besides projectile, armour, model and solver, see `armour.scenario.reach`.
-IMPACT, LIMIT, GRID = ("impact",), ("ballistic_limit",), ("impact", "optimise")
+OF_IMPACT, OF_LIMIT, OF_GRID = ("impact",), ("ballistic_limit",), ("impact", "optimise")
 DEFEAT = ("impact", "ballistic_limit", "uncertainty.model")
 DESIGNS = (
     "impact",
@@ -47,35 +47,40 @@ class Quantity(NamedTuple):
 
 
 QUANTITIES: dict[str, Quantity] = {
-    "outcome": Quantity("outcome", "", "", IMPACT, lambda a: a.outcomes),
-    "residual_velocity_m_s": Quantity("residual velocity", "m/s", ".2f", IMPACT, lambda a: a.residual_velocities),
-    "residual_mass_g": Quantity("residual mass", "g", ".3f", IMPACT, lambda a: a.residual_masses),
-    "residual_length_mm": Quantity("residual length", "mm", ".3f", IMPACT, lambda a: a.impacts.L / MM),
-    "velocity_lost_percent": Quantity("velocity lost", "%", ".2f", IMPACT, lambda a: a.velocities_lost),
-    "mass_lost_percent": Quantity("mass lost", "%", ".2f", IMPACT, lambda a: a.masses_lost),
-    "penetration_depth_mm": Quantity("penetration depth", "mm", ".3f", IMPACT, lambda a: a.impacts.Z / MM),
-    "bulge_height_mm": Quantity("bulge height", "mm", ".3f", IMPACT, lambda a: a.impacts.h / MM),
-    "plug_velocity_m_s": Quantity("plug velocity", "m/s", ".2f", IMPACT, lambda a: a.plug_velocities),
-    "duration_us": Quantity("duration", "µs", ".2f", IMPACT, lambda a: a.impacts.t / US),
+    "outcome": Quantity("outcome", "", "", OF_IMPACT, lambda a: a.outcomes),
+    "residual_velocity_m_s": Quantity("residual velocity", "m/s", ".2f", OF_IMPACT, lambda a: a.residual_velocities),
+    "residual_mass_g": Quantity("residual mass", "g", ".3f", OF_IMPACT, lambda a: a.residual_masses),
+    "residual_length_mm": Quantity("residual length", "mm", ".3f", OF_IMPACT, lambda a: a.impacts.L / MM),
+    "velocity_lost_percent": Quantity("velocity lost", "%", ".2f", OF_IMPACT, lambda a: a.velocities_lost),
+    "mass_lost_percent": Quantity("mass lost", "%", ".2f", OF_IMPACT, lambda a: a.masses_lost),
+    "penetration_depth_mm": Quantity("penetration depth", "mm", ".3f", OF_IMPACT, lambda a: a.impacts.Z / MM),
+    "bulge_height_mm": Quantity("bulge height", "mm", ".3f", OF_IMPACT, lambda a: a.impacts.h / MM),
+    "plug_velocity_m_s": Quantity("plug velocity", "m/s", ".2f", OF_IMPACT, lambda a: a.plug_velocities),
+    "duration_us": Quantity("duration", "µs", ".2f", OF_IMPACT, lambda a: a.impacts.t / US),
     "areal_density_kg_m2": Quantity("areal density", "kg/m²", ".2f", (), lambda a: a.variants.areal_densities_kg_m2),
-    "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", ".2f", LIMIT, lambda a: a.ballistic_limits),
+    "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", ".2f", OF_LIMIT, lambda a: a.ballistic_limits),
     "probability_of_defeat": Quantity(
         "probability of defeating the threat", "", ".3f", DEFEAT, lambda a: a.probabilities_of_defeat
     ),
     "required_ceramic_thickness_mm": Quantity(
-        "required ceramic thickness", "mm", ".3f", GRID, lambda a: a.with_least_ceramic.ceramics_mm, "ceramic"
+        "required ceramic thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_ceramic.ceramics_mm, "ceramic"
     ),
     "required_backing_thickness_mm": Quantity(
-        "required back plate thickness", "mm", ".3f", GRID, lambda a: a.with_least_backing.backings_mm, "back plate"
+        "required back plate thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_backing.backings_mm, "back plate"
     ),
     "required_total_thickness_mm": Quantity(
-        "required thickness of both layers in proportion", "mm", ".3f", GRID, lambda a: a.least("armour").mm, "armour"
+        "required thickness of both layers in proportion",
+        "mm",
+        ".3f",
+        OF_GRID,
+        lambda a: a.least("armour").mm,
+        "armour",
     ),
     "required_areal_density_kg_m2": Quantity(
         "areal density with the required ceramic",
         "kg/m²",
         ".2f",
-        GRID,
+        OF_GRID,
         lambda a: a.with_least_ceramic.areal_densities_kg_m2,
         "ceramic",
     ),

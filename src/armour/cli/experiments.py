@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import armour
 from armour.cli import completion
 from armour.cli.question import Answer, Force, Output, PlotFile, argument, option, question
-from armour.cli.runner import check_outputs, read_scenario
-from armour.cli.scenario_commands import LIMIT, grid_of
+from armour.cli.runner import check_outputs, read_scenario, wrong_option
+from armour.cli.scenario_commands import LIMIT_READS, grid_of
 from armour.errors import InputError, Problem
 from armour.files import table_file
 
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from armour.scenario.scenario import Scenario
     from armour.sweeps.cases import Cases, Grid
 
-# What a fit reads; with its prior, also the distributions.
+# What a fit reads; its prior is the distributions.
 FIT = ("impact", "armour", "ballistic_limit")
 # Part by which a measured velocity may miss the planned one without a warning.
 FAR_FROM_PLAN = 0.1
 LIMITS = {"limits_m_s": "--lower-m-s, --upper-m-s", "limits_m_s[0]": "--lower-m-s", "limits_m_s[1]": "--upper-m-s"}
 
 
-@question(LIMIT, what="the ballistic limit", first="fitting")
+@question(LIMIT_READS, what="the ballistic limit", first="fitting")
 def v50(
     on_progress: "OnProgress",
     shots: Annotated[
@@ -48,7 +48,7 @@ def v50(
     return Answer(armour.v50(fired, scenario, on_progress=on_progress, **options))
 
 
-@question(FIT, unit="tests")
+@question(FIT, unit="tests", prior_reads=["uncertainty"])
 def calibrate(
     on_progress: "OnProgress",
     tests: Annotated[
@@ -88,7 +88,7 @@ def calibrate(
     return Answer(result, contents=contents, file=str(tests))
 
 
-@question(LIMIT, first="searching", named=LIMITS)
+@question(LIMIT_READS, first="searching", named=LIMITS)
 def plan_shots(
     scenario: "Scenario",
     on_progress: "OnProgress",
@@ -115,21 +115,21 @@ def plan_shots(
 ) -> Answer:
     """Plan the next shot of a V50 firing, given the shots so far."""
     if (lower_m_s is None) != (upper_m_s is None):
-        raise _problem("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
+        raise wrong_option("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
     if lower_m_s is not None:
         options["limits_m_s"] = (lower_m_s, upper_m_s)
     if result is None:
         if velocity_m_s is not None:
-            raise _problem("--velocity-m-s", "is the velocity of the shot of --result, which is not given")
+            raise wrong_option("--velocity-m-s", "is the velocity of the shot of --result, which is not given")
         if table is not None and not exists(table):
             # A shipped table of this name is of another firing.
             raise InputError([Problem(str(table), "", "cannot be read: no such file; --result makes it")])
         fired = None if table is None else armour.read_shots(table, one_kind=True)
         return Answer(armour.plan_shots(scenario, fired, on_progress=on_progress, **options))
     if table is None:
-        raise _problem("--result", "adds a shot to SHOTS, which is not given")
+        raise wrong_option("--result", "adds a shot to SHOTS, which is not given")
     if options["simulate"]:
-        raise _problem("--result", "is of a shot that was fired; it must not be given with --simulate")
+        raise wrong_option("--result", "is of a shot that was fired; it must not be given with --simulate")
     check_outputs(plot=plot, updated=table, force=force)
     return _with_result(scenario, on_progress, table, result, velocity_m_s, options)
 
@@ -154,10 +154,10 @@ def _with_result(
         planned, limit = before.next_velocity_m_s, before.model_ballistic_limit_m_s
         velocity = planned if velocity_m_s is None else velocity_m_s
         if velocity is None:
-            raise _problem("--velocity-m-s", "must be given: no further shot was planned")
+            raise wrong_option("--velocity-m-s", "must be given: no further shot was planned")
         if not limit / ABSURD_FACTOR <= velocity <= limit * ABSURD_FACTOR:
             message = f"must be near the model's limit, {limit:.0f} m/s: a third to three times it"
-            raise _problem("--velocity-m-s", f"{message}, found {velocity:g}; is it in m/s?")
+            raise wrong_option("--velocity-m-s", f"{message}, found {velocity:g}; is it in m/s?")
         far = []
         if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
             far.append(f"the shot, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s")
@@ -175,11 +175,7 @@ def _with_result(
         return Answer(plan, (*far, *plan.warnings), contents={table: longer}, held=stack.pop_all())
 
 
-def _problem(name: str, message: str) -> InputError:
-    return InputError([Problem("command line", name, message)])
-
-
-@question(FIT, unit="armours", named={"designs": "--design"})
+@question(FIT, unit="armours", prior_reads=["uncertainty"], named={"designs": "--design"})
 def plan_tests(
     scenario: "Scenario",
     on_progress: "OnProgress",
@@ -229,9 +225,9 @@ def _source(candidates: list[str]) -> "Grid | Cases":
 
     files = [text for text in candidates if "=" not in text]
     if files and len(candidates) > 1:
-        raise _problem("--candidates", "must be one CSV file, or keys with values")
+        raise wrong_option("--candidates", "must be one CSV file, or keys with values")
     if files and not files[0].endswith(".csv") and not exists(files[0]):
-        raise _problem("--candidates", f'must be KEY=VALUES or a CSV file, found "{files[0]}"')
+        raise wrong_option("--candidates", f'must be KEY=VALUES or a CSV file, found "{files[0]}"')
     if files:
         return Cases(Path(files[0]))
     with of_candidates():

@@ -19,8 +19,15 @@ import typer
 import armour
 from armour.cli import completion
 from armour.cli.console import progress
-from armour.cli.runner import as_options, check_outputs, read_scenario, respond, say_if_compiling, warnings_of
-from armour.errors import InputError, Problem
+from armour.cli.runner import (
+    as_options,
+    check_outputs,
+    read_scenario,
+    respond,
+    say_if_compiling,
+    warnings_of,
+    wrong_option,
+)
 
 if TYPE_CHECKING:
     from armour.scenario.scenario import Scenario
@@ -143,17 +150,19 @@ def question(
     first: str = "",
     csv: str = "",
     of_threats: bool = False,
+    prior_reads: Sequence[str] = (),
     named: Mapping[str, str] = {},
     **keys: tuple[str, str],
 ) -> Callable[[Callable[..., Answer]], Callable[..., None]]:
     """Make a command of a function (scenario, on_progress, options) -> Answer.
 
     The command checks the outputs, reads the scenario with what ``--set`` changes of the sections that it ``reads`` for
-    ``what`` it answers, computes, writes the files, shows and warns.  Its options are those of the function, with
-    ``**options`` those of the public function of the same name, the common ones, and those that set keys of the
-    scenario: by name, the key and the help.  Some parameters of the public function are ``named`` otherwise in
-    messages.  What is done ``first`` is said before the progress, which is counted in a ``unit``; without it, the
-    engine is compiled.  ``csv`` is the help of ``--csv``, a file for the CSV of the view.
+    ``what`` it answers, with ``--prior`` those of ``prior_reads`` too, computes, writes the files, shows and warns.
+    Its options are those of the function, with ``**options`` those of the public function of the same name, the common
+    ones, and those that set keys of the scenario: by name, the key and the help.  Some parameters of the public
+    function are ``named`` otherwise in messages.  What is done ``first`` is said before the progress, which is counted
+    in a ``unit``; without it, the engine is compiled.  ``csv`` is the help of ``--csv``, a file for the CSV of the
+    view.
     """
 
     def made(function: Callable[..., Answer]) -> Callable[..., None]:
@@ -181,12 +190,11 @@ def question(
             check_outputs(*outputs, tables=tables, plot=plot, force=values["force"])
             loaded = None
             if values["scenario"] is not None:
-                # The prior of a fit is the distributions; that of V50 the error of the model, which it always reads.
-                read = [*reads, "uncertainty"] if values.get("prior") and "uncertainty.model" not in reads else reads
+                read = [*reads, *(prior_reads if values.get("prior") else ())]
                 settings = {f"--{name}": (key, values[name]) for name, (key, _text) in keys.items()}
                 loaded = read_scenario(values["scenario"], changes, read, settings, what)
             elif changes:
-                raise InputError([Problem("command line", "--set", "changes a scenario, which is not given")])
+                raise wrong_option("--set", "changes a scenario, which is not given")
             if not first:
                 say_if_compiling()
             # An option that is not given has the default of the public function.

@@ -33,6 +33,11 @@ COMPILING = "compiling the numerical code, which takes about ten seconds"
 PLOT_ENDINGS = (".png", ".svg", ".pdf")
 
 
+def wrong_option(option: str, message: str) -> InputError:
+    """Return the error of a wrong option."""
+    return InputError([Problem("command line", option, message)])
+
+
 def check_outputs(
     *writes: Path | None,
     tables: Iterable[Path | None] = (),
@@ -95,7 +100,7 @@ def read_scenario(
     for option, (key, value) in (more or {}).items():
         if value is not None:
             if key in changes and changes[key] != value:
-                raise InputError([Problem("command line", option, f"must not be given with {options[key]}")])
+                raise wrong_option(option, f"must not be given with {options[key]}")
             changes[key], options[key] = value, option
     standard = str(path) == "-"
     path = path if standard else scenario_file(path)

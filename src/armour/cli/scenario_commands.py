@@ -25,7 +25,7 @@ from armour.cli.question import (
     option,
     question,
 )
-from armour.cli.runner import as_options, check_outputs, read_scenario, respond, say_if_compiling, write
+from armour.cli.runner import as_options, check_outputs, read_scenario, respond, say_if_compiling, write, wrong_option
 from armour.errors import InputError, Problem, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
 
@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     from armour.sweeps.cases import Grid
     from armour.sweeps.sweep import Effort
 
-# What commands read, see `armour.scenario.reach`.
-LIMIT = ("impact.projectile", "armour", "ballistic_limit", "uncertainty.model")
+# What a ballistic limit depends on, see `armour.scenario.reach`.
+LIMIT_READS = ("impact.projectile", "armour", "ballistic_limit", "uncertainty.model")
 
 
 @question(
@@ -63,7 +63,7 @@ def simulate(
     return Answer(result.of(confidence=sure), warnings, more)
 
 
-@question(LIMIT, what="the ballistic limit", first="searching")
+@question(LIMIT_READS, what="the ballistic limit", first="searching")
 def ballistic_limit(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     """Find the ballistic limit."""
     from armour.analysis.ballistic_limit import not_monotonic
@@ -72,7 +72,7 @@ def ballistic_limit(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     return Answer(result, (*not_monotonic(result), *result.warnings))
 
 
-@question(LIMIT, what="the ballistic limit", first="searching")
+@question(LIMIT_READS, what="the ballistic limit", first="searching")
 def compare(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     """Compare the model with closed-form formulas."""
     from armour.analysis.ballistic_limit import not_monotonic
@@ -277,7 +277,7 @@ def report(
         source = scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
     if is_suite and as_is:
-        raise InputError([Problem("command line", "--as-is", "must be given with a scenario, found a suite")])
+        raise wrong_option("--as-is", "must be given with a scenario, found a suite")
     if is_suite:
         made = _suite_report(source, changes or [], command)
     else:
@@ -286,7 +286,6 @@ def report(
 
 
 def _scenario_report(source: Path, changes: list[str], command: str, *, as_is: bool) -> "Report":
-    from armour.analysis.quantities import DESIGNS
     from armour.reporting.scenario_report import contents_of, scenario_report
 
     loaded = read_scenario(source, changes, (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS)), what="the report")

@@ -5,7 +5,7 @@ from functools import cached_property
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import Answers, groups_of
-from armour.analysis.quantities import DESIGNS, GRID, QUANTITIES
+from armour.analysis.quantities import DESIGNS, OF_GRID, QUANTITIES
 from armour.analysis.variants import Floats, Variants, grid_of
 from armour.design.optimise import BestDesign, optimise
 from armour.errors import InputError, NoDesignError, Problem
@@ -49,7 +49,7 @@ SAVINGS: dict[str, Callable[[Variants], Floats]] = {
 QUESTIONS: dict[str, tuple[str, ...]] = {
     **{name: quantity.reads for name, quantity in QUANTITIES.items()},
     **dict.fromkeys(LIGHTEST, DESIGNS),
-    **dict.fromkeys(SAVINGS, GRID),
+    **dict.fromkeys(SAVINGS, OF_GRID),
 }
 
 
