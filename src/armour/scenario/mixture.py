@@ -1,0 +1,110 @@
+"""Mixtures of Student's t distributions: where the evidence puts the ballistic limit of an armour."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import gammaln, stdtr, stdtrit
+
+Floats = NDArray[np.float64]
+
+# Halvings of the interval between the quantiles of the components, after which it is rounding alone.
+HALVINGS = 60
+
+
+@dataclass(frozen=True, eq=False)
+class Mixture:
+    """Distribution of a ballistic limit, or of its ratio to that of the model; of one armour or of each of n.
+
+    Of each component, the logarithm has Student's t distribution, or the number itself where `logarithmic` is false.
+
+    Attributes
+    ----------
+    weights : array, (k, ...)
+        Probabilities of the k components, which add up to 1 along the first axis; NaN where the distribution is not
+        known.  Further axes, such as (k, n) for n armours, broadcast with the velocities and probabilities asked for.
+    locations, scales : array, (k, ...)
+        Of the logarithms: of m/s, or of the ratio.
+    degrees_of_freedom : array, (k, ...)
+        At most 1e6, which is as good as a normal distribution.
+    logarithmic : bool
+    """
+
+    weights: Floats
+    locations: Floats
+    scales: Floats
+    degrees_of_freedom: Floats
+    logarithmic: bool = True
+
+    def times(self, limits: ArrayLike) -> "Mixture":
+        """Return the distribution of a ratio times numbers: limits by the model, m/s, (k, ...) or one for all."""
+        factors = np.asarray(limits, dtype=np.float64)
+        if self.logarithmic:
+            return Mixture(self.weights, self.locations + np.log(factors), self.scales, self.degrees_of_freedom)
+        return Mixture(
+            self.weights, self.locations * factors, self.scales * factors, self.degrees_of_freedom, logarithmic=False
+        )
+
+    def probability_above(self, values: ArrayLike) -> Any:
+        """Return the probability of more than each of some values, such as velocities in m/s."""
+        values = np.asarray(values, dtype=np.float64)
+        weights, locations, scales, freedom = self._parts(values)
+        with np.errstate(divide="ignore"):
+            deviations = (locations - (np.log(values) if self.logarithmic else values)) / scales
+        return (weights * stdtr(freedom, deviations)).sum(axis=0)
+
+    def quantile(self, probabilities: ArrayLike) -> Any:
+        """Return the values that are not exceeded with each of some probabilities, 0 to 1."""
+        wanted = np.asarray(probabilities, dtype=np.float64)
+        weights, locations, scales, freedom = self._parts(wanted)
+        known = np.where(weights > 0.0, 0.0, np.nan)
+        of_each = known + _quantiles(locations, scales, freedom, wanted)
+        if len(of_each) > 1:
+            with np.errstate(invalid="ignore"):
+                found = self._solved(np.fmin.reduce(of_each), np.fmax.reduce(of_each), wanted)
+        else:
+            [found] = of_each
+        return np.exp(found) if self.logarithmic else found
+
+    def _solved(self, low: Floats, high: Floats, wanted: Floats) -> Floats:
+        """Return what lies between ends, below which the mixture has a probability of at most, and at least, one."""
+        for _ in range(HALVINGS):
+            middle = np.where(low == high, low, 0.5 * (low + high))
+            above = self.probability_above(np.exp(middle) if self.logarithmic else middle)
+            low, high = np.where(1.0 - above < wanted, middle, low), np.where(1.0 - above < wanted, high, middle)
+        return high
+
+    def log_density(self, values: ArrayLike) -> Any:
+        """Return the logarithm of the density at values above 0, per their unit."""
+        values = np.asarray(values, dtype=np.float64)
+        weights, locations, scales, freedom = self._parts(values)
+        deviations = ((np.log(values) if self.logarithmic else values) - locations) / scales
+        constant = gammaln(0.5 * (freedom + 1.0)) - gammaln(0.5 * freedom) - 0.5 * np.log(freedom * np.pi)
+        logarithms = constant - np.log(scales) - 0.5 * (freedom + 1.0) * np.log1p(deviations**2 / freedom)
+        with np.errstate(divide="ignore"):
+            density = np.logaddexp.reduce(np.log(weights) + logarithms)
+        return density - np.log(values) if self.logarithmic else density
+
+    def drawn(self, chances: Floats) -> tuple[Any, Floats]:
+        """Return components and values at chances, (n,), between 0 and 1, one for each draw.
+
+        The mixture is of one armour, its arrays (k,).  A chance chooses the component, and within it the quantile.
+        """
+        ends = np.cumsum(self.weights)
+        which = np.minimum(np.searchsorted(ends, chances, side="right"), np.flatnonzero(self.weights)[-1])
+        parts = ((chances - ends[which]) / self.weights[which] + 1.0).clip(2.0**-53, 1.0 - 2.0**-53)
+        values = _quantiles(self.locations[which], self.scales[which], self.degrees_of_freedom[which], parts)
+        return which, np.exp(values) if self.logarithmic else values
+
+    def _parts(self, values: Floats) -> list[Floats]:
+        """Return weights, locations, scales and degrees of freedom with axes after the first one to broadcast."""
+        arrays = (self.weights, self.locations, self.scales, self.degrees_of_freedom)
+        return [array.reshape(array.shape + (1,) * (values.ndim + 1 - array.ndim)) for array in arrays]
+
+
+def _quantiles(locations: Floats, scales: Floats, freedom: Floats, probabilities: Floats) -> Floats:
+    """Return quantiles of Student's t distributions."""
+    # Versions of scipy differ at 0 and at 1.
+    ends = [probabilities == 0.0, probabilities == 1.0]
+    return locations + scales * np.select(ends, [-np.inf, np.inf], stdtrit(freedom, probabilities))

@@ -1,0 +1,62 @@
+import numpy as np
+import pytest
+from scipy import stats
+
+from armour.scenario.mixture import Mixture
+
+WEIGHTS, LOCATIONS = np.array([0.5, 0.2, 0.3]), np.array([6.4, 6.6, 6.7])
+SCALES, FREEDOM = np.array([0.05, 0.1, 0.03]), np.array([5.0, 1e6, 12.0])
+ONE = Mixture(np.array([1.0]), np.array([6.5]), np.array([0.05]), np.array([7.0]))
+THREE = Mixture(WEIGHTS, LOCATIONS, SCALES, FREEDOM)
+PROBABILITIES = np.array([0.001, 0.025, 0.5, 0.8, 0.975, 0.999])
+
+
+def test_the_probability_is_that_of_the_components():
+    for velocity in (500.0, 700.0, 900.0):
+        above = stats.t.sf(np.log(velocity), FREEDOM, LOCATIONS, SCALES)
+        assert THREE.probability_above(velocity) == pytest.approx(WEIGHTS @ above, rel=1e-9)
+
+
+def test_quantiles_invert_the_probability():
+    for mixture in (THREE, ONE):
+        above = mixture.probability_above(mixture.quantile(PROBABILITIES))
+        assert 1.0 - above == pytest.approx(PROBABILITIES, abs=1e-9)
+    assert THREE.quantile([0.0, 1.0]) == pytest.approx([0.0, np.inf])
+
+
+def test_the_density_is_the_derivative_of_the_probability():
+    velocities = np.array([450.0, 600.0, 750.0, 900.0])
+    slopes = THREE.probability_above(velocities - 0.01) - THREE.probability_above(velocities + 0.01)
+    assert np.exp(THREE.log_density(velocities)) == pytest.approx(slopes / 0.02, rel=1e-5)
+
+
+def test_draws_have_the_distribution():
+    which, values = THREE.drawn((np.arange(20_000) + 0.5) / 20_000)
+    assert np.bincount(which) / 20_000 == pytest.approx(WEIGHTS, abs=1e-4)
+    assert np.quantile(values, PROBABILITIES[1:-1]) == pytest.approx(THREE.quantile(PROBABILITIES[1:-1]), rel=1e-4)
+
+
+def test_a_mixture_of_many_armours_is_that_of_each():
+    columns = np.array([1.0, 1.1, 0.9])
+    weights, locations, scales = (np.stack([array] * 3, axis=1) for array in (WEIGHTS, LOCATIONS, SCALES))
+    many = Mixture(weights, locations, scales, np.stack([FREEDOM] * 3, axis=1)).times(columns)
+    velocities = np.array([600.0, 700.0, 800.0])
+    for i, (factor, velocity) in enumerate(zip(columns, velocities, strict=True)):
+        one = THREE.times(factor)
+        assert many.probability_above(velocities)[i] == pytest.approx(one.probability_above(velocity))
+        assert many.quantile(0.1 * columns)[i] == pytest.approx(one.quantile(0.1 * factor))
+
+
+def test_the_distribution_of_an_unknown_armour_is_unknown():
+    weights = np.array([[1.0, np.nan]])
+    some = Mixture(weights, np.full((1, 2), 6.5), np.full((1, 2), 0.1), np.full((1, 2), 9.0))
+    assert np.isnan(some.probability_above(np.array([700.0, 700.0]))).tolist() == [False, True]
+    assert np.isnan(some.quantile(np.array([0.5, 0.5]))).tolist() == [False, True]
+
+
+def test_without_logarithm_the_number_itself_is_distributed():
+    ratio = Mixture(np.ones(1), np.array([1.02]), np.array([0.05]), np.array([8.0]), logarithmic=False)
+    distribution = ratio.times(700.0)
+    assert distribution.probability_above(650.0) == pytest.approx(stats.t.sf(650.0, 8.0, 714.0, 35.0))
+    assert distribution.quantile(0.05) == pytest.approx(stats.t.ppf(0.05, 8.0, 714.0, 35.0))
+    assert np.exp(distribution.log_density(650.0)) == pytest.approx(stats.t.pdf(650.0, 8.0, 714.0, 35.0))
