@@ -72,9 +72,40 @@ def test_a_requirement():
     assert plan.probability_met is not None
     assert 0.05 < plan.probability_met < 0.5
     assert plan.half_width_m_s is None
-    sure = plan_shots(scenario(), SHOTS, requirement_m_s=650.0)
+    assert plan.decision == ""
+    assert plan.consumers_risk == plan.producers_risk == pytest.approx(0.05)
+    sure = plan_shots(scenario(), SHOTS, requirement_m_s=650.0, prior=True)
     assert sure.stopped == "the requirement is met with a probability of 95 % or more"
+    assert (sure.decision, sure.consumers_risk, sure.evidence_met) == ("met", None, None)
+    # The shots, the fastest of them at 770 m/s, decide on 650 m/s without the model's limit, too.
+    alone = plan_shots(scenario(), Shots((650.0,) * 7, (False,) * 7), requirement_m_s=650.0)
+    assert alone.stopped == "the requirement is met, at a consumer's risk of at most 5 %"
+    assert alone.decision == "met"
+    assert (alone.evidence_met or 0.0) > 20.0 > (alone.evidence_not_met or 0.0)
     assert plan_shots(scenario(), requirement_m_s=700.0, procedure="up-and-down").next_velocity_m_s == 722.9
+
+
+def test_the_operating_characteristic_of_a_firing_that_has_not_begun():
+    plan = plan_shots(scenario(), requirement_m_s=700.0)
+    points = plan.operating_characteristic
+    assert [point.v50_m_s for point in points] == sorted(point.v50_m_s for point in points)
+    assert points[0].v50_m_s < 670.0 < 730.0 < points[-1].v50_m_s
+    assert (points[0].not_met, points[-1].met) == (1.0, 1.0)
+    edge = next(point for point in points if point.v50_m_s == 700.0)
+    assert edge.shots is None
+    assert max(edge.met, edge.not_met) <= 0.11  # at most 5 % are expected of 100
+    assert plan_shots(scenario(), SHOTS, requirement_m_s=700.0).operating_characteristic == ()
+
+
+def test_the_scatter_of_earlier_firings():
+    plan = plan_shots(scenario(), earlier=[SHOTS, Shots((700.0, 702.0, 701.0, 699.0), (True, False, True, False))])
+    assert plan.earlier == 2
+    assert plan.prior is not None
+    assert plan.prior.scatter_m_s == pytest.approx(
+        0.01 * plan.scatter_percent * plan.model_ballistic_limit_m_s, rel=0.02
+    )
+    with pytest.raises(InputError, match="at least one partial and one complete"):
+        plan_shots(scenario(), earlier=[Shots((700.0,), (True,))])
 
 
 def test_a_stated_error_is_a_prior_and_an_unknown_one_none():
@@ -87,6 +118,10 @@ def test_a_stated_error_is_a_prior_and_an_unknown_one_none():
     plan = plan_shots(scenario(**UNKNOWN), SHOTS, procedure="neyer", limits_m_s=(500.0, 1500.0))
     assert (plan.prior, plan.posterior, plan.curve) == (None, None, None)
     assert plan.recommended is not None
+    # A requirement is decided on by the shots alone.
+    assert plan_shots(scenario(**UNKNOWN), SHOTS, requirement_m_s=700.0).next_velocity_m_s is not None
+    with pytest.raises(InputError, match="must give scale_percent for a prior"):
+        plan_shots(scenario(**UNKNOWN), SHOTS, requirement_m_s=700.0, prior=True)
     stated = scenario(**UNKNOWN, uncertainty={"model": {"scale_percent": 10.0}})
     assert plan_shots(stated).prior is not None
     with pytest.raises(InputError, match="says not to include the error"):
@@ -97,6 +132,7 @@ def test_a_stated_error_is_a_prior_and_an_unknown_one_none():
     ("settings", "message"),
     [
         ({"requirement_fraction": 0.1}, "requirement_fraction: must not be given without a requirement"),
+        ({"prior": True}, "prior: must not be given without a requirement"),
         ({"limits_m_s": (600.0, 900.0)}, "limits_m_s: must not be given with bayesian"),
         ({"limits_m_s": (900.0, 600.0), "procedure": "neyer"}, "limits_m_s: must rise, found 900 and 600"),
         ({"requirement_m_s": 700.0, "procedure": "neyer"}, "requirement_m_s: must not be given with neyer"),

@@ -225,7 +225,7 @@ def test_the_end_by_the_interval():
 
 @pytest.mark.parametrize(("required", "answer"), [(600.0, "is met"), (900.0, "is not met"), (745.0, "")])
 def test_the_end_by_a_requirement(required: float, answer: str):
-    settings = BAYESIAN._replace(half_width_m_s=None, requirement_m_s=required)
+    settings = BAYESIAN._replace(half_width_m_s=None, requirement_m_s=required, by_prior=True)
     assert answer in stopped_bayesian(SHOTS, settings)
     assert bool(stopped_bayesian(SHOTS, settings)) == bool(answer)
 

@@ -75,6 +75,16 @@ def test_the_maximum_and_the_ends_of_penalised_intervals(case: str, link: Link):
     assert [top - profile.max() for profile in profiles] == pytest.approx([depth] * len(profiles), abs=2e-3)
 
 
+@links
+@pytest.mark.parametrize("case", CASES)
+def test_a_one_sided_bound_is_the_end_of_an_interval_with_twice_the_probability_beyond(case: str, link: Link):
+    one, two = (fit_curve(*CASES[case], link, confidence, penalised=True) for confidence in (0.95, 0.9))
+    assert one is not None
+    assert two is not None
+    assert two.v05_interval_m_s is not None
+    assert (one.v50_lower_m_s, one.v05_lower_m_s) == (two.v50_interval_m_s[0], two.v05_interval_m_s[0])
+
+
 def many_shots() -> Shots:
     """Forty shots of a logistic curve of V50 720 m/s and scale 12 m/s."""
     velocities = np.linspace(650, 800, 40)

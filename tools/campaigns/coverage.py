@@ -45,14 +45,18 @@ RULES: dict[str, Callable[[int, np.random.Generator], Shots]] = {"up and down": 
 
 
 def held(fit: FittedCurve) -> list[str]:
-    """Return the names of the intervals that hold the true value."""
+    """Return the names of the intervals, and of the one-sided bounds, that hold the true value."""
     intervals = {
         "V50": fit.v50_interval_m_s,
         "scale": fit.scale_interval_m_s,
         "V05": fit.v05_interval_m_s,
         "V95": fit.v95_interval_m_s,
     }
-    return [name for name, interval in intervals.items() if interval and _holds(interval, TRUE[name])]
+    found = [name for name, interval in intervals.items() if interval and _holds(interval, TRUE[name])]
+    if fit.method == "penalised likelihood":
+        bounds = {"V50": fit.v50_lower_m_s, "V05": fit.v05_lower_m_s}
+        found += [f"lower bound of {name}" for name, low in bounds.items() if _holds((low, None), TRUE[name])]
+    return found
 
 
 def _holds(interval: Interval, value: float) -> bool:

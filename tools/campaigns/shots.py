@@ -11,29 +11,32 @@ the Bayesian procedure that of the posterior, of the others that of the penalise
 V50 lies within 50 % of the model's limit, and up-and-down starts 20 % above it.  Then each scatter is drawn from the
 prior, for the Bayesian procedure alone.
 
-The last rows ask whether V50 exceeds 90 % of the model's limit, by the Bayesian procedure alone: V50 and scatter are
-those of its prior, or V50 misses the limit as above, and a firing ends with a probability of 95 %.  "held" is then the
-part of right decisions.
+The last rows ask whether a velocity exceeds 90 % of the model's limit, V50 or that at which 5 % of shots perforate, by
+the Bayesian procedure.  The velocity is this requirement or a number of scatters away from it, and "by the prior" says
+whether the model's limit takes part in the decision.  The columns are the fractions of firings that end with the
+requirement met and not met; the risks are those of the wrong one.
 """
 
 import argparse
 import time
+from itertools import product
 from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import log_ndtr
+from scipy.special import log_ndtr, ndtri
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.variants import Bools, Floats
 from armour.planning.firing import LIMITS_PROBABILITY, limits_of
-from armour.planning.procedures import PROCEDURES, Firings, ShotSettings
+from armour.planning.procedures import MOST_SHOTS, PROCEDURES, Firings, ShotSettings, fire, posterior
 from armour.scenario.scenario import load_scenario
 from armour.statistics.posterior import FiringPrior, posterior_of
 from armour.statistics.v50 import Shots
 
 SCENARIO, HALF_WIDTH_M_S, CONFIDENCE, MISS_M_S, MOST = "paper/optimum_7.62mm_AP", 15.0, 0.95, 5.0, 150
 DEVIATIONS, SCATTERS_M_S = (0.0, 1.0, 2.0), (15.0, 30.0)
+DISTANCES = (-3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0)
 KNOWN, KNOWN_FACTOR, REQUIRED = "bayesian, scatter known", 1.2, 0.9
 CLASSIC = ("up-and-down", "langlie", "neyer")
 # What the procedures start from without the model, in units of its limit: limits of V50, and the first shot.
@@ -170,30 +173,37 @@ def prior_for(procedure: str, scatter: float) -> FiringPrior:
     return prior._replace(scatter_percent=100.0 * scatter / prior.limit_m_s, scatter_factor=KNOWN_FACTOR)
 
 
-def requirement(deviations: float | None, scatter: float, firings: int, seed: int) -> Outcome:
-    """Simulate firings that ask whether V50 exceeds a velocity; without deviations V50 and scatter are of the prior."""
+class Missed(Firings):
+    """Firings whose shots miss their aim."""
+
+    def aims(self) -> Floats:
+        """Return the velocities of the next shots."""
+        self.dice = getattr(self, "dice", np.random.default_rng(0))
+        return self.dice.normal(super().aims(), MISS_M_S)
+
+
+def requirement(
+    distance: float, scatter: float, firings: int, seed: int, fraction: float = 0.5, *, by_prior: bool = False
+) -> tuple[float, float, float]:
+    """Simulate firings at armour a number of scatters from a requirement.
+
+    Return the fractions that end with the requirement met and not met, and the mean number of shots, of which a firing
+    that does not end has 100.
+    """
     prior = prior_for("bayesian", scatter)
-    required = REQUIRED * prior.limit_m_s
-    settings = ShotSettings(prior.limit_m_s, 0.0, requirement_m_s=required, prior=prior)
-    known, dice = posterior_of(prior, (), (), NODES), np.random.default_rng([seed, firings])
-    drawn = dice.choice(len(known.weights), firings, p=known.weights)
-    truths, scatters = known.grid.v50_m_s[drawn], known.grid.scatter_m_s[drawn]
-    if deviations is not None:
-        offsets = np.resize([1.0, -1.0], firings) * deviations * deviation_percent(prior) / 100.0
-        truths, scatters = prior.limit_m_s * (1.0 + offsets), np.full(firings, scatter)
-    shots, held = np.full(firings, MOST), np.zeros(firings, dtype=bool)
-    going, many = np.arange(firings), Firings(known, settings, firings, CANDIDATES)
-    for number in range(1, MOST + 1):
-        velocities = dice.normal(many.aims(), MISS_M_S)
-        many.add(velocities, dice.normal(truths[going], scatters[going]) < velocities)
-        over, met = many.ended(), many.weights @ many.target > 0.5
-        shots[going[over]] = number
-        held[going[over]] = (met == (truths[going] > required))[over]
-        going = going[~over]
-        many.keep(~over)
-        if not len(going):
-            break
-    return Outcome(shots, held)
+    settings = ShotSettings(
+        prior.limit_m_s,
+        0.01 * prior.scatter_percent * prior.limit_m_s,
+        requirement_m_s=REQUIRED * prior.limit_m_s,
+        requirement_fraction=fraction,
+        prior=prior,
+        by_prior=by_prior,
+    )
+    v50 = REQUIRED * prior.limit_m_s + (distance - float(ndtri(fraction))) * scatter
+    known, dice = posterior(Shots((), ()), settings), np.random.default_rng([seed, firings])
+    many = Missed(known, settings, firings, CANDIDATES)
+    shots, decided = fire(many, np.full(firings, v50), np.full(firings, scatter), dice)
+    return float((decided > 0).mean()), float((decided < 0).mean()), float(np.minimum(shots, MOST_SHOTS).mean())
 
 
 def simulate(procedure: str, deviations: float, scatter: float | None, firings: int, seed: int) -> Outcome:
@@ -245,11 +255,12 @@ def main() -> None:
         start = time.perf_counter()
         found = simulate("bayesian", deviations, None, given.firings, given.seed)
         _show(found, f"of the prior | {deviations:g} | bayesian", start)
-    for case in (None, *DEVIATIONS):
-        start = time.perf_counter()
-        found = requirement(case, SCATTERS_M_S[0], given.firings, given.seed)
-        of = "of the prior | of the prior" if case is None else f"{SCATTERS_M_S[0]:g} | {case:g}"
-        _show(found, f"{of} | requirement", start)
+    print("scatter, m/s | fraction | scatters from the requirement | by the prior | met, % | not met, % | mean shots")
+    for scatter, fraction, by_prior in product(SCATTERS_M_S, (0.5, 0.05), (False, True)):
+        for distance in DISTANCES:
+            met, not_met, shots = requirement(distance, scatter, given.firings, given.seed, fraction, by_prior=by_prior)
+            case = f"{scatter:g} | {fraction:g} | {distance:+.2f} | {'yes' if by_prior else 'no'}"
+            print(f"{case} | {100.0 * met:.1f} | {100.0 * not_met:.1f} | {shots:.1f}", flush=True)
 
 
 def _show(found: Outcome, case: str, start: float) -> None:

@@ -102,6 +102,15 @@ def plan_shots(
     ] = None,
     lower_m_s: Annotated[float | None, option("Lower limit of V50, m/s, for langlie and neyer.")] = None,
     upper_m_s: Annotated[float | None, option("Upper limit of V50, m/s, for langlie and neyer.")] = None,
+    earlier: Annotated[
+        list[Path] | None,
+        option(
+            "CSV file of an earlier firing at such an armour, whose scatter is pooled with the expected one; may be "
+            "given several times.",
+            metavar="SHOTS",
+            autocompletion=completion.tables,
+        ),
+    ] = None,
     result: Annotated[
         Literal["partial", "complete", "P", "C", "PP", "CP"] | None,
         option("Result of the shot just fired, which is added to SHOTS.", case_sensitive=False),
@@ -116,6 +125,7 @@ def plan_shots(
     """Plan the next shot of a V50 firing, given the shots so far."""
     if (lower_m_s is None) != (upper_m_s is None):
         raise wrong_option("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
+    options["earlier"] = [armour.read_shots(table_file(path)) for path in earlier or []]
     if lower_m_s is not None:
         options["limits_m_s"] = (lower_m_s, upper_m_s)
     if result is None:

@@ -21,13 +21,17 @@ from armour.errors import InputError, Problem, refuse
 from armour.files import reason
 from armour.planning.procedures import (
     PROCEDURES,
+    OperatingPoint,
     ShotSettings,
+    decisions,
     expected_shots,
     langlie_doubts,
     mean_of,
+    operating_characteristic,
+    posterior,
     recommended_fit,
 )
-from armour.scenario.checked import checked
+from armour.scenario.checked import checked, instance
 from armour.scenario.evidence import ModelError
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.curves import FittedCurve
@@ -39,6 +43,7 @@ from armour.statistics.posterior import (
     Posterior,
     learned,
     no_prior,
+    pooled_scatter,
     posterior_of,
 )
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, MeanV50, Shots, check_shots
@@ -98,6 +103,20 @@ class ShotPlan(Result):
         Fraction of shots that may perforate at it.
     probability_met : float or None
         Probability that the requirement is met, by the posterior.
+    decision : {"met", "not met", ""}
+        Whether the requirement is met; empty without one, and where the shots do not yet decide it.
+    consumers_risk, producers_risk : float or None
+        Greatest probability that armour which does not meet the requirement is accepted, and that armour which meets it
+        is rejected: 1 less the confidence.  None without a requirement, and where the prior takes part in the decision.
+    evidence_met, evidence_not_met : float or None
+        Likelihood of the shots averaged over curves that meet the requirement, or do not, divided by the greatest one
+        of a curve of the other side.  The decision is made where one reaches the inverse of the risk.
+    operating_characteristic : tuple of OperatingPoint
+        What becomes of simulated firings at armours around the requirement; empty once a shot has been fired.
+    earlier : int
+        Number of earlier firings whose scatter is pooled.
+    scatter_percent, scatter_factor : float
+        Scatter that is expected, per cent of V50, and the factor by which it may differ, given these.
     limits_m_s : tuple of float or None
         Limits of V50 that Langlie's and Neyer's procedures start from, m/s.
     prior, posterior : FiringEstimate or None
@@ -148,6 +167,15 @@ class ShotPlan(Result):
     true_scatter_m_s: float | None = None
     curve: PlanCurve | None = None
     contradicts_prior: bool = False
+    decision: str = ""
+    consumers_risk: float | None = None
+    producers_risk: float | None = None
+    evidence_met: float | None = None
+    evidence_not_met: float | None = None
+    operating_characteristic: tuple[OperatingPoint, ...] = ()
+    earlier: int = 0
+    scatter_percent: float = SCATTER_PERCENT
+    scatter_factor: float = SCATTER_FACTOR
     warnings: tuple[str, ...] = ()
 
     def _words(self) -> str:
@@ -167,8 +195,10 @@ def plan_shots(
     confidence: Confidence = CONFIDENCE,
     requirement_m_s: Velocity | None = None,
     requirement_fraction: Annotated[float, Field(ge=0.001, le=0.999)] = 0.5,
+    prior: bool = False,
     scatter_percent: Annotated[float, Field(ge=0.01, le=50.0)] = SCATTER_PERCENT,
     scatter_factor: Annotated[float, Field(ge=1.01, le=10.0)] = SCATTER_FACTOR,
+    earlier: Sequence[Shots] = (),
     limits_m_s: Annotated[tuple[Velocity, Velocity], Field(strict=False)] | None = None,
     simulate: bool = False,
     true_v50_m_s: Velocity | None = None,
@@ -193,15 +223,22 @@ def plan_shots(
     confidence : float
         Confidence level of the interval, and of the requirement, 0.5 to 0.9999.
     requirement_m_s : float, optional
-        Required velocity, m/s.  The Bayesian procedure then ends when the requirement is met, or not met, with the
-        confidence; the up-and-down rule starts above it.
+        Required velocity, m/s.  The Bayesian procedure then ends when the shots show that the requirement is met, or
+        not met, where both the consumer's and the producer's risk are at most 1 less the confidence; the up-and-down
+        rule starts above it.
     requirement_fraction : float
         Fraction of shots that may perforate at the required velocity, 0.001 to 0.999: 0.5 requires it of V50.
+    prior : bool
+        Whether to count the model's limit in the decision on the requirement, which then is that of the posterior and
+        has no stated risks.
     scatter_percent : float
         Scatter that is expected, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its
         prior, and the guess of Neyer's procedure.
     scatter_factor : float
         Factor by which the scatter may differ from it, 1.01 to 10: one standard deviation of its logarithm.
+    earlier : sequence of Shots
+        Earlier firings at armours of the kind, each with penetrations of both kinds.  Their scatters, pooled with the
+        expected one, take its place.
     limits_m_s : tuple of float, optional
         Limits of V50 that Langlie's and Neyer's procedures start from, m/s; by default the interval of the model's
         limit with a probability of 99 %.
@@ -237,6 +274,8 @@ def plan_shots(
     """
     given_shots = fired = Shots((), ()) if shots is None else shots
     check_shots(fired, one_kind=True)
+    for each in earlier:
+        check_shots(instance(each, Shots))
     problems = []
     limited = procedure in ("langlie", "neyer")
     if limited and requirement_m_s is not None:
@@ -247,23 +286,26 @@ def plan_shots(
         problems.append(("limits_m_s", f"must rise, found {limits_m_s[0]:g} and {limits_m_s[1]:g}"))
     if procedure == "bayesian" and requirement_m_s is not None and half_width_m_s is not None:
         problems.append(("half_width_m_s", "must not be given with a requirement, which ends the firing"))
-    if requirement_m_s is None and requirement_fraction != 0.5:
-        problems.append(("requirement_fraction", "must not be given without a requirement"))
+    unused = {"requirement_fraction": requirement_fraction != 0.5, "prior": prior} if requirement_m_s is None else {}
+    problems += ((key, "must not be given without a requirement") for key, given in unused.items() if given)
     truths = {"true_v50_m_s": true_v50_m_s, "true_scatter_m_s": true_scatter_m_s}
     if not simulate:
-        unused = [key for key, value in {**truths, "seed": seed or None}.items() if value is not None]
-        problems += ((key, "must not be given without simulating") for key in unused)
+        given = [key for key, value in {**truths, "seed": seed or None}.items() if value is not None]
+        problems += ((key, "must not be given without simulating") for key in given)
     elif len(missing := [key for key, value in truths.items() if value is None]) == 1:
         problems.append((missing[0], "must be given, as both V50 and scatter to simulate or neither"))
     refuse(Problem("plan_shots", *problem) for problem in problems)
+    if earlier:
+        others = [(each.velocities_m_s, each.complete) for each in earlier]
+        scatter_percent, scatter_factor = pooled_scatter(others, scatter_percent, scatter_factor)
     limit = ballistic_limit(scenario, on_progress=on_progress)
-    prior = None
+    model = None
     if limit.model_error is not None:
-        prior = FiringPrior(limit.ballistic_limit_m_s, limit.model_error, scatter_percent, scatter_factor)
-    elif procedure == "bayesian":
+        model = FiringPrior(limit.ballistic_limit_m_s, limit.model_error, scatter_percent, scatter_factor)
+    elif prior or (procedure == "bayesian" and requirement_m_s is None):
         raise no_prior(scenario, "; or choose the procedure up-and-down, or neyer or langlie with limits of V50")
     if limits_m_s is None and limited:
-        limits_m_s = limits_of(_known(prior, "limits_m_s", "which they follow from by default"))
+        limits_m_s = limits_of(_known(model, "limits_m_s", "which they follow from by default"))
     rule_ends = procedure == "up-and-down" or (procedure == "bayesian" and requirement_m_s is not None)
     settings = ShotSettings(
         estimate_m_s=limit.ballistic_limit_m_s,
@@ -273,14 +315,16 @@ def plan_shots(
         confidence=confidence,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
-        prior=prior,
+        scatter_factor=scatter_factor,
+        prior=model,
+        by_prior=prior,
     )
     next_aim, why_stopped = PROCEDURES[procedure]
     if simulate:
         dice = np.random.default_rng(seed)
         if true_v50_m_s is None or true_scatter_m_s is None:
-            prior = _known(prior, "true_v50_m_s", "to draw it from")
-            grid, weights = posterior_of(prior, fired.velocities_m_s, fired.complete)
+            model = _known(model, "true_v50_m_s", "to draw it from")
+            grid, weights = posterior_of(model, fired.velocities_m_s, fired.complete)
             drawn = dice.choice(len(weights), p=weights)
             true_v50_m_s, true_scatter_m_s = float(grid.v50_m_s[drawn]), float(grid.scatter_m_s[drawn])
         for _ in range(MAX_SIMULATED):
@@ -296,11 +340,18 @@ def plan_shots(
     aim = None if ended else next_aim(fired, settings)
     before, after, share, curve, met = None, None, None, None, None
     contradictions: tuple[str, ...] = ()
-    if prior is not None:
-        alone, known = (posterior_of(prior, *of) for of in (((), ()), (fired.velocities_m_s, fired.complete)))
+    if model is not None:
+        alone, known = (posterior_of(model, *of) for of in (((), ()), (fired.velocities_m_s, fired.complete)))
         before, after, share, contradictions = learned(alone, known, confidence)
         curve = _curve(alone, known, fired)
         met = None if requirement_m_s is None else known.probability_above(requirement_m_s, requirement_fraction)
+    demand, decided, ratios, risk = settings.demand(), 0, (None, None), None
+    if requirement_m_s is not None:
+        now = posterior(fired, settings)
+        [decided] = decisions(now.weights[None], now.grid, settings)
+        if demand:
+            ratios, risk = demand.ratios(now.weights[None])[0].tolist(), 1.0 - confidence
+    planned = requirement_m_s is not None and procedure == "bayesian" and not given_shots.complete
     return ShotPlan(
         procedure=procedure,
         fired=fired,
@@ -326,8 +377,17 @@ def plan_shots(
         true_scatter_m_s=true_scatter_m_s,
         curve=curve,
         contradicts_prior=bool(contradictions),
+        decision=("", "met", "not met")[decided],
+        consumers_risk=risk,
+        producers_risk=risk,
+        evidence_met=ratios[0],
+        evidence_not_met=ratios[1],
+        operating_characteristic=operating_characteristic(settings) if planned else (),
+        earlier=len(earlier),
+        scatter_percent=scatter_percent,
+        scatter_factor=scatter_factor,
         warnings=(
-            *(() if prior is None else _far_shots(given_shots, prior)),
+            *(() if model is None else _far_shots(given_shots, model)),
             *contradictions,
             *(langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
             *([f"the simulation stopped after {MAX_SIMULATED} shots without an end"] if simulate and aim else ()),

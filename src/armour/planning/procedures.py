@@ -7,16 +7,27 @@ Cov(target, result)^2 / Var(result) over the posterior.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from math import copysign, inf
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import log_ndtr
+from scipy.special import log_ndtr, ndtri
 
-from armour.analysis.variants import Bools, Floats
+from armour.analysis.variants import Bools, Floats, Ints
 from armour.errors import NoAnswerError
+from armour.planning.acceptance import Demand, demand_of
 from armour.statistics.curves import FittedCurve, Likelihood, fit_curve
-from armour.statistics.posterior import NODES, FiringPrior, Grid, Posterior, is_above, posterior_of
+from armour.statistics.posterior import (
+    NODES,
+    PLAUSIBLE,
+    SCATTER_FACTOR,
+    FiringPrior,
+    Grid,
+    Posterior,
+    is_above,
+    posterior_of,
+)
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, SPANS_M_S, MeanV50, Shots, mean_v50
 
 
@@ -30,7 +41,15 @@ class ShotSettings(NamedTuple):
     confidence: float = 0.95
     requirement_m_s: float | None = None
     requirement_fraction: float = 0.5  # part of shots that may perforate at the requirement
+    scatter_factor: float = SCATTER_FACTOR  # by which the scatter may differ from the guess
     prior: FiringPrior | None = None  # for the Bayesian procedure
+    by_prior: bool = False  # whether the prior takes part in the decision on a requirement
+
+    def demand(self) -> Demand | None:
+        """Return the requirement on which the shots alone decide; None if there is none."""
+        if self.requirement_m_s is None or self.by_prior:
+            return None
+        return demand_of(self.requirement_m_s, self.requirement_fraction, self.scatter_m_s, self.scatter_factor)
 
 
 class Aim(NamedTuple):
@@ -226,15 +245,20 @@ def _best(velocities: Sequence[float], v50: float, scatter: float) -> float:
 
 
 # Velocities that are examined, and those around the best of them; their range is that of V50 but for a probability at
-# each end, the wide one where the scatter is implausible, and some scatters more.
-CANDIDATES, TAIL, WIDE_TAIL, SCATTERS = 101, 1e-3, 0.025, 2.0
+# each end, the wide one where the scatter is implausible, and some scatters more, or that around a requirement.
+CANDIDATES, TAIL, WIDE_TAIL, SCATTERS, AROUND = 101, 1e-3, 0.025, 2.0, 4.0
 # Continuations of the firing that are simulated to tell how many shots are still to be expected, the nodes of their
 # grid, their velocities and the most shots of each.
 FUTURES, FUTURE_NODES, FUTURE_CANDIDATES, MOST_SHOTS = 40, (101, 11), 61, 100
+# Simulated firings for each point of an operating characteristic, and where these are: the distance of the velocity in
+# question from the required one, in scatters.
+FIRINGS, DISTANCES = 100, (-3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0)
 
 
 def posterior(shots: Shots, settings: ShotSettings, nodes: tuple[int, int] = NODES) -> Posterior:
-    """Return the posterior given the shots; the settings must have a prior."""
+    """Return the posterior given the shots: without the prior where a requirement is decided on without it."""
+    if demand := settings.demand():
+        return demand.given(shots.velocities_m_s, shots.complete)
     assert settings.prior is not None
     return posterior_of(settings.prior, shots.velocities_m_s, shots.complete, nodes)
 
@@ -262,17 +286,32 @@ def stopped_bayesian(shots: Shots, settings: ShotSettings) -> str:
     known = posterior(shots, settings)
     if settings.requirement_m_s is None:
         return narrow_enough(known.estimate(settings.confidence).v50_interval_m_s, settings)
-    met = known.probability_above(settings.requirement_m_s, settings.requirement_fraction)
-    if 1.0 - settings.confidence < met < settings.confidence:
+    [decision] = decisions(known.weights[None], known.grid, settings)
+    if decision == 0:
         return ""
-    answer = "met" if met > 0.5 else "not met"
-    return f"the requirement is {answer} with a probability of {100.0 * settings.confidence:g} % or more"
+    answer = f"the requirement is {'met' if decision > 0 else 'not met'}"
+    if settings.by_prior:
+        return f"{answer} with a probability of {100.0 * settings.confidence:g} % or more"
+    side = "consumer" if decision > 0 else "producer"
+    return f"{answer}, at a {side}'s risk of at most {100.0 * (1.0 - settings.confidence):.4g} %"
+
+
+def decisions(weights: Floats, grid: Grid, settings: ShotSettings) -> Ints:
+    """Return 1 where a requirement is met, -1 where it is not and 0 where it is open, by n distributions, (n,)."""
+    if demand := settings.demand():
+        for_it, against = (demand.ratios(weights) * (1.0 - settings.confidence) >= 1.0).T
+    else:
+        met = weights @ target(grid, settings)
+        for_it, against = met >= settings.confidence, met <= 1.0 - settings.confidence
+    return for_it.astype(int) - against
 
 
 def target(grid: Grid, settings: ShotSettings) -> Floats:
     """Return what is to become known, at the points of a grid."""
     if settings.requirement_m_s is None:
         return grid.v50_m_s
+    if demand := settings.demand():
+        return demand.met
     return is_above(grid, settings.requirement_m_s, settings.requirement_fraction)
 
 
@@ -296,13 +335,17 @@ def _product(weights: Floats, response: Floats) -> Floats:
 
 def candidates(known: Posterior, settings: ShotSettings, count: int) -> Floats:
     """Return velocities to choose from, evenly spaced, m/s."""
-    assert settings.prior is not None
-    scatter, greatest = float(known.weights @ known.grid.scatter_m_s), settings.prior.greatest_scatter_m_s()
-    # Shots that contradict each other give a scatter beyond the prior, which is no reason to aim far away.
-    tail = TAIL if scatter <= greatest else WIDE_TAIL
-    low, high = known.grid.v50_quantiles(known.weights, (tail, 1.0 - tail))[0]
-    scatter = SCATTERS * min(scatter, greatest)
-    return np.linspace(max(low - scatter, MIN_VELOCITY_M_S), min(high + scatter, MAX_VELOCITY_M_S), count)
+    greatest = settings.scatter_m_s * settings.scatter_factor ** float(ndtri(0.5 + 0.5 * PLAUSIBLE))
+    scatter = float(known.weights @ known.grid.scatter_m_s)
+    if settings.demand():
+        low = high = settings.requirement_m_s
+        reach = AROUND * min(scatter, greatest)
+    else:
+        # Shots that contradict each other give a scatter beyond the prior, which is no reason to aim far away.
+        tail = TAIL if scatter <= greatest else WIDE_TAIL
+        low, high = known.grid.v50_quantiles(known.weights, (tail, 1.0 - tail))[0]
+        reach = SCATTERS * min(scatter, greatest)
+    return np.linspace(max(low - reach, MIN_VELOCITY_M_S), min(high + reach, MAX_VELOCITY_M_S), count)
 
 
 class Firings:
@@ -330,40 +373,101 @@ class Firings:
         half = 0.5 * self.settings.confidence
         return self.grid.v50_quantiles(self.weights, (0.5 - half, 0.5 + half))
 
+    def decisions(self) -> Ints:
+        """Return the decision on the requirement of each firing; see `decisions`."""
+        return decisions(self.weights, self.grid, self.settings)
+
     def ended(self) -> Bools:
         """Return whether each firing ends."""
-        if self.settings.requirement_m_s is None:
-            low, high = self.intervals().T
-            half = self.settings.half_width_m_s
-            return np.asarray(0.5 * (high - low) <= (inf if half is None else half))
-        met, sure = self.weights @ self.target, self.settings.confidence
-        return np.asarray((met >= sure) | (met <= 1.0 - sure))
+        if self.settings.requirement_m_s is not None:
+            return self.decisions() != 0
+        low, high = self.intervals().T
+        half = self.settings.half_width_m_s
+        return np.asarray(0.5 * (high - low) <= (inf if half is None else half))
 
     def keep(self, which: Bools) -> None:
         """Keep some of the firings."""
         self.weights = self.weights[which]
 
 
-def expected_shots(shots: Shots, settings: ShotSettings) -> float | None:
-    """Return the median number of further shots in simulated continuations; None where it exceeds the most."""
-    known = posterior(shots, settings, FUTURE_NODES)
-    dice = np.random.default_rng(0)
-    truths = dice.choice(len(known.weights), FUTURES, p=known.weights)
-    v50, scatter = known.grid.v50_m_s[truths], known.grid.scatter_m_s[truths]
-    firings, needed = Firings(known, settings, FUTURES, FUTURE_CANDIDATES), np.full(FUTURES, np.inf)
-    going = np.arange(FUTURES)
+def fire(
+    firings: Firings, v50_m_s: Floats, scatter_m_s: Floats, dice: np.random.Generator, least: int = 1
+) -> tuple[Floats, Ints]:
+    """Simulate firings of armours, (n,) each, while at least a number of them go on.
+
+    Return the number of shots at which each ended, infinite where it did not, and the decision on the requirement.
+    """
+    shots, decided = np.full(len(v50_m_s), inf), np.zeros(len(v50_m_s), dtype=int)
+    going = np.arange(len(v50_m_s))
     for number in range(MOST_SHOTS + 1):
         over = firings.ended()
-        needed[going[over]] = number
-        # More than half of them tell the median.
+        shots[going[over]] = number
+        if firings.settings.requirement_m_s is not None:
+            decided[going[over]] = firings.decisions()[over]
         going = going[~over]
-        if len(going) < FUTURES / 2:
+        if len(going) < least:
             break
         firings.keep(~over)
         velocities = firings.aims()
-        firings.add(velocities, dice.normal(v50[going], scatter[going]) < velocities)
+        firings.add(velocities, dice.normal(v50_m_s[going], scatter_m_s[going]) < velocities)
+    return shots, decided
+
+
+def expected_shots(shots: Shots, settings: ShotSettings) -> float | None:
+    """Return the median number of further shots in simulated continuations; None where it exceeds the most."""
+    known = posterior(shots, settings, FUTURE_NODES)
+    # A prior that takes no part in the decision tells how long it may take.
+    truth = posterior(shots, settings._replace(requirement_m_s=None), FUTURE_NODES) if settings.prior else known
+    dice = np.random.default_rng(0)
+    truths = dice.choice(len(truth.weights), FUTURES, p=truth.weights)
+    v50, scatter = truth.grid.v50_m_s[truths], truth.grid.scatter_m_s[truths]
+    # More than half of them tell the median.
+    needed, _ = fire(Firings(known, settings, FUTURES, FUTURE_CANDIDATES), v50, scatter, dice, least=FUTURES // 2)
     median = float(np.median(needed))
     return median if np.isfinite(median) else None
+
+
+@dataclass(frozen=True)
+class OperatingPoint:
+    """What becomes of firings at an armour, in simulation.
+
+    Attributes
+    ----------
+    v50_m_s, scatter_m_s : float
+        V50 of the armour and its scatter, m/s.
+    met, not_met : float
+        Fractions of firings that end with the requirement met, and not met; the others do not end within 100 shots.
+    shots : float or None
+        Median number of shots; None where it exceeds 100.
+    """
+
+    v50_m_s: float
+    scatter_m_s: float
+    met: float
+    not_met: float
+    shots: float | None
+
+
+def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ...]:
+    """Simulate firings at armours around a requirement, whose scatter is the expected one."""
+    assert settings.requirement_m_s is not None
+    known, scatter = posterior(Shots((), ()), settings, FUTURE_NODES), settings.scatter_m_s
+    edge = settings.requirement_m_s - float(ndtri(settings.requirement_fraction)) * scatter
+    armours = np.repeat(edge + scatter * np.array(DISTANCES), FIRINGS)
+    firings = Firings(known, settings, len(armours), FUTURE_CANDIDATES)
+    found = fire(firings, armours, np.full(len(armours), scatter), np.random.default_rng(0))
+    shots, decided, v50 = (each.reshape(-1, FIRINGS) for each in (*found, armours))
+    medians = np.median(shots, axis=1)
+    return tuple(
+        OperatingPoint(
+            v50_m_s=float(v50[place, 0]),
+            scatter_m_s=scatter,
+            met=float((decided[place] > 0).mean()),
+            not_met=float((decided[place] < 0).mean()),
+            shots=float(median) if np.isfinite(median) else None,
+        )
+        for place, median in enumerate(medians)
+    )
 
 
 Rule = tuple[Callable[[Shots, ShotSettings], Aim], Callable[[Shots, ShotSettings], str]]

@@ -69,6 +69,9 @@ class FittedCurve:
         "maximum likelihood" or "penalised likelihood".
     v05_interval_m_s, v95_interval_m_s : tuple of float or None, or None
         Their confidence intervals, m/s; None for other curves than those of penalised likelihood.
+    v50_lower_m_s, v05_lower_m_s : float or None
+        One-sided lower confidence bounds of V50 and V05, m/s, at the confidence level of the intervals; None where the
+        shots do not bound them, and for other curves than those of penalised likelihood.
     """
 
     curve: Link
@@ -82,6 +85,8 @@ class FittedCurve:
     method: Method = "maximum likelihood"
     v05_interval_m_s: Interval | None = None
     v95_interval_m_s: Interval | None = None
+    v50_lower_m_s: float | None = None
+    v05_lower_m_s: float | None = None
 
     def probability(self, velocity_m_s: float) -> float:
         """Return the probability of complete penetration at a velocity, m/s."""
@@ -223,21 +228,24 @@ class Likelihood:
             point = beyond
         return point
 
-    def holds(self, point: _Point) -> bool:
+    def holds(self, point: _Point, root: float) -> bool:
         """Return whether a point is in the confidence region."""
-        return 2.0 * (self.mode.value - point.value) <= self.root**2
+        return 2.0 * (self.mode.value - point.value) <= root**2
 
-    def bound(self, profile: Callable[[float], _Point], start: float, direction: float) -> float:
+    def bound(
+        self, profile: Callable[[float], _Point], start: float, direction: float, root: float | None = None
+    ) -> float:
         """Return the end of the interval of a quantity, from its estimate in a direction; infinite if there is none.
 
-        The profile gives the maximum for a value of the quantity.
+        The profile gives the maximum for a value of the quantity.  The root is that of the deviance at the end.
         """
+        end_root = self.root if root is None else root
 
         @cache
         def excess(value: float) -> float:
             """Return the root of the deviance, which is nearly linear in the quantity, less that at the end."""
             deviance = 0.0 if value == start else 2.0 * max(self.mode.value - profile(value).value, 0.0)
-            return min(sqrt(deviance), MAX_DISTANCE) - self.root
+            return min(sqrt(deviance), MAX_DISTANCE) - end_root
 
         step = direction * FIRST_STEP
         inner, end = start, start + step
@@ -248,18 +256,18 @@ class Likelihood:
             inner, end = end, end + step
         return direction * inf
 
+    def quantile_end(self, z: float, direction: float, root: float) -> float:
+        """Return an end of the interval of the velocity at which the argument of F has a value."""
+        a, b = self.mode.at
+        # Far away the slope is 0 and the probability constant: at most that of the quantile above, else at least.
+        far = self.flat if direction * (z - self.flat.at[0]) >= 0.0 else self.at(np.array([z, 0.0]))
+        if self.holds(far, root):
+            return direction * inf
+        return self.bound(lambda location: self.with_value(z, location), (z - a) / b, direction, root)
+
     def quantile_interval(self, z: float) -> tuple[float, float]:
         """Return the ends of the interval of the velocity at which the argument of F has a value."""
-        a, b = self.mode.at
-
-        def end(direction: float) -> float:
-            # Far away the slope is 0 and the probability constant: at most that of the quantile above, else at least.
-            far = self.flat if direction * (z - self.flat.at[0]) >= 0.0 else self.at(np.array([z, 0.0]))
-            if self.holds(far):
-                return direction * inf
-            return self.bound(lambda location: self.with_value(z, location), (z - a) / b, direction)
-
-        return end(-1.0), end(1.0)
+        return self.quantile_end(z, -1.0, self.root), self.quantile_end(z, 1.0, self.root)
 
     def scale_interval(self) -> tuple[float, float]:
         """Return the ends of the interval of the scale, the inverse of the slope."""
@@ -268,7 +276,7 @@ class Likelihood:
             start = -log(self.mode.at[1])
             return exp(self.bound(lambda log_scale: self.with_slope(exp(-log_scale)), start, direction))
 
-        return 0.0 if self.separated else end(-1.0), inf if self.holds(self.flat) else end(1.0)
+        return 0.0 if self.separated else end(-1.0), inf if self.holds(self.flat, self.root) else end(1.0)
 
     def argument_interval(self, x: float) -> tuple[float, float]:
         """Return the ends of the interval of the argument of F at a velocity."""
@@ -332,6 +340,9 @@ def fit_curve(
         low, high = shots.quantile_interval(z)
         return bounded(mean + deviation * low), bounded(mean + deviation * high)
 
+    def lower(z: float) -> float | None:
+        return bounded(mean + deviation * shots.quantile_end(z, -1.0, float(ndtri(confidence)))) if penalised else None
+
     narrowest, widest = shots.scale_interval()
     return FittedCurve(
         curve=link,
@@ -345,6 +356,8 @@ def fit_curve(
         method="penalised likelihood" if penalised else "maximum likelihood",
         v05_interval_m_s=interval(-z) if penalised else None,
         v95_interval_m_s=interval(z) if penalised else None,
+        v50_lower_m_s=lower(0.0),
+        v05_lower_m_s=lower(-z),
     )
 
 

@@ -82,10 +82,39 @@ class FiringPrior(NamedTuple):
         z = (log_ratio - log(self.scatter_percent / 100.0)) / log(self.scatter_factor)
         return -0.5 * (df + 1.0) * np.log1p(t * t / df) - 0.5 * z * z
 
-    def greatest_scatter_m_s(self) -> float:
-        """Return the upper end of the plausible interval of the scatter, at the model's limit."""
-        deviations = float(ndtri(0.5 + 0.5 * PLAUSIBLE))
-        return float(self.limit_m_s * self.scatter_percent / 100.0 * self.scatter_factor**deviations)
+
+# Nodes of V50, which is as likely everywhere up to this part of it beyond the shots, and of the scatter.  Standard
+# deviations of the logarithm of the scatter between firings, in units of their scale, which is this part of the
+# logarithm of the factor: reported standard deviations, which contain the noise of few shots, vary by a factor of 1.7.
+POOL_NODES, BEYOND_SHOTS, BETWEEN, PART = (401, 121), 0.1, np.linspace(0.2, 3.0, 29), 0.4
+
+
+def pooled_scatter(
+    firings: Sequence[tuple[Sequence[float], Sequence[bool]]], percent: float, factor: float
+) -> tuple[float, float]:
+    """Return median, per cent of V50, and factor of the scatter of a further firing, given those of earlier ones.
+
+    Firings are velocities, m/s, and whether each was a complete penetration.  The scatters are log-normal about a
+    common median, which is log-normal too; the standard deviation of their logarithms is half-normal.  V50s are
+    unknown: the likelihood of each firing is its mean over all of them.
+    """
+    middle, deviation = log(percent / 100.0), log(factor) * (1.0 - PART**2) ** 0.5
+    log_ratio = middle + np.linspace(-DEVIATIONS, DEVIATIONS, POOL_NODES[1]) * log(factor)
+    between = BETWEEN[:, None, None] * PART * log(factor)
+    # By the standard deviation between firings, the median and the scatter.
+    spread = np.exp(-0.5 * ((log_ratio[:, None] - log_ratio) / between) ** 2)
+    spread /= spread.sum(axis=2, keepdims=True)
+    logarithm = -0.5 * (BETWEEN[:, None] ** 2 + ((log_ratio - middle) / deviation) ** 2)
+    for velocities, complete in firings:
+        v50 = np.linspace(min(velocities) * (1.0 - BEYOND_SHOTS), max(velocities) * (1.0 + BEYOND_SHOTS), POOL_NODES[0])
+        z = (np.array(velocities)[:, None, None] - v50) / (np.exp(log_ratio)[:, None] * v50)
+        likelihood = np.exp(log_ndtr(np.where(complete, 1.0, -1.0)[:, None, None] * z).sum(axis=0)).mean(axis=1)
+        logarithm += np.log(np.maximum(spread @ likelihood, 1e-300))
+    weights = np.exp(logarithm - logarithm.max())
+    weights /= weights.sum()
+    mean = float((weights @ log_ratio).sum())
+    variance = float((weights * ((log_ratio - mean) ** 2 + between[:, :, 0] ** 2)).sum())
+    return 100.0 * float(np.exp(mean)), float(np.exp(variance**0.5))
 
 
 class Grid(NamedTuple):

@@ -103,6 +103,9 @@ class FiringResult(TableResult):
         Number of shots and of complete penetrations.
     highest_partial_m_s, lowest_complete_m_s : float or None
         Highest velocity of a partial and lowest velocity of a complete penetration, m/s; None where there is none.
+    zone_of_mixed_results_m_s : float or None
+        Width of the zone of mixed results, m/s: the highest partial less the lowest complete penetration, 0 where all
+        complete penetrations were faster; None where one kind is missing.
     separated : bool
         Whether every complete penetration was faster than every partial one.
     mean : MeanV50 or None
@@ -144,6 +147,7 @@ class FiringResult(TableResult):
     prior: FiringEstimate | None = None
     posterior: FiringEstimate | None = None
     prior_share: float | None = None
+    zone_of_mixed_results_m_s: float | None = None
 
     def _words(self) -> str:
         if self.posterior is not None:
@@ -299,6 +303,7 @@ def v50(
         prior=before,
         posterior=after,
         prior_share=share,
+        zone_of_mixed_results_m_s=max(partial[-1] - complete[0], 0.0) if partial and complete else None,
     ).of(computed, scenario=scenario, shots=shots)
 
 

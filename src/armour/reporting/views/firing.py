@@ -6,7 +6,7 @@ import numpy as np
 
 from armour.errors import InputError, Problem
 from armour.reporting import charts
-from armour.reporting.table import Column, Source, Table, between, column_of, listing, record
+from armour.reporting.table import Cell, Column, Source, Table, between, column_of, listing, record
 from armour.reporting.text import interval, percent
 from armour.reporting.views.shot_plan import SCATTER_ASSUMED, prior_table, share_note, shot_points
 from armour.scenario.inputs import VELOCITY
@@ -32,6 +32,7 @@ def v50_table(result: FiringResult) -> Table:
         column_of("complete", "d", "complete penetrations"),
         column_of("highest_partial_m_s", ".1f"),
         column_of("lowest_complete_m_s", ".1f"),
+        column_of("zone_of_mixed_results_m_s", ".1f"),
         *rule,
         column_of("model_ballistic_limit_m_s", ".1f", "ballistic limit by the model"),
         (Column("95 % interval, with the error of the model", "m/s"), interval(result.model_interval_m_s, ".0f")),
@@ -44,11 +45,16 @@ def recommended_table(fit: FittedCurve, level: float) -> Table:
     def ends(name: str) -> str:
         return interval(getattr(fit, f"{name.lower()}_interval_m_s"), ".1f")
 
+    def lower(name: str) -> Cell:
+        bound = getattr(fit, f"{name.lower()}_lower_m_s", None)
+        return "not bounded" if bound is None and name in ("V50", "V05") else bound
+
     return listing(
         ("V50", "V05", "V95", "scale"),
         (Column("quantity"), str),
         (Column("estimate", "m/s", ".1f"), lambda name: getattr(fit, f"{name.lower()}_m_s")),
         (Column(f"{percent(level)} interval", "m/s"), ends),
+        (Column(f"one-sided {percent(level)} lower bound", "m/s", ".1f"), lower),
         title=f"recommended: {fit.curve}, {fit.method}",
     )
 

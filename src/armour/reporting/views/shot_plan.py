@@ -25,11 +25,15 @@ def tables(plan: ShotPlan) -> list[Table | str]:
         found.append("by the prior alone: no shot was fired")
     if plan.reason:
         found.append(f"reason: {plan.reason}")
+    if plan.consumers_risk is not None:
+        found.append(DECISION)
+    if plan.operating_characteristic:
+        found.append(operating_table(plan))
     if plan.prior is not None and plan.posterior is not None:
         found += [
             prior_table(plan.prior, plan.posterior, plan.confidence),
             error_note(plan, plan.model_error),
-            SCATTER_ASSUMED,
+            scatter_note(plan) if plan.earlier else SCATTER_ASSUMED,
         ]
         if plan.fired.complete and plan.prior_share is not None and not plan.contradicts_prior:
             found.append(share_note(plan.prior_share))
@@ -43,6 +47,7 @@ def _plan_table(plan: ShotPlan) -> Table:
     fraction, more = plan.requirement_fraction, plan.expected_shots
     fit, mean = plan.recommended, plan.mean
     met = "V50" if fraction == 0.5 else f"velocity at which {percent(fraction)} perforate"
+    by = ", by the posterior" if plan.consumers_risk is not None else ""
     expected = ""
     if plan.next_velocity_m_s is not None and plan.procedure == "bayesian":
         expected = "more than 100" if more is None else f"{more:.0f}"
@@ -63,9 +68,49 @@ def _plan_table(plan: ShotPlan) -> Table:
         column_of("half_width_m_s", "g", "half width at which the firing ends"),
         (Column("limits of V50", "m/s"), interval(plan.limits_m_s, ".1f")),
         column_of("requirement_m_s", "g", f"required of the {met}"),
-        (Column("probability that it is met"), "" if plan.probability_met is None else chance(plan.probability_met)),
+        (Column("consumer's risk, of accepting what fails it"), _risk(plan.consumers_risk)),
+        (Column("producer's risk, of rejecting what meets it"), _risk(plan.producers_risk)),
+        (Column("likelihood ratio for it"), _ratio(plan.evidence_met, plan.consumers_risk)),
+        (Column("likelihood ratio against it"), _ratio(plan.evidence_not_met, plan.producers_risk)),
+        (Column(f"probability that it is met{by}"), chance(plan.probability_met) if plan.probability_met else ""),
         column_of("true_v50_m_s", ".1f", "V50 simulated"),
         column_of("true_scatter_m_s", ".1f", "scatter simulated"),
+    )
+
+
+def scatter_note(plan: ShotPlan) -> str:
+    """Return what the prior of the scatter is from."""
+    firings = "an earlier firing" if plan.earlier == 1 else f"{plan.earlier} earlier firings"
+    return (
+        f"the prior of the scatter, {plan.scatter_percent:.2g} % of V50 within a factor of {plan.scatter_factor:.2g}, "
+        f"is pooled from {firings} and the scatter that was expected"
+    )
+
+
+DECISION = (
+    "the decision is made by the shots alone, when a likelihood ratio is reached: neither the model's limit nor its "
+    "error takes part in it"
+)
+
+
+def _risk(risk: float | None) -> str:
+    return "" if risk is None else f"at most {percent(risk)}"
+
+
+def _ratio(ratio: float | None, risk: float | None) -> str:
+    return "" if ratio is None or risk is None else f"{min(ratio, 9999.0):.3g} of {1.0 / risk:.3g}"
+
+
+def operating_table(plan: ShotPlan) -> Table:
+    """Return what becomes of firings at armours around the requirement."""
+    scatter = plan.operating_characteristic[0].scatter_m_s
+    return listing(
+        plan.operating_characteristic,
+        (Column("V50", "m/s", ".1f"), lambda point: point.v50_m_s),
+        (Column("met"), lambda point: percent(point.met)),
+        (Column("not met"), lambda point: percent(point.not_met)),
+        (Column("median of shots"), lambda point: "more than 100" if point.shots is None else f"{point.shots:.0f}"),
+        title=f"operating characteristic: simulated firings at a scatter of {scatter:.1f} m/s",
     )
 
 
@@ -125,6 +170,8 @@ def chart(plan: ShotPlan) -> charts.Chart:
     velocity = charts.quantity_axis(VELOCITY, limits=limits)
     probability = charts.Axis("probability of complete penetration", limits=(-0.05, 1.05))
     panels = [charts.Panel(velocity, probability, tuple(shots), shares_x=bool(plan.curve))]
+    if plan.operating_characteristic:
+        panels = [_operating_panel(plan)]
     notes = [f"{plan.stopped}."] if plan.stopped else []
     if plan.curve and plan.posterior:
         v50: list[charts.Series] = [
@@ -141,6 +188,24 @@ def chart(plan: ShotPlan) -> charts.Chart:
     file = f" in {Path(plan.fired.file).name}" if fired and plan.fired.file != "shots" else ""
     title = f"V50 firing, {plan.procedure}: {fired} shots{file}"
     return charts.Chart(title, tuple(panels), " ".join(notes))
+
+
+def _operating_panel(plan: ShotPlan) -> charts.Panel:
+    """Describe the fractions of simulated firings that accept and reject armours around the requirement."""
+    points = plan.operating_characteristic
+    v50 = [point.v50_m_s for point in points]
+    lines: list[charts.Series] = [
+        charts.Line(v50, [getattr(point, key) for point in points], label=label, colour=colour, style=style, marker="o")
+        for key, label, colour, style in (("met", "met", "green", "-"), ("not_met", "not met", "vermilion", "--"))
+    ]
+    if plan.consumers_risk is not None:
+        risk = plan.consumers_risk
+        lines.append(charts.Rule(risk, ":", vertical=False, label=f"either risk {percent(risk)}", colour="soft"))
+    if v50[0] <= (plan.requirement_m_s or 0.0) <= v50[-1]:
+        lines += [charts.Rule(plan.requirement_m_s or 0.0, "-.", colour="soft")]
+    fraction = charts.Axis("fraction of firings", limits=(-0.05, 1.05))
+    title = f"operating characteristic at a scatter of {points[0].scatter_m_s:.1f} m/s"
+    return charts.Panel(charts.Axis("V50 of the armour", "m/s"), fraction, tuple(lines), title)
 
 
 def shot_points(shots: Shots) -> Iterator[charts.Points]:

@@ -1,0 +1,89 @@
+"""Decisions on a requirement: likelihood ratios by hand and by searches, and their risks in simulated firings."""
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+from scipy.special import log_ndtr, ndtr, ndtri
+from scipy.stats import norm
+
+from armour.planning.acceptance import Demand, demand_of
+from armour.planning.procedures import ShotSettings, decisions, next_bayesian, posterior, stopped_bayesian
+from armour.scenario.evidence import ModelError
+from armour.statistics.posterior import FiringPrior
+from armour.statistics.v50 import Shots
+from tools.campaigns.shots import requirement
+
+pytestmark = pytest.mark.slow
+
+REQUIRED, SCATTER = 700.0, 14.0
+SETTINGS = ShotSettings(760.0, SCATTER, requirement_m_s=REQUIRED)
+
+
+def ratios(demand: Demand, shots: Shots) -> list[float]:
+    known = demand.given(shots.velocities_m_s, shots.complete)
+    return demand.ratios(known.weights[None])[0].tolist()
+
+
+@pytest.mark.parametrize("count", [1, 3, 6])
+def test_partial_penetrations_at_the_requirement(count: int):
+    """A curve that just meets it gives each one half; others, a distance of sinh(1.6 u) away, the probability of it."""
+    found = ratios(demand_of(REQUIRED, 0.5, SCATTER, 2.0), Shots((REQUIRED,) * count, (False,) * count))
+    mean = 2.0 * norm.expect(lambda u: ndtr(np.sinh(1.6 * u)) ** count, lb=0.0, ub=6.0)
+    assert found[0] == pytest.approx(mean / 0.5**count, rel=0.02)
+
+
+@pytest.mark.parametrize("fraction", [0.5, 0.05])
+def test_the_likeliest_curve_that_fails_just_meets_the_requirement(fraction: float):
+    shots = Shots((690.0, 702.0, 707.0, 712.0, 718.0, 726.0, 735.0), (False, False, False, False, True, False, True))
+    demand, argument = demand_of(REQUIRED, fraction, SCATTER, 2.0), float(ndtri(fraction))
+    v, sign = np.array(shots.velocities_m_s), np.where(shots.complete, 1.0, -1.0)
+
+    def lost(x: np.ndarray) -> float:
+        """Less the log-likelihood of a curve at whose requirement the argument is above that of the fraction."""
+        z = argument + np.exp(x[0]) + (v - REQUIRED) * np.exp(x[1])
+        return -float(log_ndtr(sign * z).sum())
+
+    best = min(minimize(lost, start, method="Nelder-Mead").fun for start in ((-3.0, -3.0), (0.0, -2.0), (-8.0, -4.0)))
+    z = (v[:, None] - demand.grid.v50_m_s) / demand.grid.scatter_m_s
+    likelihood = log_ndtr(sign[:, None] * z).sum(axis=0)
+    assert likelihood[demand.met == 0.5].max() == pytest.approx(-best, abs=0.01)
+    mean, _ = ratios(demand, shots)
+    assert mean == pytest.approx(
+        np.average(np.exp(likelihood), weights=np.exp(demand.log_weights) * (demand.met == 1.0)) / np.exp(-best),
+        rel=0.01,
+    )
+
+
+def test_the_prior_takes_part_only_where_it_is_asked():
+    shots, priors = (
+        Shots((700.0, 705.0), (False, True)),
+        (FiringPrior(mean, ModelError(0.0, 2.0, 12.0)) for mean in (600, 900)),
+    )
+    low, high = (SETTINGS._replace(prior=prior) for prior in priors)
+    assert next_bayesian(shots, low) == next_bayesian(shots, high) == next_bayesian(shots, SETTINGS)
+    assert stopped_bayesian(shots, low) == stopped_bayesian(shots, high) == ""
+    assert stopped_bayesian(shots, low._replace(by_prior=True)).startswith("the requirement is not met with a prob")
+    assert stopped_bayesian(shots, high._replace(by_prior=True)).startswith("the requirement is met with a prob")
+
+
+def test_the_end_names_the_risk_of_the_decision():
+    met, failed = (Shots((REQUIRED,) * 8, (complete,) * 8) for complete in (False, True))
+    assert stopped_bayesian(met, SETTINGS) == "the requirement is met, at a consumer's risk of at most 5 %"
+    assert stopped_bayesian(failed, SETTINGS) == "the requirement is not met, at a producer's risk of at most 5 %"
+    assert stopped_bayesian(met, SETTINGS._replace(confidence=0.9999)) == ""
+    known = posterior(met, SETTINGS)
+    assert decisions(known.weights[None], known.grid, SETTINGS) == [1]
+
+
+@pytest.mark.parametrize(("scatter", "fraction"), [(15.0, 0.5), (30.0, 0.5), (30.0, 0.05)])
+def test_the_stated_risks_hold_at_the_requirement(scatter: float, fraction: float):
+    """Where both risks are greatest, with 200 firings each; `tools.campaigns.shots` simulates 2,000 and more cases."""
+    met, not_met, _ = requirement(0.0, scatter, 200, 1, fraction)
+    assert max(met, not_met) <= 0.05 + 2.0 * (0.05 * 0.95 / 200) ** 0.5
+
+
+@pytest.mark.parametrize("scatter", [15.0, 30.0])
+def test_armour_two_percent_below_a_requirement_of_nine_tenths_of_the_limit_does_not_pass(scatter: float):
+    """With the model's limit in the decision 19 and 35 % of such firings passed."""
+    met, _, _ = requirement(-0.02 * 852.0 / scatter, scatter, 200, 1)
+    assert met <= 0.02
