@@ -1,5 +1,3 @@
-import subprocess
-import sys
 from itertools import pairwise
 
 import pytest
@@ -7,7 +5,7 @@ import pytest
 from armour.analysis.impact import energy_balance, simulate, time_step
 from armour.core import stepping
 from armour.errors import InputError
-from tests.helpers.cases import SCENARIOS, scenario
+from tests.helpers.cases import scenario
 
 
 def test_a_perforation():
@@ -60,17 +58,6 @@ def test_stages_follow_one_another_and_add_up():
 def test_dwell_shows_as_ii_2():
     result = simulate(scenario(velocity=300.0))
     assert result.stages[0].stage == "ii.2"
-
-
-def test_a_simulation_without_a_history_does_not_import_numpy():
-    code = f"""
-import sys
-from armour import load_scenario, simulate
-simulate(load_scenario({str(SCENARIOS / "wilkins.toml")!r}))
-print("numpy" in sys.modules)
-"""
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout == "False\n"
 
 
 def test_a_time_step_given_is_taken_unless_it_is_too_coarse():

@@ -10,7 +10,7 @@ from armour.engine.cache import kernel
 class Cli:
     """Runs commands in this process and keeps stdout and stderr apart."""
 
-    def __call__(self, *args: object, stdin: str | None = None) -> Result:
+    def __call__(self, *args: object, stdin: str | bytes | None = None) -> Result:
         return CliRunner().invoke(app, [str(arg) for arg in args], input=stdin)
 
     def fails(self, code: int, *args: object) -> list[str]:

@@ -1,16 +1,13 @@
 """What every command has: changes, standard input, lines in messages, examples that run, a schema, plain colours."""
 
 import json
-import os
-import re
 import shlex
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 import jsonschema
 import pytest
+from typer.testing import CliRunner
 
 from armour import MODEL_VERSION, __version__
 from armour.cli.app import COMMANDS, app
@@ -62,11 +59,6 @@ def test_the_help_is_not_cut_in_a_narrow_terminal(cli, command: str, monkeypatch
     assert "<=" not in text
 
 
-def process(*args: object, **environment: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "armour", *(str(arg) for arg in args)]
-    return subprocess.run(command, capture_output=True, text=True, env={**os.environ, **environment})
-
-
 def test_standard_input(cli):
     piped = cli("ballistic-limit", "-", "--json", stdin=WILKINS.read_text())
     assert json.loads(piped.stdout) == json.loads(cli("ballistic-limit", WILKINS, "--json").stdout)
@@ -76,9 +68,9 @@ def test_standard_input(cli):
     assert cli("simulate", "-", stdin="= 3").stderr.startswith("standard input: must be valid TOML")
 
 
-def test_bytes_that_are_no_text():
-    done = subprocess.run([sys.executable, "-m", "armour", "simulate", "-"], input=b'a = "\xff"', capture_output=True)
-    assert (done.returncode, done.stderr) == (2, b"standard input: must be UTF-8 text, found the byte 0xff at 5\n")
+def test_bytes_that_are_no_text(cli):
+    done = cli("simulate", "-", stdin=b'a = "\xff"')
+    assert (done.exit_code, done.stderr) == (2, "standard input: must be UTF-8 text, found the byte 0xff at 5\n")
 
 
 def test_a_value_nested_too_deeply(cli):
@@ -93,17 +85,12 @@ def test_mistakes_are_told_with_their_lines(cli, folder: Path):
     assert told == f"a.toml: impact.velocity_m_s: must be greater than 0, found -800.0 (line {line})"
 
 
-def test_no_colour_where_none_is_wanted():
-    coloured = process("library", FORCE_COLOR="1", NO_COLOR="")
-    assert "\x1b[1m" in coloured.stdout
-    plain = process("library", NO_COLOR="1")
-    assert "\x1b" not in plain.stdout
-
-
-def test_the_width_of_the_terminal_is_kept():
-    narrow = process("library", COLUMNS="80", FORCE_COLOR="1")
-    lines = [re.sub(r"\x1b\[[0-9;]*m", "", line) for line in narrow.stdout.splitlines()]
-    assert max(map(len, lines)) <= 80
+def test_no_colour_where_none_is_wanted(cli, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("NO_COLOR", "")
+    assert "\x1b[1m" in cli("library").stdout
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert "\x1b" not in cli("library").stdout
 
 
 def test_the_version_names_the_models(cli):
@@ -112,7 +99,7 @@ def test_the_version_names_the_models(cli):
 
 @pytest.fixture(scope="module")
 def schema() -> jsonschema.Draft202012Validator:
-    found = json.loads(process("schema").stdout)
+    found = json.loads(CliRunner().invoke(app, ["schema"]).stdout)
     jsonschema.Draft202012Validator.check_schema(found)
     return jsonschema.Draft202012Validator(found)
 

@@ -229,13 +229,3 @@ def test_processes_with_numba(tmp_path: Path):
         assert not done.stderr
         found.append(done.stdout.split())
     assert found == [["42.0", "0"], ["42.0", "1"], ["42.0", "0"]]
-
-
-def test_the_plain_commands_do_not_import_numba():
-    program = (
-        "import sys; from armour import ballistic_limit, load_scenario, simulate; s = load_scenario(sys.argv[1]);"
-        "simulate(s); ballistic_limit(s); print('numba' in sys.modules, 'scipy.stats' in sys.modules)"
-    )
-    scenario = Path(__file__).parent.parent.parent / "scenarios" / "wilkins.toml"
-    done = subprocess.run([sys.executable, "-c", program, scenario], capture_output=True, text=True, check=True)
-    assert done.stdout == "False False\n"
