@@ -81,9 +81,10 @@ def test_the_help_lists_every_quantity(cli):
 
 
 def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
-    over = ["--over", f"{CERAMIC}=2:12:0.01", "--over", "armour.backing_thickness_mm=4:8:0.1"]
+    over = ["--over", f"{CERAMIC}=2:12:0.01", "--over", "armour.backing_thickness_mm=4:8:2"]
     command = ["sweep", str(WILKINS), *over, "--quantities", "ballistic_limit_m_s"]
-    process = subprocess.Popen([sys.executable, "-m", "armour", *command, "-o", "t.csv"], stderr=subprocess.DEVNULL)
+    short = "from armour.sweeps import sweep; sweep.CHUNK_S = 0.02; from armour.cli.main import main; main()"
+    process = subprocess.Popen([sys.executable, "-c", short, *command, "-o", "t.csv"], stderr=subprocess.DEVNULL)
     deadline = time.monotonic() + 60.0
     while not list(folder.glob("t.csv.parts/*.npz")):
         assert process.poll() is None
@@ -96,7 +97,7 @@ def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
     assert cli(*command, "-o", "t.csv").exit_code == 0
     assert cli(*command, "-o", "whole.csv").exit_code == 0
     assert (folder / "t.csv").read_bytes() == (folder / "whole.csv").read_bytes()
-    assert (folder / "t.csv").read_bytes().count(b"\n") == 1001 * 41 + 1
+    assert (folder / "t.csv").read_bytes().count(b"\n") == 1001 * 3 + 1
 
 
 def test_materials_and_projectiles_by_name(cli, folder: Path):

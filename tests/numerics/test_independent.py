@@ -28,7 +28,7 @@ def test_the_designs_pass_through_every_stage(diameter: float):
     assert dwell | plate | {"Ieph", "Feph", "Fepm", "Frph", "Frpm"} <= stages
 
 
-@pytest.mark.parametrize("index", range(0, COUNT, 2))
+@pytest.mark.parametrize("index", range(0, COUNT, 4))
 def test_residual_velocity_and_length_agree(index: int):
     p, velocity = random_designs(COUNT)[index], impact_velocity(index)
     reference, end = Reference(p, velocity), run(p, velocity, default_time_step(p, velocity), ARREST, 100_000)
@@ -37,7 +37,7 @@ def test_residual_velocity_and_length_agree(index: int):
     assert pytest.approx(reference.L, rel=1e-4) == end.y.L
 
 
-@pytest.mark.parametrize("index", range(5))
+@pytest.mark.parametrize("index", range(3))
 def test_ballistic_limits_agree(index: int):
     p = random_designs(COUNT)[index]
     found = bisect(lambda velocity: perforates(p, velocity), 50.0, 4000.0, 1e-3)[1]

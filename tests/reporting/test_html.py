@@ -29,9 +29,7 @@ NO_BREAK = "\N{NO-BREAK SPACE}"
 TITLE = '<script>alert("x")</script> </script> & "quotes" <!--'
 SCENARIOS = {
     "as it is": lambda: scenario(title="6.35 mm AD85"),
-    "bare plate": lambda: load_scenario(
-        "bare_plate", {"title": '<script>alert("x")</script> </script> & "quotes" <!--'}
-    ),
+    "bare plate": lambda: load_scenario("bare_plate", {"title": TITLE}),
     "catalogue": lambda: load_scenario("catalogue"),
 }
 

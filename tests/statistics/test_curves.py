@@ -63,20 +63,20 @@ def test_the_maximum_and_the_ends_of_penalised_intervals(case: str, link: Link):
     def of(slopes: np.ndarray, intercepts: np.ndarray) -> np.ndarray:
         return likelihood(shots, link, slopes, intercepts, penalised=True)
 
-    slopes = np.geomspace(1e-4, 20.0, 4000)
+    slopes = np.geomspace(1e-4, 20.0, 1600)
     top = of(np.array(1.0 / fit.scale_m_s), np.array((720.0 - fit.v50_m_s) / fit.scale_m_s))
-    everywhere = np.meshgrid(slopes[::40], np.linspace(640.0, 800.0, 300) - 720.0)
+    everywhere = np.meshgrid(slopes[::16], np.linspace(640.0, 800.0, 150) - 720.0)
     assert of(everywhere[0], -everywhere[0] * everywhere[1]).max() <= top + 1e-9
     depth = 0.5 * chi2.ppf(0.95, 1)
     quantiles = {-Z95[link]: fit.v05_interval_m_s, 0.0: fit.v50_interval_m_s, Z95[link]: fit.v95_interval_m_s}
     profiles = [of(slopes, z - slopes * (end - 720.0)) for z, ends in quantiles.items() for end in ends or () if end]
-    places = np.linspace(550.0, 890.0, 20_000) - 720.0
+    places = np.linspace(550.0, 890.0, 8_000) - 720.0
     profiles += [of(np.full(len(places), 1.0 / end), -places / end) for end in fit.scale_interval_m_s if end]
     assert [top - profile.max() for profile in profiles] == pytest.approx([depth] * len(profiles), abs=2e-3)
 
 
 @links
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", ["mixed", "apart"])
 def test_a_one_sided_bound_is_the_end_of_an_interval_with_twice_the_probability_beyond(case: str, link: Link):
     one, two = (fit_curve(*CASES[case], link, confidence, penalised=True) for confidence in (0.95, 0.9))
     assert one is not None
@@ -85,22 +85,14 @@ def test_a_one_sided_bound_is_the_end_of_an_interval_with_twice_the_probability_
     assert (one.v50_lower_m_s, one.v05_lower_m_s) == (two.v50_interval_m_s[0], two.v05_interval_m_s[0])
 
 
-def many_shots() -> Shots:
-    """Forty shots of a logistic curve of V50 720 m/s and scale 12 m/s."""
-    velocities = np.linspace(650, 800, 40)
-    complete = np.random.default_rng(5).random(40) < 1 / (1 + np.exp(-(velocities - 720) / 12))
-    return tuple(velocities[~complete].tolist()), tuple(velocities[complete].tolist())
-
-
 @links
 @pytest.mark.parametrize("case", ["mixed", "apart", "touching unevenly"])
 def test_a_plain_fit_agrees_with_a_search_point_by_point(case: str, link: Link):
     # Of two partial and one complete at one velocity a step with a third there is likelier than one with a half.
     uneven: Shots = ((700, 720, 720), (720, 740, 750))
-    shots = {"mixed": MIXED, "apart": APART, "touching unevenly": uneven}.get(case) or many_shots()
+    shots = {"mixed": MIXED, "apart": APART, "touching unevenly": uneven}[case]
     fit = fitted(shots, link)
-    low, high = (690.0, 750.0) if case == "many" else (640.0, 810.0)
-    locations, scales = np.arange(low, high, 0.1), np.geomspace(1e-2, 1e4, 700)
+    locations, scales = np.arange(660.0, 780.0, 0.1), np.geomspace(1e-1, 1e4, 600)
     all_of_them = likelihood(shots, link, 1.0 / scales, -(locations[:, None] - 720.0) / scales, penalised=False)
     assert fit.log_likelihood == pytest.approx(all_of_them.max(), abs=2e-3)
     inside = all_of_them >= fit.log_likelihood - 0.5 * chi2.ppf(0.95, 1)
