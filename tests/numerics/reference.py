@@ -23,7 +23,7 @@ class Reference:
     """
 
     def __init__(
-        self, a: Parameters, velocity: float, method: Any = "DOP853", rtol: float = 1e-11, longest: float = 0.002
+        self, a: Parameters, velocity: float, method: Any = "DOP853", rtol: float = 1e-11, longest: float = 0.005
     ) -> None:
         self.a = a
         self.method, self.rtol, self.longest = method, rtol, longest
