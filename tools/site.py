@@ -7,16 +7,16 @@ returns.
 import io
 import json
 import re
-import subprocess
-import sys
 import tomllib
 from collections.abc import Mapping
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
+import typer.cli
 from markdown.extensions.toc import slugify
 from mkdocs.structure.files import File
+from typer.testing import CliRunner
 
 import armour
 from armour.analysis.quantities import label_and_unit
@@ -56,8 +56,7 @@ def api() -> str:
 
 def commands() -> str:
     """Return what typer says of the commands, without the title."""
-    run = [sys.executable, "-m", "typer", "armour.cli.app", "utils", "docs", "--name", "armour"]
-    text = subprocess.run(run, capture_output=True, encoding="utf-8", check=True).stdout
+    text = CliRunner().invoke(typer.cli.app, ["armour.cli.app", "utils", "docs", "--name", "armour"]).stdout
     # typer shortens what it lists.
     for name, words in re.findall(r"^##+ `armour (?:\w+ )?([\w-]+)`\n\n(.+)$", text, re.MULTILINE):
         text = re.sub(rf"^\* `{name}`: .*$", f"* `{name}`: {words}", text, flags=re.MULTILINE)

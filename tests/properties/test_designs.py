@@ -141,7 +141,7 @@ def layers(names: st.SearchStrategy[str]) -> st.SearchStrategy[list[dict[str, An
 
 
 @given(layers(CERAMICS), layers(METALS), THREATS, st.sampled_from(CRITERIA))
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=5, deadline=None)
 def test_designs_of_usual_materials_are_those_of_a_plain_loop(ceramics: Any, metals: Any, threats: Any, minimise: str):
     design = {"ceramic": ceramics, "backing": metals, "minimise": minimise, "pareto": CRITERIA}
     check(scenario(threat=threats, design=design))

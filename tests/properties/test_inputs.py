@@ -96,14 +96,14 @@ def with_cell(draw: st.DrawFn, content: str) -> bytes:
 scenarios = changed(SCENARIO)
 plain = st.just(tomli_w.dumps(SCENARIO).encode())
 COMMANDS = {
-    "simulate scenario.toml --history out.csv": (24, {"scenario.toml": scenarios}),
+    "simulate scenario.toml --history out.csv": (16, {"scenario.toml": scenarios}),
     "ballistic-limit scenario.toml": (15, {"scenario.toml": scenarios}),
     "compare scenario.toml": (6, {"scenario.toml": scenarios}),
     "validate suite.toml --markdown out.md --junit out.xml": (
         20,
         {"suite.toml": changed(SUITE), "scenario.toml": plain},
     ),
-    "v50 shots.csv": (20, {"shots.csv": with_cell(SHOTS) | with_junk(SHOTS.encode())}),
+    "v50 shots.csv": (10, {"shots.csv": with_cell(SHOTS) | with_junk(SHOTS.encode())}),
     "calibrate tests.csv scenario.toml --write out.toml": (
         15,
         {"tests.csv": with_cell(TESTS) | with_junk(TESTS.encode()), "scenario.toml": scenarios},

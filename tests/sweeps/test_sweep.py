@@ -165,8 +165,4 @@ def test_rows_whose_outcome_changes_again_are_told_even_when_resumed(tmp_path: P
     assert f"warning: {THICKER}; this concerns 1 of 2 rows" in told
     assert read_table(tmp_path / "a.csv")["required_ceramic_thickness_mm"][0] == pytest.approx(9.546, abs=1e-3)
     found = sweep_in_python(narrow_ranges(), {"armour.ceramic_thickness_mm": [10.75, 40.0]})
-    again = [
-        not ballistic_limit(narrow_ranges().replaced({"armour.ceramic_thickness_mm": mm})).monotonic
-        for mm in (10.75, 40.0)
-    ]
-    assert f"{AGAIN}; this concerns {sum(again)} of 2 rows" in found.warnings
+    assert f"{AGAIN}; this concerns 1 of 2 rows" in found.warnings
