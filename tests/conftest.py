@@ -11,9 +11,10 @@ from armour.scenario.scenario import save_scenario
 from tests.helpers.cases import scenario
 
 # CI uses the same examples in every run, so that only a change of the code can make it fail.
-settings.register_profile("ci", derandomize=True)
-if os.environ.get("CI"):
-    settings.load_profile("ci")
+settings.register_profile("ci", derandomize=True, deadline=None)
+# A slow machine makes no test fail.
+settings.register_profile("own", deadline=None)
+settings.load_profile("ci" if os.environ.get("CI") else "own")
 
 
 @pytest.fixture

@@ -19,6 +19,7 @@ ENDINGS = {
     "_MPa": "MPa",
     "_mm": "mm",
     "_us": "µs",
+    "_deg": "°",
     "_g": "g",
 }
 

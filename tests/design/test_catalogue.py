@@ -55,9 +55,7 @@ def test_a_law_of_the_flow_stress_against_penetrators_of_other_diameters():
 
     def holds(ceramic_mm: float) -> bool:
         thick = ceramic_mm, best.backing_thickness_mm
-        return all(
-            defeats(posed(case, *layers, *thick, threat.projectile), threat.required_m_s) for threat in case.threat
-        )
+        return all(defeats(posed(case, *layers, *thick, threat), threat.required_m_s) for threat in case.threat)
 
     assert holds(best.ceramic_thickness_mm)
     assert not holds(best.ceramic_thickness_mm - 2e-6)

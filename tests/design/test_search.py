@@ -167,7 +167,7 @@ def test_equal_sums_are_equal_on_the_front():
 
 
 @given(st.integers(2, 3).flatmap(lambda width: st.lists(st.lists(st.integers(0, 6), min_size=width, max_size=width))))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_undominated_rows_are_those_that_no_other_dominates(rows: list[list[int]]):
     costs = np.array(rows, dtype=float).reshape(len(rows), -1 if rows else 2)
     first = [i for i, row in enumerate(rows) if row not in rows[:i]]

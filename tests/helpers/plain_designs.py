@@ -1,6 +1,7 @@
 """A plain loop over every design of a catalogue, which the tests of the design search compare it with."""
 
 from collections.abc import Callable, Iterator
+from math import cos, radians
 from typing import Any
 
 import numpy as np
@@ -14,15 +15,16 @@ from armour.scenario.scenario import Scenario
 CRITERIA = ["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
 
 
-def posed(case: Scenario, ceramic: Any, backing: Any, hc: float, hb: float, projectile: str) -> Scenario:
-    """A design of a catalogue against a projectile."""
+def posed(case: Scenario, ceramic: Any, backing: Any, hc: float, hb: float, threat: Any) -> Scenario:
+    """A design of a catalogue against a threat: thickened along the line of fire, at normal incidence."""
+    cosine = cos(radians(threat.obliquity_deg))
     own = case.replaced(
         {
             "armour.ceramic": ceramic.material,
             "armour.backing": backing.material,
-            "armour.ceramic_thickness_mm": hc,
-            "armour.backing_thickness_mm": hb,
-            "impact.projectile": projectile,
+            "armour.ceramic_thickness_mm": hc / cosine,
+            "armour.backing_thickness_mm": hb / cosine,
+            "impact.projectile": threat.projectile,
         }
     )
     densities = {"ceramic.density_kg_m3": ceramic.density_kg_m3, "backing.density_kg_m3": backing.density_kg_m3}
@@ -70,8 +72,7 @@ def designs(
             for hc in ceramic.thicknesses():
                 for hb in backing.thicknesses():
                     against = [
-                        (posed(case, ceramic, backing, hc, hb, threat.projectile), threat.required_m_s)
-                        for threat in case.threat
+                        (posed(case, ceramic, backing, hc, hb, threat), threat.required_m_s) for threat in case.threat
                     ]
                     if not all(condition(*each) for each in against):
                         continue

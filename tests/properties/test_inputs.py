@@ -121,7 +121,7 @@ def test_any_input_ends_in_an_answer_or_in_messages(command: str):
     count, files = COMMANDS[command]
 
     @given(st.fixed_dictionaries(files), st.booleans())
-    @settings(max_examples=count, deadline=None, suppress_health_check=list(HealthCheck))
+    @settings(max_examples=count, suppress_health_check=list(HealthCheck))
     def run(contents: dict[str, bytes], as_json: bool) -> None:
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)

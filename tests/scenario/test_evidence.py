@@ -9,6 +9,7 @@ import pytest
 from armour.engine import batch
 from armour.errors import InputError
 from armour.scenario.evidence import MEASURES, ModelError, is_unusual, row_errors, row_limits, shipped_evidence
+from armour.scenario.inputs import OBLIQUITY
 from armour.scenario.library import shipped_library
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.units import GPA, MM
@@ -164,6 +165,8 @@ CASES = (
     scenario(ceramic=None, ceramic_mm=0.0, backing_mm=20.0, projectile="7.62 mm APM2"),
     scenario(ceramic=None, ceramic_mm=0.0, backing="Ti-6Al-4V"),
     scenario(projectile="20 mm FSP"),
+    *(scenario(ceramic=None, ceramic_mm=0.0).replaced({OBLIQUITY: angle}) for angle in (15.0, 30.0, 31.0)),
+    scenario().replaced({OBLIQUITY: 1.0}),
 )
 
 
@@ -171,9 +174,10 @@ CASES = (
 def test_rows_are_judged_like_scenarios(case: Scenario):
     rows = batch.fields(batch.packed([case.core_armour()] * 2))
     velocities = np.full(2, case.impact.velocity_m_s)
-    words = [warning.rpartition(", found ")[0] for warning in case.warnings(case.impact.velocity_m_s)]
-    assert sorted(row_limits(rows, velocities)) == sorted((warning, 2) for warning in words)
-    error, found = case.model_error(), row_errors(rows)
+    cosines = np.full(2, case.cosine())
+    words = [warning.partition(", found ")[0] for warning in case.warnings(case.impact.velocity_m_s)]
+    assert sorted(row_limits(rows, velocities, cosines)) == sorted((warning, 2) for warning in words)
+    error, found = case.model_error(), row_errors(rows, cosines)
     for name in ("mean_percent", "scale_percent", "degrees_of_freedom"):
         expected = np.nan if error is None else getattr(error, name)
         assert np.array_equal(getattr(found, name), [expected] * 2, equal_nan=True)
@@ -193,7 +197,7 @@ def test_an_error_at_the_ends_and_beyond():
     [
         ("Hb", 0.32, 9.7, True),
         ("rho_B", 2600.0, 8000.0, True),
-        ("YB", 0.18, 5.1, True),
+        ("YB", 0.18, 5.7, True),
         ("L0", 0.9, 3.6, True),
         ("rho_p", 7700.0, 15000.0, True),
         ("Yp", 2.3, 2.4, True),

@@ -23,7 +23,8 @@ BACKING_RATIO = MEASURES["backing_thickness_ratio"]
 BACKING_STRENGTH = MEASURES["backing_strength_GPa"]
 SLENDERNESS = MEASURES["rod_length_ratio"]
 TILES, BACKING_LAW, PRODUCT_LAW, *_PLATES = shipped_evidence()
-CORES_ON_ALUMINIUM, CORES_ON_STEEL, FRAGMENTS_ON_ALUMINIUM, FRAGMENTS_ON_STEEL = _PLATES
+CORES_ON_ALUMINIUM, CORES_ON_STEEL, FRAGMENTS_ON_ALUMINIUM, FRAGMENTS_ON_STEEL, *_OBLIQUE = _PLATES
+OBLIQUE_ON_ALUMINIUM, OBLIQUE_ON_STEEL = _OBLIQUE
 Cells = Mapping[str, Any]
 
 
@@ -32,15 +33,25 @@ def plates() -> SuiteResult:
     return validate(load_suite("plates"))
 
 
+def is_core(cells: Cells) -> bool:
+    return cells["kind"] == "armour-piercing"
+
+
+def is_normal(cells: Cells) -> bool:
+    return float(cells["impact.obliquity_deg"]) == 0.0
+
+
 def is_steel_core(cells: Cells) -> bool:
-    return cells["kind"] == "armour-piercing" and float(cells["projectile.density_kg_m3"]) < 8000.0
+    return is_core(cells) and is_normal(cells) and float(cells["projectile.density_kg_m3"]) < 8000.0
 
 
 BARE: dict[Evidence, tuple[str, Callable[[Cells], bool]]] = {
-    CORES_ON_ALUMINIUM: ("aluminium", lambda cells: cells["kind"] == "armour-piercing"),
+    CORES_ON_ALUMINIUM: ("aluminium", lambda cells: is_core(cells) and is_normal(cells)),
     CORES_ON_STEEL: ("steel", is_steel_core),
     FRAGMENTS_ON_ALUMINIUM: ("aluminium", lambda cells: cells["kind"] == "fragment simulator"),
     FRAGMENTS_ON_STEEL: ("steel", lambda cells: cells["kind"] == "fragment simulator"),
+    OBLIQUE_ON_ALUMINIUM: ("aluminium", lambda cells: is_core(cells) and not is_normal(cells)),
+    OBLIQUE_ON_STEEL: ("steel", lambda cells: is_core(cells) and not is_normal(cells)),
 }
 
 
@@ -115,7 +126,7 @@ def test_plates_left_out_alloy_by_alloy_lie_within_the_interval_of_the_others(pl
             factor = stats.t.ppf(0.975, len(np.unique(alloys)) - 2)
             within += int((abs(out - rest.mean()) <= factor * scale).sum())
         counts[evidence.title] = (within, len(errors))
-    assert list(counts.values()) == [(511, 528), (37, 39), (144, 147), (11, 12)]
+    assert list(counts.values()) == [(511, 528), (37, 39), (144, 147), (11, 12), (40, 42), (265, 278)]
     within, count = np.sum(list(counts.values()), axis=0)
     assert 0.93 <= within / count <= 0.97
 
@@ -130,7 +141,9 @@ def test_the_ranges_hold_the_tests(plates: SuiteResult, evidence: Evidence):
     diameter = column("projectile.penetrator_diameter_mm")
     area = pi * diameter**2 / 4.0
     values = {
-        BACKING_RATIO: column("armour.backing_thickness_mm") / diameter,
+        BACKING_RATIO: column("armour.backing_thickness_mm")
+        / np.cos(np.radians(column("impact.obliquity_deg")))
+        / diameter,
         BACKING_STRENGTH: 2.7e-3 * column("backing.dynamic_yield_strength_MPa"),
         SLENDERNESS: 1e6
         * column("projectile.penetrator_mass_g")

@@ -35,9 +35,8 @@ def unusual_designs(count: int, seed: int) -> Variants:
     grid = {"optimise": {"ceramic_thickness_mm": THICKNESSES, "backing_thickness_mm": THICKNESSES}}
     found = [design.replaced(grid) for design in random_wide_designs(2 * count, seed)]
     armours = [armour for armour in (design.core_armour() for design in found) if is_unusual(armour)][:count]
-    return Variants(
-        batch.packed(armours), np.exp(rng.uniform(np.log(100.0), np.log(3000.0), count)), settings_of(found[0])
-    )
+    velocities = np.exp(rng.uniform(np.log(100.0), np.log(3000.0), count))
+    return Variants(batch.packed(armours), velocities, np.ones(count), settings_of(found[0]))
 
 
 def nearly_unusual_designs(count: int, like: Variants) -> Variants:
@@ -64,7 +63,9 @@ def nearly_unusual_designs(count: int, like: Variants) -> Variants:
         "tau": strength * rng.uniform(0.1, 0.4, count),
         "shear_law": rng.integers(0, 2, count),
     }
-    return Variants(np.column_stack([columns.get(name, zero) for name in Parameters._fields]), zero, like.settings)
+    return Variants(
+        np.column_stack([columns.get(name, zero) for name in Parameters._fields]), zero, np.ones(count), like.settings
+    )
 
 
 def outcomes(designs: Variants, velocities: Floats) -> Bools:

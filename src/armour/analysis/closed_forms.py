@@ -15,6 +15,7 @@ from armour.analysis.ballistic_limit import ballistic_limit, bisect
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.variants import Floats
 from armour.errors import NoLimitError, Problem
+from armour.scenario.inputs import LAYERS
 from armour.scenario.keys import key_name
 from armour.scenario.scenario import Scenario
 from armour.units import MM, MPA, G
@@ -249,8 +250,10 @@ def florence_result(scenario: Scenario, body: Body, on_progress: OnProgress = ig
     """Compute Florence's limit and the best armour of the same areal density according to it."""
     mass_g, diameter_mm = _body(scenario, body)
     m, r, plates = mass_g * G, diameter_mm * MM / 2.0, _plates(scenario)
-    h1, h2 = florence_split(m, r, plates.rho1, plates.rho2, scenario.areal_density_kg_m2())
-    best = scenario.replaced({"armour.ceramic_thickness_mm": h1 / MM, "armour.backing_thickness_mm": h2 / MM})
+    cosine = scenario.cosine()
+    h1, h2 = florence_split(m, r, plates.rho1, plates.rho2, scenario.areal_density_kg_m2() / cosine)
+    best_mm = h1 * cosine / MM, h2 * cosine / MM
+    best = scenario.replaced(dict(zip(LAYERS, best_mm, strict=True)))
     try:
         model = ballistic_limit(best, on_progress=on_progress).ballistic_limit_m_s
     except NoLimitError:
@@ -260,8 +263,8 @@ def florence_result(scenario: Scenario, body: Body, on_progress: OnProgress = ig
         mass_g=mass_g,
         diameter_mm=diameter_mm,
         ballistic_limit_m_s=florence_limit(m, r, plates),
-        best_ceramic_thickness_mm=h1 / MM,
-        best_backing_thickness_mm=h2 / MM,
+        best_ceramic_thickness_mm=best_mm[0],
+        best_backing_thickness_mm=best_mm[1],
         best_thickness_ratio=h1 / h2,
         best_ballistic_limit_m_s=florence_limit(m, r, plates._replace(h1=h1, h2=h2)),
         model_ballistic_limit_m_s=model,
@@ -276,7 +279,7 @@ def _body(scenario: Scenario, body: Body) -> tuple[float, float]:
 
 
 def _plates(scenario: Scenario) -> Plates:
-    """Return the scenario's armour in the symbols of Florence's formula."""
+    """Return the scenario's armour, along the line of fire, in the symbols of Florence's formula."""
     armour = scenario.core_armour()
     metal = scenario.entry("metal", scenario.armour.backing)
     strength, strain = TENSILE

@@ -112,19 +112,19 @@ def bisect_rows(
 
 def least_ceramics_mm(variants: Variants, threads: int | None = None) -> Least:
     """Return the least ceramic thickness of the grid's range that defeats each impact, mm; NaN where none does."""
-    grid = variants.grid
-    low, high = grid.ceramic_thickness_mm.min, grid.ceramic_thickness_mm.max
-    found = batch.least_thicknesses(
-        variants.parameters,
-        variants.velocities,
-        low * MM,
-        high * MM,
-        THICKNESS_TOLERANCE_MM * MM,
-        variants.settings.options(threads),
-    )
-    check_resolved(found.resolved, variants)
-    # The perforated end of a bracket of thicknesses is the lower one.
-    below, above = found.perforated / MM, found.defeated / MM
+    low, high = variants.grid.ceramic_thickness_mm.min, variants.grid.ceramic_thickness_mm.max
+    below, above = np.empty_like(variants.velocities), np.empty_like(variants.velocities)
+    for cosine in np.unique(variants.cosines):
+        rows = variants.cosines == cosine
+        some = variants.at(rows)
+        range_m = low / cosine * MM, high / cosine * MM
+        options = variants.settings.options(threads)
+        found = batch.least_thicknesses(
+            some.parameters, some.velocities, *range_m, THICKNESS_TOLERANCE_MM * MM, options
+        )
+        check_resolved(found.resolved, some)
+        # The perforated end of a bracket of thicknesses is the lower one.
+        below[rows], above[rows] = found.perforated / MM * cosine, found.defeated / MM * cosine
     least = np.where(np.isfinite(above) & ~np.isfinite(below), low, np.nan)
     where = np.flatnonzero(np.isfinite(above) & np.isfinite(below))
 

@@ -11,7 +11,7 @@ from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem
 from armour.scenario.evidence import UNKNOWN, ModelError, is_unusual, row_errors, row_limits
-from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY, YIELD
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, LAYERS, OBLIQUITY, VELOCITY, YIELD, cosine_of
 from armour.scenario.library import DEFAULTS, ROD, length_mm
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import BallisticLimitSection, Optimise, Solver
@@ -41,13 +41,14 @@ class Settings(NamedTuple):
 class Variants(NamedTuple):
     """n variants of a scenario."""
 
-    parameters: Floats  # (n, fields), see `armour.engine.batch.packed`
+    parameters: Floats  # (n, fields), see `armour.engine.batch.packed`; thicknesses along the line of fire
     velocities: Floats  # impact velocities, m/s, (n,)
+    cosines: Floats  # of the obliquities, (n,)
     settings: Settings
 
     def at(self, where: Ints | Bools | slice) -> "Variants":
         """Return some of the rows."""
-        return Variants(self.parameters[where], self.velocities[where], self.settings)
+        return Variants(self.parameters[where], self.velocities[where], self.cosines[where], self.settings)
 
     @property
     def grid(self) -> Optimise:
@@ -59,23 +60,23 @@ class Variants(NamedTuple):
     def errors(self) -> ModelError:
         """Errors of the model, as numbers or arrays, (n,); NaN where unknown."""
         given = self.settings.error
-        return row_errors(batch.fields(self.parameters)) if given is None else given
+        return row_errors(batch.fields(self.parameters), self.cosines) if given is None else given
 
     @property
     def ceramics_mm(self) -> Floats:
         """Ceramic thicknesses, mm, (n,)."""
-        return batch.fields(self.parameters).Hc0 / MM
+        return batch.fields(self.parameters).Hc0 / MM * self.cosines
 
     @property
     def backings_mm(self) -> Floats:
         """Back plate thicknesses, mm, (n,)."""
-        return batch.fields(self.parameters).Hb / MM
+        return batch.fields(self.parameters).Hb / MM * self.cosines
 
     @property
     def areal_densities_kg_m2(self) -> Floats:
         """Areal densities, kg/m², (n,)."""
         p = batch.fields(self.parameters)
-        return p.rho_c * p.Hc0 + p.rho_B * p.Hb
+        return (p.rho_c * p.Hc0 + p.rho_B * p.Hb) * self.cosines
 
 
 def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:
@@ -84,7 +85,13 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
     Each row equals the scenario that `Scenario.with_inputs` makes of its values.
     """
     rows = np.tile(batch.packed([scenario.core_armour()]), (count, 1))
-    _set_inputs(rows, columns)
+    cosines = np.full(count, scenario.cosine())
+    if OBLIQUITY in columns:
+        # The cosine of NumPy may differ from that of a single scenario in the last digit.
+        cosines[:] = [cosine_of(obliquity) for obliquity in columns[OBLIQUITY].tolist()]
+        given = scenario.inputs()
+        columns = {**{name: np.full(count, given[name]) for name in LAYERS if name in given}, **columns}
+    _set_inputs(rows, columns, cosines)
     field = batch.fields(rows)
     rod = {key: f"projectile.{key}" for key in ROD}
     if any(name in columns for name in rod.values()):
@@ -98,25 +105,30 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
                 target = INPUTS[f"backing.{key}"]
                 getattr(field, target.field)[:] = DEFAULTS[key][0] * columns[YIELD] * target.factor
     velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
-    return Variants(rows, velocities, settings_of(scenario))
+    return Variants(rows, velocities, cosines, settings_of(scenario))
 
 
-def _set_inputs(parameters: Floats, columns: Mapping[str, Floats | float]) -> None:
-    """Set parameters of rows to values of named inputs, among them the thicknesses of the layers."""
+def _set_inputs(parameters: Floats, columns: Mapping[str, Floats | float], cosines: Floats) -> None:
+    """Set parameters of rows to values of named inputs, given the cosines of the obliquities."""
     for name, values in columns.items():
         if INPUTS[name].field:
-            getattr(batch.fields(parameters), INPUTS[name].field)[:] = np.asarray(values) * INPUTS[name].factor
+            values = np.asarray(values) / cosines if name in LAYERS else np.asarray(values)
+            getattr(batch.fields(parameters), INPUTS[name].field)[:] = values * INPUTS[name].factor
 
 
 def concatenated(parts: Sequence[Variants]) -> Variants:
     """Concatenate variants with equal settings."""
-    parameters = np.concatenate([part.parameters for part in parts])
-    return Variants(parameters, np.concatenate([part.velocities for part in parts]), parts[0].settings)
+    return Variants(
+        np.concatenate([part.parameters for part in parts]),
+        np.concatenate([part.velocities for part in parts]),
+        np.concatenate([part.cosines for part in parts]),
+        parts[0].settings,
+    )
 
 
 def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
     """Yield the limits of what the model was compared with that some rows lie outside of, and how many do."""
-    return row_limits(batch.fields(variants.parameters), variants.velocities if velocities else None)
+    return row_limits(batch.fields(variants.parameters), variants.velocities if velocities else None, variants.cosines)
 
 
 def unusual(variants: Variants) -> Bools:
@@ -167,5 +179,5 @@ def with_thicknesses(
     """Return the variants with other thicknesses, mm."""
     parameters = variants.parameters.copy()
     given = {CERAMIC: ceramic_mm, BACKING: backing_mm}
-    _set_inputs(parameters, {name: values for name, values in given.items() if values is not None})
+    _set_inputs(parameters, {name: values for name, values in given.items() if values is not None}, variants.cosines)
     return variants._replace(parameters=parameters)

@@ -52,8 +52,9 @@ tables = _files(".csv", shipped_tests)
 def entries() -> list[str]:
     """Return the names in the library."""
     from armour.scenario.library import shipped_library
+    from armour.scenario.threats import named_threats
 
-    return [name for names in shipped_library().entries.values() for name in names]
+    return [*(name for names in shipped_library().entries.values() for name in names), *named_threats()]
 
 
 def inputs() -> list[str]:
@@ -89,10 +90,12 @@ def assignments(incomplete: str) -> list[str]:
     from armour.scenario.inputs import INPUTS, NAMES, ROLES
     from armour.scenario.library import shipped_library
     from armour.scenario.scenario import Scenario
+    from armour.scenario.threats import THREAT, named_threats
 
     key, equal, _ = incomplete.partition("=")
     if equal:
         words = {name: shipped_library().names(ROLES[role]) for role, name in NAMES.items()}
+        words[THREAT] = list(named_threats())
         choices = {name: _choices(annotation) for name, annotation in _keys(Scenario)}
         return [f"{key}={word}" for word in (choices | words).get(key, ())]
     # The many keys of distributions are only of use where one is begun.

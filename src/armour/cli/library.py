@@ -14,14 +14,16 @@ from armour.files import shipped_files, shipped_suites, shipped_tests, wrong_end
 
 
 def list_library(ctx: typer.Context, as_json: AsJson = False) -> None:
-    """List materials and projectiles."""
+    """List materials, projectiles and threats."""
     if ctx.invoked_subcommand is not None:
         return
     from armour.reporting.views.library import library_tables
     from armour.scenario.library import shipped_library
+    from armour.scenario.threats import named_threats
 
     library = shipped_library()
-    respond(library.to_dict(), library_tables(library), as_json=as_json)
+    threats = {name: threat.model_dump() for name, threat in named_threats().items()}
+    respond({**library.to_dict(), "threat": threats}, library_tables(library), as_json=as_json)
 
 
 def show_entry(
@@ -30,14 +32,19 @@ def show_entry(
     as_json: AsJson = False,
 ) -> None:
     """Show an entry with the source of every value."""
-    from armour.reporting.views.library import entry_tables
+    from armour.reporting.views.library import entry_tables, threat_table
     from armour.scenario.library import shipped_library
+    from armour.scenario.threats import named_threats
 
+    as_json = as_json or (ctx.parent is not None and ctx.parent.params["as_json"])
+    if threat := named_threats().get(name):
+        content = {"kind": "threat", "name": name, **threat.model_dump()}
+        respond(content, [threat_table({name: threat}), f"source: {threat.source}"], as_json=as_json, of=[name])
+        return
     try:
         entries = shipped_library().find(name)
     except KeyError as error:
         raise InputError([Problem("library", name, error.args[0])]) from None
-    as_json = as_json or (ctx.parent is not None and ctx.parent.params["as_json"])
     for entry in entries:
         respond(entry.to_dict(), entry_tables(entry), as_json=as_json, of=[f"{entry.name} ({entry.kind})"])
 

@@ -194,7 +194,7 @@ def warnings_of(
         return []
     unused = () if of_threats else scenario.unused_threats()
     found = dict.fromkeys((*unused, *warnings))
-    notes = (f"note: {note}" for note in scenario.entry_notes)
+    notes = (f"note: {note}" for note in scenario.notes)
     return [*notes, *(f"warning: {file or scenario.file}: {warning}" for warning in found)]
 
 

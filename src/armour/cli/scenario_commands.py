@@ -28,6 +28,7 @@ from armour.cli.question import (
 from armour.cli.runner import as_options, check_outputs, read_scenario, respond, say_if_compiling, write, wrong_option
 from armour.errors import InputError, Problem, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
+from armour.scenario.inputs import SHOT
 
 if TYPE_CHECKING:
     from armour.analysis.results import OnProgress
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
     from armour.sweeps.sweep import Effort
 
 # What a ballistic limit depends on, see `armour.scenario.reach`.
-LIMIT_READS = ("impact.projectile", "armour", "ballistic_limit", "uncertainty.model")
+LIMIT_READS = (*SHOT, "ballistic_limit", "uncertainty.model")
 
 
 @question(
@@ -172,7 +173,7 @@ def sweep(
     check_outputs(None if begun else output, plot=plot, updated=output if begun else None, force=force)
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
-    loaded = read_scenario(scenario, changes, ("impact.projectile", "armour", *reads), what="the sweep")
+    loaded = read_scenario(scenario, changes, (*SHOT, *reads), what="the sweep")
     if (cases is None) == (not over):
         raise _wrong("give either --over or --cases")
     if plot is not None and len(over or []) not in (1, 2):

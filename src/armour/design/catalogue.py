@@ -12,7 +12,7 @@ from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, set
 from armour.core.state import Parameters
 from armour.engine import batch
 from armour.errors import Problem, refuse
-from armour.scenario.inputs import INPUTS, ROLES, VELOCITY, fields_of, inputs_of_entry
+from armour.scenario.inputs import INPUTS, OBLIQUITY, ROLES, cosine_of, fields_of, inputs_of_entry
 from armour.scenario.library import penetrator_length_mm
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import (
@@ -90,7 +90,7 @@ class Catalogue:
     offers: tuple[Offer, ...]
     layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, fields)
     projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, fields)
-    values: Mapping[str, frozenset[float | None]]  # of the inputs of materials and projectiles; None where one has none
+    values: Mapping[str, frozenset[float | None]]  # of the inputs of materials and threats; None where one has none
     more_margin_m_s: float = 0.0  # required of every threat
 
     def against(self, pair: int, threat: int) -> Scenario:
@@ -100,8 +100,7 @@ class Catalogue:
             "threat": [],  # without the catalogue, the other changes are made more quickly
             "design": None,
             "armour.backing": backing.material,
-            "impact.projectile": self.threats[threat].projectile,
-            VELOCITY: self.threats[threat].velocity_m_s,
+            **self.threats[threat].as_impact(),
         }
         if ceramic.material:
             changes["armour.ceramic"] = ceramic.material
@@ -113,6 +112,11 @@ class Catalogue:
     def velocities_m_s(self) -> Floats:
         """Velocities of the threats, m/s, (threats,)."""
         return np.array([threat.velocity_m_s for threat in self.threats])
+
+    @cached_property
+    def cosines(self) -> Floats:
+        """Cosines of the obliquities of the threats, (threats,)."""
+        return np.array([cosine_of(threat.obliquity_deg) for threat in self.threats])
 
     def variants(self, candidates: Candidates, threat: int | Ints) -> Variants:
         """Return designs against a threat, or against one each, as rows at the velocities that these require."""
@@ -135,8 +139,8 @@ class Catalogue:
     def _at_threat(self, candidates: Candidates, threat: int | Ints) -> Variants:
         """Return designs against a threat, or against one each, as rows at its velocity."""
         parameters = self.layers[candidates.pair] + self.projectiles[threat]
-        velocities = np.full(len(parameters), self.velocities_m_s[threat])
-        rows = Variants(parameters, velocities, settings_of(self.scenario))
+        velocities, cosines = (np.full(len(parameters), each[threat]) for each in (self.velocities_m_s, self.cosines))
+        rows = Variants(parameters, velocities, cosines, settings_of(self.scenario))
         return with_thicknesses(rows, ceramic_mm=candidates.ceramic_mm, backing_mm=candidates.backing_mm)
 
     def _required_m_s(self, rows: Variants, threat: int | Ints) -> Floats:
@@ -236,8 +240,7 @@ class Catalogue:
 def catalogue_of(scenario: Scenario) -> Catalogue:
     """Return the catalogue of a scenario; its impact is the threat if it lists none."""
     section = _section_of(scenario)
-    own = Threat(projectile=scenario.impact.projectile, velocity_m_s=scenario.impact.velocity_m_s)
-    threats = tuple(scenario.threat) or (own,)
+    threats = scenario.threats()
     titles = tuple(threat.title for threat in threats)
     bounds = [_bound_of(threat, section) for threat in threats]
     bounded = min(bounds) < NO_BOUND
@@ -293,9 +296,12 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         layers,
         rows["projectile"],
         {
-            name: frozenset(own.get(name) for own in given[role])
-            for name in INPUTS
-            if (role := name.split(".")[0]) in ROLES
+            OBLIQUITY: frozenset(threat.obliquity_deg for threat in threats),
+            **{
+                name: frozenset(own.get(name) for own in given[role])
+                for name in INPUTS
+                if (role := name.split(".")[0]) in ROLES
+            },
         },
     )
 

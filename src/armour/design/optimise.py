@@ -16,9 +16,9 @@ from armour.design.search import Requirement, Search
 from armour.errors import NoDesignError, Note, Problem, refuse
 from armour.scenario.checked import checked
 from armour.scenario.evidence import MEASURES, ModelError, armour_warnings, error_on_tests
-from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
+from armour.scenario.inputs import BACKING, CERAMIC, NAMES, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario, Varied
-from armour.scenario.schema import DesignSection
+from armour.scenario.schema import DesignSection, shot
 
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
@@ -288,9 +288,8 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
 def _unused_impact(scenario: Scenario) -> Iterator[Note]:
     """Give a warning where the impact is none of the threats, which are used in its place."""
     impact = scenario.impact
-    own = (impact.projectile, impact.velocity_m_s)
-    if scenario.threat and own not in [(threat.projectile, threat.velocity_m_s) for threat in scenario.threat]:
-        yield Note(f"{own[0]} at {own[1]:g} m/s is none of the threats, against which the armour is designed", "impact")
+    if scenario.threat and shot(impact) not in map(shot, scenario.threat):
+        yield Note(f"{shot(impact)} is none of the threats, against which the armour is designed", "impact")
 
 
 def _without(search: Search, pair: int, frontier: Ints) -> tuple[float, ...]:
@@ -308,8 +307,10 @@ def _outside(search: Search, place: int) -> list[str]:
     found: list[str] = []
     for i, threat in enumerate(catalogue.threats):
         keys = {of.key: f"threat[{i}].projectile" for name, of in MEASURES.items() if name.startswith("rod_")}
-        keys = {VELOCITY: f"threat[{i}].velocity_m_s", **keys} if catalogue.scenario.threat else {}
-        found += armour_warnings(_armour(search, place, i), ceramic, threat.velocity_m_s, keys)
+        own = {name: f"threat[{i}].{name.partition('.')[2]}" for name in (VELOCITY, OBLIQUITY)}
+        keys = {**own, **keys} if catalogue.scenario.threat else {}
+        cosine = float(catalogue.cosines[i])
+        found += armour_warnings(_armour(search, place, i), ceramic, threat.velocity_m_s, cosine, keys)
     return list(dict.fromkeys(found))
 
 
@@ -423,7 +424,9 @@ def _model_error(search: Search, place: int, threat: int) -> ModelError | None:
     scenario = search.catalogue.scenario
     if scenario.excludes_error():
         return None
-    return scenario.given_error() or error_on_tests(_armour(search, place, threat))
+    return scenario.given_error() or error_on_tests(
+        _armour(search, place, threat), float(search.catalogue.cosines[threat])
+    )
 
 
 def _armour(search: Search, place: int, threat: int) -> Parameters:

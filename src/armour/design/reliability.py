@@ -67,7 +67,9 @@ class Reliability:
         layers = {CERAMIC: ceramic_mm, BACKING: backing_mm} if CERAMIC in own else {BACKING: backing_mm}
         [row] = variants_of(scenario, {name: np.array([value]) for name, value in layers.items()}, 1).parameters
         armour = Parameters(*row.tolist())
-        error = None if scenario.excludes_error() else scenario.given_error() or error_on_tests(armour)
+        error = (
+            None if scenario.excludes_error() else scenario.given_error() or error_on_tests(armour, scenario.cosine())
+        )
         if error is None and not scenario.excludes_error():
             return None
         own |= layers

@@ -28,9 +28,9 @@ from armour.reporting.views import uncertainty as uncertainty_view
 from armour.reporting.views.confidence import DEFEAT, SAMPLED_ALONE, chance, extrapolation, from_tests
 from armour.reporting.views.design import AREAL_DENSITY, BALLISTIC_LIMIT, COST, MARGIN, REQUIRED, required_margins
 from armour.reporting.views.library import entry_table
-from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, ROLES, VELOCITY
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, ROLES
 from armour.scenario.scenario import Scenario, title_beside
-from armour.scenario.schema import Threat
+from armour.scenario.schema import Threat, shot
 from armour.statistics.sensitivity import SensitivityResult, sensitivity
 from armour.statistics.uncertainty import UncertaintyResult, probability_of_perforation, uncertainty
 
@@ -130,13 +130,7 @@ def _limit(scenario: Scenario) -> tuple[LimitResult | None, ConfidenceResult]:
 
 def _faced(scenario: Scenario) -> list[tuple[Scenario, Threat]]:
     """Return every threat, with the scenario of its impact."""
-    impact = scenario.impact
-    if not scenario.threat:
-        return [(scenario, Threat(projectile=impact.projectile, velocity_m_s=impact.velocity_m_s))]
-    return [
-        (scenario.replaced({"impact.projectile": threat.projectile, VELOCITY: threat.velocity_m_s}), threat)
-        for threat in scenario.threat
-    ]
+    return [(scenario.against(threat), threat) for threat in scenario.threats()]
 
 
 def _against(scenario: Scenario, threat: Threat, design: DesignResult | None) -> AgainstThreat:
@@ -284,7 +278,7 @@ def _outcome(contents: Contents) -> Card:
         distributed = any(found.sampled for found in contents.threats)
         details = (_against_words(found, exact=distributed and not found.sampled) for found in contents.threats)
         return Card(subject, " and ".join(named), "; ".join(details))
-    against = f"{impact.projectile} at {impact.velocity_m_s:g} m/s"
+    against = shot(impact)
     limit = "ballistic limit outside the range searched"
     if contents.limit is not None:
         found = contents.limit.ballistic_limit_m_s

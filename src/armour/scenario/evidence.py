@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from armour.core.state import Parameters
 from armour.errors import InputError, Note, Problem
 from armour.files import read_toml, shipped
-from armour.scenario.inputs import VELOCITY
+from armour.scenario.inputs import OBLIQUITY, VELOCITY, cosine_of
 from armour.units import GPA
 
 # Factor by which a quantity of an unusual armour lies outside of all that the model was compared with.
@@ -154,13 +154,23 @@ class Evidence(NamedTuple):
     ranges: tuple[DataRange, ...]  # outside them, but for the ceramic, an armour is like none that was compared
     velocities_m_s: tuple[float, float]
     error: tuple[float, float, float]  # mean and scale, per cent, and degrees of freedom
+    obliquity_max_deg: float  # 0 for tests at normal incidence; else of tests at an angle up to this one
 
-    def differences(self, armour: Parameters) -> Any:
-        """Return in how many respects an armour, or each of n, differs; with and without ceramic in most."""
-        found = MOST * (self.bare != (armour.Hc0 == 0.0))
+    def differences(self, armour: Parameters, cosine: Any = 1.0) -> Any:
+        """Return in how many respects an armour at an angle, or each of n, differs; with and without ceramic in most.
+
+        `cosine` is that of the obliquity.
+        """
+        found = MOST * (self.bare != (armour.Hc0 == 0.0)) + self.fails_angle(cosine)
         for limits in self.kind:
             found = found + limits.fails(armour)
         return found
+
+    def fails_angle(self, cosine: Any) -> Any:
+        """Return whether there are no tests at such an angle, or each of many."""
+        if self.obliquity_max_deg == 0.0:
+            return cosine < 1.0
+        return (cosine == 1.0) | (cosine < cosine_of(self.obliquity_max_deg))
 
 
 def _ranges(data: Mapping[str, tuple[float, float]]) -> tuple[DataRange, ...]:
@@ -206,6 +216,7 @@ def shipped_evidence() -> tuple[Evidence, ...]:
                 ranges=_ranges({name: ends for name, ends in kind.items() if name not in within} | within),
                 velocities_m_s=tuple(data["velocities_m_s"]),
                 error=tuple(data["error"][key] for key in ("mean_percent", "scale_percent", "degrees_of_freedom")),
+                obliquity_max_deg=data.get("obliquity_max_deg", 0.0),
             )
         )
     return tuple(found)
@@ -233,18 +244,18 @@ class Limit(NamedTuple):
     value: Any = None  # number or array, (n,); None where the name of the ceramic tells it
 
 
-def error_on_tests(armour: Parameters) -> ModelError | None:
-    """Return the error of the ballistic limit on tests of such armours; None if there are none."""
-    evidence = closest(armour)
-    if evidence.differences(armour):
+def error_on_tests(armour: Parameters, cosine: float = 1.0) -> ModelError | None:
+    """Return the error of the ballistic limit on tests of such armours at such an angle; None if there are none."""
+    evidence = closest(armour, cosine)
+    if evidence.differences(armour, cosine):
         return None
     extrapolated = tuple(str(limits) for limits in evidence.measured if limits.fails(armour))
     return ModelError(*evidence.error, evidence.title, extrapolated)
 
 
-def closest(armour: Parameters) -> Evidence:
-    """Return the evidence whose kind of armour and penetrator an armour differs from in the fewest respects."""
-    return min(shipped_evidence(), key=lambda evidence: evidence.differences(armour))
+def closest(armour: Parameters, cosine: float = 1.0) -> Evidence:
+    """Return the evidence whose kind of armour, penetrator and angle an armour differs from in the fewest respects."""
+    return min(shipped_evidence(), key=lambda evidence: evidence.differences(armour, cosine))
 
 
 def is_unusual(armour: Parameters) -> Any:
@@ -263,29 +274,35 @@ def is_unusual(armour: Parameters) -> Any:
 
 
 def armour_warnings(
-    armour: Parameters, ceramic: str | None, velocity: float, keys: Mapping[str, str]
+    armour: Parameters, ceramic: str | None, velocity: float, cosine: float, keys: Mapping[str, str]
 ) -> tuple[Note, ...]:
     """Return the ways in which an armour is unlike what the model was compared with, as "key: what, value found".
 
     `ceramic` is the name of its ceramic, and `keys` are keys to name in place of others.
     """
-    outside = (limit for limit in limits_of(closest(armour), armour, velocity) if limit.outside)
-    return tuple(
-        Note(f"{limit.words}, found {_found(ceramic, limit)}", keys.get(limit.key, limit.key)) for limit in outside
-    )
+    limits = limits_of(closest(armour, cosine), armour, velocity, cosine)
+    outside = (limit for limit in limits if limit.outside)
+    return tuple(Note(f"{limit.words}{_found(ceramic, limit)}", keys.get(limit.key, limit.key)) for limit in outside)
 
 
 def _found(ceramic: str | None, limit: Limit) -> str:
+    if limit.key == OBLIQUITY:
+        return ""
     if limit.value is None:
-        return f'"{ceramic}"'
-    return f"{limit.value:.0f}" if limit.value >= 100.0 else f"{limit.value:.3g}"
+        return f', found "{ceramic}"'
+    return f", found {limit.value:.0f}" if limit.value >= 100.0 else f", found {limit.value:.3g}"
 
 
-def limits_of(evidence: Evidence, armour: Parameters, velocity: Any) -> Iterator[Limit]:
-    """Give the limits of some evidence, and whether an armour and a velocity, or each of many, lie outside them.
+def limits_of(evidence: Evidence, armour: Parameters, velocity: Any, cosine: Any) -> Iterator[Limit]:
+    """Give the limits of some evidence, and whether an armour, a velocity and an angle, or each of many, are outside.
 
     The velocity is None where none is to be compared.
     """
+    most = max(other.obliquity_max_deg for other in shipped_evidence() if other.bare == evidence.bare)
+    tests = (
+        f"tests of such plates at up to {most:g}° only" if most else "no test of an armour with a ceramic at an angle"
+    )
+    yield Limit(OBLIQUITY, f"the model was compared with {tests}", evidence.fails_angle(cosine))
     if velocity is not None:
         low, high = evidence.velocities_m_s
         words = f"the model was compared with results at {low:g} to {high:g} m/s"
@@ -320,29 +337,31 @@ def _of_ceramic(evidence: Evidence, armour: Parameters) -> Iterator[Limit]:
     yield Limit("armour.ceramic", words, untested ^ unknown)
 
 
-def row_errors(armour: Any) -> ModelError:
-    """Return the errors of n armours from tests of such armours, (n,) each; NaN where unknown."""
+def row_errors(armour: Any, cosines: Any) -> ModelError:
+    """Return the errors of n armours at angles from tests of such armours, (n,) each; NaN where unknown."""
     # Imported here because a scenario without rows does not need numpy.
     import numpy as np
 
     found = np.full((3, len(armour.Hc0)), np.nan)
     for evidence in shipped_evidence():
-        found[:, evidence.differences(armour) == 0] = np.array(evidence.error)[:, None]
+        found[:, evidence.differences(armour, cosines) == 0] = np.array(evidence.error)[:, None]
     return ModelError(*found)
 
 
-def row_limits(armour: Any, velocities: Any) -> Iterator[tuple[str, int]]:
+def row_limits(armour: Any, velocities: Any, cosines: Any) -> Iterator[tuple[str, int]]:
     """Yield the limits, as "key: words", that some of n armours lie outside of, and how many do.
 
-    The parameters of the armours are arrays, (n,), as are velocities, which are None where none are to be compared.
+    The parameters of the armours are arrays, (n,), as are the cosines of the obliquities and the velocities, which are
+    None where none are to be compared.
     """
     import numpy as np
 
-    nearest = np.argmin([evidence.differences(armour) for evidence in shipped_evidence()], axis=0)
+    nearest = np.argmin([evidence.differences(armour, cosines) for evidence in shipped_evidence()], axis=0)
     for index in np.unique(nearest):
         where = nearest == index
         some = Parameters(*(values[where] for values in armour))
-        for limit in limits_of(shipped_evidence()[index], some, None if velocities is None else velocities[where]):
+        speeds = None if velocities is None else velocities[where]
+        for limit in limits_of(shipped_evidence()[index], some, speeds, cosines[where]):
             count = int(np.count_nonzero(limit.outside))
             if count:
                 yield f"{limit.key}: {limit.words}", count

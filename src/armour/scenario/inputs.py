@@ -5,6 +5,7 @@ as "ceramic.flow_stress_GPa": a property of the scenario's ceramic, independent 
 """
 
 from collections.abc import Mapping
+from math import cos, radians
 from typing import TYPE_CHECKING, NamedTuple
 
 from armour.units import GPA, MM, MPA
@@ -16,6 +17,10 @@ if TYPE_CHECKING:  # the help of the command line lists inputs, and should not w
 ROLES: dict[str, "Kind"] = {"projectile": "projectile", "ceramic": "ceramic", "backing": "metal"}
 # Keys of the scenario that name its library entries, by role.
 NAMES = {"projectile": "impact.projectile", "ceramic": "armour.ceramic", "backing": "armour.backing"}
+
+
+# What every impact depends on, whatever its velocity.
+SHOT = ("impact.projectile", "impact.threat", "impact.obliquity_deg", "armour")
 
 
 class Input(NamedTuple):
@@ -41,12 +46,13 @@ class Input(NamedTuple):
         return ROLES.get(self.section)
 
 
-VELOCITY = "impact.velocity_m_s"
-CERAMIC, BACKING = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
+VELOCITY, OBLIQUITY = "impact.velocity_m_s", "impact.obliquity_deg"
+CERAMIC, BACKING = LAYERS = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 YIELD = "backing.dynamic_yield_strength_MPa"
 
 _ALL = (
     Input(VELOCITY),
+    Input(OBLIQUITY),
     Input(CERAMIC, "Hc0", MM),
     Input(BACKING, "Hb", MM),
     Input("projectile.penetrator_diameter_mm", "D0", MM),
@@ -78,6 +84,17 @@ def inputs_of_entry(role: str, entry: "LibraryEntry") -> dict[str, float]:
     }
 
 
+def cosine_of(obliquity_deg: float) -> float:
+    """Return the cosine of an obliquity: the thickness of a layer over its thickness along the line of fire."""
+    return cos(radians(obliquity_deg))
+
+
 def fields_of(inputs: Mapping[str, float]) -> dict[str, float]:
-    """Return the parameters of the core that inputs set, by field, SI units."""
-    return {INPUTS[name].field: value * INPUTS[name].factor for name, value in inputs.items() if INPUTS[name].field}
+    """Return the parameters of the core that inputs set, by field, SI units; thicknesses along the line of fire."""
+    cosine = cosine_of(inputs.get(OBLIQUITY, 0.0))
+    along = {name: inputs[name] / cosine for name in LAYERS if name in inputs}
+    return {
+        INPUTS[name].field: value * INPUTS[name].factor
+        for name, value in {**inputs, **along}.items()
+        if INPUTS[name].field
+    }

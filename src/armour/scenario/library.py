@@ -17,7 +17,7 @@ from armour.errors import InputError, Problem, refuse, suggestion
 from armour.files import read_toml, shipped
 from armour.scenario.checked import checked
 from armour.scenario.keys import describe, key_name
-from armour.scenario.sections import NOT_TINY, NUMBER, NumberOrText, Section, validated
+from armour.scenario.sections import NOT_TINY, NUMBER, Items, NumberOrText, Section, validated
 from armour.units import GPA, MM, MPA, G
 
 Status = Literal["measured", "nominal", "fitted", "assumed"]
@@ -84,6 +84,8 @@ class Entry(Section):
     """Description of the entry."""
     based_on: str | None = None
     """Name of the entry that supplies every value not given."""
+    aliases: Items[str] = ()
+    """Other names of the entry."""
 
     def values(self) -> dict[str, Value[float]]:
         """Return the values that the entry gives, by key."""
@@ -197,6 +199,8 @@ class LibraryEntry:
         Keys of values that follow from other values.
     file : str
         File that defines it; empty for the shipped library.
+    aliases : tuple of str
+        Other names of it.
     """
 
     kind: Kind
@@ -205,6 +209,7 @@ class LibraryEntry:
     values: Mapping[str, Value[float]]
     derived: frozenset[str] = frozenset()
     file: str = field(default="", compare=False, repr=False)
+    aliases: tuple[str, ...] = ()
 
     def __getitem__(self, key: str) -> float:
         """Return the number of a key."""
@@ -213,7 +218,8 @@ class LibraryEntry:
     def to_dict(self) -> dict[str, Any]:
         """Return the entry as plain data."""
         values = {key: value.model_dump() for key, value in self.values.items()}
-        return {"kind": self.kind, "name": self.name, "description": self.description, **values}
+        aliases = {"aliases": list(self.aliases)} if self.aliases else {}
+        return {"kind": self.kind, "name": self.name, "description": self.description, **aliases, **values}
 
 
 def penetrator_length_mm(projectile: LibraryEntry) -> float:
@@ -271,18 +277,25 @@ class Library:
 
     def entry(self, kind: Kind, name: str) -> LibraryEntry:
         """Return an entry; if there is none, an InputError suggests the closest name."""
-        known = self.names(kind)
+        self.names(kind)
+        known = self.known(kind)
         if name not in known:
-            message = f"must name a {kind} of the library, found {describe(name)}{suggestion(str(name), known)}"
+            message = f"must name a {kind} of the library, found {describe(name)}{suggestion(str(name), list(known))}"
             raise InputError([Problem("library", "name", message)])
-        return self.entries[kind][name]
+        return self.entries[kind][known[name]]
+
+    def known(self, kind: Kind) -> dict[str, str]:
+        """Return the names of the entries of a kind by each name that they have."""
+        entries = self.entries[kind].values()
+        others = {other: entry.name for entry in entries for other in entry.aliases}
+        return others | {entry.name: entry.name for entry in entries}
 
     @checked
     def find(self, name: str) -> list[LibraryEntry]:
         """Return the entries of a name, of any kind; if there is none, a KeyError suggests the closest name."""
-        found = [entries[name] for entries in self.entries.values() if name in entries]
+        found = [self.entry(kind, name) for kind in KINDS if name in self.known(kind)]
         if not found:
-            known = [known for kind in KINDS for known in self.names(kind)]
+            known = [known for kind in KINDS for known in self.known(kind)]
             raise KeyError(f'no entry of the library is called "{name}"{suggestion(name, known)}')
         return found
 
@@ -353,7 +366,7 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
             values[key] = Value[float](value=factor * strength, source=source)
     ordered = {key: values[key] for key in _keys(kind) if key in values}
     description = entry.description or (base.description if base else "")
-    return LibraryEntry(kind, name, description, ordered, frozenset(derived), file)
+    return LibraryEntry(kind, name, description, ordered, frozenset(derived), file, entry.aliases)
 
 
 def _keys(kind: Kind) -> list[str]:

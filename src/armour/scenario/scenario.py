@@ -23,8 +23,10 @@ from armour.scenario.inputs import (
     CERAMIC,
     INPUTS,
     NAMES,
+    OBLIQUITY,
     ROLES,
     VELOCITY,
+    cosine_of,
     fields_of,
     inputs_of_entry,
 )
@@ -54,8 +56,11 @@ from armour.scenario.schema import (
     Solver,
     Threat,
     Uncertainty,
+    at_angle,
+    shot,
 )
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, Section, model_in, problems_of
+from armour.scenario.threats import GIVEN, THREAT
 from armour.units import MM, missing_unit
 
 if TYPE_CHECKING:
@@ -69,6 +74,7 @@ Varied = Mapping[str, Sequence[object]]
 ANY_VELOCITY: Varied = {VELOCITY: ()}
 # Names and threats that are listed.
 MAX_LISTED = 3
+LEFT_OUT_AT_ANGLES = "ricochet, yaw and bending of the core are not in the model"
 # Degrees of freedom from which Student's t distribution is as good as normal.
 NORMAL = 1e6
 
@@ -135,9 +141,13 @@ class Scenario(Section):
         return self._source.file
 
     @property
-    def entry_notes(self) -> tuple[str, ...]:
-        """A line for each entry that replaces one of its name, on which it is not based."""
-        return self._entries.notes
+    def notes(self) -> tuple[str, ...]:
+        """A line for each value or entry of the scenario that takes precedence over another, and on its angles."""
+        of_threats = {"impact": self.impact, **{f"threat[{i}]": threat for i, threat in enumerate(self.threat)}}
+        given = [f"{self.file}: {key}.{words}" for key, of in of_threats.items() for words in of.replaced_values()]
+        oblique = [key for key, of in of_threats.items() if of.obliquity_deg]
+        left_out = [f"{self.file}: {key}.obliquity_deg: {LEFT_OUT_AT_ANGLES}" for key in oblique[:1]]
+        return (*self._entries.notes, *given, *left_out)
 
     def entry(self, kind: Kind, name: str) -> LibraryEntry:
         """Return an entry of the scenario's library; if there is none, an InputError suggests the closest name."""
@@ -221,7 +231,7 @@ class Scenario(Section):
         return ""
 
     def core_armour(self) -> Parameters:
-        """Return projectile and armour as parameters of the core, SI units."""
+        """Return projectile and armour as parameters of the core, SI units; thicknesses along the line of fire."""
         fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self.inputs())
         fields["L0"] = penetrator_length_mm(self.entry("projectile", self.impact.projectile)) * MM
         fields["shear_law"] = SHEAR_LAWS[self.model.shear_perimeter]
@@ -229,8 +239,13 @@ class Scenario(Section):
 
     def areal_density_kg_m2(self) -> float:
         """Compute the areal density of the armour, kg/m²."""
-        armour = self.core_armour()
-        return armour.rho_c * armour.Hc0 + armour.rho_B * armour.Hb
+        densities = self.core_armour()
+        ceramic, backing = self.armour.ceramic_thickness_mm * MM, self.armour.backing_thickness_mm * MM
+        return densities.rho_c * ceramic + densities.rho_B * backing
+
+    def cosine(self) -> float:
+        """Return the cosine of the obliquity."""
+        return cosine_of(self.impact.obliquity_deg)
 
     def armour_words(self) -> str:
         """Return thicknesses and names of the layers, such as "6.35 mm AD85 on 6.35 mm 6061-T6"."""
@@ -330,20 +345,30 @@ class Scenario(Section):
 
         None if it is not included there, or if no such armour was tested.
         """
-        return None if self.excludes_error() else self.given_error() or error_on_tests(self.core_armour())
+        return (
+            None if self.excludes_error() else self.given_error() or error_on_tests(self.core_armour(), self.cosine())
+        )
 
     def warnings(self, velocity: float, key: str = VELOCITY) -> tuple[Note, ...]:
         """Return the ways in which the scenario is unlike what the model was compared with: "key: what, value found".
 
         `velocity` is the impact velocity, m/s, or the ballistic limit, whose key is then given.
         """
-        return armour_warnings(self.core_armour(), self.armour.ceramic, velocity, {VELOCITY: key})
+        return armour_warnings(self.core_armour(), self.armour.ceramic, velocity, self.cosine(), {VELOCITY: key})
+
+    def threats(self) -> tuple[Threat, ...]:
+        """Return the threats; without any, the impact."""
+        return tuple(self.threat) or (Threat.model_construct(**self.impact.model_dump()),)
+
+    def against(self, threat: Threat) -> "Scenario":
+        """Return the scenario with a threat as its impact."""
+        return self.replaced(threat.as_impact()) if self.threat else self
 
     def unused_threats(self) -> tuple[Note, ...]:
         """Return a warning, for a result of the section ``impact``, where the scenario has threats of its own."""
         if not self.threat:
             return ()
-        against = f"the {self.impact.projectile} at {self.impact.velocity_m_s:g} m/s of [impact]"
+        against = f"the {shot(self.impact)} of [impact]"
         unused = f"is not used: the results are against {against}; a report has the probability of every threat"
         return (Note(unused, "threat"),)
 
@@ -353,9 +378,10 @@ def rounds(impact: Impact, varied: Varied, threats: Sequence[Threat]) -> str:
     if len(threats) > MAX_LISTED:
         return f"{len(threats)} threats"
     if threats:
-        return " and ".join(f"{threat.projectile} at {threat.velocity_m_s:g} m/s" for threat in threats)
+        return " and ".join(map(shot, threats))
     names = _names(varied.get(NAMES["projectile"], [impact.projectile]), "different rounds")
-    return names if VELOCITY in varied else f"{names} at {impact.velocity_m_s:g} m/s"
+    speed = "" if VELOCITY in varied else f" at {impact.velocity_m_s:g} m/s"
+    return f"{names}{speed}{'' if OBLIQUITY in varied else at_angle(impact)}"
 
 
 def layers(armour: ArmourSection, varied: Varied) -> str:
@@ -496,7 +522,11 @@ def parse_changed(
         by_role = {key: value for key, value in group.items() if _names_a_role(key)}
         inputs |= {key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}
         rest = {key: value for key, value in group.items() if key not in by_role}
-        data = _based(changed(data, rest, file), data, rest, file, folder)
+        before = data
+        if rest.get(THREAT) is not None:  # a threat that is set replaces what the data has of another
+            impact = {key: value for key, value in _table(data, "impact").items() if key not in GIVEN}
+            data = {**data, "impact": impact}
+        data = _based(changed(data, rest, file), before, rest, file, folder)
         set_now = (leaf for key, value in rest.items() for leaf, _ in leaves(value, parts_of(key)))
         set_by_hand = set_by_hand.union(leaf[:4] for leaf in set_now if leaf[0] == "library" and len(leaf) > 3)
     made = _made(_Source(deepcopy(dict(data)), file, folder, set_by_hand))
@@ -588,8 +618,8 @@ def scenario_schema() -> dict[str, Any]:
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "armour scenario"}
 
 
-def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[Problem]]:
-    """Return the scenario's library, the known names by kind and the mistakes in it.
+def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], list[Problem]]:
+    """Return the scenario's library, the known names by kind, with those of their entries, and the mistakes in it.
 
     A name is known even if its entry has a mistake, and none is where a file has one, so that one mistake gives one
     message.
@@ -617,8 +647,8 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, list[str]], list[P
                 whole = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
                 problems.append(problem if problem.key else whole)
     unread = bool(problems)
-    names: dict[Kind, list[str]] = (
-        {} if unread else {kind: [*library.names(kind), *_table(tables, kind)] for kind in KINDS}
+    names: dict[Kind, dict[str, str]] = (
+        {} if unread else {kind: library.known(kind) | {name: name for name in _table(tables, kind)} for kind in KINDS}
     )
     try:
         section = LibrarySection.model_validate(_with_sources(source, tables))

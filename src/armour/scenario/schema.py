@@ -1,12 +1,13 @@
 """Sections of a scenario file: keys, types, bounds and defaults."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import comb, floor, inf
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
+    ConfigDict,
     Discriminator,
     Field,
     PrivateAttr,
@@ -18,11 +19,12 @@ from pydantic import (
 )
 
 from armour.core import equations
-from armour.errors import suggestion
+from armour.errors import choices, suggestion
 from armour.scenario.evidence import ERROR
 from armour.scenario.inputs import INPUTS
 from armour.scenario.library import Kind, LibraryTables
 from armour.scenario.sections import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
+from armour.scenario.threats import GIVEN, THREAT, named_threats
 from armour.units import US
 
 # Greatest numbers of values on an axis and of designs on a grid; more are most likely a mistake.
@@ -34,18 +36,21 @@ ThicknessOrNone = Annotated[float, Field(ge=0.0, le=1e5), NOT_TINY]
 FASTEST_M_S = 1e4
 Velocity = Annotated[float, Field(gt=0.0, le=FASTEST_M_S), NOT_TINY]
 Positive = Annotated[float, Field(gt=0.0), NOT_TINY]
+# At greater angles rounds ricochet, and cores break or turn, which the model does not describe.
+Obliquity = Annotated[float, Field(ge=0.0, le=60.0), NOT_TINY]
 # Costs and masses per area; the bound catches mistakes.
 Amount = Annotated[float, Field(ge=0.0, le=1e9)]
 
 
 def _in_library(kind: Kind) -> AfterValidator:
-    """Return a validator of a name, which must be in the library."""
+    """Return a validator of a name, which must be in the library; another name of an entry becomes its first."""
 
     def check(name: str, info: ValidationInfo) -> str:
-        known: list[str] = info.context["names"][kind] if info.context and kind in info.context["names"] else [name]
+        names = info.context["names"] if info.context else {}
+        known: dict[str, str] = names.get(kind, {name: name})
         if name not in known:
-            raise ValueError(f'must name a {kind} of the library, found "{name}"{suggestion(name, known)}')
-        return name
+            raise ValueError(f'must name a {kind} of the library, found "{name}"{suggestion(name, list(known))}')
+        return known[name]
 
     return AfterValidator(check)
 
@@ -64,13 +69,48 @@ def _printable(text: str) -> str:
 Line = Annotated[str, AfterValidator(_printable)]
 
 
-class Impact(Section):
-    """The projectile and its impact velocity."""
+def _with_named(schema: dict[str, Any]) -> None:
+    """Let a JSON Schema require the name of a threat, or the values that it gives."""
+    given = [key for key in schema["required"] if key in GIVEN]
+    schema["required"] = [key for key in schema["required"] if key not in GIVEN]
+    schema["anyOf"] = [{"required": ["threat"]}, {"required": given}]
 
+
+class Impact(Section):
+    """The projectile, its impact velocity and its angle."""
+
+    # Editors are told that the name of a threat gives the projectile and the velocity.
+    model_config = ConfigDict(json_schema_extra=lambda schema: _with_named(schema))
+
+    threat: str | None = None
+    """Name of a threat that armour library lists; it gives what is not given beside it."""
     projectile: ProjectileName
     """Name of the projectile."""
     velocity_m_s: Velocity
     """Impact velocity."""
+    obliquity_deg: Obliquity = 0.0
+    """Angle between the line of fire and the normal of the armour."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _given_by_the_threat(cls, data: Any) -> Any:
+        name = data.get("threat") if isinstance(data, dict) else None
+        if not isinstance(name, str):
+            return data
+        known = named_threats()
+        if name not in known:
+            like = [other for other in known if name in other]
+            raise ValueError(
+                f'threat must name a threat of the library, found "{name}"{choices(name, like or list(known))}'
+            )
+        return known[name].values() | data
+
+    def replaced_values(self) -> Iterator[str]:
+        """Yield the values that take precedence over those of the named threat, in words."""
+        named = {} if self.threat is None else named_threats()[self.threat].values()
+        for key, value in named.items():
+            if getattr(self, key) != value:
+                yield f"{key}: {getattr(self, key)} takes precedence over {value} of {self.threat}"
 
 
 class ArmourSection(Section):
@@ -197,15 +237,11 @@ class Optimise(Section):
         return self
 
 
-class Threat(Section):
+class Threat(Impact):
     """A projectile and a velocity that a design must defeat, with a margin."""
 
     name: Line = ""
-    """Name of the threat; by default projectile and velocity."""
-    projectile: ProjectileName
-    """Name of the projectile."""
-    velocity_m_s: Velocity
-    """Impact velocity."""
+    """Name of the threat; by default that of threat, or projectile and velocity."""
     margin_m_s: Annotated[float, Field(ge=0.0, le=1e4)] = 0.0
     """Required excess of the ballistic limit over the velocity of the threat."""
     probability_of_perforation: Annotated[float, Field(gt=0.0, lt=0.5)] | None = None
@@ -224,10 +260,24 @@ class Threat(Section):
         """Velocity that the ballistic limit must exceed, m/s."""
         return self.velocity_m_s + self.margin_m_s
 
+    def as_impact(self) -> dict[str, object]:
+        """Return the values of the section ``impact``, by key of the scenario."""
+        return {THREAT: None, **{f"impact.{key}": getattr(self, key) for key in GIVEN}}
+
     @property
     def title(self) -> str:
-        """Name of the threat, by default projectile and velocity."""
-        return self.name or f"{self.projectile} at {self.velocity_m_s:g} m/s"
+        """Name of the threat, by default that of the standard, or projectile and velocity."""
+        return self.name or (shot(self) if self.threat is None else f"{self.threat}{at_angle(self)}")
+
+
+def shot(of: Impact) -> str:
+    """Return round, velocity and angle, such as "7.62 mm AP at 800 m/s, 30° obliquity"."""
+    return f"{of.projectile} at {of.velocity_m_s:g} m/s{at_angle(of)}"
+
+
+def at_angle(of: Impact) -> str:
+    """Return the angle, such as ", 30° obliquity"; "" at normal incidence."""
+    return f", {of.obliquity_deg:g}° obliquity" if of.obliquity_deg else ""
 
 
 class FreeRange(Section):

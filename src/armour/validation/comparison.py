@@ -155,7 +155,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
     above = [impact for impact in curve if impact.impact_velocity_m_s > limit.ballistic_limit_m_s]
     velocities = [impact.impact_velocity_m_s for impact in above]
     residuals = [impact.residual_velocity_m_s for impact in above]
-    cases = _tests().cases
+    cases, along = _tests().cases, scenario.areal_density_kg_m2() / scenario.cosine()
     own = all(scenario.entry_of(role) == cases[0].scenario.entry_of(role) for role in ROLES)
     return Comparison(
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
@@ -168,7 +168,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
         fitted_m_s=(velocities[0], velocities[-1]),
         curve=curve,
         tests=_words(cases),
-        rules=tuple(_rule(cases, p, scenario.areal_density_kg_m2()) for p in (1.0, None)) if own else (),
+        rules=tuple(_rule(cases, p, along) for p in (1.0, None)) if own else (),
         errors=_errors() if own else (),
         florence_missing=tuple(problem.key for problem in missing),
     ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
@@ -194,6 +194,6 @@ def _words(cases: Sequence[Case]) -> str:
 
 
 def _rule(cases: Sequence[Case], p: float | None, areal_density_kg_m2: float) -> RuleResult:
-    """Return the limit of an areal density by the rule that is fitted to tests."""
+    """Return the limit of an areal density along the line of fire by the rule that is fitted to tests."""
     rule = fit_areal_density_rule(areal_densities(cases), measured_limits(cases), p)
     return RuleResult(rule.k, rule.p, p is None, rule.limit(areal_density_kg_m2))

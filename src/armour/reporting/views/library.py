@@ -1,11 +1,14 @@
 """The library of projectiles and materials, and what is shipped."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from armour.files import read_toml, shipped_files, shipped_suites
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.scenario.library import OPTIONAL, Kind, Library, LibraryEntry
+from armour.scenario.threats import NamedThreat, named_threats
 
+# Numbers of a threat.
+VALUES = ("velocity_m_s", "tolerance_m_s", "obliquity_deg")
 # Shipped tables of tests, which have no title, and what they are for.
 TESTS = {
     "plates.csv": "ballistic limits of 1,084 bare plates, for armour validate plates",
@@ -28,8 +31,20 @@ def library_table(library: Library, kind: Kind) -> Table:
 
 
 def library_tables(library: Library) -> list[Table | str]:
-    """Return a table of every kind of entry."""
-    return [library_table(library, kind) for kind in library.entries]
+    """Return a table of every kind of entry, and of the threats."""
+    return [*(library_table(library, kind) for kind in library.entries), threat_table(named_threats())]
+
+
+def threat_table(threats: Mapping[str, NamedThreat]) -> Table:
+    """Return threats with their rounds and velocities."""
+    return listing(
+        threats.items(),
+        (Column("threat", prose=True), lambda item: item[0]),
+        (Column("round", prose=True), lambda item: item[1].round),
+        (Column("projectile", prose=True), lambda item: item[1].projectile),
+        *((column_of(key, "g"), lambda item, key=key: getattr(item[1], key)) for key in VALUES),
+        (Column("status"), lambda item: item[1].status),
+    )
 
 
 def shipped_tables() -> list[Table | str]:
@@ -60,4 +75,5 @@ def entry_table(entry: LibraryEntry, first: Column = KEY, words: Callable[[str],
 
 def entry_tables(entry: LibraryEntry) -> list[Table | str]:
     """Return the description and the table of an entry."""
-    return [*([entry.description] if entry.description else []), entry_table(entry)]
+    aliases = f"also {', '.join(entry.aliases)}" if entry.aliases else ""
+    return [*filter(None, (entry.description, aliases)), entry_table(entry)]

@@ -1,0 +1,42 @@
+"""Threats by name: round, velocity and angle, as standards list them."""
+
+from functools import cache
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from armour.files import read_toml, shipped
+from armour.scenario.sections import Section, validated
+
+# Key that names a threat as the impact.
+THREAT = "impact.threat"
+# Keys of [impact] and [[threat]] that the name of a threat gives.
+GIVEN = ("projectile", "velocity_m_s", "obliquity_deg")
+
+
+class NamedThreat(Section):
+    """A threat of a standard."""
+
+    standard: str
+    level: str
+    round: str
+    projectile: str
+    velocity_m_s: float
+    tolerance_m_s: Annotated[float | None, Field(description="of the velocity in a test")] = None
+    obliquity_deg: float | None = None
+    status: Literal["confirmed", "unconfirmed"]
+    source: str
+
+    def values(self) -> dict[str, object]:
+        """Return the values that the threat gives in [impact] or [[threat]], by key."""
+        return self.model_dump(include=set(GIVEN), exclude_none=True)
+
+
+class _File(Section):
+    threat: dict[str, NamedThreat]
+
+
+@cache
+def named_threats() -> dict[str, NamedThreat]:
+    """Return the shipped threats by name."""
+    return validated(_File, read_toml(shipped("configs") / "threats.toml"), "").threat
