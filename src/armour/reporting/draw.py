@@ -42,8 +42,8 @@ STYLE: Any = {
     "xtick.color": INK,
     "ytick.color": INK,
 }
-# Heights, inches: an ordinary panel, a row of bars and a bar in it, what axis labels take, and a line of text.
-PANEL_INCHES, ROW_INCHES, BAR_INCHES, LABELS_INCHES, LINE_INCHES = 2.6, 0.08, 0.15, 0.5, 0.16
+# Heights, inches: an ordinary panel, a row of bars and a bar in it, what axis labels take, a line of text and of a legend.
+PANEL_INCHES, ROW_INCHES, BAR_INCHES, LABELS_INCHES, LINE_INCHES, LEGEND_INCHES = 2.6, 0.08, 0.15, 0.5, 0.16, 0.19
 # Widths of a character, as a part of the font's size, and characters in a line of a category.
 CHARACTER, CATEGORY_CHARACTERS = 0.56, 22
 # Width that axis labels take beside a panel, inches.
@@ -70,9 +70,10 @@ def draw(chart: charts.Chart, width: float | None = None) -> Figure:
     title = "\n".join(line for part in chart.title.splitlines() for line in wrapped(part, _characters(width, TITLE)))
     note = "\n".join(wrapped(chart.note, _characters(width - SIDE_INCHES, 8.0)))
     heights = [_height(panel, width) for panel in chart.panels]
-    texts = title.count("\n") + note.count("\n") + 2 * bool(title) + bool(note) + -(-len(labels) // columns)
+    texts = title.count("\n") + note.count("\n") + 2 * bool(title) + bool(note)
+    legend = -(-len(labels) // columns)
     with mpl.rc_context(STYLE):
-        figure = NotebookFigure(figsize=(width, sum(heights) + LINE_INCHES * texts))
+        figure = NotebookFigure(figsize=(width, sum(heights) + LINE_INCHES * texts + LEGEND_INCHES * legend))
         panels = figure.subplots(len(chart.panels), 1, squeeze=False, height_ratios=heights)[:, 0].tolist()
         for index, (axes, panel) in enumerate(zip(panels, chart.panels, strict=True)):
             if panel.shares_x:
