@@ -42,7 +42,7 @@ STYLE: Any = {
     "xtick.color": INK,
     "ytick.color": INK,
 }
-# Heights, inches: an ordinary panel, a row of bars and a bar in it, what axis labels take, a line of text and of a legend.
+# Heights, inches: an ordinary panel, a row of bars and a bar in it, axis labels, a line of text and of a legend.
 PANEL_INCHES, ROW_INCHES, BAR_INCHES, LABELS_INCHES, LINE_INCHES, LEGEND_INCHES = 2.6, 0.08, 0.15, 0.5, 0.16, 0.19
 # Widths of a character, as a part of the font's size, and characters in a line of a category.
 CHARACTER, CATEGORY_CHARACTERS = 0.56, 22
