@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from armour.cli import question
+from armour.cli.app import app
 from armour.cli.console import progress, show_json
 from tests.helpers.cases import SCENARIOS
 
@@ -31,13 +32,15 @@ def test_json_has_no_number_without_a_value_and_no_control_character(capsys: pyt
     assert "é µ" in shown
 
 
-def test_a_real_terminal_has_its_width():
+def test_a_real_terminal_has_its_width(monkeypatch: pytest.MonkeyPatch):
     """The standard output is a pseudo-terminal."""
     theirs, ours = pty.openpty()
-    environment = {**os.environ, "COLUMNS": "80", "LINES": "24", "TERM": "dumb"}
-    command = [sys.executable, "-m", "armour", "simulate", str(SCENARIOS / "wilkins.toml")]
-    subprocess.run(command, stdout=ours, stderr=subprocess.DEVNULL, check=True, env=environment)
-    os.close(ours)
+    for name, value in {"COLUMNS": "80", "LINES": "24", "TERM": "dumb"}.items():
+        monkeypatch.setenv(name, value)
+    with os.fdopen(ours, "w") as terminal, monkeypatch.context() as patch:
+        patch.setattr(sys, "stdout", terminal)
+        with pytest.raises(SystemExit):
+            app(["simulate", "wilkins"])
     text = b""
     while True:
         try:

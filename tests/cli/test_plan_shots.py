@@ -1,6 +1,5 @@
 """`armour plan shots`."""
 
-import json
 import subprocess
 import sys
 from functools import wraps
@@ -13,30 +12,12 @@ import armour
 
 pytestmark = pytest.mark.slow
 
-NEXT = "next velocity"
 # A procedure that is computed soon.
 PLAIN = ("plan", "shots", "wilkins", "f.csv", "--procedure", "up-and-down")
 
 
 def rows(path: Path) -> list[str]:
     return path.read_text().splitlines()
-
-
-def test_a_firing_is_recorded_shot_by_shot(cli, folder: Path):
-    first = cli("plan", "shots", "wilkins")
-    assert first.exit_code == 0, first.output
-    planned = float(next(line for line in first.stdout.splitlines() if NEXT in line).split()[-2])
-    second = cli("plan", "shots", "wilkins", "f.csv", "--result", "partial")
-    assert second.stderr == "wrote f.csv\n"
-    assert rows(folder / "f.csv") == ["shot,velocity_m_s,result", f"1,{planned:g},partial"]
-    third = cli("plan", "shots", "wilkins", "f.csv", "--result", "complete", "--velocity-m-s", "774.2", "--json")
-    assert rows(folder / "f.csv")[2:] == ["2,774.2,complete"]
-    found = json.loads(third.stdout)
-    assert found["fired"]["velocities_m_s"] == [planned, 774.2]
-    # Without a result the file stays, and the plan is the same.
-    again = cli("plan", "shots", "wilkins", "f.csv", "--json")
-    assert json.loads(again.stdout) == found
-    assert len(rows(folder / "f.csv")) == 3
 
 
 def test_after_the_end_a_shot_needs_its_velocity(cli, folder: Path):

@@ -47,9 +47,7 @@ def chart(request: pytest.FixtureRequest) -> Chart:
     return made
 
 
-@pytest.mark.parametrize(
-    ("name", "suffix"), [("impact", ".svg"), ("map", ".svg"), *(("bars", suffix) for suffix in METADATA)]
-)
+@pytest.mark.parametrize(("name", "suffix"), [("impact", ".svg"), *(("bars", suffix) for suffix in METADATA)])
 def test_the_same_chart_is_the_same_file(name: str, suffix: str):
     chart = CHARTS[name]()
     content = rendered(chart, suffix)
