@@ -40,6 +40,8 @@ def test_a_value_beside_it_takes_precedence_and_is_named():
 def test_a_threat_that_is_set_replaces_the_values_of_the_file():
     found = load_scenario("wilkins", {"impact.threat": LEVEL_3})
     assert (found.impact.projectile, found.impact.velocity_m_s) == ("7.62 mm B32", 854.0)
+    nested = load_scenario("wilkins", {"impact": {"threat": LEVEL_3}})
+    assert nested.impact == found.impact
     assert load_scenario("wilkins", {"impact.threat": LEVEL_3, "impact.velocity_m_s": 1.0}).impact.velocity_m_s == 1.0
 
 

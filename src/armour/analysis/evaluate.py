@@ -19,7 +19,7 @@ from armour.core.equations import cross_section
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem, choices, refuse
-from armour.scenario.inputs import INPUTS, NAMES
+from armour.scenario.inputs import INPUTS, NAMING
 from armour.scenario.keys import canonical
 from armour.scenario.reach import check_reach
 from armour.scenario.scenario import Place, Scenario, in_row
@@ -64,7 +64,7 @@ def _checked(columns: Mapping[str, Any]) -> dict[str, Any]:
     found = {key: np.asarray(values) for key, values in columns.items()}
     problems = []
     for key, values in found.items():
-        allowed = "U" if key in NAMES.values() else "iuf"
+        allowed = "U" if key in NAMING else "iuf"
         if values.ndim != 1 or values.dtype.kind not in allowed or not len(values):
             shape = f"an array of shape {values.shape} of {values.dtype}"
             what = "name" if allowed == "U" else "number"
@@ -74,7 +74,7 @@ def _checked(columns: Mapping[str, Any]) -> dict[str, Any]:
         listed = ", ".join(f"{key} {count}" for key, count in counts.items())
         problems.append(Problem("evaluate", "columns", f"must be of equal lengths, found {listed}"))
     refuse(problems)
-    return {key: values if key in NAMES.values() else values.astype(np.float64) for key, values in found.items()}
+    return {key: values if key in NAMING else values.astype(np.float64) for key, values in found.items()}
 
 
 def check_keys(scenario: Scenario, row: Mapping[str, float | str], quantities: Sequence[str], file: str) -> None:

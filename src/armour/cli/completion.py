@@ -78,19 +78,19 @@ def quantities(incomplete: str) -> list[str]:
 
 def numbers(incomplete: str) -> list[str]:
     """Return the keys that a sweep can vary, each with a sign of equality."""
-    from armour.scenario.inputs import NAMES
+    from armour.scenario.inputs import NAMING
 
     if "=" in incomplete:
         return []
-    return [word for word in assignments(incomplete) if word.rstrip("=") not in ("title", *NAMES.values())]
+    return [word for word in assignments(incomplete) if word.rstrip("=") not in ("title", *NAMING)]
 
 
 def assignments(incomplete: str) -> list[str]:
     """Return inputs and keys, each with a sign of equality or, after it, the words that the key can have."""
-    from armour.scenario.inputs import INPUTS, NAMES, ROLES
+    from armour.scenario.inputs import INPUTS, NAMES, ROLES, THREAT
     from armour.scenario.library import shipped_library
     from armour.scenario.scenario import Scenario
-    from armour.scenario.threats import THREAT, named_threats
+    from armour.scenario.threats import named_threats
 
     key, equal, _ = incomplete.partition("=")
     if equal:

@@ -19,8 +19,11 @@ ROLES: dict[str, "Kind"] = {"projectile": "projectile", "ceramic": "ceramic", "b
 NAMES = {"projectile": "impact.projectile", "ceramic": "armour.ceramic", "backing": "armour.backing"}
 
 
+# Key that names a threat, and all keys whose values are names.
+THREAT = "impact.threat"
+NAMING = (*NAMES.values(), THREAT)
 # What every impact depends on, whatever its velocity.
-SHOT = ("impact.projectile", "impact.threat", "impact.obliquity_deg", "armour")
+SHOT = ("impact.projectile", THREAT, "impact.obliquity_deg", "armour")
 
 
 class Input(NamedTuple):

@@ -60,7 +60,7 @@ from armour.scenario.schema import (
     shot,
 )
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, Section, model_in, problems_of
-from armour.scenario.threats import GIVEN, THREAT
+from armour.scenario.threats import GIVEN
 from armour.units import MM, missing_unit
 
 if TYPE_CHECKING:
@@ -522,12 +522,12 @@ def parse_changed(
         by_role = {key: value for key, value in group.items() if _names_a_role(key)}
         inputs |= {key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}
         rest = {key: value for key, value in group.items() if key not in by_role}
-        before = data
-        if rest.get(THREAT) is not None:  # a threat that is set replaces what the data has of another
-            impact = {key: value for key, value in _table(data, "impact").items() if key not in GIVEN}
-            data = {**data, "impact": impact}
-        data = _based(changed(data, rest, file), before, rest, file, folder)
-        set_now = (leaf for key, value in rest.items() for leaf, _ in leaves(value, parts_of(key)))
+        data = _based(changed(data, rest, file), data, rest, file, folder)
+        set_now = {leaf: value for key, given in rest.items() for leaf, value in leaves(given, parts_of(key))}
+        if set_now.get(("impact", "threat")) is not None:  # it replaces what the data has of another threat
+            kept = {key: value for key, value in _table(data, "impact").items() if key not in GIVEN}
+            own = {key: set_now["impact", key] for key in GIVEN if ("impact", key) in set_now}
+            data["impact"] = kept | own
         set_by_hand = set_by_hand.union(leaf[:4] for leaf in set_now if leaf[0] == "library" and len(leaf) > 3)
     made = _made(_Source(deepcopy(dict(data)), file, folder, set_by_hand))
     if not inputs:

@@ -21,10 +21,10 @@ from pydantic import (
 from armour.core import equations
 from armour.errors import choices, suggestion
 from armour.scenario.evidence import ERROR
-from armour.scenario.inputs import INPUTS
+from armour.scenario.inputs import INPUTS, THREAT
 from armour.scenario.library import Kind, LibraryTables
 from armour.scenario.sections import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
-from armour.scenario.threats import GIVEN, THREAT, named_threats
+from armour.scenario.threats import GIVEN, named_threats
 from armour.units import US
 
 # Greatest numbers of values on an axis and of designs on a grid; more are most likely a mistake.

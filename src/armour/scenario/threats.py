@@ -8,8 +8,6 @@ from pydantic import Field
 from armour.files import read_toml, shipped
 from armour.scenario.sections import Section, validated
 
-# Key that names a threat as the impact.
-THREAT = "impact.threat"
 # Keys of [impact] and [[threat]] that the name of a threat gives.
 GIVEN = ("projectile", "velocity_m_s", "obliquity_deg")
 

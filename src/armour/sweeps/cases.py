@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from armour.csv_files import check_header, in_line_order, number, read_csv, wrong_width
 from armour.errors import InputError, Problem, refuse
 from armour.files import csv_value
-from armour.scenario.inputs import NAMES
+from armour.scenario.inputs import NAMING
 from armour.scenario.keys import describe, key_name, parts_of
 from armour.scenario.schema import Steps
 from armour.scenario.sections import validated
@@ -125,7 +125,7 @@ class Cases:
         )
         columns, problems = [], list[Problem]()
         for key, cells in zip(self.keys, zip(*(cells for _, cells in block), strict=True), strict=True):
-            kind, read = ("name", _name) if key in NAMES.values() else ("number", number)
+            kind, read = ("name", _name) if key in NAMING else ("number", number)
             values = [read(cell) for cell in cells]
             if None in values:
                 problems += (
@@ -152,7 +152,7 @@ def axis_of(text: str) -> Axis:
     except ValueError:
         message = f'must be KEY=MIN:MAX:STEP or KEY=VALUE,VALUE,..., found "{text}"'
         raise InputError([Problem("sweep", "over", message)]) from None
-    if key in NAMES.values():
+    if key in NAMING:
         message = f'must be a key of numbers, found "{values}"; names are given by --cases, in a column {key}'
         raise InputError([Problem("sweep", f"over {key}", message)])
     is_range = ":" in values
@@ -175,7 +175,7 @@ def source_of(over: Mapping[str, object] | str | PathLike[str]) -> Grid | Cases:
 
 def axis(key: str, values: object) -> Axis:
     """Return a key with its values: a sequence, or a mapping with min, max and step."""
-    is_name = key in NAMES.values()
+    is_name = key in NAMING
     if isinstance(values, Mapping) and not is_name:
         try:
             steps = validated(Steps, dict(values), "")
