@@ -45,16 +45,13 @@ def test_the_examples_of_the_help_run(cli, folder: Path, example: str):
 
 
 @pytest.mark.parametrize("command", [command.name for command in app.registered_commands])
-def test_the_help_shows_examples(cli, command: str):
+def test_the_help_shows_examples_and_is_not_cut_in_a_narrow_terminal(
+    cli, command: str, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setenv("COLUMNS", "60")
     text = " ".join(cli(command, "--help").stdout.split())
     assert "Examples:" in text
     assert f"armour {command}" in text
-
-
-@pytest.mark.parametrize("command", [command.name for command in app.registered_commands])
-def test_the_help_is_not_cut_in_a_narrow_terminal(cli, command: str, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setenv("COLUMNS", "60")
-    text = cli(command, "--help").stdout
     assert "…" not in text
     assert "<=" not in text
 
@@ -89,6 +86,7 @@ def test_no_colour_where_none_is_wanted(cli, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setenv("NO_COLOR", "")
     assert "\x1b[1m" in cli("library").stdout
+    monkeypatch.delenv("FORCE_COLOR")
     monkeypatch.setenv("NO_COLOR", "1")
     assert "\x1b" not in cli("library").stdout
 

@@ -14,6 +14,7 @@ from armour.analysis.results import TableResult
 from armour.errors import InputError
 from armour.planning.firing import plan_shots
 from armour.reporting.show import in_html, plot, report
+from armour.scenario.scenario import save_scenario
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import Shots, v50
@@ -31,8 +32,11 @@ LIMIT = "ballistic_limit_m_s"
 THREE = ["armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "ceramic.flow_stress_GPa"]
 
 
-def results(folder: Path) -> dict[str, tuple[Any, dict[str, Any]]]:
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, dict[str, Any]]]:
     """A result of each kind, with what its chart needs beside it."""
+    folder = tmp_path_factory.mktemp("results")
+    save_scenario(scenario(), folder / "wilkins.toml")
     residual = Residual("1", LIMIT, 700.0, 710.0, 712.0, "")
     calibrated = CalibrationResult("t.csv", "", "relative", (), (), (residual,), 1.0, 2.0, 1.0, 1.0, 1, 1, 0.95)
     limit = LimitResult(
@@ -56,9 +60,8 @@ def results(folder: Path) -> dict[str, tuple[Any, dict[str, Any]]]:
     return {type(result).__name__: (result, rest) for result, rest in found}
 
 
-def test_every_result_is_drawn_with_its_title(folder: Path):
-    found = results(folder)
-    for result, rest in found.values():
+def test_every_result_is_drawn_with_its_title(results):
+    for result, rest in results.values():
         figure = plot(result, **rest, title="mine")
         assert figure.axes
         assert figure.get_suptitle() == "mine"
@@ -92,14 +95,14 @@ def test_a_notebook_shows_a_figure():
     assert plot(impact())._repr_png_().startswith(b"\x89PNG")  # type: ignore[attr-defined]
 
 
-def test_what_cannot_be_drawn(folder: Path):
+def test_what_cannot_be_drawn(results):
     with pytest.raises(InputError, match="history=True"):
         plot(simulate(scenario()))
     history = impact().history
     assert isinstance(history, History)
     with pytest.raises(InputError, match="must be one that has a chart, found History"):
         plot(history)
-    for result, rest in results(folder).values():
+    for result, rest in results.values():
         for key in rest:
             with pytest.raises(InputError, match=f"plot: {key}: must be given"):
                 plot(result)
@@ -111,8 +114,8 @@ def test_what_cannot_be_drawn(folder: Path):
         plot(sweep(scenario(), {THREE[0]: [400.0, 500.0]}))
 
 
-def test_every_result_has_its_tables_and_its_line(folder: Path):
-    found = [result for result, _ in results(folder).values()] + [confidence(scenario())]
+def test_every_result_has_its_tables_and_its_line(results):
+    found = [result for result, _ in results.values()] + [confidence(scenario())]
     for result in found:
         html = in_html(result)
         assert html is not None
@@ -121,9 +124,9 @@ def test_every_result_has_its_tables_and_its_line(folder: Path):
         assert len(repr(result)) < 200
 
 
-def test_rows_are_columns_of_equal_lengths(folder: Path, monkeypatch: pytest.MonkeyPatch):
+def test_rows_are_columns_of_equal_lengths(results, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=dict))
-    framed = {name: found for name, (found, _) in results(folder).items() if isinstance(found, TableResult)}
+    framed = {name: found for name, (found, _) in results.items() if isinstance(found, TableResult)}
     assert framed.keys() == {
         "CalibrationResult",
         "PlannedTests",

@@ -1,12 +1,13 @@
 """V50 by the rule of MIL-STD-662F, against examples worked out by hand."""
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from armour.errors import InputError
-from armour.statistics.v50 import MeanV50, Shots, mean_v50, read_shots, v50
+from armour.statistics.v50 import FiringResult, MeanV50, Shots, mean_v50, read_shots, v50
 from tests.helpers.cases import csv_file, scenario
 
 pytestmark = pytest.mark.slow
@@ -17,6 +18,11 @@ APART = Shots((700, 708, 715, 731, 740, 748), (False, False, False, True, True, 
 
 def mean_of(shots: Shots, pairs: int | None = None, span_m_s: float | None = None) -> MeanV50 | None:
     return mean_v50(shots.of(complete=False), shots.of(complete=True), pairs, span_m_s)
+
+
+@cache
+def of_mixed() -> FiringResult:
+    return v50(MIXED)
 
 
 def test_the_mean_of_mil_std_662f_by_hand():
@@ -36,7 +42,7 @@ def test_the_mean_of_mil_std_662f_by_hand():
 
 def test_the_models_limit_beside_it():
     assert v50(MIXED, scenario()).model_ballistic_limit_m_s == pytest.approx(723.77, abs=0.02)
-    assert v50(MIXED).model_ballistic_limit_m_s is None
+    assert of_mixed().model_ballistic_limit_m_s is None
 
 
 def test_a_prior_adds_the_posterior_and_its_part():
@@ -51,7 +57,7 @@ def test_a_prior_adds_the_posterior_and_its_part():
     assert found.prior.v50_interval_m_s == pytest.approx(found.model_interval_m_s, abs=1.0)
     low, high = found.posterior.v50_interval_m_s
     assert 690.0 < low < 720.0 < high < 745.0
-    assert found.recommended == v50(MIXED).recommended
+    assert found.recommended == of_mixed().recommended
 
 
 def test_shots_without_a_curve_have_a_posterior():
@@ -66,14 +72,14 @@ def test_shots_without_a_curve_have_a_posterior():
     [(None, None, "usual span"), (3, 30.5, "given span"), (1, 30.5, "no usual rule"), (4, 40.0, "no usual rule")],
 )
 def test_the_rule_of_a_mean(pairs: int | None, span_m_s: float | None, rule: str):
-    mean = v50(MIXED, pairs=pairs, span_m_s=span_m_s).mean
+    mean = mean_of(MIXED, pairs, span_m_s)
     assert mean is not None
     assert mean.rule == rule
 
 
 def test_the_recommended_curve_is_the_penalised_probit_if_it_rises():
     found = v50(APART)
-    assert (found.separated, v50(MIXED).separated) == (True, False)
+    assert (found.separated, of_mixed().separated) == (True, False)
     assert found.recommended == found.penalised_fits[0]
     assert [fit.curve for fit in found.penalised_fits] == ["probit", "logit"]
     assert {fit.method for fit in found.fits} == {"maximum likelihood"}
