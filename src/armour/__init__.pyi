@@ -12,6 +12,10 @@ from .analysis.history import History as History
 from .analysis.impact import ImpactResult as ImpactResult
 from .analysis.impact import StageRecord as StageRecord
 from .analysis.impact import simulate as simulate
+from .design.check import CheckedThreat as CheckedThreat
+from .design.check import CheckResult as CheckResult
+from .design.check import WhatIf as WhatIf
+from .design.check import check as check
 from .design.optimise import BestDesign as BestDesign
 from .design.optimise import Design as Design
 from .design.optimise import DesignResult as DesignResult

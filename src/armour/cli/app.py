@@ -20,6 +20,7 @@ from armour.cli.library import init, list_library, schema, show_entry
 from armour.cli.question import option
 from armour.cli.scenario_commands import (
     ballistic_limit,
+    check,
     compare,
     optimise,
     report,
@@ -156,8 +157,8 @@ def _armour(
 ) -> None:
     """Predict whether a ceramic/metal light armour stops a projectile, and find the lightest that does.
 
-    Exit codes: 0 success; 1 the question has no answer in the given range; 2 invalid input; 3 a check of `validate`
-    failed; 130 interrupted.
+    Exit codes: 0 success; 1 the question has no answer in the given range; 2 invalid input; 3 a check of `check`
+    or `validate` failed; 130 interrupted.
     """
 
 
@@ -176,6 +177,7 @@ CERAMICS, PLATES = "armour.ceramic_thickness_mm=4:12:1", "armour.backing_thickne
 COMMANDS: dict[Callable[..., None], tuple[str, ...]] = {
     simulate: (f"simulate {W}", f"simulate {W} --velocity 900 --history run.csv --plot run.svg"),
     ballistic_limit: (f"ballistic-limit {W}", f"ballistic-limit {W} --set armour.ceramic_thickness_mm=8 --json"),
+    check: (f"check {W} --confidence 0.9", "check oblique --junit check.xml"),
     optimise: (
         f"optimise {P}/optimum_7.62mm_AP --refine --plot optimum.svg",
         "optimise catalogue --csv front.csv",

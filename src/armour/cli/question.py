@@ -20,6 +20,7 @@ import armour
 from armour.cli import completion
 from armour.cli.console import progress
 from armour.cli.runner import (
+    CHECK_FAILED,
     as_options,
     check_outputs,
     read_scenario,
@@ -138,6 +139,8 @@ class Answer(NamedTuple):
     contents: Mapping[Any, Callable[[], str | bytes | None]] = {}
     # What the warnings are on; by default the scenario.
     file: str = ""
+    # Whether a check failed, which the exit code tells.
+    failed: bool = False
     # A lock that is held until the files are written.
     held: AbstractContextManager[Any] = nullcontext()
 
@@ -203,6 +206,8 @@ def question(
             with progress(unit, first=first) as count, as_options(function.__name__, named):
                 answer = function(on_progress=count, **asked)
             _respond(answer, loaded, outputs, plot=plot, as_json=values["as_json"], of_threats=of_threats)
+            if answer.failed:
+                raise typer.Exit(CHECK_FAILED)
 
         command.__dict__.update(__signature__=inspect.Signature(), parameters=parameters)
         command.__annotations__ = {}

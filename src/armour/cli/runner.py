@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from armour.reporting.table import Table
     from armour.scenario.scenario import Scenario
 
+# Exit code of a check that failed.
+CHECK_FAILED = 3
 STANDARD_INPUT = "standard input"
 COMPILING = "compiling the numerical code, which takes about ten seconds"
 PLOT_ENDINGS = (".png", ".svg", ".pdf")

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from armour.sweeps.cases import Grid
     from armour.sweeps.sweep import Effort
 
+# Keys of a design that a check reads.
+CHECK = ("design.confidence", "design.thickness_tolerance_mm")
 # What a ballistic limit depends on, see `armour.scenario.reach`.
 LIMIT_READS = (*SHOT, "ballistic_limit", "uncertainty.model")
 
@@ -80,6 +82,29 @@ def compare(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
 
     result = armour.compare(scenario, on_progress=on_progress)
     return Answer(result, (*not_monotonic(result.limit), *result.limit.warnings))
+
+
+@question(
+    (*SHOT, "impact", "threat", *CHECK, "ballistic_limit", "uncertainty.model"),
+    what="the check",
+    first="searching",
+    of_threats=True,
+    confidence=("design.confidence", "Probability of stopping each threat that is required, such as 0.95."),
+)
+def check(
+    scenario: "Scenario",
+    on_progress: "OnProgress",
+    junit: Annotated[Path | None, option("Write the result as JUnit XML.", metavar="FILE"), Output.FILE] = None,
+) -> Answer:
+    """Check an armour against its threats, and if it is thinner, the round faster or at an angle.
+
+    Exits with 3 where a threat is stopped with less than the probability required, or where that is unknown; where none
+    is required, where the ballistic limit is below the velocity plus the margin.
+    """
+    from armour.reporting.views import check as view
+
+    result = armour.check(scenario, on_progress=on_progress)
+    return Answer(result, contents={junit: lambda: view.junit(result)}, failed=not result.passed)
 
 
 @question(

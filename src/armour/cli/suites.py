@@ -12,15 +12,13 @@ import typer
 from armour.cli import completion
 from armour.cli.console import progress, say, show
 from armour.cli.question import AsJson, Changes, Force, argument, option
-from armour.cli.runner import check_outputs, respond, say_if_compiling, write
+from armour.cli.runner import CHECK_FAILED, check_outputs, respond, say_if_compiling, write
 from armour.errors import InputError, Problem, refuse
 from armour.files import suite_file
 
 if TYPE_CHECKING:
     from armour.validation.suite import Suite
     from armour.validation.validate import Check, SuiteResult
-
-CHECK_FAILED = 3
 
 
 def validate(

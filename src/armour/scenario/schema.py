@@ -368,6 +368,8 @@ class DesignSection(Section):
     """Quantity of which the design has the least."""
     confidence: Annotated[float, Field(gt=0.5, lt=1.0)] | None = None
     """Least probability of defeating each threat."""
+    thickness_tolerance_mm: ThicknessOrNone = 1.0
+    """Amount by which armour check takes each layer thinner."""
     pareto: Annotated[list[Criterion], Field(min_length=2, max_length=3), AfterValidator(_different)] | None = None
     """Criteria of the Pareto front; none is drawn up by default."""
     runners_up_percent: Annotated[float, Field(ge=0.0, le=100.0)] = 5.0

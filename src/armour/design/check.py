@@ -1,0 +1,199 @@
+"""One armour against each of its threats, and what remains of its margin if something is a little otherwise."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from armour.analysis.ballistic_limit import ConfidenceResult, confidence
+from armour.analysis.impact import simulate
+from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
+from armour.errors import Note
+from armour.scenario.checked import checked
+from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
+from armour.scenario.scenario import Scenario
+from armour.scenario.schema import DesignSection, Threat
+
+# What is asked of every armour: a part by which the round is faster, and angles.
+FASTER, ANGLES_DEG = 1.05, (0.0, 30.0)
+
+
+@dataclass(frozen=True)
+class WhatIf:
+    """The armour with one change, against a threat.
+
+    Attributes
+    ----------
+    change : str
+        In words, such as "ceramic 1 mm thinner".
+    velocity_m_s : float
+    ballistic_limit_m_s : float or None
+        By the model, m/s; None where there is none in the range of the search.
+    interval_m_s : tuple of float or None
+        95 % interval of the ballistic limit with the error of the model, m/s; None where that is not known.
+    probability_of_defeat : float or None
+        Probability that the armour stops the projectile; None where it is not known.
+    """
+
+    change: str
+    velocity_m_s: float
+    ballistic_limit_m_s: float | None
+    interval_m_s: tuple[float, float] | None
+    probability_of_defeat: float | None
+
+
+@dataclass(frozen=True)
+class CheckedThreat:
+    """The armour against one threat.
+
+    Attributes
+    ----------
+    threat : str
+        Its name.
+    projectile : str
+    velocity_m_s, obliquity_deg : float
+    ballistic_limit_m_s : float or None
+        By the model, m/s; None where there is none in the range of the search.
+    interval_m_s : tuple of float or None
+        95 % interval of the ballistic limit with the error of the model, m/s; None where that is not known.
+    margin_m_s, required_margin_m_s : float
+        Excess of the ballistic limit over the velocity, m/s, which may be None, and the one that is required.
+    probability_of_defeat, required_probability : float or None
+        Probability that the armour stops the projectile, None where it is not known, and the one that is required, None
+        where none is.
+    reason : str
+        Why the probability is not known.
+    passed : bool
+        Whether the armour stops the threat with the probability required or, where none is, with the margin required.
+    what_ifs : tuple of WhatIf
+    """
+
+    threat: str
+    projectile: str
+    velocity_m_s: float
+    obliquity_deg: float
+    ballistic_limit_m_s: float | None
+    interval_m_s: tuple[float, float] | None
+    margin_m_s: float | None
+    required_margin_m_s: float
+    probability_of_defeat: float | None
+    required_probability: float | None
+    reason: str
+    passed: bool
+    what_ifs: tuple[WhatIf, ...]
+
+    def as_given(self) -> WhatIf:
+        """Return the armour without a change."""
+        own = (self.velocity_m_s, self.ballistic_limit_m_s, self.interval_m_s, self.probability_of_defeat)
+        return WhatIf("as given", *own)
+
+
+@dataclass(frozen=True, repr=False)
+class CheckResult(TableResult):
+    """One armour against its threats.
+
+    Attributes
+    ----------
+    threats : tuple of CheckedThreat
+    passed : bool
+        Whether it passes against every threat.
+    warnings : tuple of str
+        Ways in which armour and threats are unlike what the model was compared with.
+    """
+
+    threats: tuple[CheckedThreat, ...]
+    passed: bool
+    warnings: tuple[str, ...] = ()
+
+    def _columns(self) -> dict[str, list[object]]:
+        rows = [
+            {"threat": of.threat, **vars(what_if)} for of in self.threats for what_if in (of.as_given(), *of.what_ifs)
+        ]
+        return by_column(rows)
+
+    def _words(self) -> str:
+        return "passed" if self.passed else "failed"
+
+
+@checked
+def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> CheckResult:
+    """Check the armour of a scenario against every threat, and against small changes of each.
+
+    Without threats, the impact is the threat.  The changes are those that people ask about: each layer thinner by its
+    tolerance, ``design.thickness_tolerance_mm``; the round 5 % faster; the other angle of 0 and 30 degrees.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its section ``design`` may give the probability that is required, ``confidence``.
+    on_progress : callable, optional
+        Called with the number of impacts computed since the last call, and None, as their total is not known.
+
+    Returns
+    -------
+    CheckResult
+
+    Examples
+    --------
+    >>> import armour
+    >>> armour.check(armour.load_scenario("wilkins")).passed
+    False
+    """
+    section = scenario.design or DesignSection()
+    found, warnings = [], []
+    for place, threat in enumerate(scenario.threats()):
+        own = scenario.against(threat)
+        result = confidence(own, on_progress=on_progress)
+        found.append(_checked(own, threat, result, section, on_progress))
+        key = f"threat[{place}]" if scenario.threat else "impact"
+        warnings += [Note(note.text, note.key.replace("impact", key)) for note in own.warnings(threat.velocity_m_s)]
+    passed = all(threat.passed for threat in found)
+    return CheckResult(tuple(found), passed, tuple(dict.fromkeys(warnings))).of(
+        scenario.subject(threats=scenario.threat), scenario=scenario
+    )
+
+
+def _checked(
+    own: Scenario, threat: Threat, result: ConfidenceResult, section: DesignSection, on_progress: OnProgress
+) -> CheckedThreat:
+    """Return the armour of a scenario against a threat, which is its impact."""
+    limit, bound = result.ballistic_limit_m_s, threat.probability_of_perforation
+    required = section.confidence if bound is None else 1.0 - bound
+    probability = result.probability_of_defeat
+    if required is not None:
+        passed = probability is not None and probability >= required
+    elif limit is not None:
+        passed = limit >= threat.required_m_s
+    else:  # the whole range of the search is stopped, or perforates
+        passed = simulate(own.replaced({VELOCITY: threat.required_m_s})).outcome == "defeated"
+    what_ifs = []
+    for change, values in _changes(own, section.thickness_tolerance_mm):
+        other = own.replaced(values)
+        of = confidence(other, on_progress=on_progress)
+        known = (of.ballistic_limit_m_s, of.interval_m_s, of.probability_of_defeat)
+        what_ifs.append(WhatIf(change, other.impact.velocity_m_s, *known))
+    return CheckedThreat(
+        threat=threat.title,
+        projectile=threat.projectile,
+        velocity_m_s=threat.velocity_m_s,
+        obliquity_deg=threat.obliquity_deg,
+        ballistic_limit_m_s=limit,
+        interval_m_s=result.interval_m_s,
+        margin_m_s=None if limit is None else limit - threat.velocity_m_s,
+        required_margin_m_s=threat.margin_m_s,
+        probability_of_defeat=probability,
+        required_probability=required,
+        reason=result.reason,
+        passed=passed,
+        what_ifs=tuple(what_ifs),
+    )
+
+
+def _changes(own: Scenario, tolerance_mm: float) -> Iterator[tuple[str, dict[str, float]]]:
+    """Yield the changes of an armour and its threat that people ask about, in words and by key."""
+    for key, words in ((CERAMIC, "ceramic"), (BACKING, "back plate")):
+        thickness = getattr(own.armour, key.partition(".")[2])
+        if thickness > tolerance_mm > 0.0:
+            yield f"{words} {tolerance_mm:g} mm thinner", {key: thickness - tolerance_mm}
+    yield f"{100.0 * FASTER - 100.0:.0f} % faster", {VELOCITY: FASTER * own.impact.velocity_m_s}
+    for angle in ANGLES_DEG:
+        if angle != own.impact.obliquity_deg:
+            yield f"at {angle:g}°", {OBLIQUITY: angle}

@@ -1,0 +1,105 @@
+"""One armour against each of its threats."""
+
+from xml.etree import ElementTree
+
+from armour.design.check import CheckedThreat, CheckResult, WhatIf
+from armour.files import printable
+from armour.reporting import charts
+from armour.reporting.table import Column, Table, column_of, listing
+from armour.reporting.text import interval, percent
+from armour.reporting.views.confidence import chance
+
+PROBABILITY = Column("probability of stopping it", prose=True)
+INTERVAL = Column("95 % interval", "m/s", prose=True)
+LIMIT = column_of("ballistic_limit_m_s", ".0f")
+
+
+def verdict(threat: CheckedThreat) -> str:
+    """Return whether an armour passes against a threat, in words."""
+    return "passes" if threat.passed else "FAILS"
+
+
+def required(threat: CheckedThreat) -> str:
+    """Return what is required of an armour against a threat."""
+    if threat.required_probability is not None:
+        return f"at least {percent(threat.required_probability)}"
+    margin = f", margin {threat.required_margin_m_s:g} m/s" if threat.required_margin_m_s else ""
+    return f"limit above {threat.velocity_m_s:g} m/s{margin}"
+
+
+def tables(result: CheckResult) -> list[Table | str]:
+    """Return the verdict, a table of the threats, and one of the changes against each."""
+    failed = [threat.threat for threat in result.threats if not threat.passed]
+    every = "every threat" if len(result.threats) > 1 else "the threat"
+    found: list[Table | str] = [
+        f"FAILS against {' and '.join(failed)}" if failed else f"passes against {every}",
+        listing(
+            result.threats,
+            Column("threat", prose=True, key="threat"),
+            (Column("result"), verdict),
+            (PROBABILITY, lambda of: chance(of.probability_of_defeat)),
+            (Column("required", prose=True), required),
+            LIMIT,
+            (INTERVAL, lambda of: interval(of.interval_m_s, ".0f")),
+            column_of("margin_m_s", "+.0f"),
+        ),
+    ]
+    for threat in result.threats:
+        found.append(
+            listing(
+                (threat.as_given(), *threat.what_ifs),
+                (Column("if", prose=True), lambda of: of.change),
+                (PROBABILITY, lambda of: chance(of.probability_of_defeat)),
+                LIMIT,
+                (INTERVAL, lambda of: interval(of.interval_m_s, ".0f")),
+                title=threat.threat if len(result.threats) > 1 else "",
+            )
+        )
+    reasons = dict.fromkeys(threat.reason for threat in result.threats if threat.reason)
+    return [*found, *(f"the probability is not known: {reason}" for reason in reasons)]
+
+
+def chart(result: CheckResult) -> charts.Chart:
+    """Describe the ballistic limits with their intervals, change by change, beside the velocity of each threat."""
+    panels = tuple(_panel(threat, named=not place) for place, threat in enumerate(result.threats))
+    return charts.Chart("", panels, "Percentages: probability that the armour stops the projectile.")
+
+
+def _panel(threat: CheckedThreat, *, named: bool) -> charts.Panel:
+    rows = (threat.as_given(), *threat.what_ifs)
+    names = tuple(f"{of.change}: {chance(of.probability_of_defeat)}" for of in rows)
+    places = [float(place) for place in range(len(rows))]
+    known = [(of, place) for of, place in zip(rows, places, strict=True) if of.ballistic_limit_m_s is not None]
+    velocity, limit = ("velocity of the round", "ballistic limit, 95 % interval") if named else ("", "")
+    series = (
+        charts.Points(
+            [of.ballistic_limit_m_s for of, _ in known],
+            [place for _, place in known],
+            label=limit,
+            x_ends=tuple(_ends(of) for of, _ in known),
+        ),
+        charts.Points([of.velocity_m_s for of in rows], places, "D", label=velocity, colour="vermilion"),
+    )
+    x = charts.Axis("velocity", "m/s")
+    return charts.Panel(x, charts.Axis(categories=names), series, f"{threat.threat}: {verdict(threat)}")
+
+
+def _ends(of: WhatIf) -> tuple[float, float]:
+    """Return the interval of a limit; where it is not known, the limit."""
+    assert of.ballistic_limit_m_s is not None
+    return of.interval_m_s or (of.ballistic_limit_m_s, of.ballistic_limit_m_s)
+
+
+def junit(result: CheckResult) -> bytes:
+    """Format a check: a test case for every threat."""
+    failures = sum(not threat.passed for threat in result.threats)
+    name = printable(" ".join(result.heading()[:1]))
+    suite = ElementTree.Element("testsuite", name=name, tests=str(len(result.threats)), failures=str(failures))
+    for threat in result.threats:
+        case = ElementTree.SubElement(suite, "testcase", classname="threat", name=printable(threat.threat))
+        if not threat.passed:
+            found = f"required {required(threat)}, found {chance(threat.probability_of_defeat)}"
+            limit = "" if threat.ballistic_limit_m_s is None else f", limit {threat.ballistic_limit_m_s:.1f} m/s"
+            ElementTree.SubElement(case, "failure", message=printable(found + limit))
+    ElementTree.indent(suite)
+    return bytes(ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True))

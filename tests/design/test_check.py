@@ -1,0 +1,78 @@
+from xml.etree import ElementTree
+
+import pytest
+
+from armour.analysis.ballistic_limit import ballistic_limit, confidence
+from armour.design.check import check
+from armour.reporting.views.check import junit
+from tests.helpers.cases import scenario
+
+THREATS = [
+    {"projectile": "7.62 mm AP", "velocity_m_s": 600.0, "name": "slow"},
+    {"projectile": "7.62 mm AP", "velocity_m_s": 700.0, "margin_m_s": 30.0, "obliquity_deg": 0.0},
+]
+
+
+def test_the_impact_is_checked_where_there_is_no_threat():
+    [found] = check(scenario(velocity=700.0)).threats
+    own = scenario(velocity=700.0)
+    assert found.ballistic_limit_m_s == ballistic_limit(own).ballistic_limit_m_s
+    assert found.margin_m_s == found.ballistic_limit_m_s - 700.0
+    assert found.probability_of_defeat == confidence(own).probability_of_defeat
+    assert found.passed
+    assert found.required_probability is None
+
+
+def test_every_threat_and_change_is_what_the_scenario_says_when_changed():
+    case = scenario(threat=THREATS, design={"thickness_tolerance_mm": 0.5})
+    slow, fast = check(case).threats
+    assert (slow.threat, slow.passed) == ("slow", True)
+    assert not fast.passed  # 724 m/s is less than 730
+    assert [what_if.change for what_if in fast.what_ifs] == [
+        "ceramic 0.5 mm thinner",
+        "back plate 0.5 mm thinner",
+        "5 % faster",
+        "at 30°",
+    ]
+    changes = [
+        {"armour.ceramic_thickness_mm": 5.85},
+        {"armour.backing_thickness_mm": 5.85},
+        {"impact.velocity_m_s": 735.0},
+        {"impact.obliquity_deg": 30.0},
+    ]
+    for what_if, values in zip(fast.what_ifs, changes, strict=True):
+        other = confidence(scenario(velocity=700.0).replaced(values))
+        assert what_if.ballistic_limit_m_s == other.ballistic_limit_m_s
+        assert what_if.probability_of_defeat == other.probability_of_defeat
+        assert what_if.interval_m_s == other.interval_m_s
+
+
+@pytest.mark.parametrize(
+    ("velocity", "required", "passed"), [(600.0, 0.9, True), (700.0, 0.9, False), (700.0, 0.55, True)]
+)
+def test_the_probability_that_is_required_decides(velocity: float, required: float, passed: bool):
+    found = check(scenario(velocity=velocity, design={"confidence": required}))
+    assert found.passed == passed
+    assert found.threats[0].required_probability == required
+
+
+def test_a_probability_that_is_unknown_does_not_pass():
+    found = check(scenario(ceramic="SiC", velocity=300.0, design={"confidence": 0.6}))
+    assert not found.passed
+    assert found.threats[0].reason
+    assert check(scenario(ceramic="SiC", velocity=300.0)).passed
+
+
+@pytest.mark.parametrize(("velocity", "passed"), [(100.0, True), (3000.0, False)])
+def test_without_a_limit_in_the_range_the_impact_decides(velocity: float, passed: bool):
+    section = {"velocity_min_m_s": 50.0, "velocity_max_m_s": 200.0} if passed else {"velocity_min_m_s": 2500.0}
+    found = check(scenario(velocity=velocity, ballistic_limit=section))
+    assert found.passed == passed
+    assert found.threats[0].margin_m_s is None
+
+
+def test_a_test_case_for_every_threat():
+    found = ElementTree.fromstring(junit(check(scenario(threat=THREATS))))
+    assert found.attrib["tests"] == "2"
+    assert [len(case) for case in found] == [0, 1]
+    assert "limit 723.8 m/s" in found[1][0].attrib["message"]
