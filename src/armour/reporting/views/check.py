@@ -9,9 +9,9 @@ from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import interval, percent
 from armour.reporting.views.confidence import chance
 
-PROBABILITY = Column("probability of stopping it", prose=True)
+PROBABILITY = Column("probability", prose=True)
 INTERVAL = Column("95 % interval", "m/s", prose=True)
-LIMIT = column_of("ballistic_limit_m_s", ".0f")
+LIMIT = column_of("ballistic_limit_m_s", ".0f", "limit")
 
 
 def verdict(threat: CheckedThreat) -> str:
@@ -55,6 +55,7 @@ def tables(result: CheckResult) -> list[Table | str]:
                 title=threat.threat if len(result.threats) > 1 else "",
             )
         )
+    found.append("probability: that the armour stops the projectile; limit: ballistic limit by the model")
     reasons = dict.fromkeys(threat.reason for threat in result.threats if threat.reason)
     return [*found, *(f"the probability is not known: {reason}" for reason in reasons)]
 
