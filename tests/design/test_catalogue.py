@@ -10,7 +10,7 @@ from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.engine import batch
 from armour.errors import InputError, NoDesignError
-from tests.helpers.cases import CERAMICS, METALS, RANGE, THREATS, catalogue, scenario
+from tests.helpers.cases import CERAMICS, GIVEN, METALS, RANGE, THREATS, catalogue, scenario
 from tests.helpers.plain_designs import defeats, designs, posed
 
 GRID = {"ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}, "backing_thickness_mm": RANGE}
@@ -40,7 +40,8 @@ def test_a_law_of_the_flow_stress_against_penetrators_of_other_diameters():
     tables = {"ceramic": {"Mine": {"based_on": "AD99.5", **law}}}
     ceramics = [{"material": name, "thickness_mm": [8.0, 10.0, 12.0, 14.0]} for name in ("AD85", "Mine")]
     backings = [{"material": "7075-T6", "thickness_mm": [6.0, 9.0, 12.0]}]
-    case = scenario(threat=threats, library=tables, design={"ceramic": ceramics, "backing": backings})
+    sections = {"library": tables, "uncertainty": {"model": GIVEN}}
+    case = scenario(threat=threats, design={"ceramic": ceramics, "backing": backings}, **sections)
     assert case.design is not None
     found = {name: values["areal_density_kg_m2"] for name, values in designs(case, defeats)}
     least = min(found, key=lambda name: found[name])
@@ -194,9 +195,11 @@ def test_the_rows_of_pairs_and_threats_are_those_of_their_scenarios(ceramic: str
             one = found.candidates(pair, np.array([9.0 if ceramic else 0.0]), np.array([6.0]))
             thick = {"armour.ceramic_thickness_mm": float(one.ceramic_mm[0]), "armour.backing_thickness_mm": 6.0}
             armour = found.against(pair, threat).replaced(thick).core_armour()
-            variants = found.variants(one, threat)
+            variants, required, bounds = found.against_each(one, [threat])
             assert variants.parameters.tolist() == batch.packed([armour]).tolist()
-            assert variants.velocities.tolist() == [found.threats[threat].required_m_s]
+            assert variants.velocities.tolist() == [found.threats[threat].velocity_m_s]
+            assert required.tolist() == [found.threats[threat].required_m_s]
+            assert bounds.tolist() == [1.0]
 
 
 @pytest.mark.parametrize(

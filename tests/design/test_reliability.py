@@ -10,11 +10,13 @@ from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.design.reliability import Reliability
 from armour.errors import InputError, NoDesignError
-from tests.helpers.cases import METALS, THREATS, catalogue
+from tests.helpers.cases import METALS, THREATS, catalogue, scenario
 from tests.helpers.plain_designs import defeats, designs
 
 pytestmark = pytest.mark.slow
 
+# The error of the model is that of tests.
+FROM_TESTS: dict[str, Any] = {"samples": 4096}
 UNCERTAIN: dict[str, Any] = {
     "samples": 1024,
     "model": {"included": False},
@@ -122,11 +124,10 @@ def test_the_thickness_of_an_absent_ceramic_does_not_vary():
 
 def test_a_pair_whose_error_is_not_known_is_left_out():
     threat = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
-    found = optimise(catalogue([threat], confidence=0.6))
+    found = optimise(catalogue([threat], FROM_TESTS, confidence=0.6))
     reasons = {(pair.ceramic, pair.backing): pair.reason for pair in found.pairs}
-    assert reasons["AD99.5", "6061-T6"] == (
-        "the error of the model is not known for AD99.5 on 6061-T6; [uncertainty.model] can give it"
-    )
+    reason = reasons["AD99.5", "6061-T6"]
+    assert reason.startswith("the error of the model is not known for AD99.5 on 6061-T6; tests of your own")
     sampled = optimise(catalogue([threat], {**UNCERTAIN, "model": None}, confidence=0.6))
     unknown = {(pair.ceramic, pair.backing) for pair in sampled.pairs if "is not known" in pair.reason}
     assert unknown == {pair for pair, reason in reasons.items() if "is not known" in reason}
@@ -140,7 +141,45 @@ def test_an_error_that_is_not_known_against_one_threat():
         {"projectile": "30 mm APDS", "velocity_m_s": 100.0},
     ]
     with pytest.raises(NoDesignError, match="the error of the model is not known for any of the designs"):
-        optimise(catalogue(threats, confidence=0.6))
+        optimise(catalogue(threats, FROM_TESTS, confidence=0.6))
+
+
+def test_a_confidence_is_kept_by_the_error_of_tests():
+    """The lightest of all designs whose probability is enough, one by one; of each back plate the thinnest."""
+    layers = {
+        "ceramic": [{"material": "AD85 backing law", "thickness_mm": {"min": 5.0, "max": 12.0, "step": 0.5}}],
+        "backing": [{"material": "6061-T6", "thickness_mm": [5.0, 7.0, 9.0]}],
+    }
+    case = catalogue([{"projectile": "7.62 mm AP", "velocity_m_s": 750.0}], FROM_TESTS, confidence=0.9, **layers)
+    result = optimise(case)
+    probabilities = {}
+    for hb in (5.0, 7.0, 9.0):
+        for hc in np.arange(5.0, 12.5, 0.5).tolist():
+            armour = {"armour.ceramic_thickness_mm": hc, "armour.backing_thickness_mm": hb}
+            design = scenario(ceramic="AD85 backing law", velocity=750.0).replaced(armour)
+            probabilities[hc, hb] = confidence(design).probability_of_defeat or 0.0
+    enough = [(hc, hb) for (hc, hb), probability in probabilities.items() if probability >= 0.9]
+    found = [(design.ceramic_thickness_mm, design.backing_thickness_mm) for design in result.frontier]
+    assert found == [min(layer for layer in enough if layer[1] == hb) for hb in sorted({hb for _, hb in enough})]
+    best = result.best
+    assert best.areal_density_kg_m2 == pytest.approx(min(3.43 * hc + 2.75 * hb for hc, hb in enough))
+    [probability] = best.probabilities_of_defeat.values()
+    expected = probabilities[best.ceramic_thickness_mm, best.backing_thickness_mm]
+    assert probability == pytest.approx(expected, abs=1e-4)
+
+
+def test_what_was_not_tested_is_ranked_apart():
+    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
+    ceramics = [{"material": name, "thickness_mm": [6.0, 7.0, 8.0, 9.0]} for name in ("B4C", "AD85", "SiC")]
+    metals = [{"material": "6061-T6", "thickness_mm": [6.0]}]
+    found = optimise(catalogue([threat], FROM_TESTS, ceramic=ceramics, backing=metals))
+    assert [pair.ceramic for pair in found.pairs] == ["AD85", "B4C", "SiC"]
+    assert found.best.ceramic == "AD85"
+    assert found.pairs[1].reason.startswith("no test: ")
+    assert found.pairs[1].reason.endswith("% lighter")
+    assert any("tests of your own" in warning for warning in found.warnings)
+    # Without any that was tested, the lightest is the best.
+    assert optimise(catalogue([threat], FROM_TESTS, ceramic=ceramics[::2], backing=metals)).best.ceramic == "B4C"
 
 
 def test_the_pareto_front_keeps_to_the_bound():

@@ -18,11 +18,11 @@ from armour.design.optimise import Design, optimise
 from armour.design.search import distinct, undominated
 from armour.engine import batch
 from armour.scenario.scenario import load_scenario
-from tests.helpers.cases import SCENARIOS, THREATS, catalogue, scenario
+from tests.helpers.cases import GIVEN, SCENARIOS, THREATS, catalogue, scenario
 
 pytestmark = pytest.mark.slow
 
-VARIANTS = Catalogue.variants
+ROWS = Catalogue.against_each
 
 
 def test_who_governs_along_the_frontier():
@@ -81,6 +81,7 @@ def test_a_big_catalogue_is_exact():
     case = scenario(
         threat=threats,
         library=library,
+        uncertainty={"model": GIVEN},
         design={
             "ceramic": [{"material": name, "thickness_mm": thick} for name in library["ceramic"]],
             "backing": [{"material": name, "thickness_mm": thick} for name in library["metal"]],
@@ -181,12 +182,12 @@ def test_a_search_in_portions(monkeypatch: pytest.MonkeyPatch):
     """No array grows with the catalogue."""
     case = catalogue(pareto=["areal_density_kg_m2", "margin_m_s"])
     whole = optimise(case)
-    variants = Mock(wraps=VARIANTS)
+    rows = Mock(wraps=ROWS)
     monkeypatch.setattr(search, "IMPACTS_AT_A_TIME", 20)
     monkeypatch.setattr(search, "LIMITS_AT_A_TIME", 3)
-    monkeypatch.setattr(Catalogue, "variants", lambda *args: variants(*args))
+    monkeypatch.setattr(Catalogue, "against_each", lambda *args: rows(*args))
     counted: list[int] = []
     found = optimise(case, on_progress=lambda count, _: counted.append(count))
     assert dataclasses.replace(found, runs=whole.runs) == whole
-    assert max(len(call.args[1].pair) for call in variants.call_args_list) == 20
+    assert max(len(call.args[1].pair) for call in rows.call_args_list) == 20
     assert sum(counted) >= found.runs

@@ -60,10 +60,14 @@ METALS = [
 ]
 
 
+# The error of the model, of armours that were tested and others.
+GIVEN = {"scale_percent": 7.0, "degrees_of_freedom": 12.0}
+
+
 def catalogue(threats: Any = THREATS, uncertain: Any = None, **design: Any) -> Scenario:
     """A scenario with a catalogue of two ceramics and two metals against two threats."""
     sections: dict[str, Any] = {"threat": threats, "design": {"ceramic": CERAMICS, "backing": METALS, **design}}
-    return scenario(**sections, **({} if uncertain is None else {"uncertainty": uncertain}))
+    return scenario(**sections, uncertainty=uncertain or {"model": GIVEN})
 
 
 def library(

@@ -6,14 +6,14 @@ from functools import cache
 import pytest
 
 from armour import __version__
-from armour.analysis.ballistic_limit import NO_TEST, ConfidenceResult, ballistic_limit, confidence
+from armour.analysis.ballistic_limit import ConfidenceResult, ballistic_limit, confidence
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import Note
 from armour.reporting.report import Report, markdown_report
 from armour.reporting.scenario_report import AgainstThreat, Contents, contents_of, scenario_report
 from armour.reporting.views.confidence import SAMPLED_ALONE
 from armour.reporting.views.design import frontier_table
-from armour.scenario.evidence import ModelError
+from armour.scenario.evidence import NO_TEST, ModelError
 from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
 from tests.helpers.cases import RANGE, SCENARIOS, THREATS, scenario

@@ -24,7 +24,7 @@ from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import log_ndtr, ndtri
+from scipy.special import log_ndtr, ndtr, ndtri
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.variants import Bools, Floats
@@ -158,9 +158,9 @@ def bayes(settings: ShotSettings, truths: Floats, scatters: Floats, dice: np.ran
 
 
 def deviation_percent(prior: FiringPrior) -> float:
-    """Return the standard deviation of the error of the model, per cent."""
-    df = prior.error.degrees_of_freedom
-    return prior.error.scale_percent * sqrt(df / (df - 2.0))
+    """Return the standard deviation of a normal distribution like the error of the model, per cent."""
+    low, high = prior.error.quantile(ndtr([-1.0, 1.0]))
+    return 50.0 * float(high - low)
 
 
 def prior_for(procedure: str, scatter: float) -> FiringPrior:
@@ -219,7 +219,7 @@ def simulate(procedure: str, deviations: float, scatter: float | None, firings: 
         # Above the limit in one block, below in the next: the grids of a block have one centre.
         number = start // BLOCK
         offset = (1.0 if number % 2 == 0 else -1.0) * deviations * deviation_percent(prior) / 100.0
-        truths = np.full(min(BLOCK, firings - start), limit * (1.0 + prior.error.mean_percent / 100.0 + offset))
+        truths = np.full(min(BLOCK, firings - start), prior.error.median(limit) + limit * offset)
         dice = np.random.default_rng([seed, number, round(10.0 * deviations), round(scatter or 0.0)])
         scatters = np.full(len(truths), scatter or 0.0)
         if scatter is None:

@@ -36,7 +36,8 @@ def unusual_designs(count: int, seed: int) -> Variants:
     found = [design.replaced(grid) for design in random_wide_designs(2 * count, seed)]
     armours = [armour for armour in (design.core_armour() for design in found) if is_unusual(armour)][:count]
     velocities = np.exp(rng.uniform(np.log(100.0), np.log(3000.0), count))
-    return Variants(batch.packed(armours), velocities, np.ones(count), settings_of(found[0]))
+    ones = np.ones(count)
+    return Variants(batch.packed(armours), velocities, ones, ones, settings_of(found[0]))
 
 
 def nearly_unusual_designs(count: int, like: Variants) -> Variants:
@@ -63,9 +64,8 @@ def nearly_unusual_designs(count: int, like: Variants) -> Variants:
         "tau": strength * rng.uniform(0.1, 0.4, count),
         "shear_law": rng.integers(0, 2, count),
     }
-    return Variants(
-        np.column_stack([columns.get(name, zero) for name in Parameters._fields]), zero, np.ones(count), like.settings
-    )
+    parameters = np.column_stack([columns.get(name, zero) for name in Parameters._fields])
+    return Variants(parameters, zero, np.ones(count), np.ones(count), like.settings)
 
 
 def outcomes(designs: Variants, velocities: Floats) -> Bools:

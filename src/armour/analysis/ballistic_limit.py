@@ -11,10 +11,12 @@ from typing import Literal
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
 from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.core import search
+from armour.core.state import Parameters
 from armour.errors import InputError, NoLimitError
 from armour.scenario.checked import checked
-from armour.scenario.evidence import ModelError, is_unusual
+from armour.scenario.evidence import ModelError, closest, is_unusual, why_unknown
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
+from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 
 # Number of intervals above the limit in a plotted curve.
 CURVE_POINTS = 60
@@ -64,6 +66,8 @@ class LimitResult(Result):
         Relative error of the ballistic limit by the model; None where it is not known.
     interval_m_s : tuple of float or None
         Interval in which the ballistic limit of the armour lies with a probability of 95 %, given this error, m/s.
+    median_m_s : float or None
+        Ballistic limit that the armour exceeds with a probability of 50 %, given this error, m/s.
     """
 
     ballistic_limit_m_s: float
@@ -77,6 +81,7 @@ class LimitResult(Result):
     warnings: tuple[str, ...]
     model_error: ModelError | None = None
     interval_m_s: tuple[float, float] | None = None
+    median_m_s: float | None = None
 
     def _words(self) -> str:
         return f"{self.ballistic_limit_m_s:.2f} m/s{'' if self.monotonic else ', not monotonic'}"
@@ -117,7 +122,8 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
     if lowest_perforates or not crossings:
         above = not crossings and not lowest_perforates
         raise NoLimitError(_no_limit(crossings, lowest_perforates, points, low, high), above=above)
-    limit, error = crossings[0].bracket_m_s[1], scenario.model_error()
+    limit = crossings[0].bracket_m_s[1]
+    error = model_error(scenario, limit)
     return LimitResult(
         ballistic_limit_m_s=limit,
         bracket_m_s=crossings[0].bracket_m_s,
@@ -130,7 +136,50 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         warnings=scenario.warnings(limit, "ballistic_limit"),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
+        median_m_s=None if error is None else error.median(limit),
     ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
+
+
+def model_error(scenario: Scenario, limit_m_s: float) -> ModelError | None:
+    """Return the error of a scenario's ballistic limit by the model, m/s; None where it is not known or not included.
+
+    It is that of the section ``uncertainty.model`` or of tests of such armours.  With a ceramic, these are described by
+    several laws of its flow stress; the limits by the others than the scenario's are computed here.
+    """
+    given = scenario.given_error()
+    if given is not None or scenario.excludes_error():
+        return None if given is None else ModelError.of_ratio(given.ratio, given.source)
+    # Imported here because only this error needs numpy.
+    import numpy as np
+
+    from armour.scenario.predictive import LAW_FIELDS, errors_of
+
+    armour = scenario.core_armour()
+    one = Parameters._make(np.array([value]) for value in armour)
+    errors = errors_of(one, np.array([scenario.tensile_strength()]), np.array([scenario.cosine()]))
+    if not errors.known.all():
+        return None
+    limits = [limit_m_s]
+    for law, flow_stress in enumerate(errors.flow_stress[1:, :, 0].tolist(), start=1):
+        other = armour._replace(**dict(zip(LAW_FIELDS, flow_stress, strict=True)))
+        limits.append(_lowest_limit(scenario, other) if errors.used(law).all() else limit_m_s)
+    ratio = errors.of_limits(np.array(limits)[:, None] / limit_m_s)
+    evidence = closest(armour)
+    return ModelError.of_ratio(ratio.one(), evidence.title, evidence.extrapolated(armour))
+
+
+def _lowest_limit(scenario: Scenario, armour: Parameters) -> float:
+    """Return the ballistic limit of an armour, m/s, as `armour.analysis.searches.limits_by_law` does."""
+    section, solver = scenario.ballistic_limit, scenario.solver
+    settings = section.tolerance_m_s, solver.arrest_velocity_m_s, solver.time_step, solver.max_steps
+    points = search.DENSE_SCAN_POINTS if is_unusual(armour) else search.SCAN_POINTS
+    for low, high in ((section.velocity_min_m_s, section.velocity_max_m_s), (SLOWEST_M_S, FASTEST_M_S)):
+        found = search.find_ballistic_limit(armour, search.scan(low, high, points), *settings)
+        if not found.resolved:
+            raise unresolved_error(solver, scenario.file, found.high)
+        if low < found.high <= high:
+            break
+    return min(max(found.high, low), high)
 
 
 def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
@@ -235,7 +284,6 @@ def _listed(crossings: tuple[Crossing, ...]) -> str:
     return ", ".join(f"{crossing.above} above {crossing.bracket_m_s[1]:.2f} m/s" for crossing in crossings)
 
 
-NO_TEST = "the model was compared with no test of such an armour"
 # Probability above which a lower bound is given as the probability.
 SURE = 0.995
 EXCLUDED = "uncertainty.model says not to include the error of the model"
@@ -258,6 +306,10 @@ class ConfidenceResult(Result):
         Why the probability is not known.
     warnings : tuple of str
         Ways in which the scenario is unlike what the model was compared with.
+    median_m_s : float or None
+        Ballistic limit that the armour exceeds with a probability of 50 %, given this error, m/s.
+    interval_m_s : tuple of float or None
+        Interval in which it lies with a probability of 95 %, m/s.
     """
 
     probability_of_defeat: float | None
@@ -265,6 +317,8 @@ class ConfidenceResult(Result):
     model_error: ModelError | None
     reason: str = ""
     warnings: tuple[str, ...] = ()
+    median_m_s: float | None = None
+    interval_m_s: tuple[float, float] | None = None
 
     @property
     def interval_m_s(self) -> tuple[float, float] | None:
@@ -298,11 +352,9 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
         With the reason where no ballistic limit is found or a run does not end within the maximum number of steps.
     """
     try:
-        limit = _limit(scenario, on_progress)
+        found = of_limit(scenario, _limit(scenario, on_progress), scenario.impact.velocity_m_s)
     except (NoLimitError, InputError) as error:
         found = without_limit(scenario, str(error), above=isinstance(error, NoLimitError) and error.above)
-    else:
-        found = of_limit(scenario, limit, scenario.impact.velocity_m_s)
     return found.of(scenario.subject(), scenario=scenario)
 
 
@@ -323,9 +375,9 @@ def _limit(scenario: Scenario, on_progress: OnProgress) -> float:
 
 def without_limit(scenario: Scenario, reason: str, *, above: bool) -> ConfidenceResult:
     """Return the confidence in an armour whose limit is not in the range searched, for a reason, or is above it."""
-    error, velocity = scenario.model_error(), scenario.impact.velocity_m_s
-    warnings = scenario.warnings(velocity)
-    if error is not None and above:
+    velocity, warnings = scenario.impact.velocity_m_s, scenario.warnings(scenario.impact.velocity_m_s)
+    error = model_error(scenario, scenario.ballistic_limit.velocity_max_m_s) if above else None
+    if error is not None:
         least = float(error.probability_of_defeat(scenario.ballistic_limit.velocity_max_m_s, velocity))
         if least > SURE:
             return ConfidenceResult(least, None, error, warnings=warnings)
@@ -334,8 +386,14 @@ def without_limit(scenario: Scenario, reason: str, *, above: bool) -> Confidence
 
 def of_limit(scenario: Scenario, limit_m_s: float, velocity_m_s: float) -> ConfidenceResult:
     """Return the confidence that a scenario's armour defeats a velocity, given its ballistic limit by the model."""
-    error, warnings = scenario.model_error(), scenario.warnings(velocity_m_s)
+    error, warnings = model_error(scenario, limit_m_s), scenario.warnings(velocity_m_s)
     if error is None:
-        return ConfidenceResult(None, limit_m_s, None, EXCLUDED if scenario.excludes_error() else NO_TEST, warnings)
+        return ConfidenceResult(None, limit_m_s, None, no_error(scenario), warnings)
     probability = float(error.probability_of_defeat(limit_m_s, velocity_m_s))
-    return ConfidenceResult(probability, limit_m_s, error, warnings=warnings)
+    ends = error.interval(limit_m_s)
+    return ConfidenceResult(probability, limit_m_s, error, "", warnings, error.median(limit_m_s), ends)
+
+
+def no_error(scenario: Scenario) -> str:
+    """Return why the error of the model is not known, or not included, for a scenario that has none."""
+    return EXCLUDED if scenario.excludes_error() else why_unknown(scenario.core_armour(), scenario.cosine())

@@ -237,7 +237,8 @@ class Answers:
     @property
     def probabilities_of_defeat(self) -> Floats:
         """Probabilities of defeating the threats, given the error of the model."""
-        return self.variants.errors.probability_of_defeat(self.ballistic_limits, self.variants.velocities)
+        limits = searches.limits_by_law(self.variants, self.ballistic_limits, self.threads)
+        return self.variants.errors.of_limits(limits).probability_above(self.variants.velocities)
 
     def changes(self, quantities: Sequence[str]) -> dict[str, int]:
         """Return ways in which quantities are not all of the answer, in words, each with its number of rows."""

@@ -3,15 +3,19 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from armour.analysis.variants import Floats, Variants, variants_of
+import numpy as np
+
+from armour.analysis.variants import Floats, Ints, Variants, variants_of
+from armour.engine import batch
 from armour.errors import InputError, Problem, refuse
-from armour.scenario.evidence import ERROR, ModelError
+from armour.scenario.evidence import ERROR
+from armour.scenario.predictive import LAW_FIELDS, Errors
 from armour.scenario.sampling import truncation_problem
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import ErrorDistribution, Uncertainty
+from armour.scenario.schema import Uncertainty
 
-# Error at which the distribution of the model's error ends, %: a ballistic limit is above 0.
-LEAST_ERROR_PERCENT = -99.0
+# Least ratio of the armour's ballistic limit to that of the model.
+LEAST_RATIO = 0.01
 
 
 class Samples(NamedTuple):
@@ -21,15 +25,21 @@ class Samples(NamedTuple):
     factor: Any  # ballistic limit of the armour over that of the model, (n,) or a number
 
 
+def own_errors(scenario: Scenario, layers: Mapping[str, float] | None = None) -> Errors:
+    """Return the error of the model for a scenario's armour, with other thicknesses of its layers by name of input."""
+    columns = {name: np.array([value]) for name, value in (layers or {}).items()}
+    return variants_of(scenario, columns, 1).errors
+
+
 def section_of(scenario: Scenario) -> Uncertainty:
     """Return the distributions of a scenario, with that of the error of the model where it is known."""
-    return section_at(scenario, scenario.inputs(), scenario.model_error())
+    return section_at(scenario, scenario.inputs(), with_error=bool(own_errors(scenario).known.all()))
 
 
-def section_at(scenario: Scenario, own: Mapping[str, float], error: ModelError | None) -> Uncertainty:
-    """Return the distributions of a scenario with other values of its inputs, given its error of the model."""
+def section_at(scenario: Scenario, own: Mapping[str, float], *, with_error: bool) -> Uncertainty:
+    """Return the distributions of a scenario with other values of its inputs, with the error of the model or not."""
     section = scenario.uncertainty
-    if section is None or not (section.inputs() or error):
+    if section is None or not (section.inputs() or with_error):
         example = '{ distribution = "normal", standard_deviation_percent = 5 }'
         message = f"is missing and must be given: distributions of inputs, such as ceramic.flow_stress_GPa = {example}"
         raise InputError([Problem(scenario.file, "uncertainty", message)])
@@ -40,27 +50,20 @@ def section_at(scenario: Scenario, own: Mapping[str, float], error: ModelError |
         if (lacking := distribution.mean_problem(own[name]) or truncation_problem(distribution, own[name]))
     ]
     refuse(problems)
-    if error is None:
-        return section
-    distribution = ErrorDistribution(
-        mean=error.mean_percent,
-        standard_deviation=error.scale_percent,
-        degrees_of_freedom=error.degrees_of_freedom,
-        min=LEAST_ERROR_PERCENT,
-    )
-    return section.with_error(distribution)
+    return section.with_error() if with_error else section
 
 
 def own_values(scenario: Scenario) -> dict[str, float]:
-    """Return the scenario's own values of the inputs; the model's own error is 0."""
-    return {**scenario.inputs(), ERROR: 0.0}
+    """Return the scenario's own values of the inputs; the error of the model has a chance of one half to be less."""
+    return {**scenario.inputs(), ERROR: 0.5}
 
 
-def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Samples:
+def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int, errors: Errors | None = None) -> Samples:
     """Return n samples of values, which the scenario must allow.
 
     An armour whose ballistic limit is that of the model times a factor is perforated where the model perforates at the
-    impact velocity divided by the factor.
+    impact velocity divided by the factor.  The error of the model, by default of the scenario's armour, is drawn at the
+    chances of its column; the law of the flow stress that it is drawn from is that of the sample.
     """
     problems = []
     inputs = {name: values for name, values in columns.items() if name != ERROR}
@@ -69,5 +72,25 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Sa
         problems.append(Problem(scenario.file, f"uncertainty.{name}", message))
     refuse(problems)
     variants = variants_of(scenario, inputs, count)
-    factor = 1.0 + columns.get(ERROR, 0.0) / 100.0
+    if ERROR not in columns:
+        return Samples(variants, 1.0)
+    errors = own_errors(scenario) if errors is None else errors
+    component, factor = errors.of_limits(np.ones((len(errors.weights), 1))).one().drawn(columns[ERROR])
+    factor = factor.clip(min=LEAST_RATIO)
+    variants = by_laws(variants, errors, component // errors.weights.shape[1])
     return Samples(variants._replace(velocities=variants.velocities / factor), factor)
+
+
+def by_laws(variants: Variants, errors: Errors, laws: Ints) -> Variants:
+    """Return samples, each with one of the laws of the error of their armour, of which one row is given.
+
+    The flow stress by another law than the first, which is their own, is in proportion to theirs.
+    """
+    parameters = variants.parameters.copy()
+    fields = batch.fields(parameters)
+    for law in np.unique(laws[laws > 0]):
+        rows = laws == law
+        for name, (value,), (own,) in zip(LAW_FIELDS, errors.flow_stress[law], errors.flow_stress[0], strict=True):
+            column = getattr(fields, name)
+            column[rows] = column[rows] * value / own if name == "Yc0" else value
+    return variants._replace(parameters=parameters)

@@ -18,6 +18,7 @@ from armour.analysis.variants import (
 )
 from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
 from armour.engine import batch
+from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 from armour.units import MM
 
 # Width, mm, to which a least thickness is bisected.
@@ -68,6 +69,23 @@ def limit_brackets(
         found = batch.Brackets(*(np.concatenate(both)[order] for both in zip(found, other, strict=True)))
     check_resolved(found.resolved, variants._replace(velocities=found.perforated))
     return found
+
+
+def limits_by_law(variants: Variants, own: Floats, threads: int | None = None) -> Floats:
+    """Return the ballistic limits by each law of the error of the model, m/s, (laws, n), given those of the rows.
+
+    They are searched for beyond the range of the section ``ballistic_limit`` too.  None is where a row has no limit.
+    """
+    errors, section = variants.errors, variants.settings.ballistic_limit
+    limits = np.tile(own, (len(errors.weights), 1))
+    for law in range(1, len(limits)):
+        where = np.flatnonzero(errors.used(law) & ~np.isnan(own))
+        rows = variants.by_law(law, errors)
+        for ends in ((section.velocity_min_m_s, section.velocity_max_m_s), (SLOWEST_M_S, FASTEST_M_S)):
+            found = limit_brackets(rows.at(where), *ends, section.tolerance_m_s, threads)
+            limits[law, where] = found.perforated.clip(*ends)
+            where = where[~found.bounded]
+    return limits
 
 
 def changes_above(variants: Variants, limits: Floats, threads: int | None = None) -> Bools:

@@ -10,9 +10,10 @@ from armour.analysis.impact import unresolved_error
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem
-from armour.scenario.evidence import UNKNOWN, ModelError, is_unusual, row_errors, row_limits
+from armour.scenario.evidence import ModelError, is_unusual, row_limits
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, LAYERS, OBLIQUITY, VELOCITY, YIELD, cosine_of
 from armour.scenario.library import DEFAULTS, ROD, length_mm
+from armour.scenario.predictive import LAW_FIELDS, Errors, errors_of
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import BallisticLimitSection, Optimise, Solver
 from armour.units import MM
@@ -30,6 +31,7 @@ class Settings(NamedTuple):
     ballistic_limit: BallisticLimitSection
     grid: Optimise | None
     error: ModelError | None  # of the section ``uncertainty.model``; None for that of tests
+    excludes_error: bool  # as that section says
 
     def options(self, threads: int | None = None) -> batch.SolverOptions:
         """Return the options of the engine."""
@@ -44,11 +46,12 @@ class Variants(NamedTuple):
     parameters: Floats  # (n, fields), see `armour.engine.batch.packed`; thicknesses along the line of fire
     velocities: Floats  # impact velocities, m/s, (n,)
     cosines: Floats  # of the obliquities, (n,)
+    tensile_MPa: Floats  # tensile strengths of the back plates, (n,); NaN where not given
     settings: Settings
 
     def at(self, where: Ints | Bools | slice) -> "Variants":
         """Return some of the rows."""
-        return Variants(self.parameters[where], self.velocities[where], self.cosines[where], self.settings)
+        return Variants._make([*(column[where] for column in self[:-1]), self.settings])
 
     @property
     def grid(self) -> Optimise:
@@ -57,10 +60,21 @@ class Variants(NamedTuple):
         return self.settings.grid
 
     @property
-    def errors(self) -> ModelError:
-        """Errors of the model, as numbers or arrays, (n,); NaN where unknown."""
-        given = self.settings.error
-        return row_errors(batch.fields(self.parameters), self.cosines) if given is None else given
+    def errors(self) -> Errors:
+        """Errors of the model."""
+        count = len(self.velocities)
+        if self.settings.excludes_error:
+            return Errors.unknown(count)
+        if self.settings.error is not None:
+            return Errors.of(self.settings.error.ratio, count)
+        return errors_of(batch.fields(self.parameters), self.tensile_MPa, self.cosines)
+
+    def by_law(self, law: int, errors: Errors) -> "Variants":
+        """Return the variants with the flow stress by a law of their errors."""
+        parameters = self.parameters.copy()
+        for name, values in zip(LAW_FIELDS, errors.flow_stress[law], strict=True):
+            getattr(batch.fields(parameters), name)[:] = values
+        return self._replace(parameters=parameters)
 
     @property
     def ceramics_mm(self) -> Floats:
@@ -105,7 +119,7 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
                 target = INPUTS[f"backing.{key}"]
                 getattr(field, target.field)[:] = DEFAULTS[key][0] * columns[YIELD] * target.factor
     velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
-    return Variants(rows, velocities, cosines, settings_of(scenario))
+    return Variants(rows, velocities, cosines, np.full(count, scenario.tensile_strength()), settings_of(scenario))
 
 
 def _set_inputs(parameters: Floats, columns: Mapping[str, Floats | float], cosines: Floats) -> None:
@@ -118,12 +132,8 @@ def _set_inputs(parameters: Floats, columns: Mapping[str, Floats | float], cosin
 
 def concatenated(parts: Sequence[Variants]) -> Variants:
     """Concatenate variants with equal settings."""
-    return Variants(
-        np.concatenate([part.parameters for part in parts]),
-        np.concatenate([part.velocities for part in parts]),
-        np.concatenate([part.cosines for part in parts]),
-        parts[0].settings,
-    )
+    columns = (np.concatenate(column) for column in zip(*(part[:-1] for part in parts), strict=True))
+    return Variants._make([*columns, parts[0].settings])
 
 
 def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
@@ -150,8 +160,8 @@ def grid_of(scenario: Scenario) -> Optimise:
 
 def settings_of(scenario: Scenario) -> Settings:
     """Return the settings of a scenario."""
-    error = UNKNOWN if scenario.excludes_error() else scenario.given_error()
-    return Settings(scenario.file, scenario.solver, scenario.ballistic_limit, scenario.optimise, error)
+    error, excluded = scenario.given_error(), scenario.excludes_error()
+    return Settings(scenario.file, scenario.solver, scenario.ballistic_limit, scenario.optimise, error, excluded)
 
 
 def impacts(variants: Variants, threads: int | None = None) -> batch.Impacts:

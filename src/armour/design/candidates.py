@@ -136,7 +136,7 @@ def _least(
 
     def is_unusual(values: Floats, rows: Ints) -> Bools:
         threats = range(len(requirement.catalogue.threats))
-        variants = requirement.catalogue.against_each(designs(values, other[rows]), threats)
+        variants, *_ = requirement.catalogue.against_each(designs(values, other[rows]), threats)
         return np.asarray(unusual(variants).reshape(-1, len(threats)).any(axis=1))
 
     low, high = np.full(len(other), free.min), np.full(len(other), free.max)

@@ -8,12 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from armour.analysis.searches import limits_by_law
 from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, settings_of, with_thicknesses
 from armour.core.state import Parameters
 from armour.engine import batch
 from armour.errors import Problem, refuse
 from armour.scenario.inputs import INPUTS, OBLIQUITY, ROLES, cosine_of, fields_of, inputs_of_entry
-from armour.scenario.library import penetrator_length_mm
+from armour.scenario.library import penetrator_length_mm, tensile_strength
+from armour.scenario.mixture import Mixture
+from armour.scenario.predictive import Errors
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import (
     MAX_DESIGNS,
@@ -89,6 +92,7 @@ class Catalogue:
     sampled: bool  # whether the bounds hold for uncertain inputs too, which are sampled
     offers: tuple[Offer, ...]
     layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, fields)
+    tensile_MPa: Floats  # tensile strengths of the back plates, (pairs,); NaN where not given
     projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, fields)
     values: Mapping[str, frozenset[float | None]]  # of the inputs of materials and threats; None where one has none
     more_margin_m_s: float = 0.0  # required of every threat
@@ -118,56 +122,47 @@ class Catalogue:
         """Cosines of the obliquities of the threats, (threats,)."""
         return np.array([cosine_of(threat.obliquity_deg) for threat in self.threats])
 
-    def variants(self, candidates: Candidates, threat: int | Ints) -> Variants:
-        """Return designs against a threat, or against one each, as rows at the velocities that these require."""
-        rows = self._at_threat(candidates, threat)
-        return rows._replace(velocities=self._required_m_s(rows, threat))
+    def against_each(self, candidates: Candidates, threats: Sequence[int]) -> tuple[Variants, Floats, Floats]:
+        """Return designs against each of some threats, the rows of a design together, at the velocities of the threats.
 
-    def against_each(self, candidates: Candidates, threats: Sequence[int]) -> Variants:
-        """Return designs against each of some threats, (designs times threats); the rows of a design are together."""
+        With the rows, (designs times threats), are the velocities that their ballistic limits must reach for a margin,
+        m/s, and the bounds on the probabilities of perforation that the error of the model decides on; 1 for none.
+        """
         designs, places = np.divmod(np.arange(len(candidates.pair) * len(threats)), len(threats))
-        return self.variants(candidates.at(designs), np.array(threats)[places])
+        which = np.array(threats, dtype=np.int64)[places]
+        required = np.array([threat.required_m_s for threat in self.threats]) + self.more_margin_m_s
+        bounds = np.where((self.bounds < NO_BOUND) & (not self.sampled), self.bounds, 1.0)
+        return self._at_threat(candidates.at(designs), which), required[which], bounds[which]
 
     def required_m_s(self, candidates: Candidates) -> Floats:
         """Return the velocities that the ballistic limits of designs must reach, (designs, threats).
 
-        These are infinite where a probability is bounded, and the error of the model is not known.
+        These are infinite where a probability is bounded, and the error of the model is not known.  With a ceramic, the
+        limits by other laws of its flow stress are computed for a bound.
         """
-        threats = range(len(self.threats))
-        return np.column_stack([self._required_m_s(self._at_threat(candidates, i), i) for i in threats])
+        rows, required, bounds = self.against_each(candidates, range(len(self.threats)))
+        where = np.flatnonzero(bounds < 1.0)
+        required[where] = np.maximum(required[where], self.bounded_m_s(rows.at(where), bounds[where]))
+        return required.reshape(-1, len(self.threats))
 
-    def _at_threat(self, candidates: Candidates, threat: int | Ints) -> Variants:
-        """Return designs against a threat, or against one each, as rows at its velocity."""
+    def bounded_m_s(self, rows: Variants, bounds: Floats) -> Floats:
+        """Return the ballistic limits, m/s, (n,), with which the probabilities of perforation keep to bounds."""
+        limits = limits_by_law(rows, np.ones(len(bounds)))
+        found = required_by_law(rows, rows.errors, bounds, limits)
+        return np.where(rows.errors.known, found, np.inf) + self.more_margin_m_s
+
+    def _at_threat(self, candidates: Candidates, threat: Ints) -> Variants:
+        """Return designs against a threat each, as rows at its velocity."""
         parameters = self.layers[candidates.pair] + self.projectiles[threat]
-        velocities, cosines = (np.full(len(parameters), each[threat]) for each in (self.velocities_m_s, self.cosines))
-        rows = Variants(parameters, velocities, cosines, settings_of(self.scenario))
+        velocities, cosines = self.velocities_m_s[threat], self.cosines[threat]
+        tensile = self.tensile_MPa[candidates.pair]
+        rows = Variants(parameters, velocities, cosines, tensile, settings_of(self.scenario))
         return with_thicknesses(rows, ceramic_mm=candidates.ceramic_mm, backing_mm=candidates.backing_mm)
 
-    def _required_m_s(self, rows: Variants, threat: int | Ints) -> Floats:
-        given = np.array([threat.required_m_s for threat in self.threats])
-        required, bounds = (np.full(len(rows.velocities), of_threats[threat]) for of_threats in (given, self.bounds))
-        bounded = bounds < NO_BOUND
-        if not self.sampled and bounded.any():
-            relative = np.nan_to_num(rows.errors.quantile(bounds), nan=-1.0)
-            with np.errstate(divide="ignore"):
-                required = np.where(bounded, np.maximum(required, rows.velocities / (1.0 + relative)), required)
-        return required + self.more_margin_m_s
-
-    def unknown_errors(self, candidates: Candidates) -> Bools:
-        """Return whether a probability is bounded and the error of the model is not known, (designs, threats)."""
-        unknown = np.zeros((len(candidates.pair), len(self.threats)), dtype=bool)
-        if not self.scenario.excludes_error():
-            for i in np.flatnonzero(self.bounds < NO_BOUND).tolist():
-                unknown[:, i] = np.isnan(self._at_threat(candidates, i).errors.scale_percent)
-        return unknown
-
-    def probabilities_of_defeat(self, candidates: Candidates, limits: Floats) -> Floats:
-        """Return the probabilities that limits, (designs, threats), exceed the threats' velocities; NaN if unknown."""
-        found = np.empty_like(limits)
-        for i in range(len(self.threats)):
-            rows = self._at_threat(candidates, i)
-            found[:, i] = rows.errors.probability_of_defeat(limits[:, i], rows.velocities)
-        return found
+    def distributions(self, candidates: Candidates, limits: Floats) -> Mixture:
+        """Return the distributions of the ballistic limits, m/s, of which (designs, threats) are those of the model."""
+        rows, *_ = self.against_each(candidates, range(len(self.threats)))
+        return rows.errors.of_limits(limits_by_law(rows, limits.ravel()))
 
     def candidates(self, pair: int, ceramic_mm: Floats, backing_mm: Floats) -> Candidates:
         """Return designs of a pair with their areal density, thickness and cost."""
@@ -237,6 +232,27 @@ class Catalogue:
         return replace(self, more_margin_m_s=self.more_margin_m_s + margin_m_s)
 
 
+def required_by_law(rows: Variants, errors: Errors, bounds: Floats, limits: Floats) -> Floats:
+    """Return the own ballistic limits, m/s, (n,), with which probabilities of perforation keep to bounds.
+
+    The limits by other laws of the flow stress are given, (laws, n), of which the first row is not used.
+    """
+    left = bounds.copy()
+    for law in range(1, len(limits)):
+        where = np.flatnonzero(errors.used(law))
+        some = errors.at(where)
+        above = some.of_law(law).times(limits[law, where]).probability_above(rows.velocities[where])
+        left[where] -= some.weights[law].sum(axis=0) * (1.0 - above)
+    return least_of_law(rows.velocities, errors, 0, left / errors.weights[0].sum(axis=0))
+
+
+def least_of_law(velocities: Floats, errors: Errors, law: int, bounds: Floats) -> Floats:
+    """Return the limits by a law, m/s, (n,), with which probabilities of perforation given the law keep to bounds."""
+    quantiles = errors.of_law(law).quantile(bounds.clip(0.0, 1.0))
+    with np.errstate(divide="ignore"):
+        return velocities / quantiles.clip(min=0.0)
+
+
 def catalogue_of(scenario: Scenario) -> Catalogue:
     """Return the catalogue of a scenario; its impact is the threat if it lists none."""
     section = _section_of(scenario)
@@ -294,6 +310,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         bool(bounded and uncertain),
         tuple(offers),
         layers,
+        np.array([tensile_strength(scenario.entry("metal", offer.backing.material)) for offer in offers]),
         rows["projectile"],
         {
             OBLIQUITY: frozenset(threat.obliquity_deg for threat in threats),

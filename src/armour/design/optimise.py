@@ -8,24 +8,26 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from armour.analysis.results import OnProgress, Result, data_frame, ignore_progress
-from armour.analysis.variants import Ints
+from armour.analysis.variants import Bools, Ints
 from armour.core.state import Parameters
 from armour.design.candidates import candidates_of
-from armour.design.catalogue import MARGIN, Candidates, Catalogue, catalogue_of
+from armour.design.catalogue import MARGIN, NO_BOUND, Candidates, Catalogue, catalogue_of
 from armour.design.search import Requirement, Search
 from armour.errors import NoDesignError, Note, Problem, refuse
 from armour.scenario.checked import checked
-from armour.scenario.evidence import MEASURES, ModelError, armour_warnings, error_on_tests
+from armour.scenario.evidence import MEASURES, REMEDY, ModelError, armour_warnings, closest
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, OBLIQUITY, VELOCITY
+from armour.scenario.mixture import Mixture
 from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import DesignSection, shot
 
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
 
+# What is said first of a pair of materials of which no test is known, beside others.
+UNTESTED = "no test: "
 # Thicknesses that a warning lists.
 MOST_LISTED = 5
-GIVE_ERROR = "[uncertainty.model] can give it"
 
 
 class Objective(NamedTuple):
@@ -247,7 +249,11 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         reliability = Reliability(catalogue, on_progress)
     requirement = Requirement(catalogue, on_progress)
     search = Search(requirement, candidates_of(requirement), reliability)
-    first = search.first(np.arange(len(search.values)))
+    everything = np.arange(len(search.values))
+    tested = requirement.tested(search.candidates)
+    first = search.first(everything[tested])
+    if first is None:
+        first = search.first(everything[~tested])
     if first is None:
         raise NoDesignError(_why_none(search, _unconstrained(search), range(len(catalogue.offers))))
 
@@ -257,6 +263,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     not_monotonic = search.not_monotonic_mm(frontier)
     best = _best(search, first)
     found = _designs(search, frontier, with_margins=True)
+    pairs = _pairs(search, first, tested)
     ceramic_min = min((low for _, name, low, _ in catalogue.ranges(pair) if name == "ceramic"), default=0.0) or None
     return DesignResult(
         minimised=catalogue.section.minimise,
@@ -265,7 +272,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         frontier=found,
         frontier_governed_by=tuple(catalogue.titles[threat] for threat in _governing(search, frontier)),
         refined=_refined(search, first) if refine else None,
-        pairs=_pairs(search, first),
+        pairs=pairs,
         criteria=criteria,
         pareto=_pareto(search, criteria) if criteria else (),
         designs=len(search.values),
@@ -276,6 +283,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
             *_unused_impact(scenario),
             *catalogue.omissions(),
             *_outside(search, first),
+            *_untested(pairs),
             *_at_the_ends(catalogue, pair, best),
             *_least_of_the_range(catalogue, pair, found, ceramic_min),
             *_changing(search, (*search.changing(), *((pair, "ceramic", other) for other in not_monotonic))),
@@ -283,6 +291,13 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         ceramic_min_mm=ceramic_min,
         without_mm=_without(search, pair, frontier),
     ).of(_subject(catalogue), scenario=scenario)
+
+
+def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
+    """Give a warning where pairs of materials are ranked apart."""
+    names = [f"{pair.ceramic} on {pair.backing}" for pair in pairs if pair.reason.startswith(UNTESTED)]
+    if names:
+        yield f"no test is known of {', '.join(names)}, which are ranked apart; {REMEDY}"
 
 
 def _unused_impact(scenario: Scenario) -> Iterator[Note]:
@@ -398,6 +413,7 @@ def _best(search: Search, place: int) -> BestDesign:
     section = catalogue.scenario.ballistic_limit
     limit = float(limits[governing])
     sampled = search.probabilities(place) or {}
+    distributions = catalogue.distributions(search.candidates.at(where), limits)
     return BestDesign(
         **asdict(design),
         ballistic_limit_m_s=limit if section.velocity_min_m_s < limit <= section.velocity_max_m_s else None,
@@ -406,37 +422,37 @@ def _best(search: Search, place: int) -> BestDesign:
         margins_m_s=dict(zip(catalogue.titles, search.margins(limits).tolist(), strict=True)),
         governing=catalogue.titles[governing],
         probabilities=sampled,
-        probabilities_of_defeat=_of_defeat(search, place, sampled),
-        model_error=_model_error(search, place, governing),
+        probabilities_of_defeat=_of_defeat(catalogue, distributions, sampled),
+        model_error=_model_error(search, place, governing, distributions.one(governing).times(1.0 / limit)),
     )
 
 
-def _of_defeat(search: Search, place: int, sampled: "dict[str, Estimate]") -> dict[str, float | None]:
+def _of_defeat(catalogue: Catalogue, distributions: Mixture, sampled: "dict[str, Estimate]") -> dict[str, float | None]:
     """Return the probabilities that a design defeats each threat: of the samples, else by the error of the model."""
-    where, catalogue = np.array([place]), search.catalogue
-    [found] = catalogue.probabilities_of_defeat(search.candidates.at(where), search.limits(where)).tolist()
+    found = distributions.probability_above(catalogue.velocities_m_s).tolist()
     own = {title: None if isnan(p) else p for title, p in zip(catalogue.titles, found, strict=True)}
     return own | {title: 1.0 - estimate.value for title, estimate in sampled.items()}
 
 
-def _model_error(search: Search, place: int, threat: int) -> ModelError | None:
-    """Return the error of the model for a design against a threat."""
-    scenario = search.catalogue.scenario
-    if scenario.excludes_error():
+def _model_error(search: Search, place: int, threat: int, ratio: Mixture) -> ModelError | None:
+    """Return the error of the model for a design against a threat, given the distribution of the limits' ratio."""
+    if np.isnan(ratio.weights).any():
         return None
-    return scenario.given_error() or error_on_tests(
-        _armour(search, place, threat), float(search.catalogue.cosines[threat])
-    )
+    given, armour = search.catalogue.scenario.given_error(), _armour(search, place, threat)
+    if given is not None:
+        return ModelError.of_ratio(ratio, given.source)
+    evidence = closest(armour)
+    return ModelError.of_ratio(ratio, evidence.title, evidence.extrapolated(armour))
 
 
 def _armour(search: Search, place: int, threat: int) -> Parameters:
     """Return a design and the projectile of a threat as parameters of the core."""
-    [row] = search.catalogue.variants(search.candidates.at(np.array([place])), threat).parameters.tolist()
-    return Parameters(*row)
+    rows, *_ = search.catalogue.against_each(search.candidates.at(np.array([place])), [threat])
+    return Parameters(*rows.parameters[0].tolist())
 
 
-def _pairs(search: Search, best: int) -> tuple[Pair, ...]:
-    """Compare the best designs of all pairs, best first."""
+def _pairs(search: Search, best: int, tested: Bools) -> tuple[Pair, ...]:
+    """Compare the best designs of all pairs, best first, those of which no test is known after the others."""
     least = float(search.values[best])
     most = least * (1.0 + search.catalogue.section.runners_up_percent / 100.0)
     offers = search.catalogue.offers
@@ -445,6 +461,7 @@ def _pairs(search: Search, best: int) -> tuple[Pair, ...]:
         # Only possible runners-up are sampled, as each design takes thousands of impacts.
         possible = [own[search.values[own] <= most] for own in possible]
     # The limits of the first designs, which most often pass, are computed together, which is quicker.
+    possible = [own[np.argsort(~tested[own], kind="stable")] for own in possible]
     search.limits(np.array([own[0] for own in possible if len(own)], dtype=np.int64))
     places = [search.first(own) for own in possible]
     unconstrained = _unconstrained(search) if None in places else search
@@ -452,23 +469,32 @@ def _pairs(search: Search, best: int) -> tuple[Pair, ...]:
     for index, (offer, place) in enumerate(zip(offers, places, strict=True)):
         if place is not None:
             found, (excess, reason) = _best(search, place), _excess(search, place, least)
+            if tested[best] and not tested[place]:
+                reason = f"{UNTESTED}{reason or 'as ' + OBJECTIVES[search.catalogue.section.minimise].least}"
         else:
             found, excess, reason = None, None, _why_none(search, unconstrained, [index])
         pairs.append(Pair(offer.ceramic.material, offer.backing.material, found, excess, reason))
-    return tuple(sorted(pairs, key=lambda pair: inf if pair.excess_percent is None else pair.excess_percent))
+    return tuple(sorted(pairs, key=_rank))
+
+
+def _rank(pair: Pair) -> tuple[bool, bool, float]:
+    excess = pair.excess_percent
+    return pair.best is None, pair.reason.startswith(UNTESTED), inf if excess is None else excess
 
 
 def _excess(search: Search, place: int, least: float) -> tuple[float | None, str]:
     """Return the excess of the objective of a design over the least, per cent, and the same in words."""
     section, value = search.catalogue.section, float(search.values[place])
-    comparative = OBJECTIVES[section.minimise].more
-    if value <= least:
+    words = OBJECTIVES[section.minimise]
+    if value == least:
         return 0.0, ""
     if least <= 0.0:
-        return None, comparative
+        return None, words.more
     excess = 100.0 * (value / least - 1.0)
+    if excess < 0.0:
+        return excess, f"{-excess:.1f} % {words.less}"
     near = "runner-up: " if excess <= section.runners_up_percent else ""
-    return excess, f"{near}{excess:.1f} % {comparative}"
+    return excess, f"{near}{excess:.1f} % {words.more}"
 
 
 def _unconstrained(search: Search) -> Search:
@@ -487,12 +513,13 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
         return beyond
     own = search.candidates.at(search.of_pairs(pairs))
     thickest = [np.array([layer.thicknesses()[-1]]) for layer in catalogue.offers[pairs[0]][:2]]
-    unknown = catalogue.unknown_errors(own if len(own.pair) else catalogue.candidates(pairs[0], *thickest)).any(axis=1)
+    unknown = ~search.requirement.tested(own if len(own.pair) else catalogue.candidates(pairs[0], *thickest))
+    unknown &= bool((catalogue.bounds < NO_BOUND).any())
     if unknown.all():
         names = [layer.material for layer in catalogue.offers[pairs[0]][:2] if layer.material]
         armour = " on ".join(names) if len(pairs) == 1 else "any of the designs"
-        return f"the error of the model is not known for {armour}; {GIVE_ERROR}"
-    hint = f"; where the error of the model is not known, {GIVE_ERROR}" if unknown.any() else ""
+        return f"the error of the model is not known for {armour}; {REMEDY}"
+    hint = f"; where the error of the model is not known, {REMEDY}" if unknown.any() else ""
     whole = len(pairs) == len(catalogue.offers)
     if catalogue.sampled:
         near = "" if whole else f" within {section.runners_up_percent:g} % of the best"

@@ -8,16 +8,14 @@ from scipy.special import bdtrc
 
 from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
 from armour.analysis.results import OnProgress, ignore_progress
-from armour.analysis.samples import own_values, sampled, section_at, section_of
-from armour.analysis.variants import perforated, variants_of
-from armour.core.state import Parameters
+from armour.analysis.samples import own_errors, own_values, sampled, section_at, section_of
+from armour.analysis.variants import perforated
 from armour.design.catalogue import NO_BOUND, Candidates, Catalogue
 from armour.errors import Problem, refuse
-from armour.scenario.evidence import error_on_tests
 from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 from armour.scenario.sampling import columns_of, points_of
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import MAX_SAMPLES, ErrorDistribution, Uncertainty
+from armour.scenario.schema import MAX_SAMPLES, Uncertainty
 
 # Samples of a design after which it is first checked whether it can still pass.
 FIRST_SAMPLES = 64
@@ -27,8 +25,6 @@ IMPROBABLE = 1e-9
 MOST_SAMPLES = 2**15
 # Scenarios of pairs of materials and threats that are kept.
 MOST_SCENARIOS = 1000
-# Holds the place of the error of the model, which is different for each design.
-ANY_ERROR = ErrorDistribution(mean=0.0, standard_deviation=1.0, degrees_of_freedom=1.0)
 
 
 class Reliability:
@@ -41,7 +37,7 @@ class Reliability:
         section = section_of(self.against(0, 0))
         _check(catalogue, section)
         # Points of the unit cube, (samples, inputs), the error of the model included.
-        self.points = points_of(section.with_error(ANY_ERROR))
+        self.points = points_of(section.with_error())
 
     def probabilities(self, candidates: Candidates, place: int) -> dict[str, Estimate] | None:
         """Estimate the probabilities of perforation of a design, see `Search.probabilities`."""
@@ -65,15 +61,12 @@ class Reliability:
         """
         own = own_values(scenario)
         layers = {CERAMIC: ceramic_mm, BACKING: backing_mm} if CERAMIC in own else {BACKING: backing_mm}
-        [row] = variants_of(scenario, {name: np.array([value]) for name, value in layers.items()}, 1).parameters
-        armour = Parameters(*row.tolist())
-        error = (
-            None if scenario.excludes_error() else scenario.given_error() or error_on_tests(armour, scenario.cosine())
-        )
-        if error is None and not scenario.excludes_error():
+        errors = own_errors(scenario, layers)
+        known = bool(errors.known.all())
+        if not (known or scenario.excludes_error()):
             return None
         own |= layers
-        section = section_at(scenario, own, error)
+        section = section_at(scenario, own, with_error=known)
         points = self.points[:, : len(section.inputs())]
         hits, start, end = 0, 0, FIRST_SAMPLES
         while start < len(points):
@@ -82,7 +75,7 @@ class Reliability:
             if ceramic_mm == 0.0:
                 columns.pop(CERAMIC, None)  # a layer that is absent has no thickness that varies
             columns = {**{name: np.full(len(part), value) for name, value in layers.items()}, **columns}
-            hits += int(perforated(sampled(scenario, columns, len(part)).variants).sum())
+            hits += int(perforated(sampled(scenario, columns, len(part), errors).variants).sum())
             estimate = proportion(hits, len(points))
             self.on_progress(len(part), None)
             if estimate.high > bound or bdtrc(hits - 1, end, bound) < IMPROBABLE:

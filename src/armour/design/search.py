@@ -12,15 +12,13 @@ from armour.analysis.results import FIRST_IMPACTS, OnProgress, ignore_progress, 
 from armour.analysis.searches import limit_brackets
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated
 from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS
-from armour.design.catalogue import COST, MARGIN, Candidates, Catalogue, first_backings
-from armour.scenario.schema import FASTEST_M_S
+from armour.design.catalogue import COST, MARGIN, NO_BOUND, Candidates, Catalogue, first_backings, least_of_law
+from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
     from armour.design.reliability import Reliability
 
-# Velocity, m/s, from which a ballistic limit is searched for below the range of the section ``ballistic_limit``.
-SLOWEST_M_S = 20.0
 # Impacts and limits that are computed at a time, which bounds the memory.
 IMPACTS_AT_A_TIME = 50_000
 LIMITS_AT_A_TIME = 10_000
@@ -52,15 +50,59 @@ class Requirement:
         for part in portions(len(defeated), IMPACTS_AT_A_TIME, FIRST_IMPACTS):
             left = np.arange(part.start, part.stop)
             for some in passes:
-                variants = self.catalogue.against_each(candidates.at(left), some)
-                possible = (variants.velocities <= FASTEST_M_S).reshape(-1, len(some)).all(axis=1)
-                defeated[left] = possible
-                left = left[possible]
-                hits = perforated(variants.at(np.repeat(possible, len(some))))
-                self._count(len(hits))
-                defeated[left] = ~hits.reshape(-1, len(some)).any(axis=1)
+                rows, required, bounds = self.catalogue.against_each(candidates.at(left), some)
+                stopped = self._stopped(rows._replace(velocities=required))
+                bounded = np.flatnonzero(stopped & (bounds < 1.0))
+                stopped[bounded] = self._within_bounds(rows.at(bounded), bounds[bounded])
+                defeated[left] = stopped.reshape(-1, len(some)).all(axis=1)
                 left = left[defeated[left]]
         return defeated
+
+    def tested(self, candidates: Candidates) -> Bools:
+        """Return whether the error of the model is known, or left out, for designs against every threat, (designs,)."""
+        tested = np.ones(len(candidates.pair), dtype=bool)
+        if not self.catalogue.scenario.excludes_error():
+            for part in portions(len(tested), IMPACTS_AT_A_TIME):
+                rows, *_ = self.catalogue.against_each(candidates.at(part), range(len(self.catalogue.threats)))
+                tested[part] = rows.errors.known.reshape(-1, len(self.catalogue.threats)).all(axis=1)
+        return tested
+
+    def _stopped(self, rows: Variants) -> Bools:
+        """Return whether rows stop the projectile at their velocities; not at ones that are too high to compute."""
+        stopped = rows.velocities <= FASTEST_M_S
+        possible = np.flatnonzero(stopped & (rows.velocities > 0.0))
+        stopped[possible] = ~perforated(rows.at(possible))
+        self._count(len(possible))
+        return stopped
+
+    def _within_bounds(self, rows: Variants, bounds: Floats) -> Bools:
+        """Return whether rows keep to bounds on the probability of perforation at their velocities.
+
+        The limits by other laws of the flow stress are computed where impacts by each law leave it open: the bound is
+        kept if it is by every law, and exceeded if one law alone exceeds it, whatever the others do.
+        """
+        errors, kept = rows.errors, rows.errors.known
+        several = (errors.weights[1:] > 0.0).any(axis=(0, 1))
+
+        def keeping(among: Bools, laws: range, *, alone: bool) -> Bools:
+            """Return which of some rows keep to their bounds by each law, if the others do not perforate or do too."""
+            among = among.copy()
+            for law in laws:
+                where = np.flatnonzero(among & errors.used(law))
+                some = errors.at(where)
+                parts = some.weights[law].sum(axis=0) if alone else 1.0
+                least = least_of_law(rows.velocities[where], some, law, bounds[where] / parts)
+                made = rows.by_law(law, errors) if law else rows
+                margin = 0.0 if law else self.catalogue.more_margin_m_s
+                among[where] = self._stopped(made.at(where)._replace(velocities=least + margin))
+            return among
+
+        kept = keeping(kept, range(len(errors.weights)), alone=True)
+        certain = keeping(kept & several, range(len(errors.weights)), alone=False)
+        rest = np.flatnonzero(kept & several & ~certain)
+        required = self.catalogue.bounded_m_s(rows.at(rest), bounds[rest])
+        kept[rest] = self._stopped(rows.at(rest)._replace(velocities=required))
+        return kept
 
     def _count(self, runs: int) -> None:
         self.runs += runs
@@ -91,7 +133,8 @@ class Requirement:
         """Return limits of designs against each threat, (designs, threats), of which many rows are searched at once."""
         limits = np.empty((len(candidates.pair), len(self.catalogue.threats)))
         for part in portions(len(limits), max(LIMITS_AT_A_TIME // limits.shape[1], 1)):
-            rows = self.catalogue.against_each(candidates.at(part), range(limits.shape[1]))
+            rows, required, _ = self.catalogue.against_each(candidates.at(part), range(limits.shape[1]))
+            rows = rows._replace(velocities=required)
             limits[part] = limits_of(rows).reshape(-1, limits.shape[1])
         return limits
 
@@ -233,15 +276,19 @@ class Search:
             where = (pairs[thin] == pairs[thick]) & (other[thin] == other[thick])
             where &= self.defeating[thin] & ~self.defeating[thick]
             needed = (self.catalogue.required_m_s(self.candidates.at(some[where])) for some in (thin, thick))
-            for place in thin[where][np.equal(*needed).all(axis=1)]:
+            for place in thin[where][np.greater_equal(*needed).all(axis=1)]:
                 yield int(pairs[place]), name, float(other[place])
 
     def not_monotonic_mm(self, frontier: Ints) -> tuple[float, ...]:
         """Return the back plate thicknesses of a frontier at which a thicker ceramic is known not to pass, mm."""
         ceramics, backings = self.candidates.ceramic_mm, self.candidates.backing_mm
         own = self.of_pair(int(self.candidates.pair[frontier[0]]))
-        required = self.catalogue.required_m_s(self.candidates.at(own))
-        failing = own[~self.defeating[own] | (self._limits[own] < required).any(axis=1)]
+        known = own[self.defeating[own] & ~np.isnan(self._limits[own]).any(axis=1)]
+        required = self.catalogue.required_m_s(self.candidates.at(known))
+        failing = own[~self.defeating[own]]
+        if (self.catalogue.bounds < NO_BOUND).any():
+            failing = failing[self.requirement.tested(self.candidates.at(failing))]
+        failing = np.union1d(failing, known[(self._limits[known] < required).any(axis=1)])
         failing = failing[np.isin(backings[failing], backings[frontier])]
         # The frontier is in the order of its back plates.
         thickest = np.zeros(len(frontier))

@@ -16,6 +16,7 @@ from armour.analysis.ballistic_limit import (
 )
 from armour.analysis.impact import EnergyBalance, ImpactResult, energy_balance, simulate
 from armour.analysis.results import OnProgress, ignore_progress
+from armour.analysis.samples import own_errors
 from armour.design.optimise import OBJECTIVES, DesignResult, optimise
 from armour.errors import NoLimitError, Note
 from armour.reporting.charts import Chart
@@ -154,7 +155,7 @@ def _excess(found: AgainstThreat) -> float:
 
 def _sampled(found: AgainstThreat, scenario: Scenario, on_part: OnProgress) -> AgainstThreat:
     """Return an armour against a threat with the probability of the distributions, if the model's error is in them."""
-    if scenario.model_error() is None and not scenario.excludes_error():
+    if not (scenario.excludes_error() or own_errors(scenario).known.all()):
         return found
     perforation = probability_of_perforation(scenario, on_progress=on_part)
     return found._replace(probability_of_defeat=1.0 - perforation.value, sampled=True)

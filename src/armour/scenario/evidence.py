@@ -1,16 +1,19 @@
 """Evidence: what the model was compared with, where an armour is unlike that, and the error of its ballistic limit."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
-from functools import cache
-from math import nan
-from typing import Any, NamedTuple
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from math import expm1, pi
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Note, Problem
 from armour.files import read_toml, shipped
 from armour.scenario.inputs import OBLIQUITY, VELOCITY, cosine_of
 from armour.units import GPA
+
+if TYPE_CHECKING:
+    from armour.scenario.mixture import Mixture
 
 # Factor by which a quantity of an unusual armour lies outside of all that the model was compared with.
 FAR = 2.0
@@ -26,35 +29,60 @@ class ModelError:
 
     Attributes
     ----------
-    mean_percent, scale_percent : float
-        Location and scale of Student's t distribution, %.
-    degrees_of_freedom : float
+    mean_percent, scale_percent : float or None
+        Location and scale of Student's t distribution, %; None where the distribution is a mixture of several.
+    degrees_of_freedom : float or None
         Of this distribution.
     source : str
         What the error is estimated from.
     extrapolated : tuple of str
         Quantities in which the armour lies outside the tests that the error is estimated from.
+    quantiles_percent : dict of str to float
+        Quantiles of the error, %, by probability: "0.025", "0.05", "0.5", "0.95" and "0.975"; of an armour.
     """
 
-    mean_percent: float
-    scale_percent: float
-    degrees_of_freedom: float
+    mean_percent: float | None
+    scale_percent: float | None
+    degrees_of_freedom: float | None
     source: str = ""
     extrapolated: tuple[str, ...] = ()
+    quantiles_percent: dict[str, float] = field(default_factory=dict, hash=False)
+
+    @classmethod
+    def of_ratio(cls, ratio: "Mixture", source: str, extrapolated: tuple[str, ...] = ()) -> "ModelError":
+        """Return the error of which the ratio of both limits has a distribution, (k,)."""
+        mean = scale = freedom = None
+        used = ratio.weights > 0.0
+        if used.sum() == 1:
+            [mean], [scale], [freedom] = (
+                array[used].tolist() for array in (ratio.locations, ratio.scales, ratio.degrees_of_freedom)
+            )
+            mean, scale = 100.0 * (expm1(mean) if ratio.logarithmic else mean - 1.0), 100.0 * scale
+        quantiles = {str(p): 100.0 * (float(ratio.quantile(p)) - 1.0) for p in QUANTILES}
+        found = cls(mean, scale, freedom, source, extrapolated, quantiles)
+        vars(found)["ratio"] = ratio
+        return found
+
+    @cached_property
+    def ratio(self) -> "Mixture":
+        """Distribution of the ratio of the armour's ballistic limit to that of the model."""
+        # Imported here because most commands that name the error need no distribution.
+        import numpy as np
+
+        from armour.scenario.mixture import Mixture
+
+        given = (self.mean_percent, self.scale_percent, self.degrees_of_freedom)
+        mean, scale, freedom = (np.array([number], dtype=np.float64) for number in given)
+        return Mixture(np.ones(1), 1.0 + mean / 100.0, scale / 100.0, freedom, logarithmic=False)
 
     def quantile(self, probability: Any) -> Any:
         """Return a quantile, as a fraction, at least -0.99, for a probability of 0 to 1; float or array."""
-        # Imported here because most commands that name the error need no quantile.
         import numpy as np
-        from scipy.special import stdtrit
 
         wanted = np.asarray(probability)
         if not ((wanted >= 0.0) & (wanted <= 1.0)).all():
             raise InputError([Problem("quantile", "probability", f"must be 0 to 1, found {probability}")])
-        # Versions of scipy differ at 0 and at 1.
-        ends = [wanted == 0.0, wanted == 1.0]
-        deviation = np.select(ends, [-np.inf, np.inf], stdtrit(self.degrees_of_freedom, wanted))
-        return ((self.mean_percent + self.scale_percent * deviation) / 100.0).clip(min=-0.99)
+        return (self.ratio.quantile(wanted) - 1.0).clip(min=-0.99)
 
     def interval(self, limit_m_s: float, tail: float = 0.025) -> tuple[float, float]:
         """Return the interval of the armour's ballistic limit, given that of the model, m/s.
@@ -64,22 +92,24 @@ class ModelError:
         low, high = (float(limit_m_s * (1.0 + self.quantile(end))) for end in (tail, 1.0 - tail))
         return low, high
 
+    def median(self, limit_m_s: float) -> float:
+        """Return the median of the armour's ballistic limit, given that of the model, m/s."""
+        return float(limit_m_s * (1.0 + self.quantile(0.5)))
+
     def probability_of_defeat(self, limit_m_s: Any, velocity_m_s: Any) -> Any:
         """Return the probability that the ballistic limit of the armour exceeds a velocity, given that of the model.
 
         The limit must be above 0; numbers or arrays, m/s.
         """
         import numpy as np
-        from scipy.special import stdtr
 
-        error = 100.0 * (np.asarray(velocity_m_s) / limit_m_s - 1.0)
-        return stdtr(self.degrees_of_freedom, (self.mean_percent - error) / self.scale_percent)
+        return self.ratio.probability_above(np.asarray(velocity_m_s) / limit_m_s)
 
 
 # The error of the model as an input.
 ERROR = "model.limit_error_percent"
-# An error that is not known.
-UNKNOWN = ModelError(nan, nan, nan)
+# Probabilities of the quantiles that results give.
+QUANTILES = (0.025, 0.05, 0.5, 0.95, 0.975)
 
 
 class Measure(NamedTuple):
@@ -105,6 +135,12 @@ MEASURES = {
         "backing.flow_stress_GPa", "back plates with a flow stress of", "GPa", lambda p: p.YB / GPA
     ),
     "rod_length_ratio": Measure("impact.projectile", "penetrators", "diameters long", lambda p: p.L0 / p.D0),
+    "rod_mass_ratio": Measure(
+        "projectile.penetrator_mass_g",
+        "penetrators of",
+        "g/mm³, the mass over the cube of the diameter",
+        lambda p: 0.25e-6 * pi * p.rho_p * p.L0 / p.D0,
+    ),
     "rod_density_kg_m3": Measure("projectile.density_kg_m3", "penetrators of", "kg/m³", lambda p: p.rho_p),
     "rod_strength_GPa": Measure(
         "projectile.flow_stress_GPa", "penetrators with a flow stress of", "GPa", lambda p: p.Yp / GPA
@@ -148,29 +184,49 @@ class Evidence(NamedTuple):
 
     title: str
     bare: bool  # whether the armours are plates without a ceramic
-    law: tuple[DataRange, ...]  # of the ceramic's flow stress
-    kind: tuple[DataRange, ...]  # of armour and penetrator, the ceramic and its law included
+    laws: tuple[tuple[DataRange, ...], ...]  # of the ceramic's flow stress, one of which an armour has
+    kind: tuple[DataRange, ...]  # of armour and penetrator, the ceramic included
     measured: tuple[DataRange, ...]  # ranges of the tests
     ranges: tuple[DataRange, ...]  # outside them, but for the ceramic, an armour is like none that was compared
     velocities_m_s: tuple[float, float]
-    error: tuple[float, float, float]  # mean and scale, per cent, and degrees of freedom
-    obliquity_max_deg: float  # 0 for tests at normal incidence; else of tests at an angle up to this one
+    fits: tuple[str, ...]  # of the error, by name; of a ceramic, one for each law
+    obliquity_max_deg: float  # greatest angle of the tests
 
-    def differences(self, armour: Parameters, cosine: Any = 1.0) -> Any:
-        """Return in how many respects an armour at an angle, or each of n, differs; with and without ceramic in most.
-
-        `cosine` is that of the obliquity.
-        """
-        found = MOST * (self.bare != (armour.Hc0 == 0.0)) + self.fails_angle(cosine)
+    def differences(self, armour: Parameters) -> Any:
+        """Return in how many respects an armour, or each of n, differs; with and without ceramic in most."""
+        found = MOST * (self.bare != (armour.Hc0 == 0.0))
         for limits in self.kind:
             found = found + limits.fails(armour)
+        return found + self.of_other_law(armour)
+
+    def extrapolated(self, armour: Parameters) -> tuple[str, ...]:
+        """Return the ranges of the tests, in words, that an armour lies outside of."""
+        return tuple(str(limits) for limits in self.measured if limits.fails(armour))
+
+    def of_other_law(self, armour: Parameters) -> Any:
+        """Return whether the flow stress of the ceramic of an armour, or of each of n, has none of the laws."""
+        found = bool(self.laws)
+        for law in self.laws:
+            found = found & (follows(law, armour) ^ True)
         return found
 
+    def angles(self) -> str:
+        """Return the angles of the tests, in words."""
+        if self.obliquity_max_deg:
+            return f"tests of such plates at up to {self.obliquity_max_deg:g}° only"
+        return f"no test of {'such a plate' if self.bare else 'an armour with a ceramic'} at an angle"
+
     def fails_angle(self, cosine: Any) -> Any:
-        """Return whether there are no tests at such an angle, or each of many."""
-        if self.obliquity_max_deg == 0.0:
-            return cosine < 1.0
-        return (cosine == 1.0) | (cosine < cosine_of(self.obliquity_max_deg))
+        """Return whether there are no tests at such an angle, of which the cosine is given, or each of many."""
+        return cosine < cosine_of(self.obliquity_max_deg)
+
+
+def follows(law: tuple[DataRange, ...], armour: Parameters) -> Any:
+    """Return whether the flow stress of the ceramic of an armour, or of each of n, has a law."""
+    found: Any = True
+    for limits in law:
+        found = found & (limits.fails(armour) ^ True)
+    return found
 
 
 def _ranges(data: Mapping[str, tuple[float, float]]) -> tuple[DataRange, ...]:
@@ -178,7 +234,8 @@ def _ranges(data: Mapping[str, tuple[float, float]]) -> tuple[DataRange, ...]:
 
 
 @cache
-def _data() -> dict[str, Any]:
+def shipped_data() -> dict[str, Any]:
+    """Return configs/evidence.toml."""
     return read_toml(shipped("configs") / "evidence.toml")
 
 
@@ -186,7 +243,7 @@ def _data() -> dict[str, Any]:
 def tested_ceramics() -> dict[str, TestedCeramic]:
     """Return the ceramics that the model was compared with results of, by name."""
     found = {}
-    for data in _data()["ceramic"]:
+    for data in shipped_data()["ceramic"]:
         density, modulus = data["density_kg_m3"], data["youngs_modulus_GPa"]
         kind = {
             "ceramic_density_kg_m3": (density * (1.0 - SAME_DENSITY), density * (1.0 + SAME_DENSITY)),
@@ -201,21 +258,22 @@ def tested_ceramics() -> dict[str, TestedCeramic]:
 def shipped_evidence() -> tuple[Evidence, ...]:
     """Return the tests that the model was compared with."""
     found = []
-    for data in _data()["tests"]:
-        law, kind = _ranges(data.get("law", {})), data["kind"]
+    for data in shipped_data()["tests"]:
+        laws, kind = shipped_data()["law"], data["kind"]
         tested = tested_ceramics().get(data.get("ceramic", ""))
         ceramic = () if tested is None else (*tested.kind, tested.strength)
-        within = data.get("computed", data["measured"])
+        # A mass ratio follows from slenderness and density, of which there are ranges.
+        within = {k: ends for k, ends in data.get("computed", data["measured"]).items() if k != "rod_mass_ratio"}
         found.append(
             Evidence(
                 title=data["title"],
                 bare=tested is None,
-                law=law,
-                kind=(*ceramic, *law, *_ranges(kind)),
+                laws=tuple(_ranges(laws[fit]) for fit in data["fits"] if fit in laws),
+                kind=(*ceramic, *_ranges(kind)),
                 measured=_ranges(data["measured"]),
                 ranges=_ranges({name: ends for name, ends in kind.items() if name not in within} | within),
                 velocities_m_s=tuple(data["velocities_m_s"]),
-                error=tuple(data["error"][key] for key in ("mean_percent", "scale_percent", "degrees_of_freedom")),
+                fits=tuple(data["fits"]),
                 obliquity_max_deg=data.get("obliquity_max_deg", 0.0),
             )
         )
@@ -235,6 +293,22 @@ def covered(*, bare: bool) -> tuple[DataRange, ...]:
     )
 
 
+NO_TEST = "the model was compared with no test of such an armour"
+REMEDY = "tests of your own (armour calibrate) or a figure of your own in [uncertainty.model] can give it"
+
+
+def why_unknown(armour: Parameters, cosine: float) -> str:
+    """Return why the error of the model is not known for an armour at an angle, and what can give it."""
+    evidence = closest(armour)
+    reason = NO_TEST
+    if not evidence.differences(armour):
+        far = ", ".join(evidence.extrapolated(armour))
+        reason = f"the armour is too far outside the tests, which are of {far}"
+        if evidence.fails_angle(cosine):
+            reason = f"the model was compared with {evidence.angles()}"
+    return f"{reason}; {REMEDY}"
+
+
 class Limit(NamedTuple):
     """A respect in which an armour, or each of n, may lie outside what the model was compared with."""
 
@@ -244,18 +318,9 @@ class Limit(NamedTuple):
     value: Any = None  # number or array, (n,); None where the name of the ceramic tells it
 
 
-def error_on_tests(armour: Parameters, cosine: float = 1.0) -> ModelError | None:
-    """Return the error of the ballistic limit on tests of such armours at such an angle; None if there are none."""
-    evidence = closest(armour, cosine)
-    if evidence.differences(armour, cosine):
-        return None
-    extrapolated = tuple(str(limits) for limits in evidence.measured if limits.fails(armour))
-    return ModelError(*evidence.error, evidence.title, extrapolated)
-
-
-def closest(armour: Parameters, cosine: float = 1.0) -> Evidence:
-    """Return the evidence whose kind of armour, penetrator and angle an armour differs from in the fewest respects."""
-    return min(shipped_evidence(), key=lambda evidence: evidence.differences(armour, cosine))
+def closest(armour: Parameters) -> Evidence:
+    """Return the evidence whose kind of armour and penetrator an armour differs from in the fewest respects."""
+    return min(shipped_evidence(), key=lambda evidence: evidence.differences(armour))
 
 
 def is_unusual(armour: Parameters) -> Any:
@@ -280,7 +345,7 @@ def armour_warnings(
 
     `ceramic` is the name of its ceramic, and `keys` are keys to name in place of others.
     """
-    limits = limits_of(closest(armour, cosine), armour, velocity, cosine)
+    limits = limits_of(closest(armour), armour, velocity, cosine)
     outside = (limit for limit in limits if limit.outside)
     return tuple(Note(f"{limit.words}{_found(ceramic, limit)}", keys.get(limit.key, limit.key)) for limit in outside)
 
@@ -298,11 +363,7 @@ def limits_of(evidence: Evidence, armour: Parameters, velocity: Any, cosine: Any
 
     The velocity is None where none is to be compared.
     """
-    most = max(other.obliquity_max_deg for other in shipped_evidence() if other.bare == evidence.bare)
-    tests = (
-        f"tests of such plates at up to {most:g}° only" if most else "no test of an armour with a ceramic at an angle"
-    )
-    yield Limit(OBLIQUITY, f"the model was compared with {tests}", evidence.fails_angle(cosine))
+    yield Limit(OBLIQUITY, f"the model was compared with {evidence.angles()}", evidence.fails_angle(cosine))
     if velocity is not None:
         low, high = evidence.velocities_m_s
         words = f"the model was compared with results at {low:g} to {high:g} m/s"
@@ -327,25 +388,12 @@ def _of_ceramic(evidence: Evidence, armour: Parameters) -> Iterator[Limit]:
         words = f"the model was compared with results of {ceramic.name} with {ceramic.strength}"
         measure = ceramic.strength.measure
         yield Limit(measure.key, words, ceramic.strength.fails(armour) & (different ^ True), measure.of(armour))
-    other = False
-    for limits in evidence.law:
-        other = other | limits.fails(armour)
+    other = evidence.of_other_law(armour)
     yield Limit("armour.ceramic", "the model was compared with no test by such a law of the flow stress", other)
     names = ", ".join(ceramic.name for ceramic in ceramics)
     yield Limit("armour.ceramic", f"the model was compared with results of {names} only", unknown)
     words = "the model was compared with results of the paper's program for such a ceramic, with no test"
     yield Limit("armour.ceramic", words, untested ^ unknown)
-
-
-def row_errors(armour: Any, cosines: Any) -> ModelError:
-    """Return the errors of n armours at angles from tests of such armours, (n,) each; NaN where unknown."""
-    # Imported here because a scenario without rows does not need numpy.
-    import numpy as np
-
-    found = np.full((3, len(armour.Hc0)), np.nan)
-    for evidence in shipped_evidence():
-        found[:, evidence.differences(armour, cosines) == 0] = np.array(evidence.error)[:, None]
-    return ModelError(*found)
 
 
 def row_limits(armour: Any, velocities: Any, cosines: Any) -> Iterator[tuple[str, int]]:
@@ -356,7 +404,7 @@ def row_limits(armour: Any, velocities: Any, cosines: Any) -> Iterator[tuple[str
     """
     import numpy as np
 
-    nearest = np.argmin([evidence.differences(armour, cosines) for evidence in shipped_evidence()], axis=0)
+    nearest = np.argmin([evidence.differences(armour) for evidence in shipped_evidence()], axis=0)
     for index in np.unique(nearest):
         where = nearest == index
         some = Parameters(*(values[where] for values in armour))

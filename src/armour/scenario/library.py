@@ -6,7 +6,7 @@ Every value has a status (measured, nominal, fitted or assumed) and a source.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from math import inf, pi
+from math import inf, nan, pi
 from os import PathLike
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
@@ -220,6 +220,12 @@ class LibraryEntry:
         values = {key: value.model_dump() for key, value in self.values.items()}
         aliases = {"aliases": list(self.aliases)} if self.aliases else {}
         return {"kind": self.kind, "name": self.name, "description": self.description, **aliases, **values}
+
+
+def tensile_strength(metal: LibraryEntry) -> float:
+    """Return the tensile strength of a metal, MPa; NaN where it is not given."""
+    key = "ultimate_tensile_strength_MPa"
+    return metal[key] if key in metal.values else nan
 
 
 def penetrator_length_mm(projectile: LibraryEntry) -> float:

@@ -1,5 +1,6 @@
 """Mixtures of Student's t distributions: where the evidence puts the ballistic limit of an armour."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -45,6 +46,16 @@ class Mixture:
         return Mixture(
             self.weights, self.locations * factors, self.scales * factors, self.degrees_of_freedom, logarithmic=False
         )
+
+    def one(self, place: int = 0) -> "Mixture":
+        """Return the distribution of one of n armours, (k, n) -> (k,)."""
+        return self.mapped(lambda array: array[:, place])
+
+    def mapped(self, of: Callable[[Floats], Floats]) -> "Mixture":
+        """Return the mixture whose arrays are a function of these."""
+        arrays = (self.weights, self.locations, self.scales, self.degrees_of_freedom)
+        weights, locations, scales, freedom = map(of, arrays)
+        return Mixture(weights, locations, scales, freedom, self.logarithmic)
 
     def probability_above(self, values: ArrayLike) -> Any:
         """Return the probability of more than each of some values, such as velocities in m/s."""

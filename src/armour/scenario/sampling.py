@@ -11,7 +11,7 @@ from scipy import stats
 from scipy.special import ndtr, ndtri
 from scipy.stats import qmc
 
-from armour.scenario.schema import Distribution, ErrorDistribution, Uncertainty, correlation_matrix
+from armour.scenario.schema import Distribution, Uncertainty, correlation_matrix
 
 Floats = NDArray[np.float64]
 
@@ -115,8 +115,6 @@ def _untruncated(distribution: Distribution, own: float) -> Any:
         low, high = distribution.ends
         return stats.uniform(low, high - low)
     centre, width = centre_and_width(distribution, own)
-    if isinstance(distribution, ErrorDistribution):
-        return stats.t(distribution.degrees_of_freedom, centre, width)
     if distribution.distribution == "normal":
         return stats.norm(centre, width)
     return stats.lognorm(width, scale=exp(centre))

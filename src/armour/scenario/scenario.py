@@ -17,7 +17,7 @@ from armour.errors import InputError, Note, Problem, choices, refuse, suggestion
 from armour.files import located, read_toml, shipped_files, shipped_suites, shipped_tests, write_files
 from armour.scenario.changes import changed
 from armour.scenario.checked import checked
-from armour.scenario.evidence import ModelError, armour_warnings, error_on_tests
+from armour.scenario.evidence import ModelError, armour_warnings
 from armour.scenario.inputs import (
     BACKING,
     CERAMIC,
@@ -42,6 +42,7 @@ from armour.scenario.library import (
     penetrator_length_mm,
     read_library,
     shipped_library,
+    tensile_strength,
 )
 from armour.scenario.schema import (
     SHEAR_LAWS,
@@ -340,14 +341,9 @@ class Scenario(Section):
         source = section.source or f"uncertainty.model of {self.file}"
         return ModelError(section.mean_percent, section.scale_percent, section.degrees_of_freedom or NORMAL, source)
 
-    def model_error(self) -> ModelError | None:
-        """Return the error of the ballistic limit: that of [uncertainty.model], or of the tests of such armours.
-
-        None if it is not included there, or if no such armour was tested.
-        """
-        return (
-            None if self.excludes_error() else self.given_error() or error_on_tests(self.core_armour(), self.cosine())
-        )
+    def tensile_strength(self) -> float:
+        """Return the tensile strength of the back plate, MPa; NaN where the library does not have it."""
+        return tensile_strength(self.entry("metal", self.armour.backing))
 
     def warnings(self, velocity: float, key: str = VELOCITY) -> tuple[Note, ...]:
         """Return the ways in which the scenario is unlike what the model was compared with: "key: what, value found".

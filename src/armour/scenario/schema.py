@@ -33,7 +33,8 @@ MAX_DESIGNS = 1_000_000
 
 Thickness = Annotated[float, Field(gt=0.0, le=1e5), NOT_TINY]
 ThicknessOrNone = Annotated[float, Field(ge=0.0, le=1e5), NOT_TINY]
-FASTEST_M_S = 1e4
+# Velocities, m/s, between which a ballistic limit is searched for where it is outside the range of its section.
+SLOWEST_M_S, FASTEST_M_S = 20.0, 1e4
 Velocity = Annotated[float, Field(gt=0.0, le=FASTEST_M_S), NOT_TINY]
 Positive = Annotated[float, Field(gt=0.0), NOT_TINY]
 # At greater angles rounds ricochet, and cores break or turn, which the model does not describe.
@@ -465,11 +466,8 @@ class Distribution(Section):
         return ""
 
 
-class ErrorDistribution(Distribution):
-    """Student's t distribution of the error of the model, %; `standard_deviation` is its scale."""
-
-    distribution: Literal["student t"] = "student t"  # type: ignore[assignment]
-    degrees_of_freedom: float
+# Chances at which the error of the model is drawn.
+CHANCES = Distribution(distribution="uniform", min=0.0, max=1.0)
 
 
 def _distributions(section: str, of: str) -> type[Section]:
@@ -547,19 +545,19 @@ class Uncertainty(Section):
     model: ModelSection | None = None
     """The error of the model."""
 
-    _error: ErrorDistribution | None = PrivateAttr(default=None)
+    _error: bool = PrivateAttr(default=False)
 
-    def with_error(self, error: ErrorDistribution) -> "Uncertainty":
-        """Return the section with the error of the model as an input of its own."""
+    def with_error(self) -> "Uncertainty":
+        """Return the section with the error of the model as an input: the chances at which it is drawn."""
         found = self.model_copy()
-        found._error = error
+        found._error = True
         return found
 
     def inputs(self) -> dict[str, Distribution]:
         """Return the distributions by name of input, such as "ceramic.flow_stress_GPa"."""
         of_all = {name: getattr(getattr(self, one.section), one.key) for name, one in INPUTS.items()}
         found = {name: distribution for name, distribution in of_all.items() if distribution is not None}
-        return found if self._error is None else {**found, ERROR: self._error}
+        return {**found, ERROR: CHANCES} if self._error else found
 
     @field_validator("samples")
     @classmethod

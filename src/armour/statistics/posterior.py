@@ -1,7 +1,7 @@
 """Posterior of V50 and of the scatter from firing results, given the model's ballistic limit and its error.
 
 The probability of complete penetration is that of the normal curve, F((V - V50)/scatter).  The prior of V50 is the
-model's limit with Student's t distribution of its relative error, cut off at 1 % of the limit; that of the scatter
+model's limit with the distribution of its error, cut off at 1 % of the limit; that of the scatter
 relative to V50 is log-normal and independent of it.  Both are summed over a grid, so that nothing is random.
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtr, ndtri
 
-from armour.analysis.ballistic_limit import EXCLUDED, NO_TEST
+from armour.analysis.ballistic_limit import no_error
 from armour.analysis.variants import Floats
 from armour.errors import InputError, Problem
 from armour.scenario.evidence import ModelError
@@ -77,10 +77,8 @@ class FiringPrior(NamedTuple):
 
     def log_density(self, v50: Floats, log_ratio: Floats) -> Floats:
         """Return the logarithm of the density, but for a constant, at V50s and logarithms of scatter over V50."""
-        error, df = self.error, self.error.degrees_of_freedom
-        t = (100.0 * (v50 / self.limit_m_s - 1.0) - error.mean_percent) / error.scale_percent
         z = (log_ratio - log(self.scatter_percent / 100.0)) / log(self.scatter_factor)
-        return -0.5 * (df + 1.0) * np.log1p(t * t / df) - 0.5 * z * z
+        return self.error.ratio.log_density(v50 / self.limit_m_s) - 0.5 * z * z
 
 
 # Nodes of V50, which is as likely everywhere up to this part of it beyond the shots, and of the scatter.  Standard
@@ -188,8 +186,7 @@ def is_above(grid: Grid, velocity_m_s: float, fraction: float) -> Floats:
 
 def no_prior(scenario: Scenario, way_out: str = "") -> InputError:
     """Return the error of a question that needs a prior of a scenario that has none."""
-    reason = EXCLUDED if scenario.excludes_error() else NO_TEST
-    message = f"must give scale_percent for a prior: {reason}{way_out}"
+    message = f"must give scale_percent for a prior: {no_error(scenario)}{way_out}"
     return InputError([Problem(scenario.file, "uncertainty.model", message)])
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from math import log2
 from typing import Any
 
@@ -10,16 +11,19 @@ from numpy.polynomial.hermite_e import hermevander
 from numpy.polynomial.legendre import legvander
 from scipy.special import ndtri
 
+from armour.analysis.ballistic_limit import model_error
 from armour.analysis.estimates import CONFIDENCE, Estimate, jackknife, mean_of_replicates, proportion_of_replicates
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, portions
-from armour.analysis.samples import Samples, own_values, sampled, section_of
+from armour.analysis.samples import Samples, by_laws, own_errors, own_values, sampled, section_of
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, perforated
 from armour.errors import NoLimitError, Note
 from armour.scenario.checked import checked
-from armour.scenario.evidence import ModelError
+from armour.scenario.evidence import ERROR, ModelError
 from armour.scenario.inputs import VELOCITY
+from armour.scenario.predictive import Errors
 from armour.scenario.sampling import (
+    MIDDLES,
     REPLICATES,
     columns_of,
     correlated,
@@ -103,6 +107,8 @@ def _sums(values: Floats) -> Floats:
 
 # Quantiles of the ballistic limit.
 QUANTILES = {"V05": 0.05, "V50": 0.5, "V95": 0.95}
+# Probabilities of the ends between which an input is varied.
+ENDS = (0.05, 0.95)
 # Points of the curve of the probability of perforation.
 CURVE_POINTS = 121
 # Samples of each set for total indices: a fraction of those for the probability, within bounds.  More than the most
@@ -235,9 +241,12 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     NoLimitError
         If a sample has no ballistic limit in the range of the search.
     """
-    section, error = section_of(scenario), scenario.model_error()
+    section = section_of(scenario)
     points = points_of(section)
-    total = section.samples + index_samples(section) * (len(_ranked(section)) + 1)
+    ranked = _ranked(section)
+    total = section.samples + index_samples(section) * (len([name for name in ranked if name != ERROR]) + 1)
+    if ERROR in ranked and len(ranked) > 1:
+        total += _index_size(section) * len(_laws(own_errors(scenario)))
     hits, limits = np.empty(section.samples, dtype=bool), np.empty(section.samples)
 
     def on_samples(count: int) -> None:
@@ -246,6 +255,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     for part, samples in _in_portions(scenario, points, on_samples):
         hits[part], limits[part] = perforated(samples.variants), sample_limits(samples)
     deterministic = float(sample_limits(sampled(scenario, {}, 1))[0])
+    error = model_error(scenario, deterministic)
     mean = mean_of_replicates(np.array([part.mean() for part in np.array_split(limits, REPLICATES)]))
     return UncertaintyResult(
         samples=section.samples,
@@ -259,7 +269,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         standard_deviation_m_s=float(limits.std(ddof=1)),
         deterministic_m_s=deterministic,
         curve=probability_curve(limits),
-        inputs=influences(scenario, points, limits, on_samples),
+        inputs=influences(scenario, points, limits, error, on_samples),
         warnings=(
             *_misplaced(section, scenario.inputs()),
             *([] if error or scenario.excludes_error() else [UNKNOWN]),
@@ -348,16 +358,21 @@ def _ranked(section: Uncertainty) -> list[str]:
 
 def index_samples(section: Uncertainty) -> int:
     """Return the samples of each set for total indices; 0 where there is nothing to estimate."""
-    if section.correlation or len(_ranked(section)) < 2:
-        return 0
+    return 0 if section.correlation or len(_ranked(section)) < 2 else _index_size(section)
+
+
+def _index_size(section: Uncertainty) -> int:
     part: int = 2 ** int(log2(section.samples // INDEX_DIVISOR))
     return min(max(MIN_INDEX_SAMPLES, part), MAX_INDEX_SAMPLES)
 
 
 def influences(
-    scenario: Scenario, points: Floats, limits: Floats, on_samples: Callable[[int], None]
+    scenario: Scenario, points: Floats, limits: Floats, error: ModelError | None, on_samples: Callable[[int], None]
 ) -> tuple[Influence, ...]:
-    """Estimate the influence of each input on the ballistic limit, from its samples and samples of its own."""
+    """Estimate the influence of each input on the ballistic limit, from its samples and samples of its own.
+
+    The indices of the error of the model follow from the limits without it.
+    """
     section, own = section_of(scenario), own_values(scenario)
     names, inputs = _ranked(section), list(section.inputs())
     if not names:
@@ -369,10 +384,16 @@ def influences(
             found[part] = sample_limits(samples)
         return found
 
-    ends = {name: np.full(2 * len(names), own[name]) for name in names}
-    for i, name in enumerate(names):
-        ends[name][2 * i : 2 * i + 2] = quantiles(section.inputs()[name], [0.05, 0.95], own[name])
-    limits_at_ends = sample_limits(sampled(scenario, ends, 2 * len(names))).reshape(-1, 2).tolist()
+    varied = [name for name in names if name != ERROR]
+    ends = {name: np.full(2 * len(varied), own[name]) for name in varied}
+    for i, name in enumerate(varied):
+        ends[name][2 * i : 2 * i + 2] = quantiles(section.inputs()[name], ENDS, own[name])
+    found = sample_limits(sampled(scenario, ends, 2 * len(varied))).reshape(-1, 2).tolist()
+    limits_at_ends = {name: (low, high) for name, (low, high) in zip(varied, found, strict=True)}
+    if error is not None:
+        [nominal] = sample_limits(sampled(scenario, {}, 1))
+        low, high = (nominal * (1.0 + error.quantile(ENDS))).tolist()
+        limits_at_ends[ERROR] = (low, high)
     first: dict[str, Estimate] = {}
     total: dict[str, Estimate] = {}
     if len(names) == 1:
@@ -381,12 +402,57 @@ def influences(
     elif np.ptp(limits) > 0.0:
         first = dict(zip(inputs, first_order_indices(section, points, limits), strict=True))
         if not section.correlation:
-            places = [inputs.index(name) for name in names]
-            found = total_indices(limits_at, places, len(inputs), index_samples(section), section.seed)
-            total = dict(zip(names, found, strict=True))
-    result = [
-        Influence(name, first.get(name), total.get(name), (low, high))
-        for name, (low, high) in zip(names, limits_at_ends, strict=True)
-    ]
+            places = [inputs.index(name) for name in varied]
+            of_varied = total_indices(limits_at, places, len(inputs), index_samples(section), section.seed)
+            total = dict(zip(varied, of_varied, strict=True))
+        if error is not None:
+            of_error = error_indices(scenario, section, own, on_samples)
+            first[ERROR] = of_error[0]
+            total |= {} if section.correlation else {ERROR: of_error[1]}
+    result = [Influence(name, first.get(name), total.get(name), limits_at_ends[name]) for name in names]
     none = Estimate(0.0, 0.0, 0.0)
     return tuple(sorted(result, key=lambda index: (index.total or index.first or none).value, reverse=True))
+
+
+def _laws(errors: Errors) -> list[int]:
+    """Return the laws of the flow stress of which the error of an armour is a mixture."""
+    return [law for law in range(len(errors.weights)) if errors.used(law).all()]
+
+
+def error_indices(
+    scenario: Scenario, section: Uncertainty, own: Mapping[str, float], on_samples: Callable[[int], None]
+) -> list[Estimate]:
+    """Return first-order and total index of the error of the model.
+
+    The ballistic limit of the armour is that of the model by a law times a ratio, which are independent: the moments of
+    the ratio are known, and only those of the limits by each law are estimated.
+    """
+    errors = own_errors(scenario)
+    points = replicated_points("sobol", len(section.inputs()), _index_size(section), section.seed)
+    limits, moments = np.zeros((len(errors.weights), len(points))), np.zeros((2, len(errors.weights)))
+    for law in _laws(errors):
+        one = errors.of_law(law).one()
+        ratios = np.array([one.quantile(MIDDLES)]) ** np.array([[1.0], [2.0]])
+        moments[:, law] = errors.weights[law].sum() * ratios.mean(axis=1)
+        for part in portions(len(points), SAMPLES_AT_A_TIME):
+            columns = columns_of(section, own, points[part])
+            count = len(columns.pop(ERROR))
+            samples = sampled(scenario, columns, count)
+            variants = by_laws(samples.variants, errors, np.full(count, law))
+            limits[law, part] = sample_limits(samples._replace(variants=variants))
+            on_samples(count)
+    parts = np.array_split(limits, REPLICATES, axis=1)
+    sums = np.array([[part.shape[1], *part.sum(axis=1), *(part @ part.T).ravel()] for part in parts])
+
+    def indices(place: int, sums: Floats) -> Floats:
+        count, laws = sums[:, :1], len(limits)
+        means = sums[:, 1 : 1 + laws] / count
+        products = (sums[:, 1 + laws :] / count).reshape(-1, laws, laws)
+        squares = np.einsum("nkk,k->n", products, moments[1])
+        centre = means @ moments[0]
+        variance = squares - centre**2
+        if place:
+            return (squares - np.einsum("nij,i,j->n", products, *moments[[0, 0]])) / variance
+        return (means**2 @ moments[1] - centre**2) / variance
+
+    return [jackknife(partial(indices, place), sums) for place in (0, 1)]

@@ -1,8 +1,9 @@
 """The probability that an armour defeats its threat."""
 
-from armour.analysis.ballistic_limit import ConfidenceResult
+from armour.analysis.ballistic_limit import ConfidenceResult, LimitResult
 from armour.analysis.results import Result
-from armour.reporting.table import Column, Table, column_of, record
+from armour.reporting.table import Column, Source, Table, column_of, record
+from armour.reporting.text import interval
 from armour.scenario.evidence import ModelError
 
 DEFEAT = Column("probability of defeating the threat", prose=True)
@@ -37,6 +38,9 @@ def error_note(result: Result, error: ModelError | None) -> str:
 
 def from_tests(error: ModelError) -> str:
     """Return what the error of the model is, and what it is estimated from."""
+    if error.ratio.logarithmic:
+        low, middle, high = (error.quantiles_percent[p] for p in ("0.025", "0.5", "0.975"))
+        return f"error of the model: {middle:+.1f} %, 95 % interval {low:+.1f} to {high:+.1f} %, from {error.source}"
     mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
     return f"error of the model: {mean}± {error.scale_percent:.1f} %, from {error.source}"
 
@@ -56,9 +60,17 @@ def confidence_note(result: ConfidenceResult) -> str:
 BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
 
 
+def expected_limit(result: ConfidenceResult | LimitResult) -> tuple[Source, Source]:
+    """Return where the error of the model puts the ballistic limit of the armour."""
+    return (
+        (Column("expected, with the error of the model", "m/s", ".0f"), result.median_m_s),
+        (Column("its 95 % interval", "m/s"), interval(result.interval_m_s, ".0f")),
+    )
+
+
 def confidence_table(result: ConfidenceResult) -> Table:
     """Return the ballistic limit and the probability that it exceeds the impact velocity."""
-    return record(result, BALLISTIC_LIMIT, (DEFEAT, chance(result.probability_of_defeat)))
+    return record(result, BALLISTIC_LIMIT, *expected_limit(result), (DEFEAT, chance(result.probability_of_defeat)))
 
 
 def tables(result: ConfidenceResult) -> list[Table | str]:

@@ -3,8 +3,7 @@
 from armour.analysis.ballistic_limit import LimitResult, curve_velocities, residual_velocity_curve
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, listing, record
-from armour.reporting.text import interval
-from armour.reporting.views.confidence import error_note
+from armour.reporting.views.confidence import error_note, expected_limit
 
 
 def limit_table(result: LimitResult) -> Table:
@@ -14,7 +13,7 @@ def limit_table(result: LimitResult) -> Table:
         column_of("ballistic_limit_m_s"),
         (Column("defeated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[0]),
         (Column("perforated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[1]),
-        (Column("95 % interval, with the error of the model", "m/s"), interval(result.interval_m_s, ".0f")),
+        *expected_limit(result),
         column_of("runs", "d"),
         column_of("areal_density_kg_m2"),
     )

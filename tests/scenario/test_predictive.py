@@ -1,0 +1,153 @@
+"""The error of the model on tests, for the armours that it holds for."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from armour.analysis.ballistic_limit import confidence, model_error, no_error
+from armour.analysis.variants import variants_of
+from armour.errors import InputError
+from armour.scenario.evidence import ModelError, shipped_evidence
+from armour.scenario.predictive import FARTHEST_CERAMIC, fits
+from armour.scenario.scenario import Scenario
+from tests.helpers.cases import scenario
+
+TILES, CORES_ON_ALUMINIUM, CORES_ON_STEEL, FRAGMENTS_ON_ALUMINIUM, FRAGMENTS_ON_STEEL = shipped_evidence()
+LAWS = ("AD85", "AD85 backing law", "AD85 product law")
+BARE: dict[str, Any] = {"ceramic": None, "ceramic_mm": 0.0, "projectile": "7.62 mm APM2"}
+STRONG = {"metal": {"strong": {"based_on": "AA6082-T651", "dynamic_yield_strength_MPa": 500.0}}}
+HEAVY = {"projectile": {"heavy": {"based_on": "7.62 mm AP", "density_kg_m3": 10000.0, "penetrator_mass_g": 8.0}}}
+LAW = {"ceramic": {"law": {"based_on": "AD85", "flow_stress_backing_exponent": 0.8}}}
+STEEL = {
+    "metal": {"steel": {"density_kg_m3": 7850.0, "dynamic_yield_strength_MPa": 1300.0}},
+}
+
+
+def error_of(case: Scenario, limit_m_s: float = 700.0) -> ModelError:
+    error = model_error(case, limit_m_s)
+    assert error is not None
+    return error
+
+
+def test_the_error_is_that_of_tests_of_such_armours():
+    assert (error_of(scenario()).source, error_of(scenario()).extrapolated) == (TILES.title, ())
+    assert error_of(scenario(ceramic_mm=12.0, backing="5083-H3")).extrapolated == (
+        "ceramics 0.89 to 1.21 penetrator diameters thick",
+        "back plates with a flow stress of 1 to 1.1 GPa",
+    )
+    for projectile, metal, millimetres, evidence in (
+        ("7.62 mm APM2", "6061-T6", 20.0, CORES_ON_ALUMINIUM),
+        ("7.62 mm APM2", "steel", 9.0, CORES_ON_STEEL),
+        ("20 mm FSP", "6061-T6", 20.0, FRAGMENTS_ON_ALUMINIUM),
+        ("20 mm FSP", "steel", 17.0, FRAGMENTS_ON_STEEL),
+    ):
+        case = scenario(projectile, None, metal, 0.0, millimetres, library=STEEL)
+        assert error_of(case).source == evidence.title
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"ceramic": "SiC"},
+        {"ceramic": "AD99.5"},
+        {"ceramic": "AD85 initial"},
+        {"ceramic": "law", "library": LAW},
+        {"backing": "Ti-6Al-4V"},
+        {"projectile": "20 mm FSP"},
+        {"projectile": "25 mm APDS", "ceramic_mm": 30.0, "backing_mm": 20.0},
+        {"projectile": "heavy", "library": HEAVY},
+    ],
+)
+def test_no_error_where_nothing_was_tested(changes: dict[str, Any]):
+    case = scenario(**changes)
+    assert model_error(case, 700.0) is None
+    found = confidence(case)
+    assert found.probability_of_defeat is None
+    assert "tests of your own (armour calibrate)" in found.reason
+
+
+def test_the_scenario_gives_the_error_or_excludes_it():
+    given = scenario(ceramic="SiC", uncertainty={"model": {"scale_percent": 9.0, "source": "our tests"}})
+    error = error_of(given)
+    assert error.source == "our tests"
+    assert (error.mean_percent, error.scale_percent) == pytest.approx((0.0, 9.0))
+    assert error.quantile(0.975) == pytest.approx(0.09 * 1.959964, rel=1e-4)
+    assert model_error(scenario(uncertainty={"model": {"included": False}}), 700.0) is None
+
+
+def test_one_probability_whichever_law_the_scenario_names():
+    for velocity, expected in ((650.0, 0.92), (724.0, 0.43), (800.0, 0.07)):
+        found = [confidence(scenario(ceramic=law, velocity=velocity)) for law in LAWS]
+        probabilities = [result.probability_of_defeat for result in found]
+        assert max(filter(None, probabilities)) - min(filter(None, probabilities)) < 0.001
+        assert probabilities[0] == pytest.approx(expected, abs=0.01)
+        assert len({round(result.ballistic_limit_m_s or 0.0) for result in found}) == 3
+
+
+def test_a_flow_stress_of_the_users_counts_in_every_law():
+    weak, strong = (
+        confidence(scenario(ceramic=law).replaced({"ceramic.flow_stress_GPa": stress})).probability_of_defeat
+        for law, stress in (("AD85", 4.9), ("AD85", 5.5))
+    )
+    assert weak is not None
+    assert strong is not None
+    assert weak < 0.07 < strong
+
+
+def test_the_error_of_a_plate_is_the_linear_model():
+    """By hand: the terms of docs/confidence.md for 20 mm of a plate with a strength of 260 and 310 MPa."""
+    x, strength = np.log(20.0 / 6.25 / 5.0), np.log(260.0 / 300.0)
+    core = np.log(5.3 / 6.25**3 / 0.0215)
+    z = np.array([1.0, x, x * x, strength, np.log(310.0 / 260.0), core])
+    fit = fits()["cores_aluminium_tensile"]
+    error = error_of(scenario(backing="AA6082-T651", backing_mm=20.0, **BARE))
+    assert error.mean_percent == pytest.approx(100.0 * np.expm1(z @ fit.coefficients))
+    assert error.scale_percent == pytest.approx(100.0 * np.sqrt(fit.variance + z @ fit.covariance @ z))
+    assert error.degrees_of_freedom == 18.0
+
+
+def test_without_a_tensile_strength_of_the_same_kind_it_is_not_used():
+    """The paper's metals have a dynamic yield strength above the static tensile strength."""
+    assert error_of(scenario(backing_mm=20.0, **BARE)).degrees_of_freedom == 19.0
+
+
+def test_the_error_widens_beyond_the_tests_and_is_then_unknown():
+    def scale(millimetres: float) -> float:
+        error = error_of(scenario(backing="AA6082-T651", backing_mm=millimetres, **BARE))
+        assert error.scale_percent is not None
+        assert bool(error.extrapolated) == (millimetres > 9.7 * 6.25)
+        return error.scale_percent
+
+    inside, beyond = scale(50.0), scale(9.7 * 6.25 * 1.3)
+    assert beyond > 1.1 * inside
+    far = scenario(backing="AA6082-T651", backing_mm=9.7 * 6.25 * 1.7, **BARE)
+    assert model_error(far, 700.0) is None
+    assert "too far outside the tests, which are of back plates 1.6 to 9.7" in no_error(far)
+
+
+@pytest.mark.parametrize("layer", ["ceramic", "backing"])
+def test_with_a_ceramic_it_is_unknown_beyond_a_factor_of_two(layer: str):
+    [high] = [limits.high for limits in TILES.measured if limits.measure.key == f"armour.{layer}_thickness_mm"]
+    for factor in (0.99, 1.01):
+        case = scenario(**{f"{layer}_mm": factor * FARTHEST_CERAMIC * high * 6.5})
+        assert (model_error(case, 700.0) is None) == (factor > 1.0)
+
+
+def test_rows_have_the_errors_of_scenarios():
+    thicknesses = np.array([4.0, 6.35, 30.0])
+    errors = variants_of(scenario(), {"armour.ceramic_thickness_mm": thicknesses}, 3).errors
+    assert errors.known.tolist() == [True, True, False]
+    assert errors.weights[:, 0, 0].sum() == pytest.approx(1.0)
+    one = variants_of(scenario(ceramic_mm=4.0), {}, 1).errors
+    for many, single in zip(errors[:5], one[:5], strict=True):
+        assert many[..., 0].tolist() == single[..., 0].tolist()
+
+
+def test_quantiles_are_given():
+    error = error_of(scenario(), 723.77)
+    assert (error.mean_percent, error.scale_percent, error.degrees_of_freedom) == (None, None, None)
+    for probability, percent in error.quantiles_percent.items():
+        assert error.probability_of_defeat(1.0, 1.0 + percent / 100.0) == pytest.approx(1.0 - float(probability))
+    with pytest.raises(InputError):
+        error.quantile(1.5)

@@ -1,0 +1,343 @@
+"""Fit the error of the model to the shipped tests, and write the fits to configs/evidence.toml.
+
+    python -m tools.evidence
+
+Of bare plates, the logarithm of the measured over the computed limit has a linear mixed model in each group:
+coefficients of properties of plate and round, and random effects of the alloy and of the round, by restricted maximum
+likelihood with a half-Cauchy prior of the round's standard deviation, as there are few rounds.  Of AD85 on aluminium,
+each law of the flow stress is fitted with an effect of the series of tests; its standard deviation and that of the rest
+are integrated.  docs/confidence.md says what is done with them.
+"""
+
+import csv
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from math import ceil, floor, log
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import Bounds, brentq, minimize
+from scipy.special import ndtr
+from scipy.stats import t
+
+from armour.analysis.evaluate import evaluate
+from armour.analysis.variants import Bools, Floats, Ints
+from armour.scenario.library import shipped_library
+from armour.scenario.predictive import Conditions, matrix_of
+from armour.scenario.scenario import load_scenario
+
+ROOT = Path(__file__).parents[1]
+EVIDENCE = ROOT / "configs" / "evidence.toml"
+MARK = "# What follows is written by python -m tools.evidence.\n"
+# Keys of a ceramic that make a law of its flow stress.
+FLOW_STRESS = ("flow_stress_GPa", "flow_stress_backing_exponent", "flow_stress_product_exponent")
+# The one bullet's core of which two names are in the table.
+SAME_ROUND = {".30 APM2 core": ".30 APM2"}
+# Most oblique tests, degrees, and densest rods, kg/m3, that are used.
+MOST_OBLIQUE, DENSEST = 30.0, 15_000.0
+# Scale of the half-Cauchy prior of the standard deviation between rounds.
+ROUND_SCALE = 0.05
+# Standard deviations between alloys, between rounds and of the rest at which a fit starts.
+STARTS = (0.04, 0.03, 0.04)
+# Tolerances of the fit.
+OPTIONS: Any = {"xatol": 1e-5, "fatol": 1e-9, "maxiter": 2000}
+
+
+class Plates(NamedTuple):
+    """n tests of bare plates; arrays, (n,)."""
+
+    error: Floats  # logarithm of the measured over the computed limit
+    conditions: Conditions
+    alloy: Ints
+    round: Ints
+    report: Ints
+    obliquity_deg: Floats
+    measured: Floats  # m/s
+
+    def at(self, where: Bools | Ints) -> "Plates":
+        """Return some of the tests."""
+        some = Conditions(*(values[where] for values in self.conditions))
+        return Plates._make(some if column is self.conditions else column[where] for column in self)
+
+
+@dataclass(frozen=True)
+class Group:
+    """Tests of a kind of round on a metal, and the terms of their model."""
+
+    kind: str
+    metal: str
+    terms: tuple[str, ...]
+    reference: tuple[float, float]  # thickness over the diameter, and strength, MPa
+    prior: tuple[str, float, float] | None = None  # mean and standard deviation of the coefficient of a term
+
+
+GROUPS = {
+    "cores_aluminium": Group("armour-piercing", "aluminium", ("1", "x", "x2", "Y", "s"), (5.0, 300.0)),
+    "cores_aluminium_tensile": Group("armour-piercing", "aluminium", ("1", "x", "x2", "Y", "u", "s"), (5.0, 300.0)),
+    "cores_steel": Group("armour-piercing", "steel", ("1", "x", "Y", "o"), (1.5, 1300.0)),
+    "fragments_aluminium": Group("fragment simulator", "aluminium", ("1", "h", "Y"), (1.2, 350.0)),
+    "fragments_steel": Group("fragment simulator", "steel", ("1", "Y"), (1.0, 1200.0), ("Y", -0.35, 0.4)),
+}
+
+
+@cache
+def plates_of(kind: str, metal: str) -> Plates:
+    """Return the tests of a kind of round on a metal that the fits use; repeats are dropped."""
+    with (ROOT / "scenarios" / "tests" / "plates.csv").open(encoding="utf-8", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if (row["kind"], row["metal"]) == (kind, metal)]
+    names = "round", "plate", "armour.backing_thickness_mm", "impact.obliquity_deg", "ballistic_limit_m_s"
+    distinct = {
+        (SAME_ROUND.get(row["round"], row["round"]), *(row[name] for name in names[1:])): row for row in rows[::-1]
+    }
+    used = [
+        row
+        for row in reversed(distinct.values())
+        if float(row["impact.obliquity_deg"]) <= MOST_OBLIQUE and float(row["projectile.density_kg_m3"]) <= DENSEST
+    ]
+
+    def column(name: str) -> Floats:
+        return np.array([float(row[name] or "nan") for row in used])
+
+    path = 1.0 / np.cos(np.radians(column("impact.obliquity_deg")))
+    inputs = (
+        "projectile.penetrator_diameter_mm",
+        "projectile.penetrator_mass_g",
+        "projectile.density_kg_m3",
+        "backing.density_kg_m3",
+        "backing.dynamic_yield_strength_MPa",
+    )
+    columns = {name: column(name) for name in inputs}
+    diameter, mass = columns[inputs[0]], columns[inputs[1]]
+    thickness = column("armour.backing_thickness_mm") * path
+    columns["armour.backing_thickness_mm"] = thickness
+    computed = evaluate(load_scenario("bare_plate"), columns, ["ballistic_limit_m_s"])["ballistic_limit_m_s"]
+    measured = column("ballistic_limit_m_s")
+    alloy, rounds, report = (
+        np.unique([SAME_ROUND.get(row[name], row[name]) for row in used], return_inverse=True)[1]
+        for name in ("plate", "round", "report")
+    )
+    conditions = Conditions(
+        np.zeros(len(used)),
+        thickness / diameter,
+        column("backing.dynamic_yield_strength_MPa"),
+        column("ultimate_tensile_strength_MPa"),
+        mass / diameter**3,
+        path,
+    )
+    return Plates(
+        np.log(measured / computed), conditions, alloy, rounds, report, column("impact.obliquity_deg"), measured
+    )
+
+
+class Fit(NamedTuple):
+    """Coefficients of a linear mixed model."""
+
+    coefficients: Floats  # (terms,)
+    covariance: Floats  # (terms, terms)
+    deviations: Floats  # standard deviations between alloys, between rounds and of the rest
+    degrees_of_freedom: int  # alloys less coefficients
+
+
+def fitted(group: Group, plates: Plates) -> Fit:
+    """Fit the model of a group to tests by restricted maximum likelihood."""
+    X, y = matrix_of(group.terms, group.reference, plates.conditions), plates.error
+    terms, alloys = X.shape[1], np.unique(plates.alloy)
+    effects = np.column_stack([numbers[:, None] == np.unique(numbers) for numbers in (plates.alloy, plates.round)])
+    # Products of effects, terms and errors are all that the likelihood depends on.
+    columns = np.column_stack([effects, X, y])
+    products, random = columns.T @ columns, effects.shape[1]
+    known = np.zeros((terms + 1, terms + 1))
+    if group.prior:
+        term, mean, deviation = group.prior
+        place = [group.terms.index(term), terms]
+        known[np.ix_(place, place)] = np.outer([1.0, mean], [1.0, mean]) / deviation**2
+
+    def solved(logs: Floats) -> tuple[float, Floats, Floats]:
+        """Return the loss, the coefficients and their covariance, given logarithms of the standard deviations."""
+        alloy, between_rounds, rest = np.exp(2.0 * logs)
+        variances = np.repeat([alloy, between_rounds], [len(alloys), random - len(alloys)])
+        # The effects are eliminated from the normal equations, by which V itself need not be inverted.
+        inner = products[:random, :random] / rest + np.diag(1.0 / variances)
+        across = products[:random, random:] / rest
+        reduced = products[random:, random:] / rest - across.T @ np.linalg.solve(inner, across) + known
+        precision, right = reduced[:-1, :-1], reduced[:-1, -1]
+        found = np.linalg.solve(precision, right)
+        logarithm = len(y) * np.log(rest) + np.log(variances).sum() + np.linalg.slogdet(inner)[1]
+        found_loss = 0.5 * (logarithm + np.linalg.slogdet(precision)[1] + reduced[-1, -1] - right @ found)
+        # The mode is that of the logarithm of the standard deviation, which is never 0.
+        found_loss += log(1.0 + between_rounds / ROUND_SCALE**2) - logs[1]
+        return float(found_loss), found, np.linalg.inv(precision)
+
+    def loss(logs: Floats, *_: Any) -> float:
+        return solved(logs)[0]
+
+    best = minimize(
+        loss,
+        list(map(log, STARTS)),
+        method="Nelder-Mead",
+        bounds=Bounds(log(1e-4), 0.0),
+        options=OPTIONS,
+    )
+    _, coefficients, covariance = solved(best.x)
+    return Fit(coefficients, covariance, np.exp(best.x), len(alloys) - terms)
+
+
+# Series of Wilkins' tests, by their order in the table.
+SERIES = np.repeat([0, 1, 2], [4, 5, 4])
+# Scale and degrees of freedom of the half-t prior of the standard deviation between series; nodes of it and of that of
+# the rest, whose prior is log-uniform.
+BETWEEN_SERIES, FREEDOM = 0.04, 3.0
+BETWEEN, REST = np.geomspace(0.001, 0.25, 41), np.geomspace(0.008, 0.08, 31)
+# Probabilities at which Student's t distribution has the quantiles of what is integrated.
+MATCHED = np.array([0.8, 0.975])
+
+
+@dataclass(frozen=True)
+class FlowStressLaw:
+    """A law of the flow stress: the entry of the library, and the terms that its coefficients multiply."""
+
+    ceramic: str
+    terms: tuple[str, ...]
+
+
+LAWS = {
+    "constant": FlowStressLaw("AD85", ("1",)),
+    "backing": FlowStressLaw("AD85 backing law", ("1", "x")),
+    "product": FlowStressLaw("AD85 product law", ("1", "cb")),
+}
+
+
+class Tiles(NamedTuple):
+    """n tests of AD85 on aluminium, by a law; arrays, (n,)."""
+
+    error: Floats  # logarithm of the measured over the computed limit
+    matrix: Floats  # terms of the law, (n, terms)
+    series: Ints
+
+    def at(self, where: Bools | Ints) -> "Tiles":
+        """Return some of the tests."""
+        return Tiles._make(column[where] for column in self)
+
+
+@cache
+def tiles_of(law: FlowStressLaw) -> Tiles:
+    """Return Wilkins' tests, with the limits by a law."""
+    table = np.loadtxt(ROOT / "scenarios" / "tests" / "wilkins.csv", delimiter=",", skiprows=1)
+    columns = {"armour.ceramic_thickness_mm": table[:, 0], "armour.backing_thickness_mm": table[:, 1]}
+    scenario = load_scenario("wilkins", {"armour.ceramic": law.ceramic})
+    computed = evaluate(scenario, columns, ["ballistic_limit_m_s"])["ballistic_limit_m_s"]
+    ratios = (table[:, :2] / scenario.inputs()["projectile.penetrator_diameter_mm"]).T
+    conditions = Conditions(*ratios, *[np.ones(len(table))] * 4)
+    return Tiles(np.log(table[:, 2] / computed), matrix_of(law.terms, (1.0, 1.0), conditions), SERIES)
+
+
+class SeriesFit(NamedTuple):
+    """Coefficients of a law, and the distribution of a test in a new series."""
+
+    coefficients: Floats  # (terms,)
+    covariance: Floats  # (terms, terms)
+    variance: float  # between series and of the rest; covariance and it are squared scales of Student's t
+    degrees_of_freedom: float
+    evidence: float  # logarithm of the probability density of the tests
+
+
+def fitted_law(tiles: Tiles) -> SeriesFit:
+    """Fit the correction of a law, with an effect of the series, to tests."""
+    X, y = tiles.matrix, tiles.error
+    same = tiles.series[:, None] == tiles.series
+    variances = np.array([(between**2, rest**2) for between in BETWEEN for rest in REST])
+    # The nodes are even in the logarithm.
+    weights = t.logpdf(np.sqrt(variances[:, 0]) / BETWEEN_SERIES, FREEDOM) + 0.5 * np.log(variances[:, 0])
+    V = variances[:, 0, None, None] * same + variances[:, 1, None, None] * np.eye(len(y))
+    inverse = np.linalg.inv(V)
+    precision, right = X.T @ inverse @ X, X.T @ inverse @ y
+    covariances = np.linalg.inv(precision)
+    found = np.einsum("nij,nj->ni", covariances, right)
+    weights += 0.5 * np.linalg.slogdet(covariances)[1] - 0.5 * np.linalg.slogdet(V)[1]
+    weights -= 0.5 * (y @ inverse @ y - np.einsum("ni,ni->n", right, found))
+    evidence = float(np.logaddexp.reduce(weights))
+    weights = np.exp(weights - evidence)
+    coefficients = weights @ found
+    spread = found - coefficients
+    covariance = np.einsum("n,nij->ij", weights, covariances + spread[:, :, None] * spread[:, None, :])
+    variance = float(weights @ variances.sum(axis=1))
+    # Student's t has the quantiles of a new series of the tests' mean armour.
+    z = X.mean(axis=0)
+    deviations = np.sqrt(variances.sum(axis=1) + np.einsum("i,nij,j->n", z, covariances, z))
+    scale = np.sqrt(variance + z @ covariance @ z)
+    wanted = _quantiles(weights, spread @ z, deviations) / scale
+    freedom = float(brentq(lambda df: np.divide(*t.ppf(MATCHED, df)) - np.divide(*wanted), 1.0, 100.0))
+    factor = float(wanted[1] / t.ppf(MATCHED[1], freedom)) ** 2
+    return SeriesFit(coefficients, factor * covariance, factor * variance, freedom, evidence)
+
+
+def _quantiles(weights: Floats, means: Floats, deviations: Floats) -> Floats:
+    """Return quantiles of a mixture of normal distributions at the probabilities that are matched."""
+    values = np.linspace(-1.0, 1.0, 4001)
+    below = weights @ ndtr((values - means[:, None]) / deviations[:, None])
+    return np.interp(MATCHED, below, values)
+
+
+def tables() -> dict[str, dict[str, object]]:
+    """Return the fits as tables of configs/evidence.toml, by name."""
+    found: dict[str, dict[str, object]] = {}
+    for name, law in LAWS.items():
+        law_fit = fitted_law(tiles_of(law))
+        entry = shipped_library().entries["ceramic"][law.ceramic]
+        found[name] = _table(law.terms, (1.0, 1.0), law_fit[:2], law_fit.variance, law_fit.degrees_of_freedom) | {
+            "flow_stress": {key: entry[key] if key in entry.values else 0.0 for key in FLOW_STRESS}
+        }
+    for name, group in GROUPS.items():
+        plates = plates_of(group.kind, group.metal)
+        fit = fitted(group, plates)
+        found[name] = _table(group.terms, group.reference, fit[:2], float((fit.deviations**2).sum()), fit[3])
+        found[name]["standard_deviations"] = _rounded(fit.deviations)
+        if "u" in group.terms:
+            ratio = plates.conditions.tensile / plates.conditions.strength
+            found[name]["tensile_ratio"] = [floor(100.0 * ratio.min()) / 100.0, ceil(100.0 * ratio.max()) / 100.0]
+    return found
+
+
+def _table(
+    terms: Sequence[str],
+    reference: tuple[float, float],
+    estimates: tuple[Floats, Floats],
+    variance: float,
+    degrees_of_freedom: float,
+) -> dict[str, object]:
+    coefficients, covariance = map(_rounded, estimates)
+    return {
+        "terms": list(terms),
+        "reference": list(reference),
+        "coefficients": coefficients,
+        "covariance": covariance,
+        "variance": _rounded(variance),
+        "degrees_of_freedom": _rounded(degrees_of_freedom),
+    }
+
+
+def _rounded(values: object) -> object:
+    """Return numbers with six digits."""
+    if np.ndim(values):  # type: ignore[arg-type]
+        return [_rounded(value) for value in values]  # type: ignore[attr-defined]
+    return float(f"{values:.6g}")
+
+
+def main() -> None:
+    """Write the fits to configs/evidence.toml."""
+    head, mark, _ = EVIDENCE.read_text(encoding="utf-8").partition(MARK)
+    lines = []
+    for name, table in tables().items():
+        # A table of TOML by JSON, a key a line, is shorter than by tomli_w, which breaks lists.
+        stress = table.pop("flow_stress", None)
+        lines += ["", f"[fit.{name}]", *(f"{key} = {json.dumps(value)}" for key, value in table.items())]
+        if isinstance(stress, dict):
+            lines.append(f"flow_stress = {{ {', '.join(f'{key} = {value}' for key, value in stress.items())} }}")
+    EVIDENCE.write_text(head + mark + "\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
