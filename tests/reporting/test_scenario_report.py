@@ -157,7 +157,7 @@ def test_the_title_is_the_armour_reported_with_the_scenarios_beside_it():
     assert found.byline[0] == ("scenario", "A title")
     designed = contents_of(load_scenario("catalogue"))
     threats = "7.62 mm AP at 850 m/s and 7.62 mm APM2 at 830 m/s"
-    assert report(designed).title == f"5 mm Al-N on 5 mm 7075-T6 against {threats}"
+    assert report(designed).title == f"8 mm AD85 on 8 mm 7075-T6 against {threats}"
 
 
 def test_questions():
@@ -179,8 +179,8 @@ def test_the_answer_without_a_design():
     assert found["Outcome"][0] == outcome
     assert "ballistic limit 723.77 m/s, margin " in found["Outcome"][1]
     statement, detail = found["Probability of defeating the threat"]
-    assert statement == "8 %"
-    assert "± 7.0 %, from 13 tests of AD85 on 6061-T6" in detail
+    assert statement == "7 %"
+    assert "95 % interval -15.2 to +15.9 %, from 13 tests of AD85 on 6061-T6" in detail
 
 
 def test_no_figure_where_nothing_was_tested():
@@ -256,7 +256,7 @@ def test_the_answer_with_distributions():
     statement, detail = found["Probability of defeating the threat"]
     assert statement == "79 %"
     with_error = "95 % interval 78.0 to 80.0 %, from the given distributions and the error of the model; "
-    assert detail.startswith(f"{with_error}error of the model: ± 7.0 %")
+    assert detail.startswith(f"{with_error}error of the model: -1.2 %, 95 % interval")
     # Without an error of the model the distributions alone tell no probability of defeat, unless the scenario says so.
     unknown = ConfidenceResult(None, 700.0, None, NO_TEST)
     found = statements(replace(wilkins(), uncertainty=sampled, confidence=unknown))

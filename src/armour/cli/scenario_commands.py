@@ -61,7 +61,7 @@ def simulate(
     sure = armour.confidence(scenario, on_progress=on_progress)
     limit = sure.ballistic_limit_m_s
     of_limit = () if limit is None else scenario.warnings(limit, "ballistic_limit")
-    warnings = tuple(dict.fromkeys((*result.warnings, *of_limit)))
+    warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *sure.warnings)))
     more = {"warnings": list(warnings), "confidence": sure.to_dict()}
     return Answer(result.of(confidence=sure), warnings, more)
 

@@ -284,6 +284,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
             *catalogue.omissions(),
             *_outside(search, first),
             *_untested(pairs),
+            *(() if catalogue.sampled else scenario.unused_distributions()),
             *_at_the_ends(catalogue, pair, best),
             *_least_of_the_range(catalogue, pair, found, ceramic_min),
             *_changing(search, (*search.changing(), *((pair, "ceramic", other) for other in not_monotonic))),

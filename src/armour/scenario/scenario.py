@@ -76,6 +76,7 @@ ANY_VELOCITY: Varied = {VELOCITY: ()}
 # Names and threats that are listed.
 MAX_LISTED = 3
 LEFT_OUT_AT_ANGLES = "ricochet, yaw and bending of the core are not in the model"
+EXACT_INPUTS = "its distributions are not in the probability and the interval; `armour uncertainty` includes them"
 # Degrees of freedom from which Student's t distribution is as good as normal.
 NORMAL = 1e6
 
@@ -359,6 +360,12 @@ class Scenario(Section):
     def against(self, threat: Threat) -> "Scenario":
         """Return the scenario with a threat as its impact."""
         return self.replaced(threat.as_impact()) if self.threat else self
+
+    def unused_distributions(self) -> tuple[Note, ...]:
+        """Return a warning, for a result that takes inputs as exact, where the scenario has distributions of them."""
+        if self.uncertainty is None or not self.uncertainty.inputs():
+            return ()
+        return (Note(EXACT_INPUTS, "uncertainty"),)
 
     def unused_threats(self) -> tuple[Note, ...]:
         """Return a warning, for a result of the section ``impact``, where the scenario has threats of its own."""

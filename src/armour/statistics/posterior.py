@@ -34,7 +34,7 @@ PLAUSIBLE = 0.99
 DEVIATIONS = 7.0
 # Nodes of V50 and of the scatter, and how often at most the grid is narrowed to where the logarithm of the posterior is
 # within a depth of its maximum; it is narrow enough when this part of the nodes remains.
-NODES, NARROWINGS, DEPTH, ENOUGH = (201, 31), 6, 15.0, 0.75
+NODES, NARROWINGS, DEPTH, ENOUGH = (201, 31), 6, 12.0, 0.75
 
 
 def _normal(probabilities: Floats) -> Floats:

@@ -4,7 +4,7 @@ from armour.analysis.ballistic_limit import ConfidenceResult, LimitResult
 from armour.analysis.results import Result
 from armour.reporting.table import Column, Source, Table, column_of, record
 from armour.reporting.text import interval
-from armour.scenario.evidence import ModelError
+from armour.scenario.evidence import REMEDY, ModelError
 
 DEFEAT = Column("probability of defeating the threat", prose=True)
 
@@ -32,7 +32,9 @@ def error_note(result: Result, error: ModelError | None) -> str:
     """Return what the error of the model is and rests on, in a sentence, for a result."""
     if error is None:
         scenario = result.question.get("scenario")
-        return f"{UNKNOWN}, or not included" if scenario is None else EXCLUDED if scenario.excludes_error() else UNKNOWN
+        if scenario is None:
+            return f"{UNKNOWN}, or not included"
+        return EXCLUDED if scenario.excludes_error() else f"{UNKNOWN}; {REMEDY}"
     return "; ".join([from_tests(error), *extrapolation(error)])
 
 
