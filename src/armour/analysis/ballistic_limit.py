@@ -320,13 +320,6 @@ class ConfidenceResult(Result):
     median_m_s: float | None = None
     interval_m_s: tuple[float, float] | None = None
 
-    @property
-    def interval_m_s(self) -> tuple[float, float] | None:
-        """95 % interval of the ballistic limit with the error of the model, m/s; None where that is not known."""
-        if self.model_error is None or self.ballistic_limit_m_s is None:
-            return None
-        return self.model_error.interval(self.ballistic_limit_m_s)
-
     def _words(self) -> str:
         if self.probability_of_defeat is None:
             return "probability of defeat not known"

@@ -145,6 +145,7 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
         found.append(_checked(own, threat, result, section, on_progress))
         key = f"threat[{place}]" if scenario.threat else "impact"
         warnings += [Note(note.text, note.key.replace("impact", key)) for note in own.warnings(threat.velocity_m_s)]
+    warnings += scenario.unused_distributions()
     passed = all(threat.passed for threat in found)
     return CheckResult(tuple(found), passed, tuple(dict.fromkeys(warnings))).of(
         scenario.subject(threats=scenario.threat), scenario=scenario
