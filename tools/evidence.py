@@ -11,7 +11,6 @@ are integrated.  docs/confidence.md says what is done with them.
 
 import csv
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from math import ceil, floor, log
@@ -26,7 +25,7 @@ from scipy.stats import t
 from armour.analysis.evaluate import evaluate
 from armour.analysis.variants import Bools, Floats, Ints
 from armour.scenario.library import shipped_library
-from armour.scenario.predictive import Conditions, matrix_of
+from armour.scenario.predictive import Conditions, Fit, matrix_of
 from armour.scenario.scenario import load_scenario
 
 ROOT = Path(__file__).parents[1]
@@ -132,17 +131,11 @@ def plates_of(kind: str, metal: str) -> Plates:
     )
 
 
-class Fit(NamedTuple):
-    """Coefficients of a linear mixed model."""
+def fitted(group: Group, plates: Plates) -> tuple[Fit, Floats]:
+    """Fit the model of a group to tests by restricted maximum likelihood.
 
-    coefficients: Floats  # (terms,)
-    covariance: Floats  # (terms, terms)
-    deviations: Floats  # standard deviations between alloys, between rounds and of the rest
-    degrees_of_freedom: int  # alloys less coefficients
-
-
-def fitted(group: Group, plates: Plates) -> Fit:
-    """Fit the model of a group to tests by restricted maximum likelihood."""
+    With it are the standard deviations between alloys, between rounds and of the rest.
+    """
     X, y = matrix_of(group.terms, group.reference, plates.conditions), plates.error
     terms, alloys = X.shape[1], np.unique(plates.alloy)
     effects = np.column_stack([numbers[:, None] == np.unique(numbers) for numbers in (plates.alloy, plates.round)])
@@ -182,7 +175,9 @@ def fitted(group: Group, plates: Plates) -> Fit:
         options=OPTIONS,
     )
     _, coefficients, covariance = solved(best.x)
-    return Fit(coefficients, covariance, np.exp(best.x), len(alloys) - terms)
+    deviations, freedom = np.exp(best.x), len(alloys) - terms
+    variance = float((deviations**2).sum())
+    return Fit(group.terms, group.reference, coefficients, covariance, variance, freedom, {}, None), deviations
 
 
 # Series of Wilkins' tests, by their order in the table.
@@ -234,18 +229,11 @@ def tiles_of(law: FlowStressLaw) -> Tiles:
     return Tiles(np.log(table[:, 2] / computed), matrix_of(law.terms, (1.0, 1.0), conditions), SERIES)
 
 
-class SeriesFit(NamedTuple):
-    """Coefficients of a law, and the distribution of a test in a new series."""
+def fitted_law(law: FlowStressLaw, tiles: Tiles) -> tuple[Fit, float]:
+    """Fit the correction of a law, with an effect of the series, to tests.
 
-    coefficients: Floats  # (terms,)
-    covariance: Floats  # (terms, terms)
-    variance: float  # between series and of the rest; covariance and it are squared scales of Student's t
-    degrees_of_freedom: float
-    evidence: float  # logarithm of the probability density of the tests
-
-
-def fitted_law(tiles: Tiles) -> SeriesFit:
-    """Fit the correction of a law, with an effect of the series, to tests."""
+    With it is the logarithm of the probability density of the tests.
+    """
     X, y = tiles.matrix, tiles.error
     same = tiles.series[:, None] == tiles.series
     variances = np.array([(between**2, rest**2) for between in BETWEEN for rest in REST])
@@ -271,7 +259,8 @@ def fitted_law(tiles: Tiles) -> SeriesFit:
     wanted = _quantiles(weights, spread @ z, deviations) / scale
     freedom = float(brentq(lambda df: np.divide(*t.ppf(MATCHED, df)) - np.divide(*wanted), 1.0, 100.0))
     factor = float(wanted[1] / t.ppf(MATCHED[1], freedom)) ** 2
-    return SeriesFit(coefficients, factor * covariance, factor * variance, freedom, evidence)
+    scaled = factor * covariance, factor * variance
+    return Fit(law.terms, (1.0, 1.0), coefficients, *scaled, freedom, {}, None), evidence
 
 
 def _quantiles(weights: Floats, means: Floats, deviations: Floats) -> Floats:
@@ -285,38 +274,24 @@ def tables() -> dict[str, dict[str, object]]:
     """Return the fits as tables of configs/evidence.toml, by name."""
     found: dict[str, dict[str, object]] = {}
     for name, law in LAWS.items():
-        law_fit = fitted_law(tiles_of(law))
         entry = shipped_library().entries["ceramic"][law.ceramic]
-        found[name] = _table(law.terms, (1.0, 1.0), law_fit[:2], law_fit.variance, law_fit.degrees_of_freedom) | {
+        found[name] = _table(fitted_law(law, tiles_of(law))[0]) | {
             "flow_stress": {key: entry[key] if key in entry.values else 0.0 for key in FLOW_STRESS}
         }
     for name, group in GROUPS.items():
         plates = plates_of(group.kind, group.metal)
-        fit = fitted(group, plates)
-        found[name] = _table(group.terms, group.reference, fit[:2], float((fit.deviations**2).sum()), fit[3])
-        found[name]["standard_deviations"] = _rounded(fit.deviations)
+        fit, deviations = fitted(group, plates)
+        found[name] = _table(fit) | {"standard_deviations": _rounded(deviations)}
         if "u" in group.terms:
             ratio = plates.conditions.tensile / plates.conditions.strength
             found[name]["tensile_ratio"] = [floor(100.0 * ratio.min()) / 100.0, ceil(100.0 * ratio.max()) / 100.0]
     return found
 
 
-def _table(
-    terms: Sequence[str],
-    reference: tuple[float, float],
-    estimates: tuple[Floats, Floats],
-    variance: float,
-    degrees_of_freedom: float,
-) -> dict[str, object]:
-    coefficients, covariance = map(_rounded, estimates)
-    return {
-        "terms": list(terms),
-        "reference": list(reference),
-        "coefficients": coefficients,
-        "covariance": covariance,
-        "variance": _rounded(variance),
-        "degrees_of_freedom": _rounded(degrees_of_freedom),
-    }
+def _table(fit: Fit) -> dict[str, object]:
+    names = "coefficients", "covariance", "variance", "degrees_of_freedom"
+    numbers = {name: _rounded(getattr(fit, name)) for name in names}
+    return {"terms": list(fit.terms), "reference": list(fit.reference), **numbers}
 
 
 def _rounded(values: object) -> object:

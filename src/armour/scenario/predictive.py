@@ -85,9 +85,18 @@ class Fit(NamedTuple):
     flow_stress: Mapping[str, float]  # parameters of the law, of a ceramic
     tensile: tuple[float, float] | None  # range of the tensile over the yield strength, where it is a term
 
-    def matrix(self, conditions: Conditions) -> Floats:
-        """Return the terms of n armours, (n, terms)."""
-        return matrix_of(self.terms, self.reference, conditions)
+    def predicted(self, conditions: Conditions, ranges: Mapping[str, tuple[float, float]]) -> tuple[Floats, Floats]:
+        """Return locations and scales of the distributions of n armours, (n,) each.
+
+        Beyond the ranges of the tests, by condition, the trend goes on, and a part of it is added to the scale.
+        """
+        matrix = matrix_of(self.terms, self.reference, conditions)
+        variance = self.variance + np.einsum("ni,ij,nj->n", matrix, self.covariance, matrix)
+        for condition, (low, high) in ranges.items():
+            inside = conditions._replace(**{condition: getattr(conditions, condition).clip(low, high)})
+            trend = (matrix - matrix_of(self.terms, self.reference, inside)) @ self.coefficients
+            variance += (TREND_DOUBT * trend) ** 2
+        return matrix @ self.coefficients, np.sqrt(variance)
 
 
 @cache
@@ -221,19 +230,18 @@ def _set_bare(found: Errors, evidence: Evidence, where: Any, conditions: Conditi
             ratio = conditions.tensile / conditions.strength
             rows = np.flatnonzero((ratio >= fit.tensile[0]) & (ratio <= fit.tensile[1]))
         some = Conditions(*(values[rows] for values in conditions))
-        matrix = fit.matrix(some)
-        variance = fit.variance + np.einsum("ni,ij,nj->n", matrix, fit.covariance, matrix)
         measured = {limits.measure: limits for limits in evidence.measured}
-        for name, (condition, unit) in DOUBTED_CORE.items():
-            if (limits := measured.get(MEASURES[name])) is not None:
-                inside = getattr(some, condition).clip(limits.low * unit, limits.high * unit)
-                trend = (matrix - fit.matrix(some._replace(**{condition: inside}))) @ fit.coefficients
-                variance += (TREND_DOUBT * trend) ** 2
+        ranges = {
+            condition: (limits.low * unit, limits.high * unit)
+            for name, (condition, unit) in DOUBTED_CORE.items()
+            if (limits := measured.get(MEASURES[name])) is not None
+        }
+        shifts, scales = fit.predicted(some, ranges)
         places = where[rows]
         found.weights[:, 0, places] = 0.0
         found.weights[0, 0, places] = 1.0
-        found.shifts[0, 0, places] = matrix @ fit.coefficients
-        found.scales[0, 0, places] = np.sqrt(variance)
+        found.shifts[0, 0, places] = shifts
+        found.scales[0, 0, places] = scales
         found.degrees_of_freedom[0, 0, places] = fit.degrees_of_freedom
 
 
@@ -250,11 +258,8 @@ def _set_by_law(found: Errors, evidence: Evidence, where: Any, conditions: Condi
         of_armour = {name: getattr(armour, name)[rows] for name in LAW_FIELDS}
         order = [own, *(index for index in range(len(laws)) if index != own)]
         for index, fit in enumerate(laws[place] for place in order):
-            matrix = fit.matrix(some)
             found.weights[index, 0, places] = 1.0 / len(laws)
-            found.shifts[index, 0, places] = matrix @ fit.coefficients
-            variance = fit.variance + np.einsum("ni,ij,nj->n", matrix, fit.covariance, matrix)
-            found.scales[index, 0, places] = np.sqrt(variance)
+            found.shifts[index, 0, places], found.scales[index, 0, places] = fit.predicted(some, {})
             found.degrees_of_freedom[index, 0, places] = fit.degrees_of_freedom
             stress = fit.flow_stress["flow_stress_GPa"] / laws[own].flow_stress["flow_stress_GPa"]
             law = (
