@@ -20,7 +20,7 @@ WILKINS = SCENARIOS / "wilkins.toml"
 TAKE_A_SCENARIO = ("simulate", "ballistic-limit", "optimise", "sensitivity", "compare", "uncertainty")
 
 
-EXAMPLES = [example for examples in COMMANDS.values() for example in examples]
+EXAMPLES = [example for commands in COMMANDS.values() for examples in commands.values() for example in examples]
 # Commands of the documentation, which tests/cli/test_docs.py runs.
 SHOWN = [command for page in PAGES for session in sessions(page) for command, _ in session]
 DOCUMENTED = [command.removeprefix("armour ") for command in SHOWN if command.startswith("armour ")]

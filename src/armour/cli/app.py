@@ -157,6 +157,8 @@ def _armour(
 ) -> None:
     """Predict whether a ceramic/metal light armour stops a projectile, and find the lightest that does.
 
+    First step: `armour init mine.toml` writes a scenario with every key explained; `armour check mine.toml` answers.
+
     Exit codes: 0 success; 1 the question has no answer in the given range; 2 invalid input; 3 a check of `check`
     or `validate` failed; 130 interrupted.
     """
@@ -173,49 +175,63 @@ def _plan() -> None:
 W, P = "wilkins", "paper"
 CERAMICS, PLATES = "armour.ceramic_thickness_mm=4:12:1", "armour.backing_thickness_mm=4:10:1"
 
-# Each command with examples, which the tests run.
-COMMANDS: dict[Callable[..., None], tuple[str, ...]] = {
-    simulate: (f"simulate {W}", f"simulate {W} --velocity 900 --history run.csv --plot run.svg"),
-    ballistic_limit: (f"ballistic-limit {W}", f"ballistic-limit {W} --set armour.ceramic_thickness_mm=8 --json"),
-    check: (f"check {W} --confidence 0.9", "check oblique --junit check.xml"),
-    optimise: (
-        f"optimise {P}/optimum_7.62mm_AP --refine --plot optimum.svg",
-        "optimise catalogue --csv front.csv",
-    ),
-    sweep: (f"sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",),
-    calibrate: (
-        f"calibrate wilkins.csv {W} --write calibrated.toml --plot fit.svg",
-        f"calibrate wilkins.csv {W} --law backing --write-scenario fitted.toml",
-    ),
-    uncertainty: ("uncertainty uncertain --plot uncertainty.svg",),
-    sensitivity: (f"sensitivity {W} --plot sensitivity.svg",),
-    v50: (f"v50 shots.csv {W} --plot v50.svg",),
-    report: (f"report {P}/optimum_7.62mm_AP -o report.html", "report paper -o suite.html"),
-    compare: (f"compare {W}",),
-    validate: ("validate", "validate paper --junit junit.xml"),
-    figures: ("figures . --only fig09",),
-    init: ("init mine.toml", "init mine.toml --from paper/fig9_4mm --force"),
-    schema: ("schema",),
-    plan_shots: (
-        f"plan shots {W}",
-        f"plan shots {W} firing.csv --result partial --plot plan.svg",
-        f"plan shots {W} --simulate --true-v50-m-s 770 --true-scatter-m-s 15",
-    ),
-    plan_tests: (
-        f"plan tests {W} --candidates {CERAMICS} --candidates {PLATES} --scatter-percent 3",
-        f"plan tests {W} --candidates {CERAMICS} --tests wilkins.csv --law ceramic --csv next.csv --plot next.svg",
-    ),
+# Commands by the heading of the help, each with examples, which the tests run.
+COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
+    "Predict": {
+        simulate: (f"simulate {W}", f"simulate {W} --velocity 900 --history run.csv --plot run.svg"),
+        ballistic_limit: (f"ballistic-limit {W}", f"ballistic-limit {W} --set armour.ceramic_thickness_mm=8 --json"),
+        check: (f"check {W} --confidence 0.9", "check oblique --junit check.xml"),
+        sweep: (f"sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",),
+    },
+    "Design": {
+        optimise: (
+            f"optimise {P}/optimum_7.62mm_AP --refine --plot optimum.svg",
+            "optimise catalogue --csv front.csv",
+        ),
+        report: (f"report {P}/optimum_7.62mm_AP -o report.html", "report paper -o suite.html"),
+    },
+    "Judge the answer": {
+        uncertainty: ("uncertainty uncertain --plot uncertainty.svg",),
+        sensitivity: (f"sensitivity {W} --plot sensitivity.svg",),
+        compare: (f"compare {W}",),
+        validate: ("validate", "validate paper --junit junit.xml"),
+        figures: ("figures . --only fig09",),
+    },
+    "Use test data": {
+        v50: (f"v50 shots.csv {W} --plot v50.svg",),
+        calibrate: (
+            f"calibrate wilkins.csv {W} --write calibrated.toml --plot fit.svg",
+            f"calibrate wilkins.csv {W} --law backing --write-scenario fitted.toml",
+        ),
+        plan_shots: (
+            f"plan shots {W}",
+            f"plan shots {W} firing.csv --result partial --plot plan.svg",
+            f"plan shots {W} --simulate --true-v50-m-s 770 --true-scatter-m-s 15",
+        ),
+        plan_tests: (
+            f"plan tests {W} --candidates {CERAMICS} --candidates {PLATES} --scatter-percent 3",
+            f"plan tests {W} --candidates {CERAMICS} --tests wilkins.csv --law ceramic --csv next.csv --plot next.svg",
+        ),
+    },
+    "Prepare the input": {
+        init: ("init mine.toml", "init mine.toml --from paper/fig9_4mm --force"),
+        schema: ("schema",),
+    },
 }
-for _command, _examples in COMMANDS.items():
-    _parts = ["Examples:", *(f"`armour {example}`" for example in _examples)]
-    if _command is sweep:
-        # As a text, since the column of descriptions is too narrow for the names.
-        _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED}."]
-    _class = Question if hasattr(_command, "parameters") else Command
-    _group, _name = (plan, _command.__name__[5:]) if _command in (plan_shots, plan_tests) else (app, _command.__name__)
-    _group.command(_name.replace("_", "-"), cls=_class, epilog="\n\n".join(_parts))(_command)
 library = typer.Typer(cls=Reporting, invoke_without_command=True, no_args_is_help=False)
 library.callback()(list_library)
 library.command("show", cls=Command)(show_entry)
-app.add_typer(library, name="library")
-app.add_typer(plan, name="plan")
+for _panel, _commands in COMMANDS.items():
+    for _command, _examples in _commands.items():
+        _parts = ["Examples:", *(f"`armour {example}`" for example in _examples)]
+        if _command is sweep:
+            # As a text, since the column of descriptions is too narrow for the names.
+            _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED}."]
+        _class = Question if hasattr(_command, "parameters") else Command
+        _name = _command.__name__.replace("_", "-")
+        if _command in (plan_shots, plan_tests):
+            plan.command(_name.removeprefix("plan-"), cls=_class, epilog="\n\n".join(_parts))(_command)
+        else:
+            app.command(_name, cls=_class, epilog="\n\n".join(_parts), rich_help_panel=_panel)(_command)
+app.add_typer(plan, name="plan", rich_help_panel="Use test data")
+app.add_typer(library, name="library", rich_help_panel="Prepare the input")
