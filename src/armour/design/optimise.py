@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
 
 # What is said first of a pair of materials of which no test is known, beside others.
-UNTESTED = "no test: "
+UNTESTED, RUNNER_UP = "no test: ", "runner-up: "
 # Thicknesses that a warning lists.
 MOST_LISTED = 5
 
@@ -471,7 +471,7 @@ def _pairs(search: Search, best: int, tested: Bools) -> tuple[Pair, ...]:
         if place is not None:
             found, (excess, reason) = _best(search, place), _excess(search, place, least)
             if tested[best] and not tested[place]:
-                reason = f"{UNTESTED}{reason or 'as ' + OBJECTIVES[search.catalogue.section.minimise].least}"
+                reason = UNTESTED + reason.removeprefix(RUNNER_UP)
         else:
             found, excess, reason = None, None, _why_none(search, unconstrained, [index])
         pairs.append(Pair(offer.ceramic.material, offer.backing.material, found, excess, reason))
@@ -494,7 +494,7 @@ def _excess(search: Search, place: int, least: float) -> tuple[float | None, str
     excess = 100.0 * (value / least - 1.0)
     if excess < 0.0:
         return excess, f"{-excess:.1f} % {words.less}"
-    near = "runner-up: " if excess <= section.runners_up_percent else ""
+    near = RUNNER_UP if excess <= section.runners_up_percent else ""
     return excess, f"{near}{excess:.1f} % {words.more}"
 
 
