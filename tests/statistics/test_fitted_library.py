@@ -67,8 +67,8 @@ def test_other_laws_of_the_entry_are_not_written():
     assert len(entry["flow_stress_GPa"]["tests"]) == 13
 
 
-def test_a_scenario_holds_the_fit_and_its_uncertainty(tmp_path: Path):
-    """Relative paths of libraries stay right, and other distributions and correlations stay."""
+def test_a_scenario_holds_the_fit_with_its_tests(tmp_path: Path):
+    """Relative paths of libraries stay right, and other distributions stay; the tests replace those of the values."""
     (tmp_path / "libs").mkdir()
     (tmp_path / "libs/own.toml").write_text('[metal.own]\nbased_on = "6061-T6"\n')
     (tmp_path / "case.toml").write_text(
@@ -94,13 +94,30 @@ coefficient = 0.2
     assert found.uncertainty is not None
     inputs = found.uncertainty.inputs()
     assert inputs["ceramic.density_kg_m3"].standard_deviation_percent == 1.0
+    assert not {coefficient.name for coefficient in result.coefficients} & inputs.keys()
+    assert found.uncertainty.correlation == []
+    assert found.uncertainty.model is None
+    entry = found.entry("ceramic", "AD85, calibrated")
+    assert entry["flow_stress_backing_exponent"] == pytest.approx(0.3232, abs=1e-3)
+    assert entry.evidence is not None
+    assert entry.evidence.model_dump() == result.evidence
+
+
+def test_a_fit_of_several_inputs_is_written_with_their_distributions(tmp_path: Path):
+    wilkins, names = shipped_scenario("wilkins"), ["ceramic.flow_stress_GPa", "backing.shear_strength_MPa"]
+    result, tests = calibrate(tests := read_tests(TESTS, wilkins), wilkins, names), tests
+    assert (result.evidence, result.limit_error_percent) == (None, None)
+    made = tmp_path / "made.toml"
+    made.write_text(scenario_text(result, tests, wilkins, made))
+    section = load_scenario(made).uncertainty
+    assert section is not None
     for coefficient in result.coefficients:
-        assert inputs[coefficient.name].distribution == "normal"
-        assert inputs[coefficient.name].standard_deviation == pytest.approx(coefficient.standard_error, rel=1e-5)
-    own, fitted = found.uncertainty.correlation
-    assert own.coefficient == 0.2
+        assert section.inputs()[coefficient.name].distribution == "normal"
+        assert section.inputs()[coefficient.name].standard_deviation == pytest.approx(
+            coefficient.standard_error, rel=1e-5
+        )
+    [fitted] = section.correlation
     assert fitted.coefficient == pytest.approx(result.correlation[0][1], rel=1e-4)
-    assert found.entry("ceramic", "AD85, calibrated")["flow_stress_backing_exponent"] == pytest.approx(0.3232, abs=1e-3)
 
 
 def test_an_entry_of_the_scenario_is_written_whole(tmp_path: Path):
@@ -139,17 +156,41 @@ def test_a_library_of_outcomes_has_their_velocities_and_no_interval_that_is_open
         assert [test["impact.velocity_m_s"] for test in entry["flow_stress_GPa"]["tests"]] == [700.0, 750.0]
 
 
-def test_too_few_tests_have_no_error_of_the_model(tmp_path: Path):
+def test_one_test_is_enough(tmp_path: Path):
     wilkins = shipped_scenario("wilkins")
-    tests = table_of(wilkins, f"{C},ballistic_limit_m_s,ballistic_limit_uncertainty_m_s", "6.35,720,5")
-    written = tomllib.loads(scenario_text(calibrate(tests, wilkins), tests, wilkins, tmp_path / "s.toml"))
-    assert "model" not in written["uncertainty"]
+    tests = table_of(wilkins, f"{C},ballistic_limit_m_s", "6.35,720")
+    result = calibrate(tests, wilkins)
+    assert result.limit_error_percent is not None
+    low, high = result.limit_error_percent
+    assert -20.0 < low < -8.0 < 8.0 < high < 20.0
+    [warning] = (text for text in result.warnings if "too few" in text)
+    assert "4 % of each measured value is assumed" in warning
+    (tmp_path / "s.toml").write_text(scenario_text(result, tests, wilkins, tmp_path / "s.toml"))
+    evidence = load_scenario(tmp_path / "s.toml").entry("ceramic", "AD85, calibrated").evidence
+    assert evidence is not None
+    assert evidence.source == "1 own test in rows"
+
+
+def test_own_tests_go_with_an_entry_until_one_of_its_values_changes(tmp_path: Path):
+    wilkins = shipped_scenario("wilkins")
+    tests = read_tests(TESTS, wilkins)
+    (tmp_path / "lib.toml").write_text(library_text(wilkins_fit(), tests, wilkins))
+    library = read_library(tmp_path / "lib.toml", shipped_library())
+    based = {"based_on": "AD85, calibrated"}
+    tables = {"ceramic": {"same": based, "softer": {**based, "flow_stress_GPa": 4.5}}}
+    ceramics = library.extended(tables, "here").entries["ceramic"]
+    assert ceramics["same"].evidence == ceramics["AD85, calibrated"].evidence
+    assert ceramics["softer"].evidence is None
 
 
 @pytest.mark.parametrize(
     ("table", "settings", "message"),
     [
-        ([OUTCOMES, "700,defeated,10"], {}, r"ceramic\.flow_stress_GPa on one side only"),
+        (
+            [OUTCOMES, "700,defeated,10", "690,defeated,10"],
+            {"fit": ["ceramic.flow_stress_GPa", "backing.shear_strength_MPa"]},
+            "on one side only|not identified",
+        ),
         ([LIMITS, "6.35,6.35,700", "6.35,6.35,710", "6.35,6.35,720"], {"law": "ceramic"}, "not identified"),
         (
             [LIMITS, "5,6,166.39", "6,7,181.98", "7,5,173.88", "8,8,203.81"],

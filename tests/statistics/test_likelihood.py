@@ -15,8 +15,7 @@ from tests.helpers.fits import fitted
 
 C, V, LIMIT = "armour.ceramic_thickness_mm", "impact.velocity_m_s", "ballistic_limit_m_s"
 STRESS, TAU = "ceramic.flow_stress_GPa", "backing.shear_strength_MPa"
-ONE, TWO = [f"{C},{LIMIT}", "6,700"], [f"{C},{LIMIT}", "6,700", "7,720"]
-OUTCOMES = [f"{C},{V},outcome,{LIMIT}", "6,,,700", "7,720,defeated,", "7,720,perforated,"]
+TWO = [f"{C},{LIMIT}", "6,700", "7,720"]
 WEIGHTED = [f"{C},{V},outcome,ballistic_limit_uncertainty_m_s", "6,700,defeated,10", "7,720,perforated,10"]
 CERAMICS = [f"armour.ceramic,{C},{LIMIT}", "AD85,6,700", "AD99.5,7,720"]
 
@@ -24,7 +23,6 @@ CERAMICS = [f"armour.ceramic,{C},{LIMIT}", "AD85,6,700", "AD99.5,7,720"]
 @pytest.mark.parametrize(
     ("table", "settings", "message"),
     [
-        (ONE, {}, "must have at least 2 measurements, as their uncertainties are not given, for 1 coefficients"),
         (TWO, {"fit": [C]}, "must not be a column where it is fitted"),
         (TWO, {"fit": [V]}, "must be a property of a material or projectile"),
         (TWO, {"fit": ["hardness"]}, 'found "hardness"; choose from'),
@@ -33,11 +31,10 @@ CERAMICS = [f"armour.ceramic,{C},{LIMIT}", "AD85,6,700", "AD99.5,7,720"]
         (
             TWO,
             {"law": "linear"},
-            "at least 4 measurements, as their uncertainties are not given, for 3 coefficients, found 2",
+            "must have at least 3 measurements or outcomes for 3 coefficients, found 2",
         ),
         (TWO, {"law": "linaer"}, 'found the text "linaer"; did you mean "linear"'),
         (TWO, {"fit": [TAU], "law": "all"}, f"calibrate: law: must not be given where {STRESS} is not fitted"),
-        (OUTCOMES, {}, "at least 2 measurements, as their uncertainties are not given, for 1 coefficients, found 1"),
         (WEIGHTED, {"law": "linear"}, "must have at least 3 measurements or outcomes for 3 coefficients, found 2"),
         (CERAMICS, {}, "armour.ceramic: must be the same in all tests where the ceramic is fitted, found AD85, AD99.5"),
     ],
@@ -72,7 +69,6 @@ NORMAL = {"distribution": "normal", "standard_deviation_percent": 5.0}
         (None, "is missing and must be given for a prior"),
         ({"distribution": "uniform", "min": 4.0, "max": 6.0}, "must be normal or"),
         ({**NORMAL, "min": 4.0}, "without min and max, to be a prior"),
-        (NORMAL, "must have at least 2 measurements, as their uncertainties are not given,"),
     ],
 )
 def test_priors_that_are_none(distribution: object, message: str):

@@ -2,14 +2,13 @@
 
     python -m tools.campaigns.shots --firings 2000 --seed 1
 
-The armour is the paper's lightest against the 7.62 mm AP, whose ballistic limit by the model has an error of 7.0 % from
-13 tests.  V50 is 0, 1 or 2 standard deviations of this error from the model's limit, above it in one half of the
-firings and below it in the other; the scatter is 15 or 30 m/s.  A shot misses the velocity that it is aimed at by 5 m/s
-(standard deviation), and is measured exactly.  A firing ends when the interval of V50 of 95 % is within +- 15 m/s: of
-the Bayesian procedure that of the posterior, of the others that of the penalised likelihood of `armour v50`.
-"bayesian, scatter known" is told the scatter within a factor of 1.2.  The procedures "without the model" are told that
-V50 lies within 50 % of the model's limit, and up-and-down starts 20 % above it.  Then each scatter is drawn from the
-prior, for the Bayesian procedure alone.
+The armour is the paper's lightest against the 7.62 mm AP.  V50 is 0, 1 or 2 standard deviations of the error of the
+model from the median that this gives, above it in one half of the firings and below it in the other; the scatter is 15
+or 30 m/s.  A shot misses the velocity that it is aimed at by 5 m/s (standard deviation), and is measured exactly.  A
+firing ends when the interval of V50 of 95 %, or of `--confidence`, is within +- 15 m/s: of the Bayesian procedure that
+of the posterior, of the others that of the penalised likelihood of `armour v50`.  "bayesian, scatter known" is told the
+scatter within a factor of 1.2.  The procedures "without the model" are told that V50 lies within 50 % of the model's
+limit, and up-and-down starts 20 % above it.  Then each scatter is drawn from the prior, for the Bayesian procedure.
 
 The last rows ask whether a velocity exceeds 90 % of the model's limit, V50 or that at which 5 % of shots perforate, by
 the Bayesian procedure.  The velocity is this requirement or a number of scatters away from it, and "by the prior" says
@@ -43,8 +42,6 @@ CLASSIC = ("up-and-down", "langlie", "neyer")
 WITHOUT, WIDE, START = ", without the model", (0.5, 1.5), 1.2
 # Firings at once; nodes of V50 and scatter of the Bayesian procedure, and its velocities.
 BLOCK, NODES, CANDIDATES = 500, (301, 15), 201
-# Root of the deviance at the ends of an interval.
-ROOT = 1.959963984540054
 
 
 class Outcome(NamedTuple):
@@ -57,8 +54,15 @@ class Outcome(NamedTuple):
 class Intervals:
     """Intervals of V50 by penalised likelihood of many firings, from grids of V50 and scale around a centre."""
 
-    def __init__(self, count: int, centre: float, reach: float = 150.0, nodes: tuple[int, int] = (101, 25)) -> None:
-        self.nodes, self.centre = nodes, centre
+    def __init__(
+        self,
+        count: int,
+        centre: float,
+        reach: float = 150.0,
+        nodes: tuple[int, int] = (101, 25),
+        confidence: float = CONFIDENCE,
+    ) -> None:
+        self.nodes, self.centre, self.root = nodes, centre, float(ndtri(0.5 + 0.5 * confidence))
         self.v50 = np.linspace(-reach, reach, nodes[0])
         scales = np.geomspace(2.0, 2000.0, nodes[1])
         self.points = np.repeat(self.v50, nodes[1]), np.tile(scales, nodes[0])
@@ -85,7 +89,7 @@ class Intervals:
         peaks = profile.argmax(axis=1)
         tops = _vertex(profile[:, None])[:, 0]
         flat = value.max(axis=1).argmax(axis=1) == self.nodes[1] - 1
-        roots = np.sqrt(2.0 * np.maximum(tops[:, None] - profile, 0.0)) - ROOT
+        roots = np.sqrt(2.0 * np.maximum(tops[:, None] - profile, 0.0)) - self.root
         for row in np.flatnonzero(~flat & (peaks > 0) & (peaks < self.nodes[0] - 1)):
             inside = np.flatnonzero(roots[row] <= 0.0)
             first, last = inside[0], inside[-1]
@@ -116,7 +120,7 @@ def classic(
     (next_velocity, _), count = PROCEDURES[procedure.removesuffix(WITHOUT)], len(truths)
     shots, held = np.full(count, MOST), np.zeros(count, dtype=bool)
     fired = [Shots((), ()) for _ in truths]
-    going, intervals = np.arange(count), Intervals(count, float(truths.mean()))
+    going, intervals = np.arange(count), Intervals(count, float(truths.mean()), confidence=settings.confidence)
     for number in range(1, MOST + 1):
         aims = np.array([next_velocity(fired[each], settings).velocity_m_s for each in going])
         velocities = dice.normal(aims, MISS_M_S)
@@ -206,12 +210,19 @@ def requirement(
     return float((decided > 0).mean()), float((decided < 0).mean()), float(np.minimum(shots, MOST_SHOTS).mean())
 
 
-def simulate(procedure: str, deviations: float, scatter: float | None, firings: int, seed: int) -> Outcome:
+def simulate(
+    procedure: str,
+    deviations: float,
+    scatter: float | None,
+    firings: int,
+    seed: int,
+    confidence: float = CONFIDENCE,
+) -> Outcome:
     """Simulate firings of a procedure; without a scatter, each has one drawn from its prior."""
     prior = prior_for(procedure, scatter or 0.0)
     limit = prior.limit_m_s
     guess = limit * prior.scatter_percent / 100.0
-    settings = ShotSettings(limit, guess, limits_of(prior), HALF_WIDTH_M_S, CONFIDENCE, prior=prior)
+    settings = ShotSettings(limit, guess, limits_of(prior), HALF_WIDTH_M_S, confidence, prior=prior)
     if procedure.endswith(WITHOUT):
         settings = settings._replace(estimate_m_s=START * limit, limits_m_s=(WIDE[0] * limit, WIDE[1] * limit))
     found = []
@@ -236,6 +247,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--firings", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--confidence", type=float, default=CONFIDENCE)
     parser.add_argument(
         "--procedures", default=";".join(("bayesian", KNOWN, *CLASSIC, *(name + WITHOUT for name in CLASSIC)))
     )
@@ -243,17 +255,18 @@ def main() -> None:
     print(
         f"limits of V50 for langlie and neyer: the interval of the model with a probability of {LIMITS_PROBABILITY:g}"
     )
-    print(f"standard error of a coverage of 95 %: {100.0 * sqrt(0.95 * 0.05 / given.firings):.2f} %")
+    level = given.confidence
+    print(f"standard error of a coverage of {level:g}: {100.0 * sqrt(level * (1.0 - level) / given.firings):.2f} %")
     print("scatter, m/s | deviations | procedure | mean shots | 10 % | 50 % | 90 % | held, % | not ended | s")
     for scatter in SCATTERS_M_S:
         for deviations in DEVIATIONS:
             for procedure in given.procedures.split(";"):
                 start = time.perf_counter()
-                found = simulate(procedure, deviations, scatter, given.firings, given.seed)
+                found = simulate(procedure, deviations, scatter, given.firings, given.seed, given.confidence)
                 _show(found, f"{scatter:g} | {deviations:g} | {procedure}", start)
     for deviations in DEVIATIONS:
         start = time.perf_counter()
-        found = simulate("bayesian", deviations, None, given.firings, given.seed)
+        found = simulate("bayesian", deviations, None, given.firings, given.seed, given.confidence)
         _show(found, f"of the prior | {deviations:g} | bayesian", start)
     print("scatter, m/s | fraction | scatters from the requirement | by the prior | met, % | not met, % | mean shots")
     for scatter, fraction, by_prior in product(SCATTERS_M_S, (0.5, 0.05), (False, True)):

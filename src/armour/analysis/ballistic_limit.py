@@ -152,11 +152,12 @@ def model_error(scenario: Scenario, limit_m_s: float) -> ModelError | None:
     # Imported here because only this error needs numpy.
     import numpy as np
 
+    from armour.scenario.own_evidence import own_tests, own_tests_of, with_own
     from armour.scenario.predictive import LAW_FIELDS, errors_of
 
-    armour = scenario.core_armour()
-    one = Parameters._make(np.array([value]) for value in armour)
-    errors = errors_of(one, np.array([scenario.tensile_strength()]), np.array([scenario.cosine()]))
+    armour, cosines = scenario.core_armour(), np.array([scenario.cosine()])
+    one, tests = Parameters._make(np.array([value]) for value in armour), own_tests(scenario.entries)
+    errors = with_own(errors_of(one, np.array([scenario.tensile_strength()]), cosines), tests, one, cosines)
     if not errors.known.all():
         return None
     limits = [limit_m_s]
@@ -165,7 +166,10 @@ def model_error(scenario: Scenario, limit_m_s: float) -> ModelError | None:
         limits.append(_lowest_limit(scenario, other) if errors.used(law).all() else limit_m_s)
     ratio = errors.of_limits(np.array(limits)[:, None] / limit_m_s)
     evidence = closest(armour)
-    return ModelError.of_ratio(ratio.one(), evidence.title, evidence.extrapolated(armour))
+    source, extrapolated = evidence.title, evidence.extrapolated(armour)
+    if own := own_tests_of(tests, armour):
+        source, extrapolated = own.evidence.source, own.extrapolated(armour)
+    return ModelError.of_ratio(ratio.one(), source, extrapolated)
 
 
 def _lowest_limit(scenario: Scenario, armour: Parameters) -> float:
@@ -391,4 +395,10 @@ def of_limit(scenario: Scenario, limit_m_s: float, velocity_m_s: float) -> Confi
 
 def no_error(scenario: Scenario) -> str:
     """Return why the error of the model is not known, or not included, for a scenario that has none."""
-    return EXCLUDED if scenario.excludes_error() else why_unknown(scenario.core_armour(), scenario.cosine())
+    if scenario.excludes_error():
+        return EXCLUDED
+    from armour.scenario.own_evidence import own_tests, own_tests_of
+
+    armour = scenario.core_armour()
+    own = own_tests_of(own_tests(scenario.entries), armour)
+    return why_unknown(armour, scenario.cosine()) if own is None else own.why_unknown(armour)

@@ -13,6 +13,7 @@ from armour.errors import InputError, Problem
 from armour.scenario.evidence import ModelError, is_unusual, row_limits
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, LAYERS, OBLIQUITY, VELOCITY, YIELD, cosine_of
 from armour.scenario.library import DEFAULTS, ROD, length_mm
+from armour.scenario.own_evidence import OwnTests, own_tests, with_own
 from armour.scenario.predictive import LAW_FIELDS, Errors, errors_of
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import BallisticLimitSection, Optimise, Solver
@@ -33,6 +34,7 @@ class Settings(NamedTuple):
     error: ModelError | None  # of the section ``uncertainty.model``; None for that of tests
     excludes_error: bool  # as that section says
     distributions: bool  # whether the section ``uncertainty`` has any, which rows leave out
+    own: tuple[OwnTests, ...]  # of entries of the library
 
     def options(self, threads: int | None = None) -> batch.SolverOptions:
         """Return the options of the engine."""
@@ -68,7 +70,9 @@ class Variants(NamedTuple):
             return Errors.unknown(count)
         if self.settings.error is not None:
             return Errors.of(self.settings.error.ratio, count)
-        return errors_of(batch.fields(self.parameters), self.tensile_MPa, self.cosines)
+        armour = batch.fields(self.parameters)
+        errors = errors_of(armour, self.tensile_MPa, self.cosines)
+        return with_own(errors, self.settings.own, armour, self.cosines)
 
     def by_law(self, law: int, errors: Errors) -> "Variants":
         """Return the variants with the flow stress by a law of their errors."""
@@ -163,7 +167,8 @@ def settings_of(scenario: Scenario) -> Settings:
     """Return the settings of a scenario."""
     error, excluded = scenario.given_error(), scenario.excludes_error()
     section, grid, some = scenario.ballistic_limit, scenario.optimise, bool(scenario.unused_distributions())
-    return Settings(scenario.file, scenario.solver, section, grid, error, excluded, some)
+    own = own_tests(scenario.entries)
+    return Settings(scenario.file, scenario.solver, section, grid, error, excluded, some, own)
 
 
 def impacts(variants: Variants, threads: int | None = None) -> batch.Impacts:

@@ -18,6 +18,7 @@ from armour.scenario.checked import checked
 from armour.scenario.evidence import MEASURES, REMEDY, ModelError, armour_warnings, closest
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, OBLIQUITY, VELOCITY
 from armour.scenario.mixture import Mixture
+from armour.scenario.own_evidence import own_tests, own_tests_of
 from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import DesignSection, shot
 
@@ -442,6 +443,8 @@ def _model_error(search: Search, place: int, threat: int, ratio: Mixture) -> Mod
     given, armour = search.catalogue.scenario.given_error(), _armour(search, place, threat)
     if given is not None:
         return ModelError.of_ratio(ratio, given.source)
+    if own := own_tests_of(own_tests(search.catalogue.scenario.entries), armour):
+        return ModelError.of_ratio(ratio, own.evidence.source, own.extrapolated(armour))
     evidence = closest(armour)
     return ModelError.of_ratio(ratio, evidence.title, evidence.extrapolated(armour))
 

@@ -112,7 +112,9 @@ class ShotPlan(Result):
         Likelihood of the shots averaged over curves that meet the requirement, or do not, divided by the greatest one
         of a curve of the other side.  The decision is made where one reaches the inverse of the risk.
     operating_characteristic : tuple of OperatingPoint
-        What becomes of simulated firings at armours around the requirement; empty once a shot has been fired.
+        What becomes of simulated firings at armours around the requirement, of a V50 ``v50_m_s`` and a scatter
+        ``scatter_m_s``, m/s: the fractions that end with it ``met`` and ``not_met``, and the median of ``shots``, None
+        above 100.  Empty once a shot has been fired.
     earlier : int
         Number of earlier firings whose scatter is pooled.
     scatter_percent, scatter_factor : float
@@ -270,7 +272,7 @@ def plan_shots(
     --------
     >>> import armour
     >>> armour.plan_shots(armour.load_scenario("wilkins"))
-    <ShotPlan: 6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP: 0 shots, the next at 722.8 m/s>
+    <ShotPlan: 6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP: 0 shots, the next at 726.8 m/s>
     """
     given_shots = fired = Shots((), ()) if shots is None else shots
     check_shots(fired, one_kind=True)

@@ -5,13 +5,20 @@ Every value has a status (measured, nominal, fitted or assumed) and a source.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from math import inf, nan, pi
 from os import PathLike
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
 import tomli_w
-from pydantic import BeforeValidator, Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
 from armour.errors import InputError, Problem, refuse, suggestion
 from armour.files import read_toml, shipped
@@ -77,6 +84,72 @@ Coefficient = Annotated[Value[Annotated[float, Field(ge=-3.0, le=3.0)]], _Number
 Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0), NOT_TINY]], _NumberOrTable]
 
 
+class LawEvidence(Section):
+    """What own tests tell of a law: a mixture of normal distributions, one for each standard deviation of the error."""
+
+    exponent: str = ""
+    """Key of the exponent of the law; empty for a value that is constant."""
+    slope: float
+    """Relative change of the ballistic limit over that of the value, at the tests."""
+    components: Items[Items[float]]
+    """Of each: probability, standard deviation of the error of a limit, value and its relative standard deviation; of a
+    law with an exponent, this, its standard deviation, and the correlation of both."""
+
+    @model_validator(mode="after")
+    def _complete(self) -> "LawEvidence":
+        columns = 7 if self.exponent else 4
+        if any(len(row) != columns for row in self.components):
+            raise ValueError(f"must have {columns} numbers for each of its components")
+        return self
+
+
+def _rises(ends: tuple[float, ...]) -> tuple[float, ...]:
+    if not 0.0 <= ends[0] <= ends[1]:
+        raise ValueError(f"must be two numbers of at least 0 that do not fall, found {ends[0]:g} and {ends[1]:g}")
+    return ends
+
+
+TestedRange = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=2), AfterValidator(_rises)]
+
+
+class TestedRanges(Section):
+    """Ranges of own tests: thicknesses along the line of fire and lengths over the diameter of the penetrator."""
+
+    ceramic_thickness_ratio: TestedRange
+    """Ceramic thicknesses."""
+    ceramic_density_kg_m3: TestedRange
+    """Densities of the ceramic."""
+    ceramic_modulus_GPa: TestedRange
+    """Young's moduli of the ceramic."""
+    backing_thickness_ratio: TestedRange
+    """Back plate thicknesses."""
+    backing_density_kg_m3: TestedRange
+    """Densities of the back plate."""
+    backing_strength_GPa: TestedRange
+    """Flow stresses of the back plate."""
+    rod_length_ratio: TestedRange
+    """Lengths of the penetrator."""
+    rod_density_kg_m3: TestedRange
+    """Densities of the penetrator."""
+    rod_strength_GPa: TestedRange
+    """Flow stresses of the penetrator."""
+
+
+class OwnEvidence(Section):
+    """Own tests that a value of the entry was calibrated to: where they put the ballistic limits of such armours."""
+
+    source: str
+    """The tests."""
+    key: str
+    """Key of the value."""
+    measured: TestedRanges
+    """Ranges of the tests."""
+    steepest_deg: Annotated[float, Field(ge=0.0, lt=90.0)] = 0.0
+    """Greatest obliquity of the tests."""
+    law: Items[LawEvidence]
+    """Laws of the value; the probabilities of all their components add up to 1."""
+
+
 class Entry(Section):
     """An entry of a library file; it inherits missing values from the entry that it is based on."""
 
@@ -86,6 +159,8 @@ class Entry(Section):
     """Name of the entry that supplies every value not given."""
     aliases: Items[str] = ()
     """Other names of the entry."""
+    evidence: OwnEvidence | None = None
+    """Own tests that it was calibrated to, which `armour calibrate` writes."""
 
     def values(self) -> dict[str, Value[float]]:
         """Return the values that the entry gives, by key."""
@@ -201,6 +276,8 @@ class LibraryEntry:
         File that defines it; empty for the shipped library.
     aliases : tuple of str
         Other names of it.
+    evidence : OwnEvidence or None
+        Own tests that a value was calibrated to; of an entry that is based on such a one, only if it changes no value.
     """
 
     kind: Kind
@@ -210,6 +287,7 @@ class LibraryEntry:
     derived: frozenset[str] = frozenset()
     file: str = field(default="", compare=False, repr=False)
     aliases: tuple[str, ...] = ()
+    evidence: OwnEvidence | None = None
 
     def __getitem__(self, key: str) -> float:
         """Return the number of a key."""
@@ -296,6 +374,12 @@ class Library:
         others = {other: entry.name for entry in entries for other in entry.aliases}
         return others | {entry.name: entry.name for entry in entries}
 
+    @cached_property
+    def own_tests(self) -> tuple[LibraryEntry, ...]:
+        """Entries that were calibrated to own tests, ceramics first."""
+        kinds: tuple[Kind, ...] = ("ceramic", "metal", "projectile")
+        return tuple(entry for kind in kinds for entry in self.entries[kind].values() if entry.evidence is not None)
+
     @checked
     def find(self, name: str) -> list[LibraryEntry]:
         """Return the entries of a name, of any kind; if there is none, a KeyError suggests the closest name."""
@@ -372,7 +456,8 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
             values[key] = Value[float](value=factor * strength, source=source)
     ordered = {key: values[key] for key in _keys(kind) if key in values}
     description = entry.description or (base.description if base else "")
-    return LibraryEntry(kind, name, description, ordered, frozenset(derived), file, entry.aliases)
+    evidence = entry.evidence or (base.evidence if base and not entry.values() else None)
+    return LibraryEntry(kind, name, description, ordered, frozenset(derived), file, entry.aliases, evidence)
 
 
 def _keys(kind: Kind) -> list[str]:

@@ -144,9 +144,24 @@ class Errors(NamedTuple):
         flow_stress = np.zeros((laws, len(LAW_FIELDS), count))
         return cls(np.full(shape, np.nan), np.zeros(shape), np.ones(shape), np.ones(shape), flow_stress)
 
+    @property
+    def arrays(self) -> list[Floats]:
+        """All arrays, of which the last axis is that of the armours."""
+        return [self.weights, self.shifts, self.scales, self.degrees_of_freedom, self.flow_stress]
+
+    def grown(self, *shapes: tuple[int, ...]) -> "Errors":
+        """Return the errors with as many laws and components as the most of some shapes; further ones are not used."""
+        more = [max(shape[axis] for shape in shapes) - self.weights.shape[axis] for axis in (0, 1)]
+        pads = ((0, more[0]), (0, more[1]), (0, 0))
+        weights, shifts = (np.pad(array, pads) for array in (self.weights, self.shifts))
+        scales, freedom = (np.pad(array, pads, constant_values=1.0) for array in self[2:4])
+        weights[:, :, ~self.known] = np.nan
+        flow_stress = np.pad(self.flow_stress, (pads[0], (0, 0), (0, 0)))
+        return Errors(weights, shifts, scales, freedom, flow_stress, self.logarithmic)
+
     def at(self, where: Any) -> "Errors":
         """Return the errors of some armours."""
-        return Errors._make([*(array[..., where] for array in self[:5]), self.logarithmic])
+        return Errors._make([*(array[..., where] for array in self.arrays), self.logarithmic])
 
     @property
     def known(self) -> Any:

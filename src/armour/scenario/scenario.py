@@ -155,6 +155,11 @@ class Scenario(Section):
         """Return an entry of the scenario's library; if there is none, an InputError suggests the closest name."""
         return self._entries.entry(kind, name)
 
+    @property
+    def entries(self) -> Library:
+        """The library that the scenario's names refer to."""
+        return self._entries
+
     def name_of(self, role: str) -> str | None:
         """Return the name of the library entry in a role; None if the scenario names no ceramic."""
         section, key = NAMES[role].split(".")

@@ -1,7 +1,7 @@
 """Calibration: inputs of a scenario fitted to tests, with intervals and leave-one-out errors."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
@@ -18,6 +18,7 @@ from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
 from armour.statistics.likelihood import MIN_P_VALUE, Coefficient, Fit, fit_inputs, intervals, usable, without
 from armour.statistics.measured import LIMIT, Tests, common_of, subject_of
+from armour.statistics.own_tests import MEDIAN, own_evidence
 
 FLOW_STRESS = "ceramic.flow_stress_GPa"
 
@@ -59,6 +60,10 @@ def _value(scenario: Scenario, key: str) -> float:
     return entry[key] if entry is not None and key in entry.values else 0.0
 
 
+ASSUMED = (
+    f"the tests are too few to estimate their scatter: {100.0 * MEDIAN:g} % of each measured value is assumed, and the "
+    "intervals are those of it"
+)
 # Greatest number of folds of the leave-one-out error.
 MAX_FOLDS = 100
 # Part of the tables of sound tests for which a test is called out of line.
@@ -155,6 +160,12 @@ class CalibrationResult(TableResult):
         with a prior.
     laws : tuple of LawFit
         The laws that were compared.
+    evidence : mapping or None
+        Where the tests put the ballistic limits of such armours, which the fitted entry holds: what its key
+        ``evidence`` has in a library file.  None where no ballistic limit was measured or shot at, and for several
+        inputs, or an input that is not identified.
+    limit_error_percent : tuple of float or None
+        95 % interval of the ballistic limit of an armour like the tests over that of the fitted model, less 1, %.
     warnings : tuple of str
         A bad fit, tests that do not follow the others, and ways in which tests are unlike what the model was
         compared with before.
@@ -177,6 +188,8 @@ class CalibrationResult(TableResult):
     widened_by: float = 1.0
     aicc: float | None = None
     laws: tuple[LawFit, ...] = ()
+    evidence: Mapping[str, Any] | None = None
+    limit_error_percent: tuple[float, float] | None = None
     warnings: tuple[str, ...] = ()
 
     def _words(self) -> str:
@@ -234,7 +247,8 @@ def calibrate(
     ------
     InputError
         If the tests were read with another scenario, a name is not an input, the tests differ in the material that is
-        fitted, there are too few of them, a prior is neither normal nor lognormal, or a run does not end.
+        fitted, there are fewer of them than coefficients, a prior is neither normal nor lognormal, or a run does not
+        end.
     """
     fit = tuple(fit)
     if other := [name for name, own in common_of(tests.scenario).items() if common_of(scenario)[name] != own]:
@@ -248,7 +262,7 @@ def calibrate(
     fits: list[tuple[Fit, CalibrationResult]] = []
     for each in LAWS if law == "all" else (law,):
         try:
-            fits.append(_fitted(tests, fit, each, on_progress, prior=prior))
+            fits.append(_fitted(tests, fit, each, on_progress, prior=prior, assumes=law != "all"))
         except InputError:
             # Some laws have more coefficients than there are tests for.
             if not fits:
@@ -263,10 +277,15 @@ def calibrate(
     errors = [np.inf if found.left_out_error_percent is None else found.left_out_error_percent for _, found in fits]
     for place in np.argsort(errors, kind="stable"):
         done, found = fits[place]
-        results.append(replace(found, coefficients=intervals(done), laws=laws).of(subject_of(tests), scenario=scenario))
-        if not any(coefficient.estimate is None for coefficient in results[-1].coefficients):
-            return results[-1]
-    return results[0]
+        results.append(replace(found, coefficients=intervals(done), laws=laws))
+        estimates = {c.name: c.estimate for c in results[-1].coefficients if c.estimate is not None}
+        if len(estimates) == len(results[-1].coefficients):
+            if own := own_evidence(tests, estimates):
+                evidence, error = own
+                results[-1] = replace(results[-1], evidence=evidence.model_dump(), limit_error_percent=error)
+            results = results[-1:]
+            break
+    return results[0].of(subject_of(tests), scenario=scenario)
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
@@ -278,11 +297,23 @@ def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tes
     return tests._replace(groups=groups, scenario=with_law(tests.scenario, law)), [*names]
 
 
+def with_scatter(tests: Tests) -> Tests:
+    """Return tests whose uncertainties, which are not given, are the error that laws are expected to leave."""
+    measurements = tuple(m._replace(uncertainty=MEDIAN * m.value) for m in tests.measurements)
+    return tests._replace(measurements=measurements, weighted=True)
+
+
 def _fitted(
-    tests: Tests, inputs: Sequence[str], law: Law | None, on_progress: OnProgress, *, prior: bool
+    tests: Tests, inputs: Sequence[str], law: Law | None, on_progress: OnProgress, *, prior: bool, assumes: bool
 ) -> tuple[Fit, CalibrationResult]:
-    """Return a fit with one law, and its result without the coefficients, whose intervals take long."""
+    """Return a fit with one law, and its result without the coefficients, whose intervals take long.
+
+    A scatter that the tests are too few to estimate may be assumed.
+    """
     tests, inputs = under_law(tests, inputs, law)
+    everything = np.ones(len(tests.measurements), dtype=bool)
+    too_few = assumes and not tests.weighted and usable(tests, everything) <= len(inputs)
+    tests = with_scatter(tests) if too_few else tests
     done = fit_inputs(tests, inputs, on_progress, prior=prior)
     computed, left_out = done.likelihood.predicted(done.best.x), _left_out(done)
     residuals = tuple(
@@ -318,7 +349,12 @@ def _fitted(
         p_value=done.p_value,
         widened_by=done.widened_by,
         aicc=done.aicc,
-        warnings=(*_bad_fit(done), *_strange(tests, residuals, len(inputs)), *_unlike(tests)),
+        warnings=(
+            *([ASSUMED] if too_few else []),
+            *_bad_fit(done),
+            *_strange(tests, residuals, len(inputs)),
+            *_unlike(tests),
+        ),
     )
 
 

@@ -1,7 +1,7 @@
 """Library files and scenarios with calibrated entries."""
 
+import re
 from collections.abc import Callable
-from math import sqrt
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -12,10 +12,12 @@ from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW, LibraryEntry, library_toml, shipped_library
 from armour.scenario.scenario import Scenario, parse_scenario
-from armour.statistics.calibration import FLOW_STRESS, LAWS, CalibrationResult, left_out_errors
+from armour.statistics.calibration import FLOW_STRESS, LAWS, CalibrationResult
 from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
 
 SUFFIX = ", calibrated"
+# A list of numbers, each on a line of its own.
+NUMBERS = re.compile(r"\[\n((?:\s+[-+.\deE]+,\n)+)\s*\]")
 
 
 @checked
@@ -64,50 +66,46 @@ def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario) ->
     """
     tables, used = _entries(result, tests)
     _usable(lambda: scenario.replaced({"library": tables, **used}))
-    return library_toml(tables)
+    return _compact(library_toml(tables))
 
 
 def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, path: Path) -> str:
-    """Return a scenario file, for a path, with the calibrated entries and the uncertainty of the fitted inputs."""
+    """Return a scenario file, for a path, with the calibrated entries.
+
+    These hold the tests; without them, it has the distributions of the fitted inputs.
+    """
     for coefficient in result.coefficients:
-        if coefficient.interval and None in coefficient.interval:
+        if result.evidence is None and coefficient.interval and None in coefficient.interval:
             raise NoAnswerError(f"nothing to write: the tests bound {coefficient.name} on one side only")
     tables, used = _entries(result, tests)
     with_entries = _usable(lambda: scenario.replaced({"library": tables, **used}))
     data = parse_toml(with_entries.to_toml(path.parent), scenario.file)
     section, names = data.setdefault("uncertainty", {}), [coefficient.name for coefficient in result.coefficients]
+    own, pairs = result.evidence is not None, section.pop("correlation", [])
     for coefficient in result.coefficients:
         role, key = coefficient.name.split(".")
-        spread = float(f"{coefficient.standard_error:.6g}")
-        section.setdefault(role, {})[key] = {"distribution": "normal", "standard_deviation": spread}
-    section["correlation"] = [
-        *(pair for pair in section.get("correlation", []) if not {*pair["between"]} <= {*names}),
-        *(
+        section.get(role, {}).pop(key, None)
+        if not own:
+            spread = float(f"{coefficient.standard_error:.6g}")
+            section.setdefault(role, {})[key] = {"distribution": "normal", "standard_deviation": spread}
+    kept = [pair for pair in pairs if not {*pair["between"]} & {*names}]
+    if own:
+        # How well the values are known is part of what the entry has of its tests.
+        section.pop("model", None)
+    else:
+        kept += (
             {"between": [name, other], "coefficient": float(f"{result.correlation[i][j]:.6g}")}
             for i, name in enumerate(names)
             for j, other in enumerate(names[:i])
-        ),
-    ]
-    if error := _model_error(result, tests):
-        section.setdefault("model", error)
-    return _usable(lambda: parse_scenario(data, file=str(path), folder=path.parent)).to_toml()
+        )
+    if kept:
+        section["correlation"] = kept
+    return _compact(_usable(lambda: parse_scenario(data, file=str(path), folder=path.parent)).to_toml())
 
 
-def _model_error(result: CalibrationResult, tests: Tests) -> dict[str, Any]:
-    """Return the section of the error of the model: that of the limits of tests left out; empty for too few of them.
-
-    A fit leaves no mean error; the scale is the root mean square.
-    """
-    errors = left_out_errors(result)
-    freedom = len(errors) - len(result.coefficients)
-    if freedom < 1:
-        return {}
-    scale = 100.0 * sqrt(sum(error**2 for error in errors) / len(errors))
-    return {
-        "scale_percent": float(f"{scale:.3g}"),
-        "degrees_of_freedom": float(freedom),
-        "source": f"{len(errors)} tests of {Path(tests.file).name}, each left out of the fit",
-    }
+def _compact(text: str) -> str:
+    """Return a TOML file with each list of numbers on one line."""
+    return NUMBERS.sub(lambda found: f"[{', '.join(found[1].replace(',', ' ').split())}]", text)
 
 
 def _usable(made: Callable[[], Scenario]) -> Scenario:
@@ -140,6 +138,8 @@ def _entries(result: CalibrationResult, tests: Tests) -> tuple[dict[str, Any], d
         value: dict[str, Any] = {"value": float(f"{coefficient.estimate:.6g}"), "status": "fitted", "source": source}
         if name not in entries:
             entries[name] = _base_of(entry, result.law)
+            if result.evidence is not None:
+                entries[name]["evidence"] = result.evidence
             value["tests"] = [_test_table(tests, i, role) for i in range(len(tests.names))]
         entries[name][key] = value
     return tables, used
