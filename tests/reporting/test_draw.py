@@ -8,13 +8,14 @@ from matplotlib.axes import Axes
 from matplotlib.contour import ContourSet
 from matplotlib.transforms import Bbox
 
+from armour.design.optimise import optimise
 from armour.reporting.charts import Axis, Bars, Chart, Contours, Line, Map, Panel, printable_chart
 from armour.reporting.draw import METADATA, draw, rendered
 from armour.reporting.views import design as design_view
 from armour.reporting.views import impact as impact_view
 from armour.reporting.views import uncertainty as uncertainty_view
-from tests.helpers.cases import scenario
-from tests.helpers.results import OTHER, THREAT, design_result, impact, uncertainty_result
+from tests.helpers.cases import scenario, shipped_scenario
+from tests.helpers.results import impact, uncertainty_result
 
 pytestmark = pytest.mark.slow
 
@@ -30,7 +31,7 @@ def one(*series, **panel) -> Chart:
 
 CHARTS = {
     "impact": lambda: impact_view.chart(impact()),
-    "design": lambda: design_view.chart(design_result(threats=(THREAT, OTHER), pareto=True)),
+    "design": lambda: design_view.chart(optimise(shipped_scenario("catalogue"))),
     "uncertainty": lambda: uncertainty_view.chart(uncertainty_result().of(scenario=scenario(velocity=700.0))),
     "map": lambda: one(Map(*GRID, VALUES, "speed, m/s"), Contours(*GRID, VALUES)),
     "bars": lambda: one(

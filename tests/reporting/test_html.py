@@ -205,7 +205,7 @@ def test_identifiers_of_two_charts_differ_and_refer_to_each_other():
 
 @pytest.mark.parametrize("name", ["<!--</svg><script>alert(1)</script>url(#x)", "a\x08\x00\u2028b"])
 def test_names_are_text(name: str):
-    chart = design_view.frontier_chart(design_result(ceramic=name))
+    chart = design_view.pareto_chart(design_result(ceramic=name, pareto=True))
     content = inline_svg(chart, "c")
     assert "<script" not in content
     assert "<!--" not in content

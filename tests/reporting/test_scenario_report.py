@@ -9,8 +9,10 @@ from armour import __version__
 from armour.analysis.ballistic_limit import ConfidenceResult, ballistic_limit, confidence
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import Note
+from armour.reporting.charts import Chart
 from armour.reporting.report import Report, markdown_report
 from armour.reporting.scenario_report import AgainstThreat, Contents, contents_of, scenario_report
+from armour.reporting.views import design as design_view
 from armour.reporting.views.confidence import SAMPLED_ALONE
 from armour.reporting.views.design import frontier_table
 from armour.scenario.evidence import NO_TEST, ModelError
@@ -134,6 +136,12 @@ SAMPLED = {
 @cache
 def wilkins() -> Contents:
     return contents_of(scenario(title="A title"))
+
+
+@pytest.fixture(autouse=True)
+def without_map(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Results made by hand have no map; that of others takes time, and is tested with their view."""
+    monkeypatch.setattr(design_view, "map_chart", lambda result: Chart(f"map of {result.best.ceramic}", ()))
 
 
 def designed(result: DesignResult) -> Contents:

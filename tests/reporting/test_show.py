@@ -11,6 +11,7 @@ from armour.analysis.ballistic_limit import Crossing, LimitResult, ballistic_lim
 from armour.analysis.history import History
 from armour.analysis.impact import simulate
 from armour.analysis.results import TableResult
+from armour.design.optimise import optimise
 from armour.errors import InputError
 from armour.planning.firing import plan_shots
 from armour.reporting.show import in_html, plot, report
@@ -21,7 +22,7 @@ from armour.statistics.v50 import Shots, v50
 from armour.sweeps.sweep import sweep
 from armour.validation.comparison import Comparison
 from tests.helpers.cases import scenario
-from tests.helpers.results import design_result, impact, planned_tests, uncertainty_result
+from tests.helpers.results import impact, planned_tests, uncertainty_result
 from tests.helpers.suites import case
 from tests.helpers.suites import result as suite_result
 
@@ -30,6 +31,9 @@ pytestmark = pytest.mark.slow
 SHOTS = Shots((700.0, 710.0, 720.0, 730.0), (False, True, False, True))
 LIMIT = "ballistic_limit_m_s"
 THREE = ["armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "ceramic.flow_stress_GPa"]
+
+
+OFFERED = {f"{layer}_thickness_mm": {"min": 5.0, "max": 9.0, "step": 1.0} for layer in ("ceramic", "backing")}
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +50,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, di
     found: list[tuple[Any, dict[str, Any]]] = [
         (calibrated, {}),
         (Comparison(43.6, limit, (), (), (700.0, 800.0), (impact(),), "", (), ()), {}),
-        (design_result(), {}),
+        (optimise(scenario(optimise=OFFERED)), {}),
         (v50(SHOTS), {}),
         (plan_shots(scenario(), SHOTS), {}),
         (impact(), {}),

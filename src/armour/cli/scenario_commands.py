@@ -114,12 +114,20 @@ def check(
     of_threats=True,
     confidence=("design.confidence", "Probability of defeating each threat to design for, such as 0.95."),
 )
-def optimise(scenario: "Scenario", on_progress: "OnProgress", **options: Any) -> Answer:
+def optimise(
+    scenario: "Scenario",
+    on_progress: "OnProgress",
+    every_row: Annotated[
+        bool, option("Show the frontier on every back plate, not only around the best.", "--all")
+    ] = False,
+    **options: Any,
+) -> Answer:
     """Find the lightest armour that defeats the threat.
 
     The scenario may have several threats, a catalogue of materials, and another quantity to minimise.
     """
-    return Answer(armour.optimise(scenario, on_progress=on_progress, **options))
+    result = armour.optimise(scenario, on_progress=on_progress, **options)
+    return Answer(result.of(every_row=every_row))
 
 
 @question(("impact", "armour", "ballistic_limit", "optimise"), unit="designs")

@@ -25,6 +25,7 @@ PALETTE = {
     "purple": "#cc79a7",
     "ink": "#16191c",
     "soft": "#80868c",
+    "paper": "#ffffff",
 }
 # Colours of series one after the other.
 COLOURS = tuple(PALETTE)[:6]
@@ -88,6 +89,9 @@ class Points(Series):
     marker: str = "o"
     size: float = 5.0
     filled: bool = True
+    names: tuple[
+        str, ...
+    ] = ()  # beside the points: above to the right of those that are filled, below to the left of others
     x_ends: tuple[tuple[float, float], ...] = ()
     y_ends: tuple[tuple[float, float], ...] = ()
 
@@ -146,13 +150,27 @@ class Map(Series):
 
 @dataclass(frozen=True)
 class Contours(Series):
-    """Labelled lines of equal value over a grid."""
+    """Lines of equal value over a grid: at given values, with words, or at about so many round ones, with these."""
 
     x: Sequence[float]
     y: Sequence[float]
     z: Sequence[Numbers]
     style: str = "solid"
     levels: int = 6
+    at: tuple[float, ...] = ()
+    words: str = ""
+    width: float = 0.8
+
+
+@dataclass(frozen=True)
+class Region(Series):
+    """The part of a grid where a quantity is at least one value and below another, tinted, with words at a corner."""
+
+    x: Sequence[float]
+    y: Sequence[float]
+    z: Sequence[Numbers]
+    low: float = -np.inf
+    high: float = np.inf
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
 from matplotlib.ticker import MaxNLocator
 
 from armour.reporting import charts
@@ -50,6 +51,11 @@ CHARACTER, CATEGORY_CHARACTERS = 0.56, 22
 SIDE_INCHES = 0.8
 # Weight of the distance between labels of contours, which are longer than lines are wide; points of a contour compared.
 LABEL_WEIGHT, CONTOUR_POINTS = 0.4, 200
+# Tint of a region, and what is behind names; part of the width that a name takes.
+TINT, SIDE = 0.14, 0.33
+BEHIND: Any = {"facecolor": charts.PALETTE["paper"], "alpha": 0.6, "linewidth": 0, "pad": 0.5}
+# Format of the value on a contour.
+VALUE = "%g"
 # Resolution in notebooks, points per inch.
 NOTEBOOK_DPI = 100
 
@@ -178,6 +184,13 @@ def _(item: charts.Points, axes: Axes) -> None:
     elif item.marker == "*" or item.label:
         style |= {"markeredgecolor": INK, "markeredgewidth": 0.6}
     axes.plot(x, y, item.marker, label=item.label, **style)
+    for across, up, name in zip(x, y, item.names, strict=False):
+        [(part, _)] = axes.transAxes.inverted().transform(axes.transData.transform([(across, up)])).tolist()
+        right = part < (1.0 - SIDE if item.filled else SIDE)
+        offset = (6.0 if right else -6.0, 5.0 if item.filled else -5.0)
+        beside: Any = {"xytext": offset, "textcoords": "offset points", "ha": "left" if right else "right"}
+        beside |= {"va": "bottom" if item.filled else "top", "color": item.colour, "zorder": 5, "fontsize": 8.0}
+        axes.annotate(name, (across, up), bbox=BEHIND, **beside)
 
 
 @_draw_series.register
@@ -225,16 +238,33 @@ def _(item: charts.Map, axes: Axes) -> None:
 def _(item: charts.Contours, axes: Axes) -> None:
     z = np.ma.masked_invalid(np.array(item.z, float))
     levels = MaxNLocator(item.levels).tick_values(z.min(), z.max())
-    inside = levels[(levels > z.min()) & (levels < z.max())]
-    axes.contour(item.x, item.y, z, levels=inside, colors=item.colour, linewidths=0.8, linestyles=item.style)
-    axes.plot([], [], color=item.colour, linewidth=0.8, linestyle=item.style, label=item.label)
+    inside = np.array([level for level in item.at or tuple(levels) if z.min() < level < z.max()])
+    axes.grid(visible=False)
+    style: Any = {"colors": item.colour, "linewidths": item.width, "linestyles": item.style}
+    if len(inside):
+        # A label that begins with an underscore has no place in a legend.
+        axes.contour(item.x, item.y, z, levels=inside, **style).set_label(
+            f"_{item.words or ('' if item.at else VALUE)}"
+        )
+    if item.label:
+        axes.plot([], [], color=item.colour, linewidth=item.width, linestyle=item.style, label=item.label)
+
+
+@_draw_series.register
+def _(item: charts.Region, axes: Axes) -> None:
+    z = np.ma.masked_invalid(np.array(item.z, float))
+    low, high = max(item.low, z.min() - 1.0), min(item.high, z.max() + 1.0)
+    if low < z.max() and high > z.min():
+        axes.contourf(item.x, item.y, z, levels=[low, high], colors=[item.colour], alpha=TINT)
+        axes.fill([], [], color=item.colour, alpha=TINT, linewidth=0, label=item.label)
 
 
 def _label_contours(axes: Axes) -> None:
     """Label every contour where it is farthest from edges, other contours and labels."""
-    contours = [lines for lines in axes.collections if isinstance(lines, ContourSet)]
+    contours = [lines for lines in axes.collections if isinstance(lines, ContourSet) and lines.get_label() != "_"]
+    contours = [lines for lines in contours if not lines.filled]
     curves = [[axes.transLimits.transform(_thinned(path.vertices)) for path in lines.get_paths()] for lines in contours]
-    labels = np.empty((0, 2))
+    labels = _names_of_points(axes)
     for lines, own in zip(contours, curves, strict=True):
         first = len(labels)
         for curve in filter(len, own):
@@ -244,7 +274,21 @@ def _label_contours(axes: Axes) -> None:
             room = np.min([edges, apart, _distances(curve, np.concatenate(others))], axis=0)
             labels = np.append(labels, curve[[room.argmax()]], axis=0)
         places = axes.transLimits.inverted().transform(labels[first:])
-        axes.clabel(lines, fontsize=7.0, fmt="%g", manual=places.tolist())
+        words = str(lines.get_label()).removeprefix("_")
+        axes.clabel(
+            lines, fontsize=7.0, fmt=VALUE if words == VALUE else lambda _, words=words: words, manual=places.tolist()
+        )
+
+
+def _names_of_points(axes: Axes) -> Any:
+    """Return places of the names of points, as a part of the axes, (n, 2)."""
+    found = [np.empty((0, 2))]
+    for text in axes.texts:
+        if isinstance(text, Annotation):
+            sideways, up = np.sign(text.xyann)
+            parts = np.linspace(0.0, SIDE, 4)[:, None] * [sideways, 0.0] + [0.0, 0.05 * up]
+            found.append(axes.transLimits.transform(text.xy) + parts)
+    return np.concatenate(found)
 
 
 def _thinned(points: Any) -> Any:

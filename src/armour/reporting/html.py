@@ -32,7 +32,7 @@ NAME = re.compile(r"(?<![\w-])(?=[\w-]*\d)\w+(-\w+)+(?![\w-])")
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 WIDTH_INCHES, POINTS_PER_INCH = 4.2, 72
 # Colours that follow the theme of the page.
-THEME = {PALETTE[name]: f"var(--{name})" for name in ("ink", "soft", "blue")}
+THEME = {PALETTE[name]: f"var(--{name})" for name in ("ink", "soft", "blue", "paper")}
 # Points of a series with a tooltip, and their least distance on a curve and radius, points of 1/72 inch.
 MAX_POINTS, SPACING, RADIUS = 200, 4.0, 6.0
 # Height of a line of a tooltip and its distance from the point, points.

@@ -400,7 +400,7 @@ def _requirement(found: AgainstThreat) -> str:
 
 def _charts(contents: Contents) -> Iterator[Chart]:
     if contents.design is not None:
-        yield design_view.frontier_chart(contents.design)
+        yield design_view.map_chart(contents.design)
         if contents.design.pareto:
             yield design_view.pareto_chart(contents.design)
     if contents.uncertainty is not None:

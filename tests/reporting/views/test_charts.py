@@ -1,4 +1,5 @@
 from dataclasses import replace
+from functools import cache
 from math import nan
 from typing import Any, TypeVar
 
@@ -6,7 +7,7 @@ import numpy as np
 import pytest
 
 from armour.analysis.impact import simulate
-from armour.design.optimise import Pair
+from armour.design.optimise import DesignResult, Pair, optimise
 from armour.reporting.charts import (
     Band,
     Bars,
@@ -16,6 +17,7 @@ from armour.reporting.charts import (
     Map,
     Panel,
     Points,
+    Region,
     Rule,
     Spans,
     quantity_axis,
@@ -37,7 +39,7 @@ from tests.helpers.cases import scenario, shipped_scenario
 from tests.helpers.results import OTHER, THREAT, best_design, design_result, impact, uncertainty_result
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
 
-Kind = TypeVar("Kind", Band, Line, Points, Bars, Rule, Spans, Map, Contours)
+Kind = TypeVar("Kind", Band, Line, Points, Bars, Rule, Spans, Map, Contours, Region)
 
 
 def some(panel: Panel, kind: type[Kind]) -> list[Kind]:
@@ -111,54 +113,95 @@ def test_a_long_tail_is_left_out():
     assert all(f"{stage.stage} from " in chart.note for stage in slow.stages)
 
 
-def test_designs_of_a_pair():
-    found = design_result(refined=True)
-    chart = design_view.chart(found)
-    areal, required = chart.panels
-    x = "back plate thickness, mm"
-    assert headings(chart) == [(x, "areal density, kg/m²"), (x, "required ceramic thickness, mm")]
-    assert labels(areal) == [
-        "AD85 on 6061-T6",
-        "best: 8 on 6 mm, areal density 43.60 kg/m²",
-        "refined: 8.1 on 5.8 mm, areal density 43.40 kg/m²",
-    ]
-    assert labels(required) == []
-    assert some(areal, Line)[0].y == [45.0, 43.6, 45.6]
-    assert some(required, Line)[0].y == [10.0, 8.0, 7.0]
-    assert [list(mark.x) for mark in some(areal, Points)] == [[6.0], [5.8]]
-    assert some(areal, Line)[0].text[0] == "10 on 4 mm, areal density 45.00 kg/m²"
-    assert_matched(chart)
+OFFERED = {"ceramic_thickness_mm": {"min": 4.0, "max": 14.0, "step": 2.0}}
+OFFERED["backing_thickness_mm"] = OFFERED["ceramic_thickness_mm"]
 
 
-@pytest.mark.parametrize(("count", "marked"), [(6, 6), (design_view.MAX_PAIRS + 5, design_view.MAX_PAIRS + 1)])
-def test_every_pair_is_marked_up_to_a_limit(count: int, marked: int):
-    found = design_result()
-    others = [Pair(f"C{i}", "6061-T6", best_design(), 1.0 + i, f"{1 + i} % heavier") for i in range(count - 1)]
-    chart = design_view.frontier_chart(replace(found, pairs=(*found.pairs, *others)))
-    first, _ = chart.panels
-    looks = {(item.colour, item.marker) for item in first.series[:-1] if isinstance(item, Line | Points)}
-    assert len(looks) == marked
-    line = "The line is AD85 on 6061-T6, the pair of the best design; a point is another pair's best."
-    assert chart.note == (
-        line if marked == count else f"{line} The best {marked} of {count} pairs of materials are shown."
+@cache
+def designs(confidence: float | None = None, ceramic: str | None = "AD85") -> DesignResult:
+    """Designs against one impact; a bare plate where there is no ceramic."""
+    grid = OFFERED if ceramic else {**OFFERED, "ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}}
+    name = "6061-T6" if ceramic else "AA6082-T651"
+    changes = {} if confidence is None else {"design": {"confidence": confidence}}
+    velocity = 800.0 if ceramic else 300.0
+    return optimise(
+        scenario(ceramic=ceramic, ceramic_mm=0.0, backing=name, velocity=velocity, optimise=grid, **changes)
     )
 
 
-def test_designs_of_several_pairs_against_several_threats():
-    chart = design_view.chart(design_result(threats=(THREAT, OTHER), pareto=True))
-    areal, _, front = chart.panels
-    assert "AD99.5 on 6061-T6: 10.1 % heavier" in labels(areal)
-    assert not any("Al-N" in label for label in labels(*chart.panels))
-    assert some(areal, Line)[0].text[0].endswith("\ngoverned by M2")
-    assert (front.x.heading, front.y.heading) == ("areal density, kg/m²", "cost per m²")
-    # The legend is that of the first panel, whose marks are those of the front.
-    assert labels(front) == ["Pareto front"]
-    assert some(areal, Line)[0].marker == some(front, Points)[0].marker
-    looks: dict[str, Any] = {item.text[0].split("\n")[0]: (item.colour, item.marker) for item in some(front, Points)}
-    assert looks.keys() == {"AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"}
-    assert looks["AD99.5 on 6061-T6"] == (some(areal, Points)[0].colour, some(areal, Points)[0].marker)
-    assert "cost" not in some(areal, Line)[0].text[0]
+def test_a_map_has_the_frontiers_and_the_lightest_designs():
+    found = designs(0.9)
+    [panel] = design_view.map_chart(found).panels
+    assert (panel.x.heading, panel.y.heading) == ("back plate thickness, mm", "ceramic thickness, mm")
+    frontiers = [item for item in some(panel, Contours) if item.at == (0.0,)]
+    assert [(item.words, item.style) for item in frontiers] == [("50 %", "dashed"), ("90 %", "solid")]
+    assert [item.label for item in some(panel, Region)] == [
+        "perforated more often than not",
+        "stopped in 90 % of cases or more",
+        "probability unknown, too unlike tests",
+    ]
+    even, best = (item for item in some(panel, Points) if item.names)
+    assert not even.filled
+    assert best.filled
+    assert (best.x[0], best.y[0]) == (found.best.backing_thickness_mm, found.best.ceramic_thickness_mm)
+    through = [item for item in some(panel, Contours) if item.at and item.at != (0.0,)]
+    assert through[1].at == (found.best.areal_density_kg_m2,)
+    assert through[0].at < through[1].at
+    assert "thicknesses tested" in labels(panel)
+    assert "thicknesses on offer" in labels(panel)
+
+
+def test_a_frontier_is_where_the_probability_is_that_of_its_line():
+    """The lightest design lies on the side of the line on which it is stopped, its thinner neighbours on the other."""
+    found = designs(0.9)
+    [panel] = design_view.map_chart(found).panels
+    [line] = [item for item in some(panel, Contours) if item.words == "90 %"]
+    for design, stops in ((found.best, True), (replace(found.best, ceramic_thickness_mm=2.0), False)):
+        x, y = design.backing_thickness_mm, design.ceramic_thickness_mm
+        by_row = [np.interp(x, line.x, row) for row in np.asarray(line.z, dtype=float)]
+        assert (np.interp(y, line.y, by_row) > -1.0) == stops
+
+
+def test_without_a_confidence_the_map_shows_the_usual_one():
+    [panel] = design_view.map_chart(designs()).panels
+    assert [item.words for item in some(panel, Contours) if item.at == (0.0,)][:2] == ["50 %", "95 %"]
+    [best] = [item for item in some(panel, Points) if item.names]
+    assert best.colour == "ink"
+    assert best.names[0].endswith(" stopped")
+
+
+def test_designs_of_bare_plates_are_drawn_over_their_thickness():
+    [panel] = design_view.map_chart(designs(0.9, None)).panels
+    assert (panel.x.heading, panel.y.heading) == ("back plate thickness, mm", "ballistic limit, m/s")
+    assert some(panel, Band)
+    assert [item.names[0].split("\n")[0] for item in some(panel, Points)][-1].endswith(" mm")
+
+
+def test_designs_of_which_no_probability_is_known_have_the_line_of_the_limit():
+    found = optimise(scenario(ceramic="SiC", optimise=OFFERED))
+    chart = design_view.map_chart(found)
+    assert chart.note == "No probability is known for these designs."
+    assert "ballistic limit by the model = velocity" in labels(*chart.panels)
+    assert not some(chart.panels[0], Region)
+
+
+def test_the_best_of_every_pair_is_marked_up_to_a_limit():
+    found = design_result()
+    count = design_view.MAX_PAIRS + 5
+    others = [Pair(f"C{i}", "6061-T6", best_design(), 1.0 + i, f"{1 + i} % heavier") for i in range(count - 1)]
+    chart = design_view.pair_chart(replace(found, pairs=(*found.pairs, *others)))
+    points, untested = some(chart.panels[0], Points)
+    assert not untested.x
+    assert len(points.x) == len(chart.panels[0].y.categories) == design_view.MAX_PAIRS
+    assert chart.note == f"The best {design_view.MAX_PAIRS} of {count} pairs of materials are shown."
     assert_matched(chart)
+
+
+def test_designs_of_a_front_are_not_joined():
+    [panel] = design_view.pareto_chart(design_result(threats=(THREAT, OTHER), pareto=True)).panels
+    assert (panel.x.heading, panel.y.heading) == ("areal density, kg/m²", "cost per m²")
+    assert labels(panel) == ["AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"]
+    assert not some(panel, Line)
 
 
 def figure() -> Figure:
@@ -388,5 +431,4 @@ def test_a_front_over_three_criteria_says_what_is_not_drawn():
     found = replace(design_result(pareto=True), criteria=criteria, pareto=front)
     note = "A design of the front that another one beats in both criteria drawn is better in margin."
     assert note in design_view.pareto_chart(found).note
-    assert note in design_view.chart(found).note
     assert note not in design_view.pareto_chart(replace(found, criteria=criteria[:2])).note

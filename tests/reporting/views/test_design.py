@@ -89,3 +89,22 @@ def test_back_plates_without_a_row_are_told():
         "2 back plate thicknesses without a row, 2, 2.5 mm"
     )
     assert "1 to 3 mm" in left_out(replace(design_result(), without_mm=(1.0, 2.0, 3.0)))
+
+
+def test_the_frontier_around_the_best_is_shown_unless_all_of_it_is_asked_for():
+    row = [design("AD85", 20.0 - i, 4.0 + i, 50.0) for i in range(9)]
+    found = replace(design_result(), frontier=tuple(row), frontier_governed_by=(THREAT,) * 9)
+
+    def shown(best: int, **question: Any) -> tuple[list[str], list[str]]:
+        thicknesses = {"ceramic_thickness_mm": 20.0 - best, "backing_thickness_mm": 4.0 + best}
+        result = replace(found, best=best_design(**thicknesses)).of(**question)
+        table = next(item for item in tables(result) if isinstance(item, Table) and not item.title)
+        return [each[1] for each in table.texts()], [
+            note for note in tables(result) if isinstance(note, str) and "--all" in note
+        ]
+
+    assert shown(4) == (["6", "7", "8", "9", "10"], ["4 more back plates with --all"])
+    assert shown(0)[0] == ["4", "5", "6", "7", "8"]
+    assert shown(8)[0][-1] == "12"
+    assert len(shown(4, every_row=True)[0]) == 9
+    assert shown(4, every_row=True)[1] == []

@@ -1,8 +1,11 @@
 """A design search."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult
 from armour.reporting import charts
@@ -11,8 +14,16 @@ from armour.reporting.text import interval, number, percent
 from armour.reporting.views.confidence import DEFEAT, chance, error_note
 from armour.scenario.scenario import Scenario
 
+if TYPE_CHECKING:
+    from armour.design.catalogue import Catalogue
+    from armour.design.map import DesignMap
+
 # Probability of defeat below which the notes say how to ask for more.
 LOW = 0.75
+
+
+# Rows of the frontier that are shown unless all are asked for.
+FRONTIER_ROWS = 5
 
 
 ASK = "--confidence 0.95 designs for a probability of 95 %"
@@ -117,6 +128,16 @@ def frontier_table(result: DesignResult) -> Table:
     return _aligned(table)
 
 
+def _around_best(result: DesignResult) -> DesignResult:
+    """Return a result with the part of its frontier that is around the best design."""
+    places = [_thicknesses(design) for design in result.frontier]
+    best = _thicknesses(result.best)
+    middle = places.index(best) if best in places else 0
+    first = max(min(middle - FRONTIER_ROWS // 2, len(places) - FRONTIER_ROWS), 0)
+    rows = slice(first, first + FRONTIER_ROWS)
+    return replace(result, frontier=result.frontier[rows], frontier_governed_by=result.frontier_governed_by[rows])
+
+
 def left_out(result: DesignResult) -> str:
     """Return the back plates without a row in the frontier, on which no ceramic passes."""
     first, last = result.without_mm[0], result.without_mm[-1]
@@ -184,9 +205,15 @@ def tables(result: DesignResult) -> list[Table | str]:
         found.append(_design_record(result.refined, title, required))
     if len(result.threats) > 1 or result.best.probabilities:
         found.append(margin_table(result, required))
-    found.append(frontier_table(result) if len(result.pairs) == 1 else pair_table(result))
-    if len(result.pairs) == 1 and result.without_mm:
-        found.append(left_out(result))
+    if len(result.pairs) == 1:
+        shown = result if result.question.get("every_row") else _around_best(result)
+        found.append(frontier_table(shown))
+        if len(shown.frontier) < len(result.frontier):
+            found.append(f"{len(result.frontier) - len(shown.frontier)} more back plates with --all")
+        if result.without_mm:
+            found.append(left_out(result))
+    else:
+        found.append(pair_table(result))
     if result.pareto:
         found.append(pareto_table(result))
     note = error_note(result, result.best.model_error)
@@ -204,14 +231,22 @@ def margin_notes(best: BestDesign, ask: str = ASK) -> list[str]:
 
 
 # Looks of the best designs, on the grid and between its values.
-BEST: dict[str, Any] = {"marker": "*", "size": 11.0, "colour": "vermilion"}
+BEST: dict[str, Any] = {"marker": "o", "size": 9.0}
 
 
-REFINED: dict[str, Any] = {"marker": "D", "colour": "orange"}
+REFINED: dict[str, Any] = {"marker": "D", "colour": "green"}
 
 
-# Pairs of materials beside the best that are marked.
-MAX_PAIRS = 11
+# Pairs of materials that are shown, nodes of the grid along an axis, and designs on offer up to which each is a dot.
+MAX_PAIRS, NODES, MAX_DOTS = 12, 25, 250
+
+
+# Probability that a map shows where no confidence is asked for.
+USUAL = 0.95
+
+
+# Difference of two frontiers, m/s, below which one line is drawn.
+SAME_M_S = 1.0
 
 
 # What designs are compared by, named as in their tables.
@@ -222,95 +257,252 @@ CRITERIA = {
 
 
 def chart(result: DesignResult) -> charts.Chart:
-    """Describe the designs of a search: the frontier, the best of other pairs, and the Pareto front."""
-    frontier = frontier_chart(result)
-    if not result.pareto:
-        return frontier
-    named = {"best", _pair(result.best), *(name for name, *_ in _others(result))}
-    pareto = pareto_chart(result)
-    [front] = pareto.panels
-    series = tuple(replace(item, label="") if item.label in named else item for item in front.series)
-    money = "Costs are in the currency of the scenario." if COST.key in result.criteria[:2] else ""
-    panels = *frontier.panels, replace(front, series=series, title=pareto.title)
-    return replace(frontier, panels=panels, note=" ".join(filter(None, (frontier.note, pareto.note, money))))
+    """Describe the designs of a search: the map of the best pair, the best of each pair, and the Pareto front."""
+    panels = [map_chart(result)]
+    if sum(pair.best is not None for pair in result.pairs) > 1:
+        panels.append(pair_chart(result))
+    if result.pareto:
+        panels.append(pareto_chart(result))
+    first, *rest = panels
+    titled = [replace(panel, title=other.title) for other in rest for panel in other.panels]
+    return replace(first, panels=(*first.panels, *titled), note=" ".join(filter(None, (each.note for each in panels))))
 
 
-def _others(result: DesignResult) -> Sequence[tuple[str, str, Design]]:
-    """Return the pairs of materials beside the best that are marked: their names, why they lose and their designs."""
-    found = [(_pair(pair), pair.reason, pair.best) for pair in result.pairs if pair.best is not None and pair.reason]
-    return found[:MAX_PAIRS]
+def map_chart(result: DesignResult) -> charts.Chart:
+    """Describe the designs of the best pair over both thicknesses, or over the one that is not the same for all."""
+    # Imported here because the tables of a search do not need it.
+    from armour.design.catalogue import NO_BOUND, catalogue_of
+    from armour.design.map import design_map
+
+    catalogue = catalogue_of(charts.needed(result, "scenario"))
+    names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
+    pair = names.index((result.best.ceramic, result.best.backing))
+    ends = [layer.thicknesses() for layer in catalogue.offers[pair][:2]]
+    ceramic_mm, backing_mm = (np.linspace(of[0], of[-1], NODES) if of[0] < of[-1] else np.array(of[:1]) for of in ends)
+    asked = tuple(1.0 - bound if bound < NO_BOUND else None for bound in catalogue.bounds.tolist())
+    probabilities = {1.0 - USUAL, 0.5, USUAL, *(c for c in asked if c is not None)}
+    grid = design_map(catalogue, pair, ceramic_mm, backing_mm, tuple(probabilities))
+    drawn = _MapDrawing(result, catalogue, grid, asked)
+    title = f"{_pair(result.best)}: designs that stop the threat{'s' if len(result.threats) > 1 else ''}"
+    return charts.Chart(title, (drawn.panel(),), drawn.note())
 
 
-def _looks(result: DesignResult) -> dict[str, dict[str, Any]]:
-    """Return colour and marker of every pair of materials."""
-    names = [_pair(result.best), *(name for name, *_ in _others(result)), *map(_pair, result.pareto)]
-    return {name: charts.look_of(index) for index, name in enumerate(dict.fromkeys(names))}
+@dataclass(frozen=True)
+class _MapDrawing:
+    """A map of designs as it is drawn, with the confidences asked for against each threat, None where none is."""
+
+    result: DesignResult
+    catalogue: "Catalogue"
+    grid: "DesignMap"
+    asked: tuple[float | None, ...]
+
+    @cached_property
+    def shown(self) -> float:
+        """Confidence of the line of a probability: the greatest that is asked for."""
+        return max((c for c in self.asked if c is not None), default=USUAL)
+
+    @cached_property
+    def above_m_s(self) -> Any:
+        """How far the limits exceed the velocities required, m/s, (ceramics, back plates): the least of the threats."""
+        required = np.array([threat.required_m_s for threat in self.catalogue.threats])
+        return (self.grid.limits_m_s - required).min(axis=-1)
+
+    def surely_m_s(self, confidences: Sequence[float]) -> Any:
+        """How far velocities stopped with confidences exceed those of the threats, m/s, (ceramics, back plates)."""
+        stopped = [self.grid.stopped_with(c)[..., i] for i, c in enumerate(confidences)]
+        return (np.stack(stopped, axis=-1) - self.catalogue.velocities_m_s).min(axis=-1)
+
+    @cached_property
+    def frontiers(self) -> list[tuple[str, Any, str, str]]:
+        """Words, a function that is 0 on a frontier, colour and style."""
+        found = [("50 %", self.surely_m_s([0.5] * len(self.asked)), "vermilion", "dashed")]
+        wanted = self.surely_m_s([self.shown if c is None else c for c in self.asked])
+        words = percent(self.shown)
+        if any(self.asked):
+            wanted = np.minimum(wanted, self.above_m_s)
+            same = len(set(self.asked)) == 1 and not any(threat.margin_m_s for threat in self.catalogue.threats)
+            words = words if same else "required"
+        found.append((words, wanted, "blue", "solid"))
+        if not any(self.asked):
+            with np.errstate(invalid="ignore"):
+                if not np.nanmax(abs(self.above_m_s - found[0][1]), initial=0.0) < SAME_M_S or np.isnan(wanted).all():
+                    found.append(("", self.above_m_s, "ink", "solid"))
+        return [item for item in found if not np.isnan(item[1]).all()]
+
+    def regions(self) -> Iterator[charts.Region]:
+        """Give designs that stop surely enough, that are perforated more often than not, and of unknown probability."""
+        for words, values, colour, _ in self.frontiers:
+            if colour == "vermilion":
+                yield charts.Region(*self.at(values), high=0.0, colour=colour, label="perforated more often than not")
+            elif colour == "blue":
+                label = "meets the requirements" if words == "required" else f"stopped in {words} of cases or more"
+                yield charts.Region(*self.at(values), low=0.0, colour=colour, label=label)
+        unknown = np.isnan(self.grid.stopped_m_s).any(axis=(-2, -1))
+        if not unknown.all():
+            yield charts.Region(
+                *self.at(unknown), low=1e-3, colour="soft", label="probability unknown, too unlike tests"
+            )
+
+    def at(self, values: Any) -> tuple[Any, Any, Any]:
+        """Return values with their thicknesses of back plate and ceramic, as a chart has them."""
+        return self.grid.backing_mm, self.grid.ceramic_mm, values
+
+    def panel(self) -> charts.Panel:
+        """Return the map or, where one thickness is the same for all, the limits over the other one."""
+        if min(len(self.grid.ceramic_mm), len(self.grid.backing_mm)) < 2:
+            return self.line_panel()
+        objective = self.grid.on_grid(self.catalogue.objective(self.grid.candidates))
+        limits = self.grid.limits_m_s[..., self.result.threats.index(self.result.best.governing)]
+        axis = CRITERIA[self.result.minimised]
+        of = f" against {self.result.best.governing}" if len(self.result.threats) > 1 else ""
+        dotted: dict[str, Any] = {"style": "dotted", "colour": "soft"}
+        series: list[charts.Series] = [
+            *self.regions(),
+            charts.Contours(*self.at(objective), levels=5, label=f"equal {axis.heading}", **dotted),
+            charts.Contours(*self.at(limits), levels=9, label=f"equal ballistic limit{of}, m/s", colour="soft"),
+            *self.tested(),
+            *self.dots(),
+        ]
+        for words, values, colour, style in self.frontiers:
+            look: dict[str, Any] = {"words": words, "width": 1.9, "colour": colour}
+            margin = " + margin" if required_margins(self.catalogue.scenario) else ""
+            label = "" if words else f"ballistic limit by the model = velocity{margin}"
+            series.append(charts.Contours(*self.at(values), style, at=(0.0,), label=label, **look))
+        for design, words, look in self.marked():
+            value = getattr(design, self.result.minimised)
+            colour = look["colour"]
+            line = charts.Contours(
+                *self.at(objective), "dotted", at=(value,), words=number(value, axis.spec), colour=colour
+            )
+            place = [design.backing_thickness_mm], [design.ceramic_thickness_mm]
+            series += [
+                line,
+                charts.Points(*place, names=(words,) if words else (), text=(words or look["label"],), **look),
+            ]
+        x = charts.quantity_axis("armour.backing_thickness_mm")
+        y = charts.quantity_axis("armour.ceramic_thickness_mm")
+        return charts.Panel(x, y, tuple(series), height=1.6)
+
+    def line_panel(self) -> charts.Panel:
+        """Return the limits against the governing threat over the thickness that is not the same for all designs."""
+        governing = self.result.threats.index(self.result.best.governing)
+        layer = "ceramic" if len(self.grid.ceramic_mm) > 1 else "backing"
+        x = getattr(self.grid, f"{layer}_mm").tolist()
+        limits = self.grid.limits_m_s[..., governing].ravel().tolist()
+        series: list[charts.Series] = []
+        if not np.isnan(self.grid.stopped_m_s[..., governing, :]).all():
+            low, high = (self.grid.stopped_with(p)[..., governing].ravel() for p in (USUAL, 1.0 - USUAL))
+            label = f"stopped in {percent(1.0 - USUAL)} to {percent(USUAL)} of cases"
+            series.append(charts.Band(x, low.tolist(), high.tolist(), label=label))
+        series.append(charts.Line(x, limits, label="ballistic limit by the model"))
+        velocity = float(self.catalogue.velocities_m_s[governing])
+        series.append(charts.Rule(velocity, "--", vertical=False, label=self.result.best.governing, colour="vermilion"))
+        for design, words, look in self.marked():
+            thickness = getattr(design, f"{layer}_thickness_mm")
+            place = [thickness], [float(np.interp(thickness, x, limits))]
+            series.append(
+                charts.Points(*place, names=(words,) if words else (), text=(words or look["label"],), **look)
+            )
+        axis = charts.quantity_axis(f"armour.{layer}_thickness_mm")
+        return charts.Panel(axis, charts.quantity_axis("ballistic_limit_m_s"), tuple(series), height=1.3)
+
+    def marked(self) -> Iterator[tuple[Any, str, dict[str, Any]]]:
+        """Give the lightest designs: as asked for, as likely perforated as not, and between the values of the grid."""
+        from armour.design.map import lightest
+
+        best, names = self.result.best, self.result.threats
+        if any(self.asked) and not np.isnan(self.grid.stopped_m_s).all():
+            even = lightest(self.catalogue, self.grid, 0.5)
+            if even is not None:
+                yield even, self.words(even, "an even chance"), {**BEST, "filled": False, "colour": "vermilion"}
+        chances = [best.probabilities_of_defeat[name] for name in names]
+        least = None if None in chances else min(c for c in chances if c is not None)
+        if (refined := self.result.refined) is not None:
+            yield refined, "", {**REFINED, "label": f"refined: {_design_text(refined, self.result.minimised)}"}
+        sure = "probability unknown" if least is None else f"{chance(least)} stopped"
+        yield best, self.words(best, sure), {**BEST, "colour": "blue" if any(self.asked) else "ink"}
+
+    def words(self, design: Any, sure: str) -> str:
+        """Return thicknesses and objective of a design, and how surely it stops."""
+        thicknesses = f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm"
+        if not design.ceramic:
+            thicknesses = f"{design.backing_thickness_mm:.4g} mm"
+        axis = CRITERIA[self.result.minimised]
+        return f"{thicknesses}\n{axis.text(getattr(design, self.result.minimised))}, {sure}"
+
+    def dots(self) -> Iterator[charts.Points]:
+        """Give the thicknesses on offer, where there are few."""
+        layers = self.catalogue.offers[self.grid.pair][:2]
+        ceramics, backings = (layer.thicknesses() for layer in layers)
+        if len(ceramics) * len(backings) <= MAX_DOTS and not any(layer.free_range() for layer in layers):
+            x, y = [b for _ in ceramics for b in backings], [c for c in ceramics for _ in backings]
+            words = tuple(f"{c:g} on {b:g} mm" for c, b in zip(y, x, strict=True))
+            yield charts.Points(x, y, size=2.5, filled=False, colour="soft", label="thicknesses on offer", text=words)
+
+    def tested(self) -> Iterator[charts.Line]:
+        """Give the outline of the thicknesses that were tested, as far as it is within the map."""
+        from armour.design.map import thicknesses_tested
+
+        governing = self.result.threats.index(self.result.best.governing)
+        found = thicknesses_tested(self.catalogue, self.grid.pair, governing)
+        if len(found) == 2:
+            of = {"ceramic": self.grid.ceramic_mm, "backing": self.grid.backing_mm}
+            ends = {name: np.clip(found[name], values[0], values[-1]).tolist() for name, values in of.items()}
+            (left, right), (low, high) = ends["backing"], ends["ceramic"]
+            if left < right and low < high:
+                x, y = [left, right, right, left, left], [low, low, high, high, low]
+                look: dict[str, Any] = {"colour": "green", "label": "thicknesses tested", "text": ("",) * 5}
+                yield charts.Line(x, y, "-.", 1.0, **look)
+
+    def note(self) -> str:
+        """Return what the map does not show."""
+        if np.isnan(self.grid.stopped_m_s).all():
+            return "No probability is known for these designs."
+        notes = []
+        if len(self.result.threats) > 1:
+            notes.append("Probabilities are those of the threat that is most likely to perforate.")
+        if self.catalogue.sampled:
+            notes.append("Lines and regions include the error of the model only, not the distributions of the inputs.")
+        return " ".join(notes)
 
 
-def frontier_chart(result: DesignResult) -> charts.Chart:
-    """Describe the criterion minimised and the required ceramic over the back plate, for the best pair and others."""
-    x = charts.quantity_axis("armour.backing_thickness_mm")
-    # The legend is that of the first panel.
-    required = tuple(replace(item, label="") for item in _frontier(result, "ceramic_thickness_mm"))
-    panels = (
-        charts.Panel(x, CRITERIA[result.minimised], _frontier(result, result.minimised)),
-        charts.Panel(x, charts.quantity_axis("required_ceramic_thickness_mm"), required, shares_x=True),
-    )
-    pairs = sum(pair.best is not None for pair in result.pairs)
-    notes = []
-    if pairs > 1:
-        notes.append(f"The line is {_pair(result.best)}, the pair of the best design; a point is another pair's best.")
-    if pairs > MAX_PAIRS + 1:
-        notes.append(f"The best {MAX_PAIRS + 1} of {pairs} pairs of materials are shown.")
-    if any(design.ceramic_thickness_mm == result.ceramic_min_mm for design in result.frontier):
-        notes.append(
-            f"Where the ceramic is {result.ceramic_min_mm:g} mm, the least of its range, less may be required."
-        )
-    return charts.Chart("Required ceramic for each back plate", panels, " ".join(notes))
-
-
-def _frontier(result: DesignResult, key: str) -> tuple[charts.Series, ...]:
-    """Describe a quantity of the frontier, of the best designs of other pairs and of the best of all."""
-    looks, pair = _looks(result), _pair(result.best)
-    text = [_design_text(design, result.minimised) for design in result.frontier]
-    if len(result.threats) > 1:
-        governed = zip(text, result.frontier_governed_by, strict=True)
-        text = [f"{words}\ngoverned by {threat}" for words, threat in governed]
-    marks = [(*other, {"filled": False, **looks[other[0]]}) for other in _others(result)]
-    marks.append(("best", _design_text(result.best, result.minimised), result.best, BEST))
-    if result.refined is not None:
-        marks.append(("refined", _design_text(result.refined, result.minimised), result.refined, REFINED))
-    backing = [design.backing_thickness_mm for design in result.frontier]
-    values = [getattr(design, key) for design in result.frontier]
-    series: list[charts.Series] = [charts.Line(backing, values, label=pair, text=tuple(text), **looks[pair])]
-    for name, detail, design, look in marks:
-        words = (f"{name}\n{_design_text(design, result.minimised)}",)
-        place = [design.backing_thickness_mm], [getattr(design, key)]
-        series.append(charts.Points(*place, label=f"{name}: {detail}", text=words, **look))
-    return tuple(series)
+def pair_chart(result: DesignResult) -> charts.Chart:
+    """Describe the best design of each pair of materials."""
+    found = [pair for pair in result.pairs if pair.best is not None]
+    shown = found[:MAX_PAIRS]
+    series = []
+    for known, label in ((True, ""), (False, "no test of such an armour")):
+        some = [
+            (place, pair.best)
+            for place, pair in enumerate(shown)
+            if pair.best is not None and (pair.best.model_error is not None) == known
+        ]
+        values = [getattr(design, result.minimised) for _, design in some]
+        words = tuple(f"{_pair(design)}\n{_design_text(design, result.minimised)}" for _, design in some)
+        look: dict[str, Any] = {"label": label if some else "", "filled": known, "size": 6.0}
+        series.append(charts.Points(values, [place for place, _ in some], text=words, **look))
+    axis = charts.Axis(categories=tuple(map(_pair, shown)))
+    note = f"The best {MAX_PAIRS} of {len(found)} pairs of materials are shown." if len(found) > MAX_PAIRS else ""
+    title = f"{OBJECTIVES[result.minimised].least.capitalize()} design of each pair of materials"
+    return charts.Chart(title, (charts.Panel(CRITERIA[result.minimised], axis, tuple(series)),), note)
 
 
 def pareto_chart(result: DesignResult) -> charts.Chart:
     """Describe the Pareto front over its first two criteria, a series for each pair of materials."""
-    looks = _looks(result)
     x, y = result.criteria[:2]
     series: list[charts.Series] = []
-    if len(result.criteria) == 2:
-        # The points on it have the words.
-        front = sorted(result.pareto, key=lambda design: getattr(design, x))
-        series.append(
-            charts.Line(*_at(front, x, y), ":", 1.0, label="Pareto front", colour="ink", text=("",) * len(front))
-        )
-    for name, designs in charts.grouped(result.pareto, _pair).items():
+    for index, (name, designs) in enumerate(charts.grouped(result.pareto, _pair).items()):
         text = tuple(f"{name}\n{_design_text(design, *result.criteria)}" for design in designs)
-        series.append(charts.Points(*_at(designs, x, y), filled=False, label=name, text=text, **looks[name]))
+        series.append(charts.Points(*_at(designs, x, y), filled=False, label=name, text=text, **charts.look_of(index)))
     words = (f"best\n{_design_text(result.best, *result.criteria)}",)
-    series.append(charts.Points(*_at([result.best], x, y), label="best", text=words, **BEST))
-    notes = ""
+    series.append(charts.Points(*_at([result.best], x, y), size=3.0, label="best", text=words, colour="ink"))
+    notes = []
     if len(result.criteria) > 2:
         hidden = " and ".join(CRITERIA[key].label for key in result.criteria[2:])
-        notes = f"A design of the front that another one beats in both criteria drawn is better in {hidden}."
-    return charts.Chart("Pareto front", (charts.Panel(CRITERIA[x], CRITERIA[y], tuple(series)),), notes)
+        notes.append(f"A design of the front that another one beats in both criteria drawn is better in {hidden}.")
+    if COST.key in result.criteria[:2]:
+        notes.append("Costs are in the currency of the scenario.")
+    return charts.Chart("Pareto front", (charts.Panel(CRITERIA[x], CRITERIA[y], tuple(series)),), " ".join(notes))
 
 
 def _at(designs: Iterable[Design], x: str, y: str) -> tuple[list[float], list[float]]:

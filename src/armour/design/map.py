@@ -1,0 +1,124 @@
+"""Ballistic limits of the designs of a pair of materials over both thicknesses, and how surely they are reached."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from armour.analysis.results import OnProgress, ignore_progress, portions
+from armour.analysis.variants import Floats
+from armour.core.state import Parameters
+from armour.design.catalogue import Candidates, Catalogue
+from armour.design.optimise import Design
+from armour.design.search import Requirement
+from armour.scenario.evidence import MEASURES, closest
+from armour.units import MM
+
+# Interpolation between the nodes of a map of 25 by 25 designs is right to within this, m/s.
+NEAR_M_S = 25.0
+# Designs that are tried at a time until one stops the threats.
+TRIED_AT_A_TIME = 64
+
+
+class DesignMap(NamedTuple):
+    """Designs of a pair of materials on a grid of thicknesses, (ceramics, back plates), against each threat."""
+
+    pair: int
+    ceramic_mm: Floats
+    backing_mm: Floats
+    candidates: Candidates  # the ceramics in turn, each on every back plate
+    limits_m_s: Floats  # lowest ballistic limits by the model, (ceramics, back plates, threats)
+    probabilities: tuple[float, ...]
+    # Velocities that are stopped with each of the probabilities, (ceramics, back plates, threats, probabilities), NaN
+    # where the error of the model is not known.
+    stopped_m_s: Floats
+
+    def on_grid(self, values: Floats) -> Floats:
+        """Return a quantity of the candidates, (ceramics, back plates)."""
+        return values.reshape(len(self.ceramic_mm), len(self.backing_mm))
+
+    def stopped_with(self, probability: float) -> Floats:
+        """Return velocities that are stopped with one of the probabilities, m/s, (ceramics, back plates, threats)."""
+        return np.asarray(self.stopped_m_s[..., self.probabilities.index(probability)])
+
+
+def design_map(
+    catalogue: Catalogue,
+    pair: int,
+    ceramic_mm: Sequence[float] | Floats,
+    backing_mm: Sequence[float] | Floats,
+    probabilities: tuple[float, ...],
+    on_progress: OnProgress = ignore_progress,
+) -> DesignMap:
+    """Compute the designs of a pair of materials with all combinations of some thicknesses, mm."""
+    ceramics, backings = np.array(ceramic_mm, dtype=np.float64), np.array(backing_mm, dtype=np.float64)
+    shape = len(ceramics), len(backings), len(catalogue.threats)
+    candidates = catalogue.candidates(pair, np.repeat(ceramics, len(backings)), np.tile(backings, len(ceramics)))
+    limits = _limits(Requirement(catalogue, on_progress), candidates)
+    # A velocity that is stopped with a probability is the quantile of the limit at its complement.
+    tails = 1.0 - np.array(probabilities)
+    stopped = catalogue.distributions(candidates, limits).quantile(tails[None])
+    limits, stopped = limits.reshape(shape), stopped.reshape(*shape, len(tails))
+    return DesignMap(pair, ceramics, backings, candidates, limits, probabilities, stopped)
+
+
+def _limits(requirement: Requirement, candidates: Candidates) -> Floats:
+    """Return the ballistic limits of designs, also outside the range searched, m/s, (designs, threats)."""
+    limits = requirement.quick_limits(candidates)
+    outside = np.flatnonzero(np.isnan(limits).any(axis=1))
+    limits[outside] = requirement.lowest_limits(candidates.at(outside))
+    return limits
+
+
+def lightest(catalogue: Catalogue, near: DesignMap, probability: float) -> Design | None:
+    """Return the best design on offer of a pair that stops each threat with a probability; None if there is none.
+
+    No margin is asked for, and the inputs are taken as exact.  Designs are tried that a map of the pair shows to be
+    near the probability or above; where any thickness is on offer, none is found.
+    """
+    layers = catalogue.offers[near.pair][:2]
+    if any(layer.free_range() for layer in layers):
+        return None
+    ceramics, backings = (layer.thicknesses() for layer in layers)
+    offered = catalogue.candidates(near.pair, np.repeat(ceramics, len(backings)), np.tile(backings, len(ceramics)))
+    offered = offered.at(catalogue.violations(offered) <= 0.0)
+    offered = offered.at(catalogue.objective(offered).argsort(kind="stable"))
+    above = (near.stopped_with(probability) - catalogue.velocities_m_s).min(axis=-1)
+    by_backing = np.array([np.interp(offered.backing_mm, near.backing_mm, row) for row in above])
+    places = np.interp(offered.ceramic_mm, near.ceramic_mm, np.arange(len(near.ceramic_mm)))
+    low = places.astype(int).clip(max=max(len(near.ceramic_mm) - 2, 0))
+    part, each = places - low, np.arange(len(places))
+    guess = (1.0 - part) * by_backing[low, each] + part * by_backing[np.minimum(low + 1, len(by_backing) - 1), each]
+    tried = offered.at(guess > -NEAR_M_S)
+    for some in portions(len(tried.pair), TRIED_AT_A_TIME):
+        candidates = tried.at(some)
+        limits = _limits(Requirement(catalogue), candidates)
+        distributions = catalogue.distributions(candidates, limits)
+        chances = distributions.probability_above(np.tile(catalogue.velocities_m_s, len(candidates.pair)))
+        stopping = np.flatnonzero((chances.reshape(limits.shape) >= probability).all(axis=1))
+        if len(stopping):
+            numbers = (float(column[stopping[0]]) for column in candidates[1:])
+            ceramic_mm, backing_mm, areal_density, thickness, cost = numbers
+            names = layers[0].material, layers[1].material
+            return Design(*names, ceramic_mm, backing_mm, areal_density, thickness, cost, margin_m_s=None)
+    return None
+
+
+def thicknesses_tested(catalogue: Catalogue, pair: int, threat: int) -> dict[str, tuple[float, float]]:
+    """Return the thicknesses, mm, of the tests that the error of the model is estimated from, where it is known.
+
+    The keys are "ceramic" and "backing".
+    """
+    offer = catalogue.offers[pair]
+    middle = [np.array([np.mean(layer.thicknesses())]) for layer in offer[:2]]
+    rows, *_ = catalogue.against_each(catalogue.candidates(pair, *middle), [threat])
+    armour, cosine = Parameters(*rows.parameters[0].tolist()), float(catalogue.cosines[threat])
+    evidence = closest(armour)
+    if catalogue.scenario.given_error() or evidence.differences(armour) or evidence.fails_angle(cosine):
+        return {}
+    of = {
+        limits.measure: (limits.low * armour.D0 / MM * cosine, limits.high * armour.D0 / MM * cosine)
+        for limits in evidence.measured
+    }
+    names = {"ceramic": "ceramic_thickness_ratio", "backing": "backing_thickness_ratio"}
+    return {layer: of[MEASURES[name]] for layer, name in names.items() if MEASURES[name] in of}
