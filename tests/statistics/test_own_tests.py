@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import norm
 
 from armour.statistics.own_tests import MEDIAN, TESTED, Measured, evidence_of
-from tools.campaigns.own_tests import CASES, simulate
+from tools.campaigns.own_tests import CASES, simulate, wilkins
 
 pytestmark = pytest.mark.slow
 
@@ -55,6 +55,13 @@ def test_repeats_do_not_make_the_error_of_other_armours_small():
     found = evidence_of(Measured(values, np.zeros(4), np.zeros(4), curves), [None], log(5.0), TESTED)
     spread = sum(float(one.weights @ one.scales) for one in found)
     assert spread > 0.25 * MEDIAN
+
+
+@pytest.mark.parametrize(("own", "rms"), [(1, 0.06), (2, 0.045), (3, 0.03)])
+def test_tests_of_a_series_of_wilkins_predict_the_others_of_it(own: int, rms: float):
+    found = wilkins(own)
+    assert found.held.mean() >= 0.95
+    assert np.mean(found.errors**2) ** 0.5 < rms
 
 
 NAMES = ("1 tests", "2 tests", "6 tests", "two armours twice", "one back plate", "6 tests, other exponents")

@@ -33,7 +33,7 @@ from armour.statistics.measured import LIMIT, Tests
 # of any other value its standard deviation about its own; of the exponents; and of the error, which is log-normal, the
 # median, the factor and nodes.
 TESTED_GPA, TESTED, UNTESTED = 5.2, 0.10, 0.40
-EXPONENT, EXPONENT_DEVIATION = 0.33, 0.15
+EXPONENT = (0.33, 0.15)  # with its standard deviation
 MEDIAN, FACTOR, DEVIATIONS = 0.04, 2.0, np.linspace(-2.1, 2.1, 8)
 # Nodes of flow stress and exponent, how far they reach in standard deviations of the prior, and how often they are
 # narrowed to where the logarithm of the posterior is within a depth of its maximum.
@@ -89,7 +89,11 @@ class LawPosterior:
 
 
 def evidence_of(
-    measured: Measured, covariates: Iterable[Floats | None], centre: Sequence[float] | float, deviation: float
+    measured: Measured,
+    covariates: Iterable[Floats | None],
+    centre: float,
+    deviation: float,
+    exponent: tuple[float, float] = EXPONENT,
 ) -> list[LawPosterior]:
     """Return what tests tell of laws, which have equal weights without them.
 
@@ -99,11 +103,11 @@ def evidence_of(
     covariates : iterable of array or None
         Of each law, what its exponent multiplies in the logarithm of the flow stress, (n,); None for no exponent.
     centre, deviation : float
-        Prior mean of the logarithm of the flow stress, for all laws or each, and its standard deviation.
+        Mean and standard deviation of the prior of the logarithm of the flow stress.
+    exponent : tuple of float
+        The same of an exponent.
     """
-    covariates = list(covariates)
-    centres = np.broadcast_to(centre, len(covariates))
-    found = [_of_law(measured, each, at, deviation) for each, at in zip(covariates, centres, strict=True)]
+    found = [_of_law(measured, each, centre, deviation, exponent) for each in covariates]
     greatest = max(log_weights.max() for log_weights, *_ in found)
     total = sum(np.exp(log_weights - greatest).sum() for log_weights, *_ in found)
     scales = MEDIAN * FACTOR**DEVIATIONS
@@ -114,16 +118,20 @@ def evidence_of(
 
 
 def _of_law(
-    measured: Measured, covariate: Floats | None, centre: float, deviation: float
+    measured: Measured,
+    covariate: Floats | None,
+    centre: float,
+    deviation: float,
+    prior: tuple[float, float],
 ) -> tuple[Floats, Floats, Floats, float]:
     """Return logarithms of the weights, (k,), means and covariances of a law by the error, and the slope."""
-    ends = np.array([[centre], [EXPONENT]]) + REACH * np.outer([deviation, EXPONENT_DEVIATION], [-1.0, 1.0])
+    ends = np.array([[centre], [prior[0]]]) + REACH * np.outer([deviation, prior[1]], [-1.0, 1.0])
     scales = MEDIAN * FACTOR**DEVIATIONS
     for _ in range(NARROWINGS):
         stress, exponent = (np.linspace(low, high, count) for (low, high), count in zip(ends, NODES, strict=True))
         if covariate is None:
-            exponent = np.array([EXPONENT])
-        score = ((stress[:, None] - centre) / deviation) ** 2 + ((exponent - EXPONENT) / EXPONENT_DEVIATION) ** 2
+            exponent = np.array([prior[0]])
+        score = ((stress[:, None] - centre) / deviation) ** 2 + ((exponent - prior[0]) / prior[1]) ** 2
         # By the error, the flow stress and the exponent.
         logarithm = -0.5 * score - 0.5 * (DEVIATIONS**2)[:, None, None]
         for i, curve in enumerate(measured.curves):
@@ -148,11 +156,11 @@ def _of_law(
     covariances = np.einsum("kn,kni,knj->kij", parts, away, away)
     of_error = np.exp(greatest - greatest.max()) * totals
     middle = float(of_error @ means[:, 0] / of_error.sum())
-    shifts = np.zeros(len(measured.values)) if covariate is None else covariate * EXPONENT
+    shifts = np.zeros(len(measured.values)) if covariate is None else covariate * prior[0]
     places = [np.array([middle - 0.05, middle + 0.05]) + shift for shift in shifts]
     slope = np.mean([np.diff(curve(at))[0] / 0.1 for curve, at in zip(measured.curves, places, strict=True)])
     # The prior of the exponent has a density over its nodes, which a law without one has not.
-    volume = steps[0] / deviation * (1.0 if covariate is None else steps[1] / EXPONENT_DEVIATION / (2.0 * np.pi) ** 0.5)
+    volume = steps[0] / deviation * (1.0 if covariate is None else steps[1] / prior[1] / (2.0 * np.pi) ** 0.5)
     return greatest + np.log(totals) + log(volume), means, covariances, float(slope)
 
 
