@@ -26,6 +26,9 @@ PALETTE = {
     "ink": "#16191c",
     "soft": "#80868c",
     "paper": "#ffffff",
+    "ceramic": "#d9c48f",
+    "metal": "#a9b8c6",
+    "rod": "#5c6875",
 }
 # Colours of series one after the other.
 COLOURS = tuple(PALETTE)[:6]
@@ -131,11 +134,28 @@ class Rule(Series):
 
 @dataclass(frozen=True)
 class Spans(Series):
-    """Ranges of an x axis with limits, shaded in turn and named where there is room."""
+    """Ranges of an x axis with limits, shaded in turn and named where there is room, or by what precedes a colon."""
 
     starts: Sequence[float]
     ends: Sequence[float]
     names: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Boxes(Series):
+    """Rectangles: left, bottom, width and height of each; those of a broken material are hatched."""
+
+    places: Sequence[tuple[float, float, float, float]]
+    broken: bool = False
+
+
+@dataclass(frozen=True)
+class Words(Series):
+    """Words at places, below which they hang or, in several lines, on which they stand."""
+
+    x: Sequence[float]
+    y: Sequence[float]
+    words: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -184,6 +204,7 @@ class Panel:
     height: float = 1.0  # as a part of an ordinary panel's; rows of bars add to it
     square: bool = False  # both axes have the same scale and limits
     shares_x: bool = False  # the x axis is that of the panel above
+    to_scale: bool = False  # a drawing: both axes, which have limits, have the same scale and are not shown
 
 
 @dataclass(frozen=True)

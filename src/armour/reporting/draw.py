@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 from matplotlib.text import Annotation
 from matplotlib.ticker import MaxNLocator
 
@@ -112,6 +113,9 @@ def _height(panel: charts.Panel, width: float) -> float:
     """Return the height of a panel, inches."""
     if panel.square:
         return width - SIDE_INCHES + LABELS_INCHES
+    if panel.to_scale:
+        [across], [up] = (np.diff(axis.limits or (0.0, 1.0)) for axis in (panel.x, panel.y))
+        return float((width - SIDE_INCHES) * up / across)
     if panel.y.categories:
         slots = max((item.slots for item in panel.series if isinstance(item, charts.Bars)), default=1)
         lines = max(_category(name).count("\n") + 1 for name in panel.y.categories)
@@ -143,8 +147,10 @@ def _draw_panel(axes: Axes, panel: charts.Panel) -> None:
         axes.set_ylim(len(panel.y.categories) - 0.5, -0.5)
         axes.grid(visible=False, axis="y")
         axes.tick_params(axis="y", length=0.0)
-    if panel.square:
+    if panel.square or panel.to_scale:
         axes.set_aspect("equal")
+    if panel.to_scale:
+        axes.set_axis_off()
     _label_contours(axes)
 
 
@@ -207,6 +213,20 @@ def _(item: charts.Bars, axes: Axes) -> None:
 
 
 @_draw_series.register
+def _(item: charts.Boxes, axes: Axes) -> None:
+    style: Any = {"facecolor": item.colour, "edgecolor": INK, "linewidth": 0.5, "hatch": "xxx" if item.broken else None}
+    for index, (left, bottom, width, height) in enumerate(item.places):
+        label = "" if index else item.label
+        axes.add_patch(Rectangle((left, bottom), width, height, label=label, **style))
+
+
+@_draw_series.register
+def _(item: charts.Words, axes: Axes) -> None:
+    for x, y, words in zip(item.x, item.y, item.words, strict=True):
+        axes.text(x, y, words, color=item.colour, ha="center", va="bottom", fontsize=7.0)
+
+
+@_draw_series.register
 def _(item: charts.Rule, axes: Axes) -> None:
     draw_line = axes.axvline if item.vertical else axes.axhline
     draw_line(item.at, color=item.colour, linestyle=item.style, linewidth=1.0, label=item.label or None)
@@ -219,9 +239,11 @@ def _(item: charts.Spans, axes: Axes) -> None:
     low, high = axes.get_xlim()
     points_per_unit = 72.0 / axes.figure.dpi * axes.bbox.width / (high - low)
     for start, end, name in zip(item.starts, item.ends, item.names, strict=False):
-        if (end - start) * points_per_unit > CHARACTER * 8.0 * len(name):
+        room = (end - start) * points_per_unit / (CHARACTER * 8.0)
+        fitting = [words for words in (name, name.partition(":")[0]) if len(words) < room]
+        if fitting:
             place = 0.5 * (start + end), 1.01
-            axes.text(*place, name, transform=axes.get_xaxis_transform(), ha="center", va="bottom", fontsize=8.0)
+            axes.text(*place, fitting[0], transform=axes.get_xaxis_transform(), ha="center", va="bottom", fontsize=8.0)
 
 
 @_draw_series.register

@@ -11,6 +11,7 @@ from armour.design.optimise import DesignResult, Pair, optimise
 from armour.reporting.charts import (
     Band,
     Bars,
+    Boxes,
     Chart,
     Contours,
     Line,
@@ -39,7 +40,7 @@ from tests.helpers.cases import scenario, shipped_scenario
 from tests.helpers.results import OTHER, THREAT, best_design, design_result, impact, uncertainty_result
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
 
-Kind = TypeVar("Kind", Band, Line, Points, Bars, Rule, Spans, Map, Contours, Region)
+Kind = TypeVar("Kind", Band, Boxes, Line, Points, Bars, Rule, Spans, Map, Contours, Region)
 
 
 def some(panel: Panel, kind: type[Kind]) -> list[Kind]:
@@ -88,14 +89,22 @@ def test_an_impact():
     chart = impact_view.chart(found)
     assert chart.title == f"Impact: perforated at 800 m/s, residual velocity {found.residual_velocity_m_s:.1f} m/s"
     time = "time since impact, µs"
-    assert headings(chart) == [(time, "velocity, m/s"), (time, "rod length, mm"), (time, "depth, bulge, mm")]
-    expected = ["projectile V", "penetration U", "target W", "rod length L", "depth Z", "bulge h"]
+    assert headings(chart)[1:] == [(time, "velocity, m/s"), (time, "rod length, mm"), (time, "depth, bulge, mm")]
+    names = ["ceramic", "back plate", "rod", "ceramic, fragmented"]
+    expected = [*names, "projectile V", "penetration U", "target W", "rod length L", "depth Z", "bulge h"]
     assert labels(*chart.panels) == expected
-    [spans] = some(chart.panels[0], Spans)
-    assert spans.names == tuple(stage.stage for stage in found.stages)
+    scene, velocities, *_ = chart.panels
+    [spans] = some(velocities, Spans)
+    assert [name.partition(":")[0] for name in spans.names] == [stage.stage for stage in found.stages]
     assert "stage i: intact ceramic, penetrated; rod erodes" in spans.text[0]
     assert all(f"{stage.stage} from {stage.start_us:.3g} µs" in chart.note for stage in found.stages)
-    assert some(chart.panels[0], Line)[0].y[0] == 800.0
+    assert some(velocities, Line)[0].y[0] == 800.0
+    # At every end of a stage the rod is where the history has it.
+    assert found.history is not None
+    [rods] = [item for item in some(scene, Boxes) if item.label == "rod"]
+    assert [width for _, _, width, _ in rods.places[1:]] == pytest.approx(
+        [np.interp(stage.end_us, found.history.time_us, found.history.length_mm) for stage in found.stages]
+    )
     assert_matched(chart)
 
 
@@ -103,9 +112,10 @@ def test_a_long_tail_is_left_out():
     slow = simulate(scenario(ceramic_mm=12.0, velocity=300.0), history=True)
     chart = impact_view.chart(slow)
     assert chart.title == "Impact: defeated at 300 m/s"
-    assert chart.panels[0].x.text(12.3456) == "12.35 µs"
-    assert chart.panels[2].y.text(0.0018156) == "0.00 mm"
-    for panel in chart.panels:
+    _, *panels = chart.panels
+    assert panels[0].x.text(12.3456) == "12.35 µs"
+    assert panels[2].y.text(0.0018156) == "0.00 mm"
+    for panel in panels:
         assert panel.x.limits is not None
         assert panel.x.limits[1] < 0.3 * slow.duration_us
         assert all(max(line.x) <= panel.x.limits[1] for line in some(panel, Line))  # type: ignore[type-var, operator]

@@ -1,6 +1,7 @@
 """An impact: its result, stages, history and energy."""
 
 from dataclasses import fields, replace
+from math import inf
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
 from armour.reporting.views.confidence import SAMPLED_ALONE
 from armour.reporting.views.confidence import tables as confidence_tables
+from armour.units import MM
 
 STAGES = {
     "i": "intact ceramic, penetrated; rod erodes",
@@ -22,6 +24,20 @@ STAGES = {
     "iii.3": "plate, penetrated; rod rigid",
     "iii.4": "plate carried along; rod rigid",
     "iii.5": "fragmented ceramic carried along; rod rigid",
+}
+
+
+# Words of the stages above their bands, where there is room.
+SHORT = {
+    "i": "intact ceramic",
+    "ii.1": "fragmented ceramic",
+    "ii.2": "ceramic carried or held",
+    "ii.3": "ceramic, rod rigid",
+    "iii.1": "plate, rod erodes",
+    "iii.2": "plate carried or held",
+    "iii.3": "plate, rod rigid",
+    "iii.4": "plug carried along",
+    "iii.5": "ceramic carried along",
 }
 
 
@@ -115,7 +131,7 @@ def chart(result: ImpactResult) -> charts.Chart:
     stages = [stage for stage in result.stages if stage.start_us < shown]
     words = (f"stage {s.stage}: {STAGES[s.stage]}\n{s.start_us:.4g} to {s.end_us:.4g} µs" for s in stages)
     ends = [min(stage.end_us, shown) for stage in stages]
-    names = tuple(stage.stage for stage in stages)
+    names = tuple(f"{stage.stage}: {SHORT[stage.stage]}" for stage in stages)
     spans = charts.Spans([stage.start_us for stage in stages], ends, names, text=tuple(words))
     panels: list[charts.Panel] = []
     colours = iter(("blue", "orange", "green", "ink", "purple", "vermilion"))
@@ -131,6 +147,7 @@ def chart(result: ImpactResult) -> charts.Chart:
         panels.append(charts.Panel(x, y, (spans, *lines), height=height, shares_x=bool(panels)))
         # The first panel alone names the stages.
         spans = replace(spans, names=(), text=())
+    scene = () if result.question.get("scenario") is None else (_scene(result, history),)
     outcome = f"Impact: {result.outcome} at {result.impact_velocity_m_s:g} m/s"
     if result.outcome == "perforated":
         outcome += f", residual velocity {result.residual_velocity_m_s:.1f} m/s"
@@ -139,7 +156,55 @@ def chart(result: ImpactResult) -> charts.Chart:
     caption = f"Stages: {'; '.join(parts)}."
     if shown < result.duration_us:
         caption = f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs. {caption}"
-    return charts.Chart(outcome, tuple(panels), caption, width=6.0)
+    return charts.Chart(outcome, (*scene, *panels), caption, width=6.0)
+
+
+# Pictures of an impact at most, and the height of armour that they show, diameters of the rod.
+PICTURES, SHOWN_DIAMETERS = 6, 5.0
+
+
+def _scene(result: ImpactResult, history: History) -> charts.Panel:
+    """Draw armour and rod to scale along the line of fire, at the start and at the end of each stage."""
+    p = result.question["scenario"].core_armour()
+    length, diameter, ceramic, backing = (value / MM for value in (p.L0, p.D0, p.Hc0, p.Hb))
+    ends = [stage.end_us for stage in result.stages]
+    moments = [0.0, *ends[: PICTURES - 2], *ends[PICTURES - 2 :][-1:]]
+    bulge = max(0.5 * diameter, float(history.bulge_height_mm.max()))
+    high, step = 0.5 * SHOWN_DIAMETERS * diameter, 1.25 * (length + ceramic + backing + bulge)
+    fragmented = min((s.start_us for s in result.stages if s.stage[:3] == "iii" or s.stage == "ii.1"), default=inf)
+    boxes: dict[tuple[str, bool], list[tuple[float, float, float, float]]] = {}
+    words = []
+    for place, moment in enumerate(moments):
+        at = {
+            name: float(np.interp(moment, history.time_us, getattr(history, name)))
+            for name in ("depth_mm", "length_mm", "bulge_height_mm", "velocity_m_s")
+        }
+        front, moved = at["depth_mm"], at["bulge_height_mm"]
+        broken = 0.0 < moment >= fragmented
+        start, half = place * step, 0.5 * diameter
+        layers = (("ceramic", broken, 0.0, ceramic), ("metal", False, ceramic, ceramic + backing))
+        for name, hatched, near, far in layers:
+            if far > near:
+                for bottom in (-high, half):  # beside the path of the rod
+                    boxes.setdefault((name, hatched), []).append((start + near, bottom, far - near, high - half))
+                ahead = max(near + (moved if near else 0.0), front)
+                if far + moved > ahead:  # what is left ahead of the rod
+                    boxes.setdefault((name, hatched), []).append((start + ahead, -half, far + moved - ahead, diameter))
+        if at["length_mm"] > 0.0:
+            boxes.setdefault(("rod", False), []).append(
+                (start + front - at["length_mm"], -half, at["length_mm"], diameter)
+            )
+        words.append(f"{moment:.3g} µs\n{at['velocity_m_s']:.0f} m/s")
+    middles = [place * step + 0.5 * (ceramic + backing) for place in range(len(moments))]
+    names = {"ceramic": "ceramic", "metal": "back plate", "rod": "rod"}
+    series = [
+        charts.Boxes(places, hatched, label=f"{names[name]}{', fragmented' if hatched else ''}", colour=name)
+        for (name, hatched), places in boxes.items()
+    ]
+    x = charts.Axis(limits=(-1.1 * length, (len(moments) - 1) * step + 1.1 * (ceramic + backing + bulge)))
+    y = charts.Axis(limits=(-1.05 * high, 1.05 * high + 2.4 * diameter))
+    above = charts.Words(middles, [1.05 * high] * len(moments), tuple(words), colour="ink")
+    return charts.Panel(x, y, (*series, above), to_scale=True)
 
 
 def _stage_words(stage: str) -> str:
