@@ -26,7 +26,7 @@ UNKNOWN = {"ceramic": "SiC", "backing": "Ti-6Al-4V"}
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Simulate no continuations, which tests/planning/test_procedures.py does."""
-    monkeypatch.setattr(firing, "expected_shots", lambda *_: 4.0)
+    monkeypatch.setattr(firing, "expected_shots", lambda *_: (4.0, 3.0))
 
 
 @pytest.mark.parametrize("procedure", PROCEDURES)

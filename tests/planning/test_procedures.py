@@ -248,8 +248,16 @@ def test_many_firings_at_once_choose_as_one_does():
 
 
 def test_fewer_shots_are_expected_for_a_wider_interval_and_as_shots_are_fired():
-    wide = expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=30.0)) or 0
-    narrow, start = expected_shots(SHOTS, BAYESIAN) or 0, expected_shots(Shots((), ()), BAYESIAN) or 0
-    assert narrow == expected_shots(SHOTS, BAYESIAN)
+    wide, _ = expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=30.0))
+    narrow, sooner = expected_shots(SHOTS, BAYESIAN)
+    start, _ = expected_shots(Shots((), ()), BAYESIAN)
+    assert (narrow, sooner) == expected_shots(SHOTS, BAYESIAN)
+    assert wide is not None
+    assert narrow is not None
+    assert start is not None
     assert 0 < wide < narrow < start
-    assert expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=0.5)) is None
+    assert expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=0.5)) == (None, None)
+    # The velocities do not depend on the confidence.
+    assert sooner is not None
+    assert sooner == expected_shots(SHOTS, BAYESIAN._replace(confidence=0.9))[0]
+    assert sooner < narrow

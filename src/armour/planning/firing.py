@@ -21,6 +21,7 @@ from armour.errors import InputError, Problem, refuse
 from armour.files import reason
 from armour.planning.procedures import (
     PROCEDURES,
+    SOONER,
     OperatingPoint,
     ShotSettings,
     decisions,
@@ -93,6 +94,8 @@ class ShotPlan(Result):
     expected_shots : float or None
         Median number of further shots in simulated continuations by the Bayesian procedure; None where it exceeds 100,
         and for the other procedures.
+    expected_shots_90 : float or None
+        The same with a confidence of 90 %; None, too, where the confidence is no more than that.
     confidence : float
         Confidence level of the intervals and of the requirement.
     half_width_m_s : float or None
@@ -176,6 +179,7 @@ class ShotPlan(Result):
     evidence_not_met: float | None = None
     operating_characteristic: tuple[OperatingPoint, ...] = ()
     earlier: int = 0
+    expected_shots_90: float | None = None
     scatter_percent: float = SCATTER_PERCENT
     scatter_factor: float = SCATTER_FACTOR
     warnings: tuple[str, ...] = ()
@@ -353,6 +357,7 @@ def plan_shots(
         [decided] = decisions(now.weights[None], now.grid, settings)
         if demand:
             ratios, risk = demand.ratios(now.weights[None])[0].tolist(), 1.0 - confidence
+    more, sooner = expected_shots(fired, settings) if procedure == "bayesian" and aim else (None, None)
     planned = requirement_m_s is not None and procedure == "bayesian" and not given_shots.complete
     return ShotPlan(
         procedure=procedure,
@@ -361,7 +366,8 @@ def plan_shots(
         next_velocity_m_s=None if aim is None else aimed(aim.velocity_m_s),
         reason="" if aim is None else aim.why,
         stopped=ended,
-        expected_shots=expected_shots(fired, settings) if procedure == "bayesian" and aim else None,
+        expected_shots=more,
+        expected_shots_90=sooner if confidence > SOONER else None,
         confidence=confidence,
         half_width_m_s=settings.half_width_m_s,
         requirement_m_s=requirement_m_s,

@@ -250,6 +250,8 @@ CANDIDATES, TAIL, WIDE_TAIL, SCATTERS, AROUND = 101, 1e-3, 0.025, 2.0, 4.0
 # Continuations of the firing that are simulated to tell how many shots are still to be expected, the nodes of their
 # grid, their velocities and the most shots of each.
 FUTURES, FUTURE_NODES, FUTURE_CANDIDATES, MOST_SHOTS = 40, (101, 11), 61, 100
+# Another confidence, of which the number of shots is given too.
+SOONER = 0.9
 # Simulated firings for each point of an operating characteristic, and where these are: the distance of the velocity in
 # question from the required one, in scatters.
 FIRINGS, DISTANCES = 100, (-3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0)
@@ -377,12 +379,14 @@ class Firings:
         """Return the decision on the requirement of each firing; see `decisions`."""
         return decisions(self.weights, self.grid, self.settings)
 
-    def ended(self) -> Bools:
-        """Return whether each firing ends."""
-        if self.settings.requirement_m_s is not None:
-            return self.decisions() != 0
-        low, high = self.intervals().T
-        half = self.settings.half_width_m_s
+    def ended(self, confidence: float | None = None) -> Bools:
+        """Return whether each firing ends, at a confidence that is by default that of the settings."""
+        settings = self.settings if confidence is None else self.settings._replace(confidence=confidence)
+        if settings.requirement_m_s is not None:
+            return decisions(self.weights, self.grid, settings) != 0
+        tail = 0.5 - 0.5 * settings.confidence
+        low, high = self.grid.v50_quantiles(self.weights, (tail, 1.0 - tail)).T
+        half = settings.half_width_m_s
         return np.asarray(0.5 * (high - low) <= (inf if half is None else half))
 
     def keep(self, which: Bools) -> None:
@@ -392,16 +396,20 @@ class Firings:
 
 def fire(
     firings: Firings, v50_m_s: Floats, scatter_m_s: Floats, dice: np.random.Generator, least: int = 1
-) -> tuple[Floats, Ints]:
+) -> tuple[Floats, Ints, Floats]:
     """Simulate firings of armours, (n,) each, while at least a number of them go on.
 
-    Return the number of shots at which each ended, infinite where it did not, and the decision on the requirement.
+    Return the number of shots at which each ended, infinite where it did not, the decision on the requirement, and the
+    number at which it would have ended with a confidence of 90 %.
     """
-    shots, decided = np.full(len(v50_m_s), inf), np.zeros(len(v50_m_s), dtype=int)
+    shots, decided, sooner = np.full((3, len(v50_m_s)), inf)
+    decided[:] = 0.0
     going = np.arange(len(v50_m_s))
     for number in range(MOST_SHOTS + 1):
         over = firings.ended()
         shots[going[over]] = number
+        early = going[firings.ended(SOONER)]
+        sooner[early] = np.minimum(sooner[early], number)
         if firings.settings.requirement_m_s is not None:
             decided[going[over]] = firings.decisions()[over]
         going = going[~over]
@@ -410,11 +418,14 @@ def fire(
         firings.keep(~over)
         velocities = firings.aims()
         firings.add(velocities, dice.normal(v50_m_s[going], scatter_m_s[going]) < velocities)
-    return shots, decided
+    return shots, decided.astype(int), sooner
 
 
-def expected_shots(shots: Shots, settings: ShotSettings) -> float | None:
-    """Return the median number of further shots in simulated continuations; None where it exceeds the most."""
+def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, float | None]:
+    """Return the median number of further shots in simulated continuations, and that with a confidence of 90 %.
+
+    It is None where it exceeds the most.
+    """
     known = posterior(shots, settings, FUTURE_NODES)
     # A prior that takes no part in the decision tells how long it may take.
     truth = posterior(shots, settings._replace(requirement_m_s=None), FUTURE_NODES) if settings.prior else known
@@ -422,9 +433,11 @@ def expected_shots(shots: Shots, settings: ShotSettings) -> float | None:
     truths = dice.choice(len(truth.weights), FUTURES, p=truth.weights)
     v50, scatter = truth.grid.v50_m_s[truths], truth.grid.scatter_m_s[truths]
     # More than half of them tell the median.
-    needed, _ = fire(Firings(known, settings, FUTURES, FUTURE_CANDIDATES), v50, scatter, dice, least=FUTURES // 2)
-    median = float(np.median(needed))
-    return median if np.isfinite(median) else None
+    firings = Firings(known, settings, FUTURES, FUTURE_CANDIDATES)
+    needed, _, sooner = fire(firings, v50, scatter, dice, least=FUTURES // 2)
+    medians = (float(np.median(each)) for each in (needed, sooner))
+    of_all, of_sooner = (median if np.isfinite(median) else None for median in medians)
+    return of_all, of_sooner
 
 
 @dataclass(frozen=True)
@@ -455,12 +468,15 @@ def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ..
     edge = settings.requirement_m_s - float(ndtri(settings.requirement_fraction)) * scatter
     armours = np.repeat(edge + scatter * np.array(DISTANCES), FIRINGS)
     firings = Firings(known, settings, len(armours), FUTURE_CANDIDATES)
-    found = fire(firings, armours, np.full(len(armours), scatter), np.random.default_rng(0))
-    shots, decided, v50 = (each.reshape(-1, FIRINGS) for each in (*found, armours))
-    medians = np.median(shots, axis=1)
+    shots, decided, _ = fire(firings, armours, np.full(len(armours), scatter), np.random.default_rng(0))
+    v50, decided, medians = (
+        armours[::FIRINGS],
+        decided.reshape(-1, FIRINGS),
+        np.median(shots.reshape(-1, FIRINGS), axis=1),
+    )
     return tuple(
         OperatingPoint(
-            v50_m_s=float(v50[place, 0]),
+            v50_m_s=float(v50[place]),
             scatter_m_s=scatter,
             met=float((decided[place] > 0).mean()),
             not_met=float((decided[place] < 0).mean()),

@@ -51,6 +51,8 @@ def _plan_table(plan: ShotPlan) -> Table:
     expected = ""
     if plan.next_velocity_m_s is not None and plan.procedure == "bayesian":
         expected = "more than 100" if more is None else f"{more:.0f}"
+        if plan.expected_shots_90 is not None:
+            expected += f"; {plan.expected_shots_90:.0f} with --confidence 0.9"
     return record(
         plan,
         column_of("procedure"),
