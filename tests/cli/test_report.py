@@ -40,15 +40,15 @@ def catalogue(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_report(catalogue: Path):
     page = catalogue.read_text().replace("\N{NO-BREAK SPACE}", " ")
-    for words in ("5 mm Al-N on 5 mm <span>7075-T6</span>", "31.45 kg/m²", "armour report", "[Paper], table 2"):
+    for words in ("8 mm AD85 on 8 mm <span>7075-T6</span>", "50.04 kg/m²", "armour report", "[Paper], table 2"):
         assert words in page
 
 
 def test_markdown(cli, folder: Path):
     assert cli("report", SCENARIOS / "catalogue.toml", "-o", "r.md").stderr == "wrote r.md\n"
     page = (folder / "r.md").read_text()
-    assert page.startswith("# 5 mm Al-N on 5 mm 7075-T6 against 7.62 mm AP at 850 m/s and ")
-    assert "* Best design: **5 mm Al-N on 5 mm 7075-T6**; 10.5 mm thick" in page
+    assert page.startswith("# 8 mm AD85 on 8 mm 7075-T6 against 7.62 mm AP at 850 m/s and ")
+    assert "* Best design: **8 mm AD85 on 8 mm 7075-T6**; 16.5 mm thick" in page
     assert "## Pareto front" in page
     assert "```toml\ntitle = " in page
     (folder / "suite.toml").write_text(f"{TABLE.replace('wilkins.toml', str(SCENARIOS / 'wilkins.toml'))}")
