@@ -11,6 +11,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import confidence
 from armour.analysis.evaluate import evaluate
+from armour.design.optimise import optimise
 from armour.scenario.scenario import Scenario, parse_scenario
 from armour.statistics.calibration import Law, calibrate
 from armour.statistics.fitted_library import scenario_text
@@ -100,3 +101,21 @@ def test_tests_of_a_plate_are_not_those_of_another_plate_or_round():
     assert "unlike the 5 own tests in rows" in other.reason
     shipped = confidence(case.replaced({"armour.backing": "6061-T6"}))
     assert shipped.model_error is None or "own tests" not in shipped.model_error.source
+
+
+def test_each_pair_of_a_catalogue_has_the_error_of_its_own_materials():
+    case = calibrated("backing").replaced({"impact.velocity_m_s": 600.0})
+    layers = {"thickness_mm": [6.0]}
+    design = {
+        "ceramic": [{"material": "AD85, calibrated", **layers}, {"material": "AD85", **layers}],
+        "backing": [{"material": "6061-T6", **layers}],
+    }
+    pairs = optimise(case.replaced({"design": design})).pairs
+    found = {pair.ceramic: pair.best for pair in pairs if pair.best is not None}
+    assert found.keys() == {"AD85, calibrated", "AD85"}
+    for ceramic, best in found.items():
+        one = confidence(case.replaced({"armour.ceramic": ceramic, C: 6.0, B: 6.0}))
+        [probability] = best.probabilities_of_defeat.values()
+        assert probability == pytest.approx(one.probability_of_defeat, abs=1e-4)
+        assert best.model_error is not None
+        assert ("own tests" in best.model_error.source) is (ceramic == "AD85, calibrated")

@@ -221,8 +221,8 @@ def plan_shots(
     shots : Shots, optional
         Shots so far, which may all be of one kind.
     procedure : {"bayesian", "neyer", "langlie", "up-and-down"}
-        Rule for the next velocity: bayesian, neyer, langlie or up-and-down.  The Bayesian rule needs the error of the
-        model: that of tests of such armours or of ``uncertainty.model``.
+        Rule for the next velocity: bayesian, neyer, langlie or up-and-down.  Without a requirement, the Bayesian rule
+        needs the error of the model: that of tests of such armours or of ``uncertainty.model``.
     half_width_m_s : float, optional
         Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15, but the
         up-and-down rule then ends as MIL-STD-662F does, with three shots of each kind within 27.4 m/s.
