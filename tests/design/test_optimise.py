@@ -149,7 +149,7 @@ def test_the_key_of_a_range_at_whose_end_the_best_design_lies():
         "backing": [{"material": "5083-H3", "thickness_mm": [6.0], "cost_per_kg": 9.0}],
     }
     warnings = optimise(case().replaced({"design": layers})).warnings
-    [at_the_end] = [warning for warning in warnings if "least ceramic thickness" in warning]
+    [at_the_end] = [warning for warning in warnings if "best design lies at" in warning]
     assert at_the_end == (
         "design.ceramic[1].thickness_mm: the best design lies at the least ceramic thickness of the range, 12 mm; "
         "a thinner ceramic may make the armour cheaper"
