@@ -6,7 +6,7 @@ Of bare plates, the logarithm of the measured over the computed limit has a line
 coefficients of properties of plate and round, and random effects of the alloy and of the round, by restricted maximum
 likelihood with a half-Cauchy prior of the round's standard deviation, as there are few rounds.  Of AD85 on aluminium,
 each law of the flow stress is fitted with an effect of the series of tests; its standard deviation and that of the rest
-are integrated.  docs/confidence.md says what is done with them.
+are integrated.  docs/howto/confidence.md says what is done with them.
 """
 
 import csv

@@ -96,7 +96,7 @@ def test_a_flow_stress_of_the_users_counts_in_every_law():
 
 
 def test_the_error_of_a_plate_is_the_linear_model():
-    """By hand: the terms of docs/confidence.md for 20 mm of a plate with a strength of 260 and 310 MPa."""
+    """By hand: the terms of docs/howto/confidence.md for 20 mm of a plate with a strength of 260 and 310 MPa."""
     x, strength = np.log(20.0 / 6.25 / 5.0), np.log(260.0 / 300.0)
     core = np.log(5.3 / 6.25**3 / 0.0215)
     z = np.array([1.0, x, x * x, strength, np.log(310.0 / 260.0), core])

@@ -1,6 +1,6 @@
 """The error of the model on tests, as a distribution for each of many armours, from configs/evidence.toml.
 
-docs/confidence.md derives it.  The distribution is that of a new alloy, a new round or a new series of tests.
+docs/howto/confidence.md derives it.  The distribution is that of a new alloy, a new round or a new series of tests.
 """
 
 from collections.abc import Callable, Mapping, Sequence
