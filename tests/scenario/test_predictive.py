@@ -5,12 +5,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from armour.analysis.ballistic_limit import confidence, model_error, no_error
+from armour.analysis.ballistic_limit import ballistic_limit, confidence, model_error, no_error
+from armour.analysis.evaluate import evaluate
 from armour.analysis.variants import variants_of
+from armour.design.check import check
+from armour.design.optimise import optimise
 from armour.errors import InputError
 from armour.scenario.evidence import ModelError, shipped_evidence
 from armour.scenario.predictive import FARTHEST_CERAMIC, fits
 from armour.scenario.scenario import Scenario
+from armour.statistics.uncertainty import uncertainty
 from tests.helpers.cases import scenario
 
 TILES, CORES_ON_ALUMINIUM, CORES_ON_STEEL, FRAGMENTS_ON_ALUMINIUM, FRAGMENTS_ON_STEEL = shipped_evidence()
@@ -83,6 +87,23 @@ def test_one_probability_whichever_law_the_scenario_names():
         assert max(filter(None, probabilities)) - min(filter(None, probabilities)) < 0.001
         assert probabilities[0] == pytest.approx(expected, abs=0.01)
         assert len({round(result.ballistic_limit_m_s or 0.0) for result in found}) == 3
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_one_probability_in_every_command(law: str):
+    only = {"thickness_mm": [6.35]}
+    case = scenario(ceramic=law, velocity=700.0)
+    expected = confidence(case)
+    assert expected.probability_of_defeat is not None
+    catalogue = {"ceramic": [{"material": law, **only}], "backing": [{"material": "6061-T6", **only}]}
+    [of_design] = optimise(case.replaced({"design": catalogue})).best.probabilities_of_defeat.values()
+    [of_row] = evaluate(case, {}, ["probability_of_defeat"])["probability_of_defeat"]
+    found = [check(case).threats[0].probability_of_defeat, of_design, of_row]
+    assert found == pytest.approx([expected.probability_of_defeat] * 3, abs=1e-9)
+    sampled = uncertainty(case.replaced({"uncertainty": {"samples": 4096}})).probability_of_perforation
+    assert 1.0 - sampled.value == pytest.approx(expected.probability_of_defeat, abs=0.005)
+    limit = ballistic_limit(case)
+    assert (limit.interval_m_s, limit.median_m_s) == (expected.interval_m_s, expected.median_m_s)
 
 
 def test_a_flow_stress_of_the_users_counts_in_every_law():

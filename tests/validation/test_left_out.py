@@ -1,0 +1,36 @@
+"""How the error of the model does on tests left out: parts of docs/left-out.md, computed anew."""
+
+from itertools import islice
+
+import pytest
+
+from tests.helpers.cases import SCENARIOS
+from tools.campaigns.evidence import bands, series, study
+
+pytestmark = pytest.mark.slow
+
+PAGE = (SCENARIOS.parent / "docs" / "left-out.md").read_text(encoding="utf-8")
+
+
+def is_shown(row: list[str]) -> bool:
+    return f"| {' | '.join(row)} |" in PAGE
+
+
+def test_alloys_left_out():
+    plates, found, rows = study("fragments_aluminium")
+    assert all(map(is_shown, (*rows, *bands("fragments_aluminium", plates, found))))
+    assert found.within(0.95) >= 93.0
+    assert found.above(0.95) >= 92.0
+    # Better than the mean and standard deviation of all, and than a rule without mechanics.
+    rms = {method: float(rms) for _, method, _, rms, *_ in rows}
+    assert rms["this model"] <= 7.8
+    assert rms["this model"] < 0.5 * rms["mean and standard deviation"]
+
+
+def test_series_left_out():
+    # The mixture comes first: each series, and all.
+    *_, every = rows = list(islice(series(), 4))
+    assert all(map(is_shown, rows))
+    assert every[:2] == ["three laws", "all"]
+    assert int(every[-2]) >= 11
+    assert int(every[-1]) == 13
