@@ -123,6 +123,8 @@ PlotFile = Annotated[Path | None, option("Draw to a .png, .svg or .pdf file.", "
 Force = Annotated[bool, option("Replace existing files.", "--force")]
 AsJson = Annotated[bool, option("Print one JSON object and nothing else.", "--json")]
 
+# Parameters of a question that are no options: a function to call, and the name of the scenario as it was given.
+GIVEN = ("on_progress", "source")
 # Options of every question, after its own.
 COMMON = {"plot": (PlotFile, None), "force": (Force, False), "changes": (Changes, None), "as_json": (AsJson, False)}
 
@@ -157,7 +159,7 @@ def question(
     named: Mapping[str, str] = {},
     **keys: tuple[str, str],
 ) -> Callable[[Callable[..., Answer]], Callable[..., None]]:
-    """Make a command of a function (scenario, on_progress, options) -> Answer.
+    """Make a command of a function (scenario, on_progress, options) -> Answer, perhaps with the source of the scenario.
 
     The command checks the outputs, reads the scenario with what ``--set`` changes of the sections that it ``reads`` for
     ``what`` it answers, with ``--prior`` those of ``prior_reads`` too, computes, writes the files, shows and warns.
@@ -171,7 +173,7 @@ def question(
     def made(function: Callable[..., Answer]) -> Callable[..., None]:
         own = dict(inspect.signature(function).parameters)
         derives = own.pop("options", None) is not None
-        static = {name: each.replace(kind=each.KEYWORD_ONLY) for name, each in own.items() if name != "on_progress"}
+        static = {name: each.replace(kind=each.KEYWORD_ONLY) for name, each in own.items() if name not in GIVEN}
         static["scenario"] = static["scenario"].replace(annotation=ScenarioFile)
         static |= {name: number_option(name, text) for name, (_key, text) in keys.items()}
         if csv:
@@ -203,6 +205,8 @@ def question(
             # An option that is not given has the default of the public function.
             given = {name for name in values if name in own or (name not in static and values[name] is not None)}
             asked = {name: values[name] for name in given} | {"scenario": loaded}
+            if "source" in own:
+                asked["source"] = str(values["scenario"])
             with progress(unit, first=first) as count, as_options(function.__name__, named):
                 answer = function(on_progress=count, **asked)
             _respond(answer, loaded, outputs, plot=plot, as_json=values["as_json"], of_threats=of_threats)

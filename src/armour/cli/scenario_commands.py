@@ -1,5 +1,6 @@
 """Commands that answer a question about a scenario, or about many armours like it."""
 
+import re
 import shlex
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
@@ -26,7 +27,7 @@ from armour.cli.question import (
     question,
 )
 from armour.cli.runner import as_options, check_outputs, read_scenario, respond, say_if_compiling, write, wrong_option
-from armour.errors import InputError, Problem, refuse
+from armour.errors import InputError, NoDesignError, Problem, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
 from armour.scenario.inputs import SHOT
 
@@ -117,17 +118,38 @@ def check(
 def optimise(
     scenario: "Scenario",
     on_progress: "OnProgress",
+    source: str,
     every_row: Annotated[
         bool, option("Show the frontier on every back plate, not only around the best.", "--all")
     ] = False,
+    page: Annotated[
+        Path | None,
+        option("Write a map of all designs as an interactive page, .html.", "--map", metavar="FILE"),
+        Output.FILE,
+    ] = None,
+    changes: Changes = None,
     **options: Any,
 ) -> Answer:
     """Find the lightest armour that defeats the threat.
 
     The scenario may have several threats, a catalogue of materials, and another quantity to minimise.
     """
-    result = armour.optimise(scenario, on_progress=on_progress, **options)
-    return Answer(result.of(every_row=every_row))
+    drawn = ""
+    if page is not None:
+        from armour.reporting.design_page import design_page
+
+        refuse(wrong_ending(page, (".html",)))
+        unused = re.compile(r"\s*(design|optimise|threat|uncertainty(?!\.model))\b")
+        needed = [change.strip() for change in changes or () if not unused.match(change)]
+        drawn = design_page(scenario, ["armour", "simulate", source], needed, on_progress)
+    try:
+        result = armour.optimise(scenario, on_progress=on_progress, **options)
+    except NoDesignError:
+        # The page shows how far each design is from what is asked for.
+        if page is not None:
+            write({page: drawn})
+        raise
+    return Answer(result.of(every_row=every_row), contents={page: lambda: drawn})
 
 
 @question(("impact", "armour", "ballistic_limit", "optimise"), unit="designs")

@@ -57,9 +57,12 @@ def design_map(
     limits = _limits(Requirement(catalogue, on_progress), candidates)
     # A velocity that is stopped with a probability is the quantile of the limit at its complement.
     tails = 1.0 - np.array(probabilities)
-    stopped = catalogue.distributions(candidates, limits).quantile(tails[None])
-    limits, stopped = limits.reshape(shape), stopped.reshape(*shape, len(tails))
-    return DesignMap(pair, ceramics, backings, candidates, limits, probabilities, stopped)
+    distributions = catalogue.distributions(candidates, limits)
+    known = np.flatnonzero(~np.isnan(distributions.weights).any(axis=0))
+    stopped = np.full((limits.size, len(tails)), np.nan)
+    stopped[known] = distributions.mapped(lambda array: array[:, known]).quantile(tails[None])
+    by_probability = stopped.reshape(*shape, len(tails))
+    return DesignMap(pair, ceramics, backings, candidates, limits.reshape(shape), probabilities, by_probability)
 
 
 def _limits(requirement: Requirement, candidates: Candidates) -> Floats:

@@ -1,0 +1,229 @@
+"""The designs of a scenario as one interactive page, which needs no network and no library."""
+
+import json
+from base64 import b64encode
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from hashlib import sha256
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from armour import __version__
+from armour.analysis.results import OnProgress, ignore_progress
+from armour.analysis.variants import Floats
+from armour.core.state import Parameters
+from armour.design.catalogue import COST, NO_BOUND, Catalogue, catalogue_of
+from armour.design.map import DesignMap, design_map, thicknesses_tested
+from armour.errors import InputError, Problem
+from armour.scenario.evidence import closest
+from armour.scenario.scenario import Scenario
+from armour.scenario.schema import Layer
+from armour.units import MM
+
+TEMPLATES = Path(__file__).parent / "templates"
+# Probabilities of which a page has the velocities that are stopped.  With the interpolation of the page, probabilities
+# of 1 to 99 % are right to 0.002, also where the laws of the evidence are far apart.
+PROBABILITIES = (0.99, 0.975, 0.95, 0.9, 0.85, 0.77, 0.68, 0.59, 0.5, 0.41, 0.32, 0.23, 0.15, 0.08, 0.04, 0.02, 0.01)
+# Designs times threats up to which a page takes less than 1.5 MB.
+MOST = 25_000
+# Nodes along an axis, the first of which that do not take too much are used; 0 for no more than what is on offer.
+NODES = (31, 21, 13, 0)
+FREE_NODES = (61, 41, 25, 13)
+
+
+def design_page(
+    scenario: Scenario, command: Sequence[str], changes: Iterable[str] = (), on_progress: OnProgress = ignore_progress
+) -> str:
+    """Return the page of the designs of a scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    command : sequence of str
+        Words of the command that simulates the scenario.
+    changes : iterable of str
+        Changes of the scenario that the command needs, such as "ceramic.flow_stress_GPa=5".
+    on_progress : callable, optional
+        Called with impacts.
+
+    Raises
+    ------
+    InputError
+        If more designs are on offer than a page can hold.
+    """
+    catalogue = catalogue_of(scenario)
+    data = {
+        **_question(catalogue),
+        "pairs": _pairs(catalogue, on_progress),
+        "command": list(command),
+        "changes": list(changes),
+    }
+    script, style = ((TEMPLATES / name).read_text() for name in ("map.js", "map.css"))
+    environment = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined)
+    page = environment.get_template("map.html")
+    # In JSON within HTML, no "<" may begin a tag.
+    content = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
+    texts = {"js": script, "css": style}
+    hashes = {name: b64encode(sha256(text.encode()).digest()).decode() for name, text in texts.items()}
+    return page.render(title=data["subject"], data=content, script=script, style=style, hashes=hashes) + "\n"
+
+
+def _question(catalogue: Catalogue) -> dict[str, Any]:
+    """Return what is asked, and what the page does not show."""
+    from scipy.special import ndtri  # slow to import
+
+    section, scenario = catalogue.section, catalogue.scenario
+    return {
+        "subject": _subject(catalogue),
+        "title": scenario.title,
+        "version": __version__,
+        "confidence": section.confidence,
+        "most": section.areal_density_max_kg_m2,
+        "added": {"areal": section.added_areal_density_kg_m2, "thickness": section.added_thickness_mm},
+        "scores": [float(score) for score in ndtri(PROBABILITIES)],
+        "own": {
+            "ceramic": scenario.armour.ceramic,
+            "backing": scenario.armour.backing,
+            "projectile": scenario.impact.projectile,
+            "velocity": scenario.impact.velocity_m_s,
+            "obliquity": scenario.impact.obliquity_deg,
+        },
+        "threats": [_threat(catalogue, i) for i in range(len(catalogue.threats))],
+        "notes": list(_notes(catalogue)),
+    }
+
+
+def _subject(catalogue: Catalogue) -> str:
+    layers = catalogue.section.ceramic, catalogue.section.backing
+    names = [list(dict.fromkeys(layer.material for layer in of)) for of in layers]
+    armour = " on ".join(" or ".join(each) for each in names if each != [""])
+    return f"{armour} against {' and '.join(catalogue.titles)}"
+
+
+def _threat(catalogue: Catalogue, i: int) -> dict[str, Any]:
+    threat, bound = catalogue.threats[i], float(catalogue.bounds[i])
+    own = threat.probability_of_perforation
+    rows, *_ = catalogue.against_each(catalogue.candidates(0, np.ones(1), np.ones(1)), [i])
+    core = Parameters(*rows.parameters[0].tolist())
+    return {
+        "name": threat.name or (threat.threat or threat.projectile),
+        "projectile": threat.projectile,
+        "velocity": threat.velocity_m_s,
+        "obliquity": threat.obliquity_deg,
+        "margin": threat.margin_m_s,
+        "own": None if own is None or bound >= NO_BOUND else 1.0 - own,
+        "rod": [core.L0 / MM, core.D0 / MM],
+    }
+
+
+def _notes(catalogue: Catalogue) -> Iterator[str]:
+    """Give what the page does not show."""
+    section = catalogue.section
+    if section.minimise != "areal_density_kg_m2":
+        what = "cost" if section.minimise == COST else "thickness"
+        yield f"The scenario asks for the least {what}; this page compares areal densities."
+    if section.pareto:
+        yield "The Pareto front of the scenario is not shown; armour optimise lists it."
+    if catalogue.scenario.uncertainty is not None and catalogue.scenario.uncertainty.inputs():
+        yield (
+            "The distributions of the inputs are not included: probabilities include the error of the model alone. "
+            "The design that armour optimise finds for a confidence may be heavier."
+        )
+    if catalogue.scenario.excludes_error():
+        yield "The error of the model is left out, as uncertainty.model says, so that no probability is known."
+    limits = {"thickness": section.thickness_max_mm, "cost": section.cost_max_per_m2}
+    if given := [name for name, most in limits.items() if most is not None]:
+        yield f"Designs beyond the greatest {' or '.join(given)} of the scenario are drawn, but not chosen."
+
+
+def _pairs(catalogue: Catalogue, on_progress: OnProgress) -> list[dict[str, Any]]:
+    """Return the designs of every pair of materials, on the finest grids that are not too much for a page."""
+    offers = [offer[:2] for offer in catalogue.offers]
+    for nodes, free in zip(NODES, FREE_NODES, strict=True):
+        grids = [(_nodes(ceramic, nodes, free), _nodes(backing, nodes, free)) for ceramic, backing in offers]
+        count = sum(len(ceramics) * len(backings) for ceramics, backings in grids) * len(catalogue.threats)
+        if count <= MOST:
+            break
+    else:
+        message = (
+            f"must offer at most {MOST} designs times threats where they are drawn as a page, found {count}; "
+            "widen the steps, or offer fewer materials"
+        )
+        raise InputError([Problem(catalogue.scenario.file, "design", message)])
+    coarser = nodes < NODES[0]
+    return [_pair(catalogue, pair, grid, on_progress) | {"coarser": coarser} for pair, grid in enumerate(grids)]
+
+
+def _nodes(layer: Layer, nodes: int, free: int) -> Floats:
+    """Return the thicknesses of a layer that are on offer, with others between them where these are few, mm."""
+    offered = layer.thicknesses()
+    if layer.free_range():
+        return np.linspace(offered[0], offered[-1], free)
+    parts = -(-nodes // len(offered)) if len(offered) > 1 else 1
+    between = [np.linspace(low, high, max(parts, 1), endpoint=False) for low, high in pairwise(offered)]
+    return np.concatenate([*between, offered[-1:]])
+
+
+def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progress: OnProgress) -> dict[str, Any]:
+    ceramics, backings = grid
+    offer = catalogue.offers[pair]
+    found = design_map(catalogue, pair, ceramics, backings, PROBABILITIES, on_progress)
+    # A slider of the page has the greatest areal density.
+    massless = found.candidates._replace(areal_density_kg_m2=np.zeros(len(found.candidates.pair)))
+    violations = catalogue.violations(massless)
+    tested = [thicknesses_tested(catalogue, pair, i) for i in range(len(catalogue.threats))]
+    given = {layer: getattr(offer, layer).density_kg_m3 for layer in ("ceramic", "backing")}
+    return {
+        "ceramic": offer.ceramic.material,
+        "backing": offer.backing.material,
+        "densities": [offer.ceramic_density_kg_m3, offer.backing_density_kg_m3],
+        "changes": [f"{layer}.density_kg_m3={density:.17g}" for layer, density in given.items() if density is not None],
+        "ceramics": ceramics.tolist(),
+        "backings": backings.tolist(),
+        "offered": [_places(ceramics, offer.ceramic), _places(backings, offer.backing)],
+        "free": [layer.free_range() is not None for layer in offer[:2]],
+        "excluded": np.flatnonzero(violations > 0.0).tolist(),
+        "tested": [[list(each["ceramic"]), list(each["backing"])] if len(each) == 2 else None for each in tested],
+        "source": _source(catalogue, found),
+        **_numbers(found),
+    }
+
+
+def _places(nodes: Floats, layer: Layer) -> list[int]:
+    """Return the places of the thicknesses on offer among the nodes; all of a free range."""
+    if layer.free_range():
+        return list(range(len(nodes)))
+    return np.searchsorted(nodes, layer.thicknesses()).tolist()
+
+
+def _source(catalogue: Catalogue, found: DesignMap) -> str:
+    """Return what the probabilities of a pair rest on."""
+    known = np.flatnonzero(~np.isnan(found.stopped_m_s[..., 0, 0]))
+    if not len(known):
+        return ""
+    if (given := catalogue.scenario.given_error()) is not None:
+        return given.source
+    rows, *_ = catalogue.against_each(found.candidates.at(known[:1]), [0])
+    return closest(Parameters(*rows.parameters[0].tolist())).title
+
+
+def _numbers(found: DesignMap) -> Mapping[str, Any]:
+    """Return limits and velocities that are stopped as bytes.
+
+    Of each design and threat there is the limit, the least of the velocities, 0 where it is unknown, both as 32-bit
+    floats, and the differences of the velocities as 16-bit multiples of the step, rounded down in sum.
+    """
+    limits = found.limits_m_s.reshape(-1)
+    stopped = np.nan_to_num(found.stopped_m_s.reshape(len(limits), -1))
+    floats = np.column_stack([limits, stopped[:, 0]]).astype("<f4")
+    above = np.maximum(stopped - floats[:, 1:].astype(np.float64), 0.0)
+    step = max(float(np.diff(above, axis=1).max(initial=0.0)) / 65_000.0, 1e-3)
+    differences = np.diff(np.floor(above / step), axis=1).astype("<u2")
+    return {
+        "step": step,
+        "floats": b64encode(floats.tobytes()).decode(),
+        "differences": b64encode(differences.tobytes()).decode(),
+    }

@@ -1,0 +1,301 @@
+"""The page of designs: what it holds, and in Chromium what it answers."""
+
+import json
+import re
+import shlex
+import shutil
+import subprocess
+from base64 import b64decode, b64encode
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from armour.analysis.ballistic_limit import ballistic_limit, confidence
+from armour.design.catalogue import catalogue_of
+from armour.design.optimise import optimise
+from armour.errors import InputError, NoDesignError
+from armour.reporting import design_page as module
+from armour.reporting.design_page import design_page
+from armour.scenario.scenario import Scenario
+from tests.helpers.cases import scenario, shipped_scenario
+
+pytestmark = pytest.mark.slow
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+COMMAND = ("armour", "simulate", "catalogue")
+TITLE = "</script><script>alert(1)</script> & <b>"
+
+
+@cache
+def offered() -> Scenario:
+    return shipped_scenario("catalogue").replaced({"title": TITLE, "design.confidence": 0.9})
+
+
+@cache
+def page() -> str:
+    return design_page(offered(), COMMAND)
+
+
+def data_of(content: str) -> dict[str, Any]:
+    [text] = re.findall(r'<script type="application/json" id="data">(.*?)</script>', content, re.DOTALL)
+    found: dict[str, Any] = json.loads(text)
+    return found
+
+
+def numbers_of(pair: dict[str, Any], threats: int) -> tuple[Any, Any]:
+    """Limits, (ceramics, back plates, threats), and the velocities stopped with each probability."""
+    shape = len(pair["ceramics"]), len(pair["backings"]), threats
+    floats = np.frombuffer(b64decode(pair["floats"]), dtype="<f4").reshape(*shape, 2).astype(float)
+    differences = np.frombuffer(b64decode(pair["differences"]), dtype="<u2").reshape(*shape, -1)
+    above = np.concatenate([np.zeros((*shape, 1)), np.cumsum(differences, axis=-1) * pair["step"]], axis=-1)
+    return floats[..., 0], floats[..., 1:] + above
+
+
+def test_every_thickness_on_offer_is_a_node():
+    pairs = data_of(page())["pairs"]
+    for pair, offer in zip(pairs, catalogue_of(offered()).offers, strict=True):
+        for nodes, places, layer in zip((pair["ceramics"], pair["backings"]), pair["offered"], offer[:2], strict=True):
+            assert [nodes[place] for place in places] == list(layer.thicknesses())
+
+
+def test_a_node_has_the_limit_and_the_probabilities_of_its_design():
+    threats = data_of(page())["threats"]
+    pair = data_of(page())["pairs"][0]
+    limits, stopped = numbers_of(pair, len(threats))
+    i, j = pair["offered"][0][7], pair["offered"][1][2]
+    for t in range(len(threats)):
+        armour = (
+            catalogue_of(offered())
+            .against(0, t)
+            .replaced(
+                {"armour.ceramic_thickness_mm": pair["ceramics"][i], "armour.backing_thickness_mm": pair["backings"][j]}
+            )
+        )
+        assert limits[i, j, t] == pytest.approx(ballistic_limit(armour).ballistic_limit_m_s, abs=0.02)
+        for q in (0, 8, 16):
+            sure = confidence(armour.replaced({"impact.velocity_m_s": float(stopped[i, j, t, q])}))
+            assert sure.probability_of_defeat == pytest.approx(module.PROBABILITIES[q], abs=2e-4)
+
+
+def test_a_page_is_small_the_same_each_time_and_asks_for_nothing():
+    assert page() == design_page(offered(), COMMAND)
+    assert len(page().encode()) < 1_500_000
+    assert (module.TEMPLATES / "map.js").stat().st_size <= 45_000
+    assert "http" not in page().replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "")
+    assert page().count("</script>") == 2
+    scripts, styles = (re.findall(rf"<{tag}>(.*?)</{tag}>", page(), re.DOTALL) for tag in ("script", "style"))
+    for text, policy in ((scripts[0], "script-src"), (styles[0], "style-src")):
+        assert f"{policy} 'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'" in page()
+
+
+def test_more_than_a_page_can_hold_is_refused(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(module, "MOST", 500)
+    with pytest.raises(InputError, match="must offer at most 500 designs times threats where they are drawn as a page"):
+        design_page(offered(), COMMAND)
+
+
+def test_a_page_that_would_be_large_has_fewer_nodes_between_those_on_offer(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(module, "MOST", 620)
+    pairs = data_of(design_page(offered(), COMMAND))["pairs"]
+    assert all(pair["coarser"] for pair in pairs)
+    assert [len(pair["ceramics"]) for pair in pairs] == [len(pair["offered"][0]) for pair in pairs]
+    assert not data_of(page())["pairs"][0]["coarser"]
+
+
+def test_what_is_not_shown_is_said():
+    grid = {"min": 6.0, "max": 8.0, "step": 1.0}
+    several = shipped_scenario("reliable").replaced(
+        {"design.minimise": "thickness_mm", "optimise": {"ceramic_thickness_mm": grid, "backing_thickness_mm": grid}}
+    )
+    notes = " ".join(data_of(page())["notes"] + data_of(design_page(several, COMMAND))["notes"])
+    for words in (
+        "Pareto front",
+        "greatest thickness",
+        "least thickness; this page",
+        "distributions of the inputs are not",
+    ):
+        assert words in notes
+
+
+# --- in Chromium ------------------------------------------------------------------------------------------------------
+
+
+def browsed(folder: Path, content: str, script: str, width: int = 1280) -> Any:
+    """What a script returns that the policy of the page admits, as by its hash; without an error or a request."""
+    watch = """const said = [];
+      addEventListener("error", e => said.push(e.message));
+      addEventListener("securitypolicyviolation", e => said.push(e.violatedDirective + " " + e.blockedURI));"""
+    after = f"""let found; try {{ found = (() => {{ {script} }})(); }} catch (e) {{ said.push(String(e)); }}
+      const asked = performance.getEntriesByType("resource").map(entry => entry.name);
+      document.body.innerHTML = "";
+      const pre = document.createElement("pre");
+      pre.id = "found";
+      pre.textContent = JSON.stringify({{ said, asked, found }});
+      document.body.append(pre);"""
+    hashes = " ".join(f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'" for text in (watch, after))
+    content = content.replace("script-src '", f"script-src {hashes} '", 1)
+    content = content.replace("<title>", f"<script>{watch}</script><title>", 1)
+    content = content.replace("</body>", f"<script>{after}</script></body>")
+    (folder / "inner.html").write_text(content)
+    # The window of a browser cannot be as narrow as a telephone's; a frame can.
+    take = """setTimeout(() => {
+      const inner = document.querySelector("iframe").contentDocument;
+      document.body.textContent = inner.getElementById("found").textContent;
+    }, 2000);"""
+    frame = f'<iframe src="inner.html" style="width: {width}px; height: 900px"></iframe>'
+    (folder / "outer.html").write_text(f"<body>{frame}<script>{take}</script></body>")
+    options = (
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--disable-background-networking",
+        "--allow-file-access-from-files",
+    )
+    command = [
+        str(CHROMIUM),
+        *options,
+        f"--user-data-dir={folder / 'profile'}",
+        "--window-size=1400,1200",
+        "--virtual-time-budget=8000",
+        "--dump-dom",
+        (folder / "outer.html").as_uri(),
+    ]
+    written = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True).stdout
+    [text] = re.findall(r"<body>(.*)</body>", written, re.DOTALL)
+    result = json.loads(text.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&"))
+    assert (result["said"], result["asked"]) == ([], [])
+    return result["found"]
+
+
+needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+
+ASK = """return cases.map(([velocities, confidence]) => {
+  state.velocities = velocities;
+  state.confidence = confidence;
+  return DATA.pairs.map(pair => { const k = lightest(pair); return k === null ? null : thicknesses(pair, k); });
+});"""
+
+
+def answers(of: Scenario, velocities: list[float], asked: float | None) -> list[list[float] | None]:
+    """The best design of every pair of a scenario by `optimise`, in the order of the catalogue."""
+    threats = [
+        {**threat.model_dump(exclude_unset=True), "velocity_m_s": v}
+        for threat, v in zip(of.threat, velocities, strict=True)
+    ]
+    changed = of.replaced({"threat": threats, "design.confidence": asked})
+    offers = catalogue_of(changed).offers
+    try:
+        pairs = {(pair.ceramic, pair.backing): pair.best for pair in optimise(changed).pairs}
+    except NoDesignError:
+        return [None] * len(offers)
+    found = [pairs[offer.ceramic.material, offer.backing.material] for offer in offers]
+    return [None if best is None else [best.ceramic_thickness_mm, best.backing_thickness_mm] for best in found]
+
+
+@needs_chromium
+def test_the_lightest_designs_are_those_that_optimise_finds(tmp_path: Path):
+    cases = [
+        ([850.0, 830.0], None),
+        ([850.0, 830.0], 90),
+        ([800.0, 900.0], 80),
+        ([700.0, 650.0], 95),
+        ([1200.0, 900.0], 50.5),
+    ]
+    found = browsed(tmp_path, page(), f"const cases = {json.dumps(cases)}; {ASK}")
+    for (velocities, percent), designs in zip(cases, found, strict=True):
+        assert designs == answers(offered(), velocities, None if percent is None else percent / 100)
+
+
+@needs_chromium
+def test_probabilities_between_the_nodes_are_right(tmp_path: Path):
+    """Also where the laws of the evidence are far apart, on thin back plates."""
+    of = shipped_scenario("paper/optimum_7.62mm_AP").replaced(
+        {
+            "optimise.ceramic_thickness_mm": {"min": 8.0, "max": 14.0, "step": 3.0},
+            "optimise.backing_thickness_mm": {"min": 4.0, "max": 8.0, "step": 2.0},
+        }
+    )
+    velocities = np.linspace(600.0, 1300.0, 36).tolist()
+    script = f"""const pair = DATA.pairs[0];
+      return pair.onOffer.map(k => [...thicknesses(pair, k), ...{velocities}.map(v => below(score(pair, k, v)))]);"""
+    for ceramic_mm, backing_mm, *chances in browsed(tmp_path, design_page(of, COMMAND), script):
+        armour = of.replaced({"armour.ceramic_thickness_mm": ceramic_mm, "armour.backing_thickness_mm": backing_mm})
+        for velocity, chance in zip(velocities, chances, strict=True):
+            sure = confidence(armour.replaced({"impact.velocity_m_s": velocity})).probability_of_defeat
+            assert sure is not None
+            assert chance == pytest.approx(min(max(sure, 0.0), 1.0), abs=0.002 if 0.01 <= sure <= 0.99 else 0.0101)
+
+
+@needs_chromium
+@pytest.mark.parametrize("width", [390, 1280])
+def test_it_works_by_keyboard_and_keeps_within_its_width(tmp_path: Path, width: int):
+    script = """const press = (key, more) => $("map").dispatchEvent(new KeyboardEvent("keydown", { key, ...more }));
+      press("Home"); press("ArrowUp"); press("ArrowLeft", { shiftKey: true }); press("Enter");
+      return { wide: document.documentElement.scrollWidth - innerWidth, pins: state.pins.length, title: document.title,
+        about: $("about").textContent, headline: $("headline").textContent, design: $("design").textContent,
+        commands: document.querySelectorAll("code").length };"""
+    found = browsed(tmp_path, page(), script, width)
+    assert found["wide"] <= 0
+    assert found["pins"] == 1
+    assert found["about"] == TITLE
+    assert (
+        "is the lightest that stops 7.62 mm AP at 850 m/s and 7.62 mm APM2 at 830 m/s with 90 % confidence."
+        in found["headline"]
+    )
+    assert "stopped" in found["design"]
+    assert found["commands"] == 3
+
+
+ODD = 'it\'s a "rod" of $HOME'
+
+
+@needs_chromium
+def test_commands_are_of_the_designs_and_need_no_care_in_a_shell(tmp_path: Path):
+    projectile = {
+        "penetrator_diameter_mm": 6.5,
+        "penetrator_mass_g": 5.46,
+        "density_kg_m3": 7850.0,
+        "flow_stress_GPa": 2.35,
+    }
+    range_mm = {"min": 6.0, "max": 9.0, "step": 1.0}
+    own = scenario(
+        library={"projectile": {ODD: projectile}},
+        threat=[{"projectile": ODD, "velocity_m_s": 800.0}],
+        optimise={"ceramic_thickness_mm": range_mm, "backing_thickness_mm": range_mm},
+    )
+    content = design_page(own, ("armour", "simulate", "a file.toml"), ["ballistic_limit.velocity_max_m_s=2500"])
+    words = browsed(tmp_path, content, "return command(DATA.pairs[0], DATA.pairs[0].onOffer[5]);")
+    assert shlex.split(words) == [
+        *("armour", "simulate", "a file.toml", "--set", "ballistic_limit.velocity_max_m_s=2500"),
+        *("--set", "armour.ceramic_thickness_mm=7", "--set", "armour.backing_thickness_mm=7"),
+        *("--set", f"impact.projectile={json.dumps(ODD)}"),
+    ]
+
+
+@needs_chromium
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"armour.ceramic": "SiC"}, "How likely it is to stop is unknown."),
+        ({"impact.velocity_m_s": 3000.0}, "No AD85 on 5083-H3 on offer has a computed ballistic limit that reaches"),
+        ({"impact.velocity_m_s": 3000.0, "design.confidence": 0.9}, "No AD85 on 5083-H3 on offer is known to stop"),
+        ({"optimise.backing_thickness_mm": {"min": 6.0, "max": 6.0, "step": 1.0}}, "6 mm 5083-H3"),
+        (
+            {"design.ceramic": [{"material": "AD85", "thickness_mm": {"min": 8.0, "max": 14.0}}]},
+            "Any thickness is on offer",
+        ),
+        (
+            {"impact.velocity_m_s": 700.0},
+            "is the lightest whose computed ballistic limit reaches 7.62 mm AP at 700 m/s.",
+        ),
+    ],
+)
+def test_the_sentences_are_those_of_the_case(tmp_path: Path, changes: dict[str, object], words: str):
+    grid = {"min": 6.0, "max": 12.0, "step": 2.0}
+    first: dict[str, object] = {"optimise.ceramic_thickness_mm": grid, "optimise.backing_thickness_mm": grid}
+    content = design_page(shipped_scenario("paper/optimum_7.62mm_AP").replaced({**first, **changes}), COMMAND)
+    assert words in browsed(tmp_path, content, 'return $("headline").textContent + $("beside").textContent;')
