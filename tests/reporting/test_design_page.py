@@ -236,12 +236,12 @@ def test_it_works_by_keyboard_and_keeps_within_its_width(tmp_path: Path, width: 
     script = """const press = (key, more) => $("map").dispatchEvent(new KeyboardEvent("keydown", { key, ...more }));
       press("Home"); press("ArrowUp"); press("ArrowLeft", { shiftKey: true }); press("Enter");
       return { wide: document.documentElement.scrollWidth - innerWidth, pins: state.pins.length, title: document.title,
-        about: $("about").textContent, headline: $("headline").textContent, design: $("design").textContent,
+        notes: $("notes").textContent, headline: $("headline").textContent, design: $("design").textContent,
         commands: document.querySelectorAll("code").length };"""
     found = browsed(tmp_path, page(), script, width)
     assert found["wide"] <= 0
     assert found["pins"] == 1
-    assert found["about"] == TITLE
+    assert TITLE in found["notes"]
     assert (
         "is the lightest that stops 7.62 mm AP at 850 m/s and 7.62 mm APM2 at 830 m/s with 90 % confidence."
         in found["headline"]

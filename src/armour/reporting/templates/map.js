@@ -339,7 +339,8 @@ function area(view, field, level, of) {
 let view;
 function viewOf(pair) {
   const narrow = $("map").parentNode.clientWidth < 520;
-  const [width, height] = narrow ? [390, 400] : [760, 600], frame = { left: 34, right: width - 48, top: 8, bottom: height - 24 };
+  const flat = Math.min(pair.ceramics.length, pair.backings.length) > 1, tall = flat || pair.ceramics.length > 1;
+  const [width, height] = narrow ? [390, tall ? 400 : 170] : [760, tall ? 600 : 190], frame = { left: 34, right: width - 48, top: 8, bottom: height - 24 };
   const scale = (values, from, to) => {
     const [low, high] = values.length > 1 ? [values[0], values.at(-1)] : [values[0] - 1, values[0] + 1];
     return { low, high, at: value => from + (to - from) * (value - low) / (high - low) };
@@ -467,6 +468,12 @@ function drawMap(pair, best, ring) {
   box.setAttribute("viewBox", `0 0 ${width} ${height}`);
   box.setAttribute("aria-label", `Map of ${pair.name}: ceramic thickness over back plate thickness. ${headline(pair, best)}`);
   box.replaceChildren(areas, lines, axes, marks, words, svg("g", { id: "over" }));
+  const said = flat ? ["Dotted: equal areal density.", ...(state.lines === "none" ? [] : ["Thin: equal ballistic limit, m/s."])] : [];
+  if (flat && pair.known) said.push("Red: perforated more often than not.", ...(anyAsked() ? ["Blue: stops as asked for."] : []));
+  if (pair.onOffer.length <= 400) said.push("Dots: on offer, filled where they do what is asked for.");
+  said.push("Point at a design to read it, click to pin it. Keys: arrows move (Shift: five steps), Home goes to the lightest, Enter pins, Escape leaves.");
+  $("keys").textContent = said.join(" ");
+  $("areal-name").hidden = !flat;
   $("y-name").textContent = pair.ceramic ? `↑ ceramic ${pair.ceramic}, mm` : "";
   $("x-name").textContent = `back plate ${pair.backing}, mm →`;
   drawOver(pair);
@@ -568,7 +575,7 @@ function makeSliders() {
 
 function crossSection(pair, k) {
   const [c, b] = thicknesses(pair, k), rods = threats.map(t => t.rod), longest = Math.max(...rods.map(r => r[0]));
-  const rows = rods.map(r => 1.7 * r[1] + 2), tall = Math.max(rows.reduce((a, d) => a + d, 0), 0.8 * (c + b)), wide = longest + c + b + 12, gap = longest + 3;
+  const angles = threats.map(t => t.obliquity * Math.PI / 180), rows = rods.map((r, t) => 1.7 * r[1] + 2 + r[0] * Math.sin(angles[t])), tall = Math.max(rows.reduce((a, d) => a + d, 0), 0.8 * (c + b)), wide = longest + c + b + 12, gap = longest + 3;
   const font = Math.max(wide, tall * 2) / 26, picture = svg("svg", { viewBox: `0 0 ${Math.max(wide, tall * 2)} ${tall + 3.4 * font}`, role: "img", "aria-label": `Cross-section to scale: ${armour(pair, k)}` });
   const sized = { "font-size": font, "text-anchor": "middle" }, top = 1.4 * font;
   if (pair.ceramic) picture.append(svg("rect", { class: "ceramic", x: gap, y: top, width: c, height: tall }));
@@ -576,9 +583,10 @@ function crossSection(pair, k) {
   picture.append(text(gap + (c + b) / 2, font, pair.ceramic ? `${trimmed(c)} + ${trimmed(b)} mm` : `${trimmed(b)} mm`, "", sized));
   let y = top + (tall - rows.reduce((a, d) => a + d, 0)) / 2;
   rods.forEach((rod, t) => {
-    const middle = y + rows[t] / 2;
-    picture.append(svg("rect", { class: "rod", x: gap - 2 - rod[0], y: middle - rod[1] / 2, width: rod[0], height: rod[1], transform: `rotate(${threats[t].obliquity} ${gap - 2} ${middle})` }));
-    if (T > 1) picture.append(text(gap - 2 - rod[0] / 2, middle + font / 3, LETTERS[t % 26], "pin-text", sized));
+    const middle = y + rows[t] - 0.85 * rod[1] - 1, tip = gap - 2 - 0.5 * rod[1] * Math.sin(angles[t]);
+    const drawn = svg("g", { transform: `rotate(${threats[t].obliquity} ${tip} ${middle})` }, svg("rect", { class: "rod", x: tip - rod[0], y: middle - rod[1] / 2, width: rod[0], height: rod[1] }));
+    if (T > 1) drawn.append(text(tip - rod[0] / 2, middle + font / 3, LETTERS[t % 26], "pin-text", sized));
+    picture.append(drawn);
     y += rows[t];
   });
   const base = top + tall + 1.2 * font;
@@ -724,8 +732,7 @@ function start() {
   const found = DATA.pairs.map((p, n) => [n, p, lightest(p)]).filter(([, , k]) => k !== null);
   found.sort(([, p, k], [, q, l]) => isKnown(q, l) - isKnown(p, k) || p.areal[k] - q.areal[l]);
   state.pair = found.length ? found[0][0] : 0;
-  $("about").textContent = DATA.title || DATA.subject;
-  $("keys").textContent = "Dotted: equal areal density. Thin: equal ballistic limit, m/s. Red: perforated more often than not. Blue: stops as asked for. Point at a design to read it, click to pin it. Keys: arrows move (Shift: five steps), Home goes to the lightest, Enter pins, Escape leaves.";
+  $("about").textContent = DATA.subject;
   for (let t = 0; t < T; t++) $("lines").append(html("option", { value: t }, T > 1 ? `ballistic limit against ${LETTERS[t % 26]}` : "ballistic limit"));
   $("lines").append(html("option", { value: "none" }, "areal density only"));
   makeSliders();
