@@ -2,10 +2,11 @@
 // The designs of a scenario: answers are those of the thicknesses on offer, lines between them are interpolated.
 const DATA = JSON.parse(document.getElementById("data").textContent);
 const { threats, scores } = DATA, T = threats.length, Q = scores.length;
+const MIDDLE = { "text-anchor": "middle" }, SMALL = { "font-size": 11 };
 const LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ", MAX_PINS = 6;
 const $ = id => document.getElementById(id);
 
-// --- numbers ---------------------------------------------------------------------------------------------------------
+// --- numbers
 
 const bytes = text => Uint8Array.from(atob(text), each => each.charCodeAt(0)).buffer;
 
@@ -49,21 +50,17 @@ function scoreOf(probability) {
 
 // Slope of the score over the velocity at a node: monotone cubic interpolation (Fritsch and Butland).
 function slope(V, o, q) {
-  const step = n => V[o + n + 1] - V[o + n], rise = n => (step(n) > 0 ? (scores[n + 1] - scores[n]) / step(n) : 0);
   if (q === 0 || q === Q - 1) {
-    const [a, b] = q ? [Q - 2, Q - 3] : [0, 1], m = ((2 * step(a) + step(b)) * rise(a) - step(a) * rise(b)) / (step(a) + step(b));
-    return m < 0 ? Math.max(m, 3 * rise(a)) : 0;
+    const n = q ? -1 : 1, h = n * (V[o + q + n] - V[o + q]), k = n * (V[o + q + 2 * n] - V[o + q + n]);
+    const a = n * (scores[q + n] - scores[q]) / h, b = n * (scores[q + 2 * n] - scores[q + n]) / (k || 1), m = ((2 * h + k) * a - h * b) / (h + k);
+    return m < 0 ? Math.max(m, 3 * a) : 0;
   }
-  const [h, k, a, b] = [step(q - 1), step(q), rise(q - 1), rise(q)];
-  return a < 0 && b < 0 ? 3 * (h + k) / ((2 * k + h) / a + (k + 2 * h) / b) : 0;
+  const h = V[o + q] - V[o + q - 1], k = V[o + q + 1] - V[o + q];
+  if (!(h > 0 && k > 0)) return 0;
+  const a = (scores[q] - scores[q - 1]) / h, b = (scores[q + 1] - scores[q]) / k;
+  return 3 * (h + k) / ((2 * k + h) / a + (k + 2 * h) / b);
 }
-function cubic(V, o, q) {
-  const h = V[o + q + 1] - V[o + q], a = slope(V, o, q) * h, b = slope(V, o, q + 1) * h, [y, z] = [scores[q], scores[q + 1]];
-  return v => {
-    const t = (v - V[o + q]) / h, s = 1 - t;
-    return y * (1 + 2 * t) * s * s + a * t * s * s + z * t * t * (3 - 2 * t) - b * t * t * s;
-  };
-}
+const hermite = (y, z, a, b, t) => ((2 * t - 3) * t * t + 1) * y + (3 - 2 * t) * t * t * z + (1 - t) * (1 - t) * t * a - (1 - t) * t * t * b;
 // Score with which a design stops a velocity: infinite beyond 1 and 99 %, NaN where it is unknown.
 function score(pair, d, v) {
   const V = pair.stops, o = d * Q;
@@ -72,7 +69,9 @@ function score(pair, d, v) {
   if (v > V[o + Q - 1]) return -Infinity;
   let q = 0;
   while (q < Q - 2 && v >= V[o + q + 1]) q++;
-  return v === V[o + q] ? scores[q] : cubic(V, o, q)(v);
+  if (v === V[o + q]) return scores[q];
+  const h = V[o + q + 1] - V[o + q];
+  return hermite(scores[q], scores[q + 1], slope(V, o, q) * h, slope(V, o, q + 1) * h, (v - V[o + q]) / h);
 }
 // Velocity that a design stops with a score.
 function stopped(pair, d, z) {
@@ -80,28 +79,45 @@ function stopped(pair, d, z) {
   let q = 0;
   while (q < Q - 2 && scores[q + 1] > z) q++;
   if (z >= scores[q]) return V[o + q];
-  let low = V[o + q], high = V[o + q + 1];
-  const at = cubic(V, o, q);
-  for (let n = 0; n < 14; n++) if (at((low + high) / 2) > z) low = (low + high) / 2; else high = (low + high) / 2;
-  return low;
+  const h = V[o + q + 1] - V[o + q], a = slope(V, o, q) * h, b = slope(V, o, q + 1) * h;
+  let low = 0, high = 1;
+  for (let n = 0; n < 12; n++) {
+    const middle = (low + high) / 2;
+    if (hermite(scores[q], scores[q + 1], a, b, middle) > z) low = middle; else high = middle;
+  }
+  return V[o + q] + low * h;
 }
 
-// --- what is asked ---------------------------------------------------------------------------------------------------
+// --- what is asked
 
 const state = {
   pair: 0, confidence: DATA.confidence ? 100 * DATA.confidence : null, velocities: threats.map(t => t.velocity),
   most: DATA.most ?? Infinity, lines: "0", tests: true, cursor: null, pins: [],
 };
 // Scores that are asked for against each threat; null where none is.
-const wanted = () => threats.map(t => t.own ?? (state.confidence === null ? null : state.confidence / 100)).map(c => c && scoreOf(c));
+const confidences = () => threats.map(t => t.own ?? (state.confidence === null ? null : state.confidence / 100));
+const wanted = () => confidences().map(c => c && scoreOf(c));
 const required = t => state.velocities[t] + threats[t].margin;
 const anyAsked = () => wanted().some(z => z !== null);
 
-const isKnown = (pair, k) => threats.every((_, t) => !isNaN(pair.stops[(k * T + t) * Q]));
+// Scores of the designs against a threat, and the velocities that they stop with a score, of which the last are kept.
+function kept(pair, name, t, x, of) {
+  const key = name + t, there = (pair.kept ??= {})[key];
+  if (there && there.x === x) return there.values;
+  const values = new Float64Array(pair.areal.length);
+  for (let k = 0; k < values.length; k++) values[k] = of(pair, k * T + t, x);
+  pair.kept[key] = { x, values };
+  return values;
+}
+const chances = (pair, t) => kept(pair, "score", t, state.velocities[t], score);
+const sure = (pair, t, z) => kept(pair, "sure", t, z, stopped);
+const scored = (pair, k, t) => chances(pair, t)[k];
+
+const isKnown = (pair, k) => threats.every((_, t) => !isNaN(scored(pair, k, t)));
 const light = (pair, k) => pair.areal[k] <= state.most + 1e-9;
 // A float of 32 bits is right to 1e-4 m/s.
 const stops = (pair, k, t, z) =>
-  pair.limits[k * T + t] >= required(t) - 1e-4 && (z === null || score(pair, k * T + t, state.velocities[t]) >= z - 1e-6);
+  pair.limits[k * T + t] >= required(t) - 1e-4 && (z === null || scored(pair, k, t) >= z - 1e-6);
 
 // Lightest of the designs on offer for which a condition holds, of equals the first.
 function least(pair, holds) {
@@ -110,50 +126,51 @@ function least(pair, holds) {
     if ((best === null || pair.areal[k] < pair.areal[best] - 1e-9) && light(pair, k) && holds(k)) best = k;
   return best;
 }
-function lightest(pair) {
-  const asked = wanted(), holds = k => asked.every((z, t) => stops(pair, k, t, z));
-  return least(pair, k => isKnown(pair, k) && holds(k)) ?? least(pair, holds);
+function lightest(pair, asked = wanted()) {
+  const key = [asked, state.velocities, state.most].join("|"), found = (pair.found ??= new Map());
+  if (!found.has(key)) {
+    if (found.size > 9) found.clear();
+    const holds = k => asked.every((z, t) => stops(pair, k, t, z));
+    found.set(key, least(pair, k => isKnown(pair, k) && holds(k)) ?? least(pair, holds));
+  }
+  return found.get(key);
 }
-const even = pair => least(pair, k => threats.every((_, t) => score(pair, k * T + t, state.velocities[t]) >= 0));
+const even = pair => least(pair, k => threats.every((_, t) => scored(pair, k, t) >= 0));
 
 // Areal density of the lightest design over x, given designs with the greatest x that they reach.
 function curve(reaching, xs) {
-  return xs.map(x => {
-    let best = Infinity, other = Infinity;
-    for (const [most, areal, known] of reaching)
-      if (most >= x) if (known) best = Math.min(best, areal); else other = Math.min(other, areal);
-    return Math.min(best < Infinity ? best : other);
-  });
+  const known = xs.map(() => Infinity), others = [...known];
+  for (const [most, areal, isKnown] of reaching) {
+    let low = 0, high = xs.length;
+    while (low < high) if (xs[(low + high) >> 1] <= most) low = ((low + high) >> 1) + 1; else high = (low + high) >> 1;
+    const of = isKnown ? known : others;
+    if (low) of[low - 1] = Math.min(of[low - 1], areal);
+  }
+  for (let n = xs.length - 2; n >= 0; n--) for (const of of [known, others]) of[n] = Math.min(of[n], of[n + 1]);
+  return known.map((areal, n) => (areal < Infinity ? areal : others[n]));
 }
 function overConfidence(pair, xs) {
   const asked = wanted(), reaching = [];
   for (const k of pair.designs) {
     if (!light(pair, k) || !threats.every((t, i) => stops(pair, k, i, t.own === null ? null : asked[i]))) continue;
-    const least = Math.min(...threats.map((t, i) => (t.own === null ? score(pair, k * T + i, state.velocities[i]) : Infinity)));
+    const least = Math.min(...threats.map((t, i) => (t.own === null ? scored(pair, k, i) : Infinity)));
     reaching.push([isNaN(least) ? -Infinity : least + 1e-6, pair.areal[k], true]);
   }
-  const none = lightestWith(null, () => lightest(pair));
+  const none = lightest(pair, threats.map((t, i) => (t.own === null ? null : asked[i])));
   return curve(reaching, xs.map(x => scoreOf(x / 100))).map((y, n) => (n ? y : none === null ? Infinity : pair.areal[none]));
-}
-function lightestWith(confidence, of) {
-  const kept = state.confidence;
-  state.confidence = confidence;
-  const found = of();
-  state.confidence = kept;
-  return found;
 }
 function overVelocity(pair, t, xs) {
   const asked = wanted(), reaching = [];
   for (const k of pair.designs) {
     if (!light(pair, k) || !threats.every((_, i) => i === t || stops(pair, k, i, asked[i]))) continue;
     const d = k * T + t, most = pair.limits[d] - threats[t].margin;
-    const sure = asked[t] === null ? Infinity : stopped(pair, d, asked[t]);
-    if (!isNaN(sure)) reaching.push([Math.min(most, sure) + 1e-4, pair.areal[k], isKnown(pair, k)]);
+    const fast = asked[t] === null ? Infinity : sure(pair, t, asked[t])[k];
+    if (!isNaN(fast)) reaching.push([Math.min(most, fast) + 1e-4, pair.areal[k], isKnown(pair, k)]);
   }
   return curve(reaching, xs);
 }
 
-// --- words -----------------------------------------------------------------------------------------------------------
+// --- words
 
 const trimmed = x => String(+x.toFixed(3));
 const areal = x => x.toFixed(1);
@@ -182,18 +199,17 @@ function short(pair, k) {
 }
 // The threat that is most likely to perforate or, where that is unknown, the one with the least margin.
 function governing(pair, k) {
-  const of = threats.map((_, t) => score(pair, k * T + t, state.velocities[t]));
+  const of = threats.map((_, t) => scored(pair, k, t));
   const by = of.some(isNaN) || of.every(z => z === Infinity) ? threats.map((_, t) => pair.limits[k * T + t] - required(t)) : of;
   return by.indexOf(Math.min(...by));
 }
 const worst = (pair, k) => {
-  const of = threats.map((_, t) => score(pair, k * T + t, state.velocities[t]));
+  const of = threats.map((_, t) => scored(pair, k, t));
   return of.some(isNaN) ? NaN : Math.min(...of);
 };
 function confidenceWords() {
-  const asked = threats.map(t => t.own ?? (state.confidence === null ? null : state.confidence / 100));
-  if (new Set(asked).size > 1) return "the confidence asked for";
-  return `${trimmed(100 * asked[0])} % confidence`;
+  const asked = new Set(confidences());
+  return asked.size > 1 ? "the confidence asked for" : `${trimmed(100 * [...asked][0])} % confidence`;
 }
 const within = () => (state.most < Infinity ? ` within ${areal(state.most)} kg/m²` : "");
 const marginWords = () => (threats.some(t => t.margin) ? " plus the margin" : "");
@@ -212,7 +228,7 @@ function headline(pair, best) {
 }
 function besides(pair, best, ring) {
   const words = [];
-  if (anyAsked() && !pair.known) words.push(`The probability is unknown for ${pair.name}: no test of such an armour is known.`);
+  if (!pair.known) words.push(`No test of ${pair.name} is known, so that no probability is.`);
   if (ring !== null && best !== null && anyAsked() && pair.areal[best] > pair.areal[ring]) {
     const more = pair.areal[best] - pair.areal[ring];
     words.push(`${short(pair, ring)}, ${areal(pair.areal[ring])} kg/m², is about as likely perforated as not: what is asked for costs ${areal(more)} kg/m², ${Math.round(100 * more / pair.areal[ring])} % more.`);
@@ -243,7 +259,7 @@ function command(pair, k) {
   return [...DATA.command, ...[...changes.values()].flatMap(change => ["--set", change])].map(quoted).join(" ");
 }
 
-// --- elements --------------------------------------------------------------------------------------------------------
+// --- elements
 
 const SVG = "http://www.w3.org/2000/svg";
 function make(element, attributes, children) {
@@ -264,7 +280,7 @@ function ticks(low, high, count) {
   return found;
 }
 
-// --- the map ---------------------------------------------------------------------------------------------------------
+// --- the map
 
 // Lines where a field over the nodes has a value, in pixels; fields are NaN where they are unknown.
 function contour(view, field, level) {
@@ -276,7 +292,9 @@ function contour(view, field, level) {
   };
   for (let i = 0; i < n - 1; i++)
     for (let j = 0; j < m - 1; j++) {
-      const a = i * m + j, found = [];
+      const a = i * m + j, side = field[a] < level;
+      if (side === field[a + 1] < level && side === field[a + m] < level && side === field[a + m + 1] < level) continue;
+      const found = [];
       for (const [p, q, edge] of [[a, a + 1, 2 * a], [a + 1, a + m + 1, 2 * a + 3], [a + m, a + m + 1, 2 * (a + m)], [a, a + m, 2 * a + 1]])
         if (field[p] < level !== field[q] < level) found.push(at(p, q, edge));
       if (isNaN(field[a] + field[a + 1] + field[a + m] + field[a + m + 1])) continue;
@@ -312,15 +330,16 @@ function area(view, field, level, of) {
   for (let i = 0; i < n - 1; i++) {
     let start = -1;
     for (let j = 0; j < m; j++) {
-      const a = i * m + j, nodes = j < m - 1 ? [[a, j, i], [a + 1, j + 1, i], [a + m + 1, j + 1, i + 1], [a + m, j, i + 1]] : [];
-      const inside = nodes.filter(([k]) => field[k] >= level).length;
-      if (inside === 4) {
+      const a = i * m + j, full = j < m - 1 ? (field[a] >= level) + (field[a + 1] >= level) + (field[a + m] >= level) + (field[a + m + 1] >= level) : 0;
+      if (full === 4) {
         if (start < 0) start = j;
         continue;
       }
       if (start >= 0) parts.push(`M${round([x[start], y[i]])}H${x[j].toFixed(1)}V${y[i + 1].toFixed(1)}H${x[start].toFixed(1)}Z`);
       start = -1;
-      if (!inside || nodes.some(([k]) => isNaN(field[k]))) continue;
+      if (!full) continue;
+      const nodes = [[a, j, i], [a + 1, j + 1, i], [a + m + 1, j + 1, i + 1], [a + m, j, i + 1]];
+      if (nodes.some(([k]) => isNaN(field[k]))) continue;
       const corners = [];
       nodes.forEach(([k, l, o], c) => {
         const [p, q, r] = nodes[(c + 1) % 4];
@@ -372,12 +391,13 @@ function drawMap(pair, best, ring) {
   const { frame, width, height, across, up } = view, box = $("map"), count = pair.areal.length;
   const areas = svg("g"), lines = svg("g"), words = svg("g"), marks = svg("g"), taken = [];
   const asked = wanted(), fields = { asked: new Float64Array(count), even: new Float64Array(count), unknown: new Float64Array(count) };
+  const fast = threats.map((_, t) => asked[t] !== null && sure(pair, t, asked[t])), evens = threats.map((_, t) => kept(pair, "even", t, 0, stopped));
   for (let k = 0; k < count; k++) {
     let a = Infinity, e = Infinity;
     for (let t = 0; t < T; t++) {
-      const d = k * T + t, v = state.velocities[t], sure = asked[t] === null ? Infinity : stopped(pair, d, asked[t]) - v;
-      a = Math.min(a, pair.limits[d] - required(t), sure);
-      e = Math.min(e, pair.known ? stopped(pair, d, 0) - v : NaN);
+      const v = state.velocities[t];
+      a = Math.min(a, pair.limits[k * T + t] - required(t), fast[t] ? fast[t][k] - v : Infinity);
+      e = Math.min(e, evens[t][k] - v);
     }
     fields.asked[k] = a;
     fields.even[k] = -e;
@@ -389,7 +409,7 @@ function drawMap(pair, best, ring) {
     if (anyAsked()) areas.append(area(view, fields.asked, 0, "stops"));
   }
 
-  // Marks of the designs, before the lines, whose labels keep clear of them.
+  // Designs first: labels of lines keep clear of their words.
   const right = [], colours = [[ring, "even", "t-red", "red thin"], [best, "best", anyAsked() ? "t-blue" : "strong", "blue thin"]];
   for (const [k, of, colour, line] of colours) {
     if (k === null || (of === "even" && k === best)) continue;
@@ -462,11 +482,11 @@ function drawMap(pair, best, ring) {
   axes.append(svg("rect", { class: "frame", x: frame.left, y: frame.top, width: frame.right - frame.left, height: frame.bottom - frame.top }));
   const marked = (values, of, low, high) => (values.length > 1 ? ticks(low, high, of) : values);
   for (const b of marked(pair.backings, view.narrow ? 5 : 8, across.low, across.high))
-    axes.append(text(across.at(b), frame.bottom + 16, trimmed(b), "t-soft", { "text-anchor": "middle" }));
+    axes.append(text(across.at(b), frame.bottom + 16, trimmed(b), "t-soft", MIDDLE));
   for (const c of marked(pair.ceramics, view.narrow ? 5 : 9, up.low, up.high))
     axes.append(text(frame.left - 6, up.at(c) + 4, trimmed(c), "t-soft", { "text-anchor": "end" }));
   box.setAttribute("viewBox", `0 0 ${width} ${height}`);
-  box.setAttribute("aria-label", `Map of ${pair.name}: ceramic thickness over back plate thickness. ${headline(pair, best)}`);
+  box.setAttribute("aria-label", `Map of ${pair.name}. ${headline(pair, best)}`);
   box.replaceChildren(areas, lines, axes, marks, words, svg("g", { id: "over" }));
   const said = flat ? ["Dotted: equal areal density.", ...(state.lines === "none" ? [] : ["Thin: equal ballistic limit, m/s."])] : [];
   if (flat && pair.known) said.push("Red: perforated more often than not.", ...(anyAsked() ? ["Blue: stops as asked for."] : []));
@@ -486,19 +506,19 @@ function drawOver(pair) {
   state.pins.forEach((pin, n) => {
     if (pin.pair !== pair) return;
     const [c, b] = thicknesses(pair, pin.k), [x, y] = [across.at(b), up.at(c)];
-    over.append(svg("circle", { class: "pin", cx: x, cy: y, r: 8 }), text(x, y + 4, String(n + 1), "pin-text", { "text-anchor": "middle" }));
+    over.append(svg("circle", { class: "pin", cx: x, cy: y, r: 8 }), text(x, y + 4, String(n + 1), "pin-text", MIDDLE));
   });
   if (state.cursor === null) return;
   const [c, b] = thicknesses(pair, state.cursor), [x, y] = [across.at(b), up.at(c)];
   over.append(path([[frame.left, y], [x, y]], "cross"), path([[x, frame.bottom], [x, y]], "cross"), svg("circle", { class: "cursor", cx: x, cy: y, r: 8 }));
-  const chip = (cx, cy, said, width) => over.append(svg("rect", { class: "pin", x: cx - width / 2, y: cy - 10, width, height: 19, rx: 3 }), text(cx, cy + 4, said, "pin-text", { "text-anchor": "middle" }));
+  const chip = (cx, cy, said, width) => over.append(svg("rect", { class: "pin", x: cx - width / 2, y: cy - 10, width, height: 19, rx: 3 }), text(cx, cy + 4, said, "pin-text", MIDDLE));
   if (pair.ceramic) chip(frame.left - 15, y, trimmed(c), 32);
   chip(x, frame.bottom + 13, trimmed(b), 32);
   const said = `${areal(pair.areal[state.cursor])} kg/m² · ${chance(worst(pair, state.cursor))}`, width = 7 * said.length + 8;
   chip(Math.min(Math.max(x, width / 2), view.width - width / 2), y > 40 ? y - 24 : y + 26, said, width);
 }
 
-// --- beside the map --------------------------------------------------------------------------------------------------
+// --- beside the map
 
 function drawPairs() {
   const box = $("pairs");
@@ -528,10 +548,10 @@ function drawPairs() {
 function drawCurve(slider, xs, ys, value) {
   const real = ys.filter(Number.isFinite), picture = slider.picture, at = x => 4 + 292 * (x - xs[0]) / (xs.at(-1) - xs[0]);
   picture.replaceChildren();
-  if (!real.length) return picture.append(text(4, 28, "none on offer", "t-soft", { "font-size": 11 }));
+  if (!real.length) return picture.append(text(4, 28, "none on offer", "t-soft", SMALL));
   const low = Math.min(...real), high = Math.max(...real), up = y => 34 - 14 * (high > low ? (y - low) / (high - low) : 0);
   const points = xs.map((x, n) => [at(x), up(ys[n])]).filter((_, n) => Number.isFinite(ys[n]));
-  picture.append(path(points, "frame"), text(4, points[0][1] - 5, areal(real[0]), "t-soft", { "font-size": 11 }));
+  picture.append(path(points, "frame"), text(4, points[0][1] - 5, areal(real[0]), "t-soft", SMALL));
   if (points.at(-1)[0] < 215) picture.append(text(300, 40, "none on offer", "t-soft", { "font-size": 11, "text-anchor": "end" }));
   const pair = DATA.pairs[state.pair], best = lightest(pair);
   if (best === null) return;
@@ -612,7 +632,7 @@ function distribution(pair, d, v) {
 function drawDesign(pair, best) {
   const k = state.cursor ?? best, box = $("design");
   box.replaceChildren();
-  if (k === null) return box.append(html("p", { class: "soft" }, "Point at a design, or move to it with the arrow keys, to read it."));
+  if (k === null) return box.append(html("p", { class: "soft" }, "Point at a design to read it."));
   const [c, b] = thicknesses(pair, k), governs = governing(pair, k), pinned = state.pins.some(p => p.pair === pair && p.k === k);
   box.append(html("h2", {}, armour(pair, k)));
   const difference = best === null || k === best ? "" : ` (${pair.areal[k] < pair.areal[best] ? "−" : "+"}${areal(Math.abs(pair.areal[k] - pair.areal[best]))})`;
@@ -638,7 +658,6 @@ function pin(k) {
   drawDesign(pair, lightest(pair));
   drawTable(pair, lightest(pair), even(pair));
 }
-// A line ends before an option where it can.
 const parts = words => words.split(/ (?=--set )/).flatMap(part => [html("span", {}, part), " "]);
 async function copy(words, code, button) {
   try {
@@ -650,35 +669,33 @@ async function copy(words, code, button) {
   }
 }
 function drawTable(pair, best, ring) {
-  const rows = [[pair, best, "●", "t-blue"], [pair, ring === best ? null : ring, "○", "t-red"], ...state.pins.map((p, n) => [p.pair, p.k, String(n + 1), ""])].filter(row => row[1] !== null);
+  const rows = [[pair, best, "●", "t-blue"], [pair, ring === best ? null : ring, "○", "t-red"], ...state.pins.map((p, n) => [p.pair, p.k, String(n + 1), "", p])].filter(row => row[1] !== null);
   const from = best === null ? null : pair.areal[best];
   const heads = ["armour", "kg/m²", ...(from === null ? [] : [`from ${areal(from)}`]), ...threats.flatMap((_, t) => [`${letter(t)}limit, m/s`, `${letter(t)}stopped`])];
   const body = html("tbody");
-  rows.forEach(([of, k, mark, colour], n) => {
+  for (const [of, k, mark, colour, pinned] of rows) {
     const difference = from === null ? 0 : of.areal[k] - from;
     const cells = [areal(of.areal[k]), ...(from === null ? [] : [Math.abs(difference) < 0.05 ? "" : `${difference < 0 ? "−" : "+"}${areal(Math.abs(difference))}`]),
-      ...threats.flatMap((_, t) => [String(Math.floor(of.limits[k * T + t] + 1e-4)), chance(score(of, k * T + t, state.velocities[t]))])];
+      ...threats.flatMap((_, t) => [String(Math.floor(of.limits[k * T + t] + 1e-4)), chance(scored(of, k, t))])];
     body.append(html("tr", {}, html("td", {}, html("span", {}, html("span", { class: colour }, `${mark} `), armour(of, k))), ...cells.map((cell, i) => html("td", { "data-label": heads[i + 1] }, html("span", {}, cell)))));
     const words = command(of, k), code = html("code", {}, ...parts(words)), button = html("button", { type: "button" }, "Copy");
     button.addEventListener("click", () => copy(words, code, button));
     const cell = html("td", { colspan: heads.length }, code, button);
-    if (mark === String(n + 1 - rows.length + state.pins.length) && colour === "") {
+    if (pinned) {
       const remove = html("button", { type: "button" }, "Remove");
-      remove.addEventListener("click", () => { state.pins.splice(+mark - 1, 1); draw(); });
+      remove.addEventListener("click", () => { state.pins = state.pins.filter(p => p !== pinned); draw(); });
       cell.append(" ", remove);
     }
     body.append(html("tr", { class: "command" }, cell));
-  });
+  }
   $("table").replaceChildren(html("table", {}, html("thead", {}, html("tr", {}, ...heads.map(each => html("th", { scope: "col" }, each)))), body));
 }
 function drawNotes(pair) {
   const kinds = pair.onOffer.length, said = [
-    pair.known ? `Probabilities of ${pair.name} rest on: ${pair.source}.` : `No test of ${pair.name} is known, so that no probability is.`,
+    pair.known && `Probabilities of ${pair.name} rest on: ${pair.source}.`,
     "Probabilities are those of one shot and of the error of the model, as the evidence gives it; they are no probability of survival.",
     `${kinds} designs of this pair are ${pair.free.some(Boolean) ? "shown of any thickness on offer" : "on offer, and exact"}; lines between them are interpolated.${pair.coarser ? " To keep the page small, they are coarser than they could be." : ""}`,
-    pair.known && pair.stops.some(isNaN) ? "Grey: the probability is unknown, as such thicknesses are too unlike the tests." : "",
-    pair.ceramics.length < 2 && pair.ceramic ? "One ceramic thickness is on offer: its designs lie on a line." : "",
-    pair.backings.length < 2 ? "One back plate thickness is on offer: its designs lie on a line." : "",
+    pair.known && pair.stops.some(isNaN) && "Grey: the probability is unknown, as such thicknesses are too unlike the tests.",
     ...DATA.notes, `armour ${DATA.version}${DATA.title ? `; ${DATA.title}` : ""}`,
   ];
   $("notes").replaceChildren(...said.filter(Boolean).map(each => html("p", {}, each)));
@@ -696,7 +713,7 @@ function draw() {
   drawNotes(pair);
 }
 
-// --- pointer and keys ------------------------------------------------------------------------------------------------
+// --- pointer and keys
 
 function move(k) {
   if (k === state.cursor) return;
