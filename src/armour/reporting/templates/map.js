@@ -231,7 +231,7 @@ function besides(pair, best, ring) {
   if (!pair.known) words.push(`No test of ${pair.name} is known, so that no probability is.`);
   if (ring !== null && best !== null && anyAsked() && pair.areal[best] > pair.areal[ring]) {
     const more = pair.areal[best] - pair.areal[ring];
-    words.push(`${short(pair, ring)}, ${areal(pair.areal[ring])} kg/m², is about as likely perforated as not: what is asked for costs ${areal(more)} kg/m², ${Math.round(100 * more / pair.areal[ring])} % more.`);
+    words.push(`${short(pair, ring)}, ${areal(pair.areal[ring])} kg/m², stops more often than not: what is asked for costs ${areal(more)} kg/m², ${Math.round(100 * more / pair.areal[ring])} % more.`);
   }
   const own = best === null ? Infinity : pair.areal[best];
   const rival = DATA.pairs.map(p => [p, lightest(p)]).filter(([p, k]) => k !== null && p !== pair && p.areal[k] < own - 1e-9 && (isKnown(p, k) || !pair.known))

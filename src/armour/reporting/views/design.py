@@ -414,7 +414,7 @@ class _MapDrawing:
         if any(self.asked) and not np.isnan(self.grid.stopped_m_s).all():
             even = lightest(self.catalogue, self.grid, 0.5)
             if even is not None:
-                yield even, self.words(even, "an even chance"), {**BEST, "filled": False, "colour": "vermilion"}
+                yield even, self.words(even, "50 % or more"), {**BEST, "filled": False, "colour": "vermilion"}
         chances = [best.probabilities_of_defeat[name] for name in names]
         least = None if None in chances else min(c for c in chances if c is not None)
         if (refined := self.result.refined) is not None:
