@@ -249,7 +249,7 @@ def _best(velocities: Sequence[float], v50: float, scatter: float) -> float:
 CANDIDATES, TAIL, WIDE_TAIL, SCATTERS, AROUND = 101, 1e-3, 0.025, 2.0, 4.0
 # Continuations of the firing that are simulated to tell how many shots are still to be expected, the nodes of their
 # grid, their velocities and the most shots of each.
-FUTURES, FUTURE_NODES, FUTURE_CANDIDATES, MOST_SHOTS = 40, (101, 11), 61, 100
+FUTURES, FUTURE_NODES, FUTURE_CANDIDATES, MOST_SHOTS = 40, (401, 11), 61, 100
 # Another confidence, of which the number of shots is given too.
 SOONER = 0.9
 # Simulated firings for each point of an operating characteristic, and where these are: the distance of the velocity in
