@@ -250,12 +250,13 @@ def test_many_firings_at_once_choose_as_one_does():
 def test_fewer_shots_are_expected_for_a_wider_interval_and_as_shots_are_fired():
     wide, _ = expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=30.0))
     narrow, sooner = expected_shots(SHOTS, BAYESIAN)
-    start, _ = expected_shots(Shots((), ()), BAYESIAN)
+    later, _ = expected_shots(Shots(2 * SHOTS.velocities_m_s, 2 * SHOTS.complete), BAYESIAN)
     assert (narrow, sooner) == expected_shots(SHOTS, BAYESIAN)
     assert wide is not None
     assert narrow is not None
-    assert start is not None
-    assert 0 < wide < narrow < start
+    assert later is not None
+    assert 0 < wide < narrow
+    assert 0 < later < narrow
     assert expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=0.5)) == (None, None)
     # The velocities do not depend on the confidence.
     assert sooner is not None
