@@ -250,7 +250,7 @@ def test_many_firings_at_once_choose_as_one_does():
 def test_fewer_shots_are_expected_for_a_wider_interval_and_as_shots_are_fired():
     wide, _ = expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=30.0))
     narrow, sooner = expected_shots(SHOTS, BAYESIAN)
-    later, _ = expected_shots(Shots(2 * SHOTS.velocities_m_s, 2 * SHOTS.complete), BAYESIAN)
+    later, _ = expected_shots(Shots((*SHOTS.velocities_m_s,) * 2, (*SHOTS.complete,) * 2), BAYESIAN)
     assert (narrow, sooner) == expected_shots(SHOTS, BAYESIAN)
     assert wide is not None
     assert narrow is not None
