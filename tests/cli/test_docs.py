@@ -73,7 +73,6 @@ def test_a_session_prints_what_it_shows(cli, empty: Path, page: Path, commands: 
         result = cli(*shlex.split(re.split("  #| > ", command)[0])[1:])
         may_fail = command.startswith(("armour check", "armour validate"))
         assert result.exit_code in ((0, 3) if may_fail else (0,)), result.output
-        )
         printed = iter([plain(line) for line in (*result.stdout.splitlines(), *result.stderr.splitlines())])
         for line in lines:
             if line.strip() not in ("...", "") and not set(line) <= {"─"}:
