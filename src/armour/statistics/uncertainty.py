@@ -389,7 +389,7 @@ def influences(
     for i, name in enumerate(varied):
         ends[name][2 * i : 2 * i + 2] = quantiles(section.inputs()[name], ENDS, own[name])
     found = sample_limits(sampled(scenario, ends, 2 * len(varied))).reshape(-1, 2).tolist()
-    limits_at_ends = {name: (low, high) for name, (low, high) in zip(varied, found, strict=True)}
+    limits_at_ends = {name: (float(low), float(high)) for name, (low, high) in zip(varied, found, strict=True)}
     if error is not None:
         [nominal] = sample_limits(sampled(scenario, {}, 1))
         low, high = (nominal * (1.0 + error.quantile(ENDS))).tolist()
