@@ -23,7 +23,7 @@ lowest: $(LOWEST)/installed
 	$(LOWEST)/bin/ruff format --check .
 	$(LOWEST)/bin/ruff check .
 	$(LOWEST)/bin/lint-imports
-	$(LOWEST)/bin/pytest -n auto tests/test_*.py tests/cli tests/engine tests/reporting tests/scenario tests/sweeps
+	$(LOWEST)/bin/pytest -n auto -m 'not slow' tests/test_*.py tests/cli tests/engine tests/reporting tests/scenario tests/sweeps
 
 check: $(VENV)/developing site
 	$(BIN)/ruff format --check .
