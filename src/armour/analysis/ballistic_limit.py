@@ -14,7 +14,7 @@ from armour.core import search
 from armour.core.state import Parameters
 from armour.errors import InputError, NoLimitError
 from armour.scenario.checked import checked
-from armour.scenario.evidence import ModelError, closest, is_unusual, why_unknown
+from armour.scenario.evidence import ModelError, is_unusual, why_unknown
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 
@@ -152,7 +152,7 @@ def model_error(scenario: Scenario, limit_m_s: float) -> ModelError | None:
     # Imported here because only this error needs numpy.
     import numpy as np
 
-    from armour.scenario.own_evidence import own_tests, own_tests_of, with_own
+    from armour.scenario.own_evidence import error_of_armour, own_tests, with_own
     from armour.scenario.predictive import LAW_FIELDS, errors_of
 
     armour, cosines = scenario.core_armour(), np.array([scenario.cosine()])
@@ -165,11 +165,7 @@ def model_error(scenario: Scenario, limit_m_s: float) -> ModelError | None:
         other = armour._replace(**dict(zip(LAW_FIELDS, flow_stress, strict=True)))
         limits.append(_lowest_limit(scenario, other) if errors.used(law).all() else limit_m_s)
     ratio = errors.of_limits(np.array(limits)[:, None] / limit_m_s)
-    evidence = closest(armour)
-    source, extrapolated = evidence.title, evidence.extrapolated(armour)
-    if own := own_tests_of(tests, armour):
-        source, extrapolated = own.evidence.source, own.extrapolated(armour)
-    return ModelError.of_ratio(ratio.one(), source, extrapolated)
+    return error_of_armour(ratio.one(), tests, armour)
 
 
 def _lowest_limit(scenario: Scenario, armour: Parameters) -> float:

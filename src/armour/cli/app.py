@@ -159,8 +159,8 @@ def _armour(
 
     First step: `armour init mine.toml` writes a scenario with every key explained; `armour check mine.toml` answers.
 
-    Exit codes: 0 success; 1 the question has no answer in the given range; 2 invalid input; 3 a check of `check`
-    or `validate` failed; 130 interrupted.
+    Exit codes: 0 success; 1 the question has no answer in the given range; 2 invalid input; 3 a check failed, of
+    `check` or `validate`; 130 interrupted.
     """
 
 

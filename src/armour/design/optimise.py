@@ -15,10 +15,10 @@ from armour.design.catalogue import MARGIN, NO_BOUND, Candidates, Catalogue, cat
 from armour.design.search import Requirement, Search
 from armour.errors import NoDesignError, Note, Problem, refuse
 from armour.scenario.checked import checked
-from armour.scenario.evidence import MEASURES, REMEDY, ModelError, armour_warnings, closest
+from armour.scenario.evidence import MEASURES, REMEDY, ModelError, armour_warnings
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, OBLIQUITY, VELOCITY
 from armour.scenario.mixture import Mixture
-from armour.scenario.own_evidence import own_tests, own_tests_of
+from armour.scenario.own_evidence import error_of_armour, own_tests
 from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import DesignSection, shot
 
@@ -440,13 +440,11 @@ def _model_error(search: Search, place: int, threat: int, ratio: Mixture) -> Mod
     """Return the error of the model for a design against a threat, given the distribution of the limits' ratio."""
     if np.isnan(ratio.weights).any():
         return None
-    given, armour = search.catalogue.scenario.given_error(), _armour(search, place, threat)
+    scenario = search.catalogue.scenario
+    given = scenario.given_error()
     if given is not None:
         return ModelError.of_ratio(ratio, given.source)
-    if own := own_tests_of(own_tests(search.catalogue.scenario.entries), armour):
-        return ModelError.of_ratio(ratio, own.evidence.source, own.extrapolated(armour))
-    evidence = closest(armour)
-    return ModelError.of_ratio(ratio, evidence.title, evidence.extrapolated(armour))
+    return error_of_armour(ratio, own_tests(scenario.entries), _armour(search, place, threat))
 
 
 def _armour(search: Search, place: int, threat: int) -> Parameters:

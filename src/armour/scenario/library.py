@@ -361,7 +361,6 @@ class Library:
 
     def entry(self, kind: Kind, name: str) -> LibraryEntry:
         """Return an entry; if there is none, an InputError suggests the closest name."""
-        self.names(kind)
         known = self.known(kind)
         if name not in known:
             message = f"must name a {kind} of the library, found {describe(name)}{suggestion(str(name), list(known))}"
@@ -370,9 +369,8 @@ class Library:
 
     def known(self, kind: Kind) -> dict[str, str]:
         """Return the names of the entries of a kind by each name that they have."""
-        entries = self.entries[kind].values()
-        others = {other: entry.name for entry in entries for other in entry.aliases}
-        return others | {entry.name: entry.name for entry in entries}
+        own = {name: name for name in self.names(kind)}
+        return {other: name for name in own for other in self.entries[kind][name].aliases} | own
 
     @cached_property
     def own_tests(self) -> tuple[LibraryEntry, ...]:

@@ -7,11 +7,18 @@ import numpy as np
 
 from armour.core.equations import THINNEST_CERAMIC
 from armour.core.state import Parameters
-from armour.scenario.evidence import MEASURES, DataRange
+from armour.scenario.evidence import MEASURES, DataRange, ModelError, closest
 from armour.scenario.inputs import INPUTS, ROLES, fields_of, inputs_of_entry
 from armour.scenario.library import FLOW_STRESS_LAW, Library, LibraryEntry, OwnEvidence
-from armour.scenario.mixture import Floats
-from armour.scenario.predictive import FARTHEST_BARE, FARTHEST_CERAMIC, LAW_FIELDS, Errors
+from armour.scenario.mixture import Floats, Mixture
+from armour.scenario.predictive import (
+    FARTHEST_BARE,
+    FARTHEST_CERAMIC,
+    LAW_FIELDS,
+    THICKNESSES,
+    Errors,
+    factor_outside,
+)
 from armour.scenario.scenario import NORMAL
 
 # Factor by which densities, strengths and the length of the penetrator may be outside of those of the tests.
@@ -20,7 +27,6 @@ ALIKE = 1.1
 TREND = 0.24
 # Part of a number that is rounding, and factor by which written ends of ranges are rounded.
 ROUNDING, DIGITS = 1e-9, 1.001
-THICKNESSES = ("ceramic_thickness_ratio", "backing_thickness_ratio")
 PRODUCT = "flow_stress_product_exponent"
 
 
@@ -52,7 +58,7 @@ class OwnTests(NamedTuple):
 
     def extrapolated(self, armour: Parameters) -> tuple[str, ...]:
         """Return the ranges of the tests, in words, that an armour lies outside of by more than rounding."""
-        return tuple(str(limits) for _, limits in self.ranges() if _outside(limits, armour) > DIGITS)
+        return tuple(str(limits) for _, limits in self.ranges() if factor_outside(limits, armour) > DIGITS)
 
     def why_unknown(self, armour: Parameters) -> str:
         """Return why the error of the model is not known for an armour of the entry."""
@@ -78,6 +84,15 @@ def own_tests_of(tests: Iterable[OwnTests], armour: Parameters) -> OwnTests | No
     return next((each for each in tests if each.matches(armour)), None)
 
 
+def error_of_armour(ratio: Mixture, tests: Iterable[OwnTests], armour: Parameters) -> ModelError:
+    """Return the error of the model on own tests, or else on the shipped ones, given the distribution of the ratio."""
+    own = own_tests_of(tests, armour)
+    if own is not None:
+        return ModelError.of_ratio(ratio, own.evidence.source, own.extrapolated(armour))
+    evidence = closest(armour)
+    return ModelError.of_ratio(ratio, evidence.title, evidence.extrapolated(armour))
+
+
 def with_own(errors: Errors, tests: Sequence[OwnTests], armour: Parameters, cosines: Any) -> Errors:
     """Return the errors of n armours by the shipped tests with those of armours that have entries with own tests."""
     for each in reversed(tests):
@@ -89,14 +104,6 @@ def with_own(errors: Errors, tests: Sequence[OwnTests], armour: Parameters, cosi
             for into, values in zip(errors.arrays, own.arrays, strict=True):
                 into[..., where] = values
     return errors
-
-
-def _outside(limits: DataRange, armour: Parameters) -> Any:
-    """Return the factor by which n armours are outside of a range, at least 1; infinite for none against some."""
-    value = np.asarray(limits.measure.of(armour), dtype=np.float64)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        factor = np.maximum(value / limits.high, limits.low / value)
-    return np.where((value >= limits.low) & (value <= limits.high), 1.0, np.maximum(factor, 1.0))
 
 
 def errors_of_own(tests: OwnTests, armour: Parameters, cosines: Any) -> Errors:
@@ -118,7 +125,7 @@ def errors_of_own(tests: OwnTests, armour: Parameters, cosines: Any) -> Errors:
     farthest = np.where(bare, FARTHEST_BARE, FARTHEST_CERAMIC)
     known, far = cosines >= np.cos(np.radians(tests.evidence.steepest_deg)) - ROUNDING, np.ones(count)
     for name, limits in tests.ranges():
-        factor = _outside(limits, armour)
+        factor = factor_outside(limits, armour)
         known &= factor <= (farthest if name in THICKNESSES else ALIKE)
         far = np.maximum(far, factor) if name in THICKNESSES else far
     doubt = np.where(bare, TREND * np.log(np.where(known, far, 1.0)), 0.0)

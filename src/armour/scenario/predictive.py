@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armour.core.state import Parameters
-from armour.scenario.evidence import MEASURES, Evidence, follows, shipped_data, shipped_evidence
+from armour.scenario.evidence import MEASURES, DataRange, Evidence, follows, shipped_data, shipped_evidence
 from armour.scenario.library import DEFAULTS
 from armour.scenario.mixture import Floats, Mixture
 from armour.units import GPA, MPA
@@ -23,6 +23,8 @@ CORE = 0.0215
 TREND_DOUBT = 0.5
 # Factors outside the ranges of the tests beyond which the error is not known, of bare plates and with a ceramic.
 FARTHEST_BARE, FARTHEST_CERAMIC = float(np.exp(0.5)), 2.0
+# Ratios that the error of armour with a ceramic depends on.
+THICKNESSES = ("ceramic_thickness_ratio", "backing_thickness_ratio")
 # Parameters of the core that make a law of the flow stress.
 LAW_FIELDS = ("Yc0", "n_B", "n_cB", "a_c", "a_B")
 
@@ -69,8 +71,11 @@ def matrix_of(terms: Sequence[str], reference: tuple[float, float], conditions: 
 
 
 # Measured ranges of which the trend beyond them is doubted: the condition that each is of, and its value in that unit.
-DOUBTED = {"backing_thickness_ratio": ("backing", 1.0), "backing_strength_GPa": ("strength", GPA / MPA / CONSTRAINT)}
-DOUBTED_CORE = {**DOUBTED, "rod_mass_ratio": ("core", 1.0)}
+DOUBTED = {
+    "backing_thickness_ratio": ("backing", 1.0),
+    "backing_strength_GPa": ("strength", GPA / MPA / CONSTRAINT),
+    "rod_mass_ratio": ("core", 1.0),
+}
 
 
 class Fit(NamedTuple):
@@ -226,18 +231,27 @@ def farthest(evidence: Evidence) -> float:
 
 def outside(evidence: Evidence, armour: Parameters) -> Any:
     """Return the greatest factor by which n armours are outside the ranges of tests that the error depends on."""
-    names = DOUBTED_CORE if evidence.bare else ("ceramic_thickness_ratio", "backing_thickness_ratio")
-    factor: Any = 1.0
-    for limits in evidence.measured:
-        if limits.measure in [MEASURES[name] for name in names]:
-            value = limits.measure.of(armour)
-            with np.errstate(divide="ignore"):
-                factor = np.maximum(factor, np.maximum(value / limits.high, limits.low / value))
-    return factor
+    measures = [MEASURES[name] for name in (DOUBTED if evidence.bare else THICKNESSES)]
+    factors = [factor_outside(limits, armour) for limits in evidence.measured if limits.measure in measures]
+    return np.maximum.reduce(factors)
+
+
+def factor_outside(limits: DataRange, armour: Parameters) -> Any:
+    """Return the factor by which n armours are outside of a range, at least 1; infinite for none against some."""
+    value = np.asarray(limits.measure.of(armour), dtype=np.float64)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        factor = np.maximum(value / limits.high, limits.low / value)
+    return np.where((value >= limits.low) & (value <= limits.high), 1.0, np.maximum(factor, 1.0))
 
 
 def _set_bare(found: Errors, evidence: Evidence, where: Any, conditions: Conditions) -> None:
     """Set the errors of bare plates: of the last fit whose terms are given and were tested."""
+    measured = {limits.measure: limits for limits in evidence.measured}
+    ranges = {
+        condition: (limits.low * unit, limits.high * unit)
+        for name, (condition, unit) in DOUBTED.items()
+        if (limits := measured.get(MEASURES[name])) is not None
+    }
     for fit in map(fits().__getitem__, evidence.fits):
         if fit.tensile is None:
             rows = np.arange(len(where))
@@ -245,12 +259,6 @@ def _set_bare(found: Errors, evidence: Evidence, where: Any, conditions: Conditi
             ratio = conditions.tensile / conditions.strength
             rows = np.flatnonzero((ratio >= fit.tensile[0]) & (ratio <= fit.tensile[1]))
         some = Conditions(*(values[rows] for values in conditions))
-        measured = {limits.measure: limits for limits in evidence.measured}
-        ranges = {
-            condition: (limits.low * unit, limits.high * unit)
-            for name, (condition, unit) in DOUBTED_CORE.items()
-            if (limits := measured.get(MEASURES[name])) is not None
-        }
         shifts, scales = fit.predicted(some, ranges)
         places = where[rows]
         found.weights[:, 0, places] = 0.0

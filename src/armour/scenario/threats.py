@@ -1,9 +1,7 @@
 """Threats by name: round, velocity and angle, as standards list them."""
 
 from functools import cache
-from typing import Annotated, Literal
-
-from pydantic import Field
+from typing import Literal
 
 from armour.files import read_toml, shipped
 from armour.scenario.sections import Section, validated
@@ -20,7 +18,8 @@ class NamedThreat(Section):
     round: str
     projectile: str
     velocity_m_s: float
-    tolerance_m_s: Annotated[float | None, Field(description="of the velocity in a test")] = None
+    tolerance_m_s: float | None = None
+    """By which the velocity of a shot may differ."""
     obliquity_deg: float | None = None
     status: Literal["confirmed", "unconfirmed"]
     source: str

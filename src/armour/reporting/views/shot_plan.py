@@ -74,7 +74,10 @@ def _plan_table(plan: ShotPlan) -> Table:
         (Column("producer's risk, of rejecting what meets it"), _risk(plan.producers_risk)),
         (Column("likelihood ratio for it"), _ratio(plan.evidence_met, plan.consumers_risk)),
         (Column("likelihood ratio against it"), _ratio(plan.evidence_not_met, plan.producers_risk)),
-        (Column(f"probability that it is met{by}"), chance(plan.probability_met) if plan.probability_met else ""),
+        (
+            Column(f"probability that it is met{by}"),
+            "" if plan.probability_met is None else chance(plan.probability_met),
+        ),
         column_of("true_v50_m_s", ".1f", "V50 simulated"),
         column_of("true_scatter_m_s", ".1f", "scatter simulated"),
     )
