@@ -1,4 +1,4 @@
-"""Fit the error of the model to the shipped tests, and write the fits to configs/evidence.toml.
+"""Fit the model error to the shipped tests, and write the fits to configs/evidence.toml.
 
     python -m tools.evidence
 

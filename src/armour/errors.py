@@ -6,7 +6,7 @@
     ├── InputError            the input is wrong; lists every mistake found        (exit code 2)
     └── NoAnswerError         the question has no answer in the given range        (exit code 1)
         ├── NoLimitError      no ballistic limit in the range of velocities
-        └── NoDesignError     no design of the grid defeats the threat
+        └── NoDesignError     no design of the grid stops the projectile
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -97,7 +97,7 @@ class NoLimitError(NoAnswerError):
 
 
 class NoDesignError(NoAnswerError):
-    """No design of the grid defeats the threat."""
+    """No design of the grid stops the projectile."""
 
 
 def refuse(problems: Iterable[Problem]) -> None:

@@ -81,7 +81,7 @@ def test_a_range_without_a_limit(low: float, high: float, message: str):
 def test_a_lowest_velocity_that_perforates_is_no_limit(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(search, "DENSE_SCAN_POINTS", search.SCAN_POINTS)
     of = changing_designs()["defeated in between"].replaced({"ballistic_limit": {"velocity_min_m_s": 600.0}})
-    with pytest.raises(NoLimitError, match=r"perforates, but some higher velocities do not .*defeated above 670\.9"):
+    with pytest.raises(NoLimitError, match=r"perforates, but some higher velocities do not .*stopped above 670\.9"):
         ballistic_limit(of)
 
 
@@ -119,7 +119,7 @@ def test_an_armour_that_the_slowest_impact_perforates_has_no_probability():
     found = confidence(scenario(ballistic_limit={"velocity_min_m_s": 790.0}))
     assert (found.probability_of_defeat, found.ballistic_limit_m_s) == (None, None)
     assert "790" in found.reason
-    assert repr(found).endswith(": probability of defeat not known>")
+    assert repr(found).endswith(": probability of stopping the projectile not known>")
 
 
 def test_an_armour_that_the_fastest_impact_does_not_perforate_is_at_least_as_good():

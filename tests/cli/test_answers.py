@@ -78,7 +78,7 @@ def test_all_crossings_are_shown(cli, folder: Path):
     (folder / "changing.toml").write_text(changing_designs()["defeated again"].to_toml())
     result = cli("ballistic-limit", "changing.toml")
     assert "not monotonic" in result.stderr
-    assert [line.split()[-1] for line in result.stdout.splitlines()[-3:-1]] == ["perforated", "defeated"]
+    assert [line.split()[-1] for line in result.stdout.splitlines()[-3:-1]] == ["perforated", "stopped"]
 
 
 def test_a_frontier_and_a_front_as_csv(cli, folder: Path):

@@ -93,7 +93,7 @@ def test_a_pair_without_a_design_says_which_constraint_keeps_it_out(free: dict[s
     most = min(masses.values())
     held = optimise(catalogue(areal_density_max_kg_m2=most, thickness_max_mm=1000.0, **free)).pairs
     assert {(pair.ceramic, pair.backing): pair.reason for pair in held} == {
-        names: f"design.areal_density_max_kg_m2: the lightest design that defeats every threat has {mass:.4g} kg/m², "
+        names: f"design.areal_density_max_kg_m2: the lightest design that stops every threat has {mass:.4g} kg/m², "
         f"at most {most:g} kg/m² is allowed"
         if mass > most
         else ""
@@ -106,17 +106,17 @@ def test_a_pair_of_which_no_free_thickness_defeats_the_threats():
     ceramics = [{"material": "AD85", "thickness_mm": {"min": 1.0, "max": 12.0}}]
     for constraint in ({}, {"areal_density_max_kg_m2": 500.0}):
         result = optimise(catalogue(ceramic=ceramics, backing=metals, **constraint))
-        assert [pair.reason for pair in result.pairs] == ["", "no design defeats every threat and all slower impacts"]
+        assert [pair.reason for pair in result.pairs] == ["", "no design stops every threat and all slower impacts"]
 
 
 def test_nothing_on_offer():
     lightest = optimise(catalogue()).best.thickness_mm
-    least = f"the lightest design that defeats every threat has {lightest:.4g} mm, at most 5 mm is allowed"
+    least = f"the lightest design that stops every threat has {lightest:.4g} mm, at most 5 mm is allowed"
     with pytest.raises(NoDesignError, match=rf"^design\.thickness_max_mm: {least}$"):
         optimise(catalogue(thickness_max_mm=5.0))
     fast = [{"projectile": "7.62 mm AP", "velocity_m_s": 2500.0}]
     for constraint in ({}, {"thickness_max_mm": 20.0}):
-        message = r"^no design defeats 7.62 mm AP at 2500 m/s and all slower impacts; offer thicker layers"
+        message = r"^no design stops 7.62 mm AP at 2500 m/s and all slower impacts; offer thicker layers"
         with pytest.raises(NoDesignError, match=message):
             optimise(catalogue(fast, **constraint))
 

@@ -210,7 +210,7 @@ def test_a_pareto_front_has_no_design_with_a_ballistic_limit_below_the_threat():
 
 @pytest.mark.parametrize("section", [{}, {"ballistic_limit": {"velocity_min_m_s": 533.0}}])
 def test_no_design_without_a_lower_ballistic_limit(section: dict[str, Any]):
-    with pytest.raises(NoDesignError, match=r"no design defeats x at 532\.67 m/s and all slower impacts"):
+    with pytest.raises(NoDesignError, match=r"no design stops x at 532\.67 m/s and all slower impacts"):
         optimise(lower_limit((3.3, 3.3, 0.1), **section))
 
 

@@ -15,7 +15,7 @@ from tests.helpers.plain_designs import defeats, designs
 
 pytestmark = pytest.mark.slow
 
-# The error of the model is that of tests.
+# The model error is that of tests.
 FROM_TESTS: dict[str, Any] = {"samples": 4096}
 UNCERTAIN: dict[str, Any] = {
     "samples": 1024,
@@ -69,7 +69,7 @@ def test_the_error_of_the_model_needs_more_armour():
     [estimate] = real.probabilities.values()
     assert estimate.high <= 0.05
     assert real.ballistic_limit_m_s is not None
-    # The inputs add little to the error of the model alone.
+    # The inputs add little to the model error alone.
     assert real.model_error is not None
     alone = 1.0 - real.model_error.probability_of_defeat(real.ballistic_limit_m_s, 700.0)
     assert 0.5 * estimate.value < alone < estimate.value
@@ -127,7 +127,7 @@ def test_a_pair_whose_error_is_not_known_is_left_out():
     found = optimise(catalogue([threat], FROM_TESTS, confidence=0.6))
     reasons = {(pair.ceramic, pair.backing): pair.reason for pair in found.pairs}
     reason = reasons["AD99.5", "6061-T6"]
-    assert reason.startswith("the error of the model is not known for AD99.5 on 6061-T6; tests of your own")
+    assert reason.startswith("the model error is not known for AD99.5 on 6061-T6; tests of your own")
     sampled = optimise(catalogue([threat], {**UNCERTAIN, "model": None}, confidence=0.6))
     unknown = {(pair.ceramic, pair.backing) for pair in sampled.pairs if "is not known" in pair.reason}
     assert unknown == {pair for pair, reason in reasons.items() if "is not known" in reason}
@@ -140,7 +140,7 @@ def test_an_error_that_is_not_known_against_one_threat():
         {"projectile": "7.62 mm AP", "velocity_m_s": 700.0},
         {"projectile": "30 mm APDS", "velocity_m_s": 100.0},
     ]
-    with pytest.raises(NoDesignError, match="the error of the model is not known for any of the designs"):
+    with pytest.raises(NoDesignError, match="the model error is not known for any of the designs"):
         optimise(catalogue(threats, FROM_TESTS, confidence=0.6))
 
 

@@ -60,7 +60,7 @@ METALS = [
 ]
 
 
-# The error of the model, of armours that were tested and others.
+# The model error, of armours that were tested and others.
 GIVEN = {"scale_percent": 7.0, "degrees_of_freedom": 12.0}
 
 

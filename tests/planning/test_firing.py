@@ -111,9 +111,9 @@ def test_the_scatter_of_earlier_firings():
 def test_a_stated_error_is_a_prior_and_an_unknown_one_none():
     with pytest.raises(InputError, match=r"uncertainty.model: must give scale_percent for a prior: the model was comp"):
         plan_shots(scenario(**UNKNOWN))
-    with pytest.raises(InputError, match="limits_m_s: must be given: the error of the model"):
+    with pytest.raises(InputError, match="limits_m_s: must be given: the model error"):
         plan_shots(scenario(**UNKNOWN), procedure="langlie")
-    with pytest.raises(InputError, match="true_v50_m_s: must be given: the error of the model"):
+    with pytest.raises(InputError, match="true_v50_m_s: must be given: the model error"):
         plan_shots(scenario(**UNKNOWN), procedure="up-and-down", simulate=True)
     plan = plan_shots(scenario(**UNKNOWN), SHOTS, procedure="neyer", limits_m_s=(500.0, 1500.0))
     assert (plan.prior, plan.posterior, plan.curve) == (None, None, None)

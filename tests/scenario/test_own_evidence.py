@@ -1,4 +1,4 @@
-"""The error of the model by own tests, for armours like them and unlike them, in single answers and in rows."""
+"""The model error by own tests, for armours like them and unlike them, in single answers and in rows."""
 
 import tomllib
 from functools import cache

@@ -1,4 +1,4 @@
-"""The error of the model on tests, for the armours that it holds for."""
+"""The model error on tests, for the armours that it holds for."""
 
 from typing import Any
 

@@ -152,7 +152,7 @@ def test_an_unknown_error_is_told():
     normal = {"distribution": "normal", "standard_deviation_percent": 2.0}
     found = uncertainty(scenario(ceramic="SiC", uncertainty={"samples": 128, "ceramic": {"flow_stress_GPa": normal}}))
     assert found.model_error is None
-    unknown = "uncertainty.model: the error of the model is not known for such an armour, and not included"
+    unknown = "uncertainty.model: the model error is not known for such an armour, and not included"
     assert unknown in found.warnings
     assert [index.input for index in found.inputs] == ["ceramic.flow_stress_GPa"]
 

@@ -1,4 +1,4 @@
-"""How the error of the model does on tests left out: parts of docs/left-out.md, computed anew."""
+"""How the model error does on tests left out: parts of docs/left-out.md, computed anew."""
 
 from itertools import islice
 

@@ -162,7 +162,7 @@ def bayes(settings: ShotSettings, truths: Floats, scatters: Floats, dice: np.ran
 
 
 def deviation_percent(prior: FiringPrior) -> float:
-    """Return the standard deviation of a normal distribution like the error of the model, per cent."""
+    """Return the standard deviation of a normal distribution like the model error, per cent."""
     low, high = prior.error.quantile(ndtr([-1.0, 1.0]))
     return 50.0 * float(high - low)
 

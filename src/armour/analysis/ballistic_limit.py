@@ -1,6 +1,6 @@
 """Ballistic limit: the lowest change of the outcome that a scan of impact velocities sees; the confidence in it.
 
-The confidence in an armour is the probability that it defeats its threat, given the error of the model.
+The confidence in an armour is the probability that it stops its threat, given the model error.
 """
 
 from collections.abc import Callable, Sequence
@@ -9,6 +9,7 @@ from math import isnan
 from typing import Literal
 
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
+from armour.analysis.quantities import OUTCOMES
 from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.core import search
 from armour.core.state import Parameters
@@ -47,7 +48,7 @@ class LimitResult(Result):
     ballistic_limit_m_s : float
         Lowest velocity found to perforate, m/s: the upper end of the bracket.
     bracket_m_s : tuple of float
-        Velocities just below the limit, defeated, and at it, perforated, m/s.
+        Velocities just below the limit, stopped, and at it, perforated, m/s.
     runs : int
         Number of impacts computed.
     areal_density_kg_m2 : float
@@ -281,17 +282,17 @@ def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, points: 
 
 
 def _listed(crossings: tuple[Crossing, ...]) -> str:
-    return ", ".join(f"{crossing.above} above {crossing.bracket_m_s[1]:.2f} m/s" for crossing in crossings)
+    return ", ".join(f"{OUTCOMES[crossing.above]} above {crossing.bracket_m_s[1]:.2f} m/s" for crossing in crossings)
 
 
 # Probability above which a lower bound is given as the probability.
 SURE = 0.995
-EXCLUDED = "uncertainty.model says not to include the error of the model"
+EXCLUDED = "uncertainty.model says not to include the model error"
 
 
 @dataclass(frozen=True, repr=False)
 class ConfidenceResult(Result):
-    """Probability that an armour defeats its threat.
+    """Probability that an armour stops its threat.
 
     Attributes
     ----------
@@ -322,20 +323,20 @@ class ConfidenceResult(Result):
 
     def _words(self) -> str:
         if self.probability_of_defeat is None:
-            return "probability of defeat not known"
-        return f"probability of defeat {self.probability_of_defeat:.3f}"
+            return "probability of stopping the projectile not known"
+        return f"probability of stopping the projectile {self.probability_of_defeat:.3f}"
 
 
 @checked
 def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
-    """Compute the probability that the armour of a scenario defeats its threat, the projectile at its impact velocity.
+    """Compute the probability that the armour of a scenario stops its threat, the projectile at its impact velocity.
 
     The inputs are taken as exact; `armour.uncertainty` includes their distributions too.
 
     Parameters
     ----------
     scenario : Scenario
-        Its section ``uncertainty.model`` gives the error of the model; by default it is that of tests of such armours.
+        Its section ``uncertainty.model`` gives the model error; by default it is that of tests of such armours.
     on_progress : callable, optional
         Called with the number of impacts computed since the last call, and None, as their total is not known.
 
@@ -379,7 +380,7 @@ def without_limit(scenario: Scenario, reason: str, *, above: bool) -> Confidence
 
 
 def of_limit(scenario: Scenario, limit_m_s: float, velocity_m_s: float) -> ConfidenceResult:
-    """Return the confidence that a scenario's armour defeats a velocity, given its ballistic limit by the model."""
+    """Return the confidence that a scenario's armour stops a velocity, given its ballistic limit by the model."""
     error = model_error(scenario, limit_m_s)
     warnings = (*scenario.warnings(velocity_m_s), *scenario.unused_distributions())
     if error is None:
@@ -390,7 +391,7 @@ def of_limit(scenario: Scenario, limit_m_s: float, velocity_m_s: float) -> Confi
 
 
 def no_error(scenario: Scenario) -> str:
-    """Return why the error of the model is not known, or not included, for a scenario that has none."""
+    """Return why the model error is not known, or not included, for a scenario that has none."""
     if scenario.excludes_error():
         return EXCLUDED
     from armour.scenario.own_evidence import own_tests, own_tests_of

@@ -238,7 +238,7 @@ class Answers:
 
     @property
     def probabilities_of_defeat(self) -> Floats:
-        """Probabilities of defeating the threats, given the error of the model."""
+        """Probabilities of stopping the projectile, given the model error."""
         limits = searches.limits_by_law(self.variants, self.ballistic_limits, self.threads)
         return self.variants.errors.of_limits(limits).probability_above(self.variants.velocities)
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
+from armour.analysis.quantities import OUTCOMES
 from armour.analysis.results import TableResult, by_column
 from armour.core import stages, stepping
 from armour.core.equations import cross_section
@@ -58,7 +59,7 @@ class ImpactResult(TableResult):
     impact_velocity_m_s : float
         Impact velocity, m/s.
     residual_velocity_m_s : float
-        Velocity of the projectile after perforation, m/s; 0 if defeated.
+        Velocity of the projectile after perforation, m/s; 0 if stopped.
     residual_mass_g, residual_length_mm : float
         Mass, g, and length, mm, of the penetrator at the end of the impact.
     penetration_depth_mm : float
@@ -66,7 +67,7 @@ class ImpactResult(TableResult):
     bulge_height_mm : float
         Height of the bulge on the back face, mm.
     plug_velocity_m_s : float
-        Velocity of the back plate's plug after perforation, m/s; 0 if defeated.
+        Velocity of the back plate's plug after perforation, m/s; 0 if stopped.
     duration_us : float
         Time from impact to perforation or arrest, µs.
     areal_density_kg_m2 : float
@@ -106,7 +107,7 @@ class ImpactResult(TableResult):
 
     def _words(self) -> str:
         residual = f", residual velocity {self.residual_velocity_m_s:.1f} m/s" if self.residual_velocity_m_s else ""
-        return f"{self.outcome} at {self.impact_velocity_m_s:g} m/s{residual}"
+        return f"{OUTCOMES[self.outcome]} at {self.impact_velocity_m_s:g} m/s{residual}"
 
     def _columns(self) -> dict[str, Any]:
         return by_column(vars(stage) for stage in self.stages)

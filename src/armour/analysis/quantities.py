@@ -10,9 +10,11 @@ from typing import Any, NamedTuple
 from armour.scenario.evidence import ERROR
 from armour.units import MM, US, words_and_unit
 
+# Outcomes, as data has them, in words.
+OUTCOMES = {"defeated": "stopped", "perforated": "perforated"}
 # What the quantities on the grid are.
 REQUIRED = (
-    "the least thickness in its range of [optimise] that defeats the impact with the scenario's other layer (total: "
+    "the least thickness in its range of [optimise] that stops the projectile with the scenario's other layer (total: "
     "both in proportion; areal density: of that ceramic on the scenario's back plate); none where no thickness does"
 )
 # What a quantity depends on besides projectile, armour, model and solver, see `armour.scenario.reach`.
@@ -60,7 +62,7 @@ QUANTITIES: dict[str, Quantity] = {
     "areal_density_kg_m2": Quantity("areal density", "kg/m²", ".2f", (), lambda a: a.variants.areal_densities_kg_m2),
     "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", ".2f", OF_LIMIT, lambda a: a.ballistic_limits),
     "probability_of_defeat": Quantity(
-        "probability of defeating the threat", "", ".3f", DEFEAT, lambda a: a.probabilities_of_defeat
+        "probability of stopping the projectile", "", ".3f", DEFEAT, lambda a: a.probabilities_of_defeat
     ),
     "required_ceramic_thickness_mm": Quantity(
         "required ceramic thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_ceramic.ceramics_mm, "ceramic"
@@ -100,7 +102,7 @@ def label_and_unit(name: str) -> tuple[str, str]:
     if name in QUANTITIES:
         return QUANTITIES[name].label, QUANTITIES[name].unit
     if name == ERROR:
-        return "error of the model", "%"
+        return "model error", "%"
     words, unit = words_and_unit(name)
     words = _spelt(words)
     if "." in name:

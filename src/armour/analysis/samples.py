@@ -26,18 +26,18 @@ class Samples(NamedTuple):
 
 
 def own_errors(scenario: Scenario, layers: Mapping[str, float] | None = None) -> Errors:
-    """Return the error of the model for a scenario's armour, with other thicknesses of its layers by name of input."""
+    """Return the model error for a scenario's armour, with other thicknesses of its layers by name of input."""
     columns = {name: np.array([value]) for name, value in (layers or {}).items()}
     return variants_of(scenario, columns, 1).errors
 
 
 def section_of(scenario: Scenario) -> Uncertainty:
-    """Return the distributions of a scenario, with that of the error of the model where it is known."""
+    """Return the distributions of a scenario, with that of the model error where it is known."""
     return section_at(scenario, scenario.inputs(), with_error=bool(own_errors(scenario).known.all()))
 
 
 def section_at(scenario: Scenario, own: Mapping[str, float], *, with_error: bool) -> Uncertainty:
-    """Return the distributions of a scenario with other values of its inputs, with the error of the model or not."""
+    """Return the distributions of a scenario with other values of its inputs, with the model error or not."""
     section = scenario.uncertainty
     if section is None or not (section.inputs() or with_error):
         example = '{ distribution = "normal", standard_deviation_percent = 5 }'
@@ -54,7 +54,7 @@ def section_at(scenario: Scenario, own: Mapping[str, float], *, with_error: bool
 
 
 def own_values(scenario: Scenario) -> dict[str, float]:
-    """Return the scenario's own values of the inputs; the error of the model has a chance of one half to be less."""
+    """Return the scenario's own values of the inputs; the model error has a chance of one half to be less."""
     return {**scenario.inputs(), ERROR: 0.5}
 
 
@@ -62,7 +62,7 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int, error
     """Return n samples of values, which the scenario must allow.
 
     An armour whose ballistic limit is that of the model times a factor is perforated where the model perforates at the
-    impact velocity divided by the factor.  The error of the model, by default of the scenario's armour, is drawn at the
+    impact velocity divided by the factor.  The model error, by default of the scenario's armour, is drawn at the
     chances of its column; the law of the flow stress that it is drawn from is that of the sample.
     """
     problems = []

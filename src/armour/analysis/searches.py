@@ -72,7 +72,7 @@ def limit_brackets(
 
 
 def limits_by_law(variants: Variants, own: Floats, threads: int | None = None) -> Floats:
-    """Return the ballistic limits by each law of the error of the model, m/s, (laws, n), given those of the rows.
+    """Return the ballistic limits by each law of the model error, m/s, (laws, n), given those of the rows.
 
     They are searched for beyond the range of the section ``ballistic_limit`` too.  None is where a row has no limit.
     """

@@ -113,7 +113,7 @@ def check(
     what="the design",
     csv="Write the Pareto front or, where none is asked for, the frontier as CSV.",
     of_threats=True,
-    confidence=("design.confidence", "Probability of defeating each threat to design for, such as 0.95."),
+    confidence=("design.confidence", "Probability of stopping each threat to design for, such as 0.95."),
 )
 def optimise(
     scenario: "Scenario",
@@ -130,7 +130,7 @@ def optimise(
     changes: Changes = None,
     **options: Any,
 ) -> Answer:
-    """Find the lightest armour that defeats the threat.
+    """Find the lightest armour that stops the threat.
 
     The scenario may have several threats, a catalogue of materials, and another quantity to minimise.
     """

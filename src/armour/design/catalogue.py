@@ -126,7 +126,7 @@ class Catalogue:
         """Return designs against each of some threats, the rows of a design together, at the velocities of the threats.
 
         With the rows, (designs times threats), are the velocities that their ballistic limits must reach for a margin,
-        m/s, and the bounds on the probabilities of perforation that the error of the model decides on; 1 for none.
+        m/s, and the bounds on the probabilities of perforation that the model error decides on; 1 for none.
         """
         designs, places = np.divmod(np.arange(len(candidates.pair) * len(threats)), len(threats))
         which = np.array(threats, dtype=np.int64)[places]
@@ -137,7 +137,7 @@ class Catalogue:
     def required_m_s(self, candidates: Candidates) -> Floats:
         """Return the velocities that the ballistic limits of designs must reach, (designs, threats).
 
-        These are infinite where a probability is bounded, and the error of the model is not known.  With a ceramic, the
+        These are infinite where a probability is bounded, and the model error is not known.  With a ceramic, the
         limits by other laws of its flow stress are computed for a bound.
         """
         rows, required, bounds = self.against_each(candidates, range(len(self.threats)))

@@ -28,7 +28,7 @@ class WhatIf:
     ballistic_limit_m_s : float or None
         By the model, m/s; None where there is none in the range of the search.
     interval_m_s : tuple of float or None
-        95 % interval of the ballistic limit with the error of the model, m/s; None where that is not known.
+        95 % interval of the ballistic limit with the model error, m/s; None where that is not known.
     probability_of_defeat : float or None
         Probability that the armour stops the projectile; None where it is not known.
     """
@@ -53,7 +53,7 @@ class CheckedThreat:
     ballistic_limit_m_s : float or None
         By the model, m/s; None where there is none in the range of the search.
     interval_m_s : tuple of float or None
-        95 % interval of the ballistic limit with the error of the model, m/s; None where that is not known.
+        95 % interval of the ballistic limit with the model error, m/s; None where that is not known.
     margin_m_s, required_margin_m_s : float
         Excess of the ballistic limit over the velocity, m/s, which may be None, and the one that is required.
     probability_of_defeat, required_probability : float or None

@@ -30,7 +30,7 @@ class DesignMap(NamedTuple):
     limits_m_s: Floats  # lowest ballistic limits by the model, (ceramics, back plates, threats)
     probabilities: tuple[float, ...]
     # Velocities that are stopped with each of the probabilities, (ceramics, back plates, threats, probabilities), NaN
-    # where the error of the model is not known.
+    # where the model error is not known.
     stopped_m_s: Floats
 
     def on_grid(self, values: Floats) -> Floats:
@@ -108,7 +108,7 @@ def lightest(catalogue: Catalogue, near: DesignMap, probability: float) -> Desig
 
 
 def thicknesses_tested(catalogue: Catalogue, pair: int, threat: int) -> dict[str, tuple[float, float]]:
-    """Return the thicknesses, mm, of the tests that the error of the model is estimated from, where it is known.
+    """Return the thicknesses, mm, of the tests that the model error is estimated from, where it is known.
 
     The keys are "ceramic" and "backing".
     """

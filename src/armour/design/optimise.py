@@ -1,4 +1,4 @@
-"""Design optimisation: the best design that defeats every threat, and its comparison with the others."""
+"""Design optimisation: the best design that stops every threat, and its comparison with the others."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
@@ -91,7 +91,7 @@ class BestDesign(Design):
     probabilities : dict of str to Estimate
         Probabilities of perforation, by threat that bounds it, where uncertain inputs are sampled.
     probabilities_of_defeat : dict of str to float or None
-        By threat; None where the error of the model is not known.
+        By threat; None where the model error is not known.
     model_error : ModelError or None
         Relative error of the ballistic limit against the governing threat.
     """
@@ -202,9 +202,9 @@ class DesignResult(Result):
 
 @checked
 def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgress = ignore_progress) -> DesignResult:
-    """Find the best design of a scenario that defeats its threats.
+    """Find the best design of a scenario that stops its threats.
 
-    A design passes if it defeats every threat at the threat's velocity plus margin and has no ballistic limit below
+    A design passes if it stops every threat at the threat's velocity plus margin and has no ballistic limit below
     that.  The impacts of all designs of given thicknesses are computed: no monotonic dependence is assumed.  For a free
     thickness, the least value that passes is found by bisection.  Under a bound on the probability of perforation,
     designs that pass are sampled in the order of the objective.
@@ -214,7 +214,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     scenario : Scenario
         Its sections ``design`` and ``optimise`` give the materials and thicknesses, its list ``threat`` the threats;
         without them, they are the scenario's own pair of materials and impact.  Where there are threats, the impact is
-        not used.  ``scenario.replaced({"design.confidence": 0.95})`` asks for a probability of defeating each threat.
+        not used.  ``scenario.replaced({"design.confidence": 0.95})`` asks for a probability of stopping each threat.
     refine : bool, default False
         Whether to also find the best design with both layers free within their ranges.
     on_progress : callable, optional
@@ -430,14 +430,14 @@ def _best(search: Search, place: int) -> BestDesign:
 
 
 def _of_defeat(catalogue: Catalogue, distributions: Mixture, sampled: "dict[str, Estimate]") -> dict[str, float | None]:
-    """Return the probabilities that a design defeats each threat: of the samples, else by the error of the model."""
+    """Return the probabilities that a design defeats each threat: of the samples, else by the model error."""
     found = distributions.probability_above(catalogue.velocities_m_s).tolist()
     own = {title: None if isnan(p) else p for title, p in zip(catalogue.titles, found, strict=True)}
     return own | {title: 1.0 - estimate.value for title, estimate in sampled.items()}
 
 
 def _model_error(search: Search, place: int, threat: int, ratio: Mixture) -> ModelError | None:
-    """Return the error of the model for a design against a threat, given the distribution of the limits' ratio."""
+    """Return the model error for a design against a threat, given the distribution of the limits' ratio."""
     if np.isnan(ratio.weights).any():
         return None
     scenario = search.catalogue.scenario
@@ -508,7 +508,7 @@ def _unconstrained(search: Search) -> Search:
 
 
 def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> str:
-    """Return why no design of some pairs passes: the constraints that keep it out, or what it would have to defeat."""
+    """Return why no design of some pairs passes: the constraints that keep it out, or what it would have to stop."""
     catalogue, section = search.catalogue, search.catalogue.section
     first = unconstrained.first(unconstrained.of_pairs(pairs))
     if first is not None and (beyond := _beyond(section, unconstrained.candidates, first)):
@@ -520,22 +520,22 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
     if unknown.all():
         names = [layer.material for layer in catalogue.offers[pairs[0]][:2] if layer.material]
         armour = " on ".join(names) if len(pairs) == 1 else "any of the designs"
-        return f"the error of the model is not known for {armour}; {REMEDY}"
-    hint = f"; where the error of the model is not known, {REMEDY}" if unknown.any() else ""
+        return f"the model error is not known for {armour}; {REMEDY}"
+    hint = f"; where the model error is not known, {REMEDY}" if unknown.any() else ""
     whole = len(pairs) == len(catalogue.offers)
     if catalogue.sampled:
         near = "" if whole else f" within {section.runners_up_percent:g} % of the best"
         return f"no design{near} keeps the probability of perforation within the bound of every threat{hint}"
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
     thicker = "; offer thicker layers in [design] or [optimise]" if whole else ""
-    return f"no design defeats {threats} and all slower impacts{hint}{thicker}"
+    return f"no design stops {threats} and all slower impacts{hint}{thicker}"
 
 
 def _beyond(section: DesignSection, candidates: Candidates, place: int) -> str:
     """Return which constraints the design exceeds that is the best without them; "" for none."""
     least = OBJECTIVES[section.minimise].least
     return "; ".join(
-        f"design.{of.bound}: the {least} design that defeats every threat has {value:.4g}{of.unit}, "
+        f"design.{of.bound}: the {least} design that stops every threat has {value:.4g}{of.unit}, "
         f"at most {bound:g}{of.unit} is allowed"
         for name, of in OBJECTIVES.items()
         if (bound := getattr(section, of.bound)) is not None and (value := getattr(candidates, name)[place]) > bound

@@ -36,7 +36,7 @@ class Reliability:
         self.against = lru_cache(MOST_SCENARIOS)(catalogue.against)
         section = section_of(self.against(0, 0))
         _check(catalogue, section)
-        # Points of the unit cube, (samples, inputs), the error of the model included.
+        # Points of the unit cube, (samples, inputs), the model error included.
         self.points = points_of(section.with_error())
 
     def probabilities(self, candidates: Candidates, place: int) -> dict[str, Estimate] | None:
@@ -56,7 +56,7 @@ class Reliability:
     def within(self, bound: float, scenario: Scenario, ceramic_mm: float, backing_mm: float) -> Estimate | None:
         """Estimate the probability of perforation of a design; None where its interval reaches beyond a bound.
 
-        Also None where the error of the model is not known.  Samples are taken in growing parts, only as many as it
+        Also None where the model error is not known.  Samples are taken in growing parts, only as many as it
         takes to see that the bound is exceeded.
         """
         own = own_values(scenario)

@@ -59,7 +59,7 @@ class Requirement:
         return defeated
 
     def tested(self, candidates: Candidates) -> Bools:
-        """Return whether the error of the model is known, or left out, for designs against every threat, (designs,)."""
+        """Return whether the model error is known, or left out, for designs against every threat, (designs,)."""
         tested = np.ones(len(candidates.pair), dtype=bool)
         if not self.catalogue.scenario.excludes_error():
             for part in portions(len(tested), IMPACTS_AT_A_TIME):

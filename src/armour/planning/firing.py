@@ -125,7 +125,7 @@ class ShotPlan(Result):
     limits_m_s : tuple of float or None
         Limits of V50 that Langlie's and Neyer's procedures start from, m/s.
     prior, posterior : FiringEstimate or None
-        V50 and the scatter without and with the shots; None where the error of the model is not known.
+        V50 and the scatter without and with the shots; None where the model error is not known.
     prior_share : float or None
         Variance of V50 by the posterior over that by the prior: the part of the precision that is the prior's.
     recommended : FittedCurve or None
@@ -217,12 +217,12 @@ def plan_shots(
     Parameters
     ----------
     scenario : Scenario
-        Armour and projectile; its ballistic limit by the model, with the error of the model, is the prior of V50.
+        Armour and projectile; its ballistic limit by the model, with the model error, is the prior of V50.
     shots : Shots, optional
         Shots so far, which may all be of one kind.
     procedure : {"bayesian", "neyer", "langlie", "up-and-down"}
         Rule for the next velocity: bayesian, neyer, langlie or up-and-down.  Without a requirement, the Bayesian rule
-        needs the error of the model: that of tests of such armours or of ``uncertainty.model``.
+        needs the model error: that of tests of such armours or of ``uncertainty.model``.
     half_width_m_s : float, optional
         Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15, but the
         up-and-down rule then ends as MIL-STD-662F does, with three shots of each kind within 27.4 m/s.
@@ -267,7 +267,7 @@ def plan_shots(
     Raises
     ------
     InputError
-        If a setting is out of its range or has no use, or the error of the model is not known and the procedure needs
+        If a setting is out of its range or has no use, or the model error is not known and the procedure needs
         it.
     NoLimitError
         If the scenario has no ballistic limit in the range of the search.
@@ -407,7 +407,7 @@ def plan_shots(
 def _known(prior: FiringPrior | None, key: str, purpose: str) -> FiringPrior:
     """Return a prior that a setting, unless it is given, needs."""
     if prior is None:
-        message = f"must be given: the error of the model, {purpose}, is not known"
+        message = f"must be given: the model error, {purpose}, is not known"
         raise InputError([Problem("plan_shots", key, message)])
     return prior
 

@@ -106,7 +106,7 @@ class ModelError:
         return self.ratio.probability_above(np.asarray(velocity_m_s) / limit_m_s)
 
 
-# The error of the model as an input.
+# The model error as an input.
 ERROR = "model.limit_error_percent"
 # Probabilities of the quantiles that results give.
 QUANTILES = (0.025, 0.05, 0.5, 0.95, 0.975)
@@ -298,7 +298,7 @@ REMEDY = "tests of your own (armour calibrate) or a figure of your own in [uncer
 
 
 def why_unknown(armour: Parameters, cosine: float) -> str:
-    """Return why the error of the model is not known for an armour at an angle, and what can give it."""
+    """Return why the model error is not known for an armour at an angle, and what can give it."""
     evidence = closest(armour)
     reason = NO_TEST
     if not evidence.differences(armour):

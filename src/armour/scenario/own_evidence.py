@@ -1,4 +1,4 @@
-"""The error of the model for armour of an entry that was calibrated to own tests, from what the entry has of these."""
+"""The model error for armour of an entry that was calibrated to own tests, from what the entry has of these."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
@@ -61,7 +61,7 @@ class OwnTests(NamedTuple):
         return tuple(str(limits) for _, limits in self.ranges() if factor_outside(limits, armour) > DIGITS)
 
     def why_unknown(self, armour: Parameters) -> str:
-        """Return why the error of the model is not known for an armour of the entry."""
+        """Return why the model error is not known for an armour of the entry."""
         angle = f"obliquities up to {self.evidence.steepest_deg:g}°"
         ranges = ", ".join(self.extrapolated(armour)) or angle
         return f"the armour is unlike the {self.evidence.source} that {self.entry.name} is calibrated to: {ranges}"
@@ -85,7 +85,7 @@ def own_tests_of(tests: Iterable[OwnTests], armour: Parameters) -> OwnTests | No
 
 
 def error_of_armour(ratio: Mixture, tests: Iterable[OwnTests], armour: Parameters) -> ModelError:
-    """Return the error of the model on own tests, or else on the shipped ones, given the distribution of the ratio."""
+    """Return the model error on own tests, or else on the shipped ones, given the distribution of the ratio."""
     own = own_tests_of(tests, armour)
     if own is not None:
         return ModelError.of_ratio(ratio, own.evidence.source, own.extrapolated(armour))

@@ -1,4 +1,4 @@
-"""The error of the model on tests, as a distribution for each of many armours, from configs/evidence.toml.
+"""The model error on tests, as a distribution for each of many armours, from configs/evidence.toml.
 
 docs/howto/confidence.md derives it.  The distribution is that of a new alloy, a new round or a new series of tests.
 """
@@ -123,7 +123,7 @@ def fits() -> dict[str, Fit]:
 
 
 class Errors(NamedTuple):
-    """Distributions of the error of the model for n armours: mixtures over laws of the flow stress of the ceramic.
+    """Distributions of the model error for n armours: mixtures over laws of the flow stress of the ceramic.
 
     Of each law there are several components, (laws, components, n).  The first law is the armour's own.
     """

@@ -34,7 +34,7 @@ def check_read(changes: Mapping[str, object], reads: Collection[str], what: str 
 def read_of(scenario: Scenario, reads: Collection[str]) -> set[str]:
     """Return what a command reads of a scenario: not what threats and a catalogue replace, if it reads these.
 
-    Of a section ``uncertainty`` without distributions, a design, and a report, depend on the error of the model alone.
+    Of a section ``uncertainty`` without distributions, a design, and a report, depend on the model error alone.
     """
     replaced: set[str] = set()
     if "threat" in reads and not (scenario.uncertainty is not None and scenario.uncertainty.inputs()):

@@ -335,7 +335,7 @@ class Scenario(Section):
                     yield name, row, error.problems
 
     def excludes_error(self) -> bool:
-        """Return whether the scenario says not to include the error of the model."""
+        """Return whether the scenario says not to include the model error."""
         section = None if self.uncertainty is None else self.uncertainty.model
         return section is not None and not section.included
 

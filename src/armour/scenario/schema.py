@@ -239,7 +239,7 @@ class Optimise(Section):
 
 
 class Threat(Impact):
-    """A projectile and a velocity that a design must defeat, with a margin."""
+    """A projectile and a velocity that a design must stop, with a margin."""
 
     name: Line = ""
     """Name of the threat; by default that of threat, or projectile and velocity."""
@@ -368,7 +368,7 @@ class DesignSection(Section):
     minimise: Objective = "areal_density_kg_m2"
     """Quantity of which the design has the least."""
     confidence: Annotated[float, Field(gt=0.5, lt=1.0)] | None = None
-    """Least probability of defeating each threat."""
+    """Least probability of stopping each threat."""
     thickness_tolerance_mm: ThicknessOrNone = 1.0
     """Amount by which armour check takes each layer thinner."""
     pareto: Annotated[list[Criterion], Field(min_length=2, max_length=3), AfterValidator(_different)] | None = None
@@ -466,7 +466,7 @@ class Distribution(Section):
         return ""
 
 
-# Chances at which the error of the model is drawn.
+# Chances at which the model error is drawn.
 CHANCES = Distribution(distribution="uniform", min=0.0, max=1.0)
 
 
@@ -501,7 +501,7 @@ class ModelSection(Section):
     """Relative error of the ballistic limit: that of the armour over that of the model, less 1; Student's t."""
 
     included: bool = True
-    """Whether the error of the model is included."""
+    """Whether the model error is included."""
     mean_percent: Annotated[float, Field(ge=-90.0, le=1000.0)] = 0.0
     """Mean error of the ballistic limit, of the armour over that of the model, less 1."""
     scale_percent: Annotated[float, Field(ge=1e-3, le=100.0)] | None = None
@@ -522,7 +522,7 @@ class ModelSection(Section):
 
 
 class Uncertainty(Section):
-    """Distributions of the uncertain inputs, their correlations, the error of the model and the sampling."""
+    """Distributions of the uncertain inputs, their correlations, the model error and the sampling."""
 
     method: Literal["sobol", "latin hypercube"] = "sobol"
     """Sampling: scrambled Sobol' points, or a Latin hypercube."""
@@ -543,12 +543,12 @@ class Uncertainty(Section):
     correlation: Annotated[list[Correlation], Field(max_length=MAX_CORRELATIONS)] = []
     """Correlations between inputs."""
     model: ModelSection | None = None
-    """The error of the model."""
+    """The model error."""
 
     _error: bool = PrivateAttr(default=False)
 
     def with_error(self) -> "Uncertainty":
-        """Return the section with the error of the model as an input: the chances at which it is drawn."""
+        """Return the section with the model error as an input: the chances at which it is drawn."""
         found = self.model_copy()
         found._error = True
         return found

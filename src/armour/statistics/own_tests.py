@@ -1,4 +1,4 @@
-"""Where own tests put the ballistic limits of other armours: the error of the model for a calibrated entry.
+"""Where own tests put the ballistic limits of other armours: the model error for a calibrated entry.
 
 The logarithm of a measured limit is that of the model, for a law of the ceramic's flow stress, plus a normal error.
 The flow stress, the exponent of the law and the standard deviation of the error have prior distributions and are

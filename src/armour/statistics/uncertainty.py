@@ -117,7 +117,7 @@ INDEX_DIVISOR, MIN_INDEX_SAMPLES, MAX_INDEX_SAMPLES = 4, 256, 2**16
 # Samples that are computed at a time, which bounds the memory.
 SAMPLES_AT_A_TIME = 2**12
 
-UNKNOWN = Note("the error of the model is not known for such an armour, and not included", "uncertainty.model")
+UNKNOWN = Note("the model error is not known for such an armour, and not included", "uncertainty.model")
 
 
 @dataclass(frozen=True)
@@ -190,7 +190,7 @@ class UncertaintyResult(TableResult):
     inputs : tuple of Influence
         In descending order of influence.
     model_error : ModelError or None
-        Error of the model, which is one of the inputs; None where it is not known or not included.
+        Model error, which is one of the inputs; None where it is not known or not included.
     warnings : tuple of str
         Distributions that are not about the scenario's values, and ways in which the scenario lies outside the
         validated range.
@@ -371,7 +371,7 @@ def influences(
 ) -> tuple[Influence, ...]:
     """Estimate the influence of each input on the ballistic limit, from its samples and samples of its own.
 
-    The indices of the error of the model follow from the limits without it.
+    The indices of the model error follow from the limits without it.
     """
     section, own = section_of(scenario), own_values(scenario)
     names, inputs = _ranked(section), list(section.inputs())
@@ -422,7 +422,7 @@ def _laws(errors: Errors) -> list[int]:
 def error_indices(
     scenario: Scenario, section: Uncertainty, own: Mapping[str, float], on_samples: Callable[[int], None]
 ) -> list[Estimate]:
-    """Return first-order and total index of the error of the model.
+    """Return first-order and total index of the model error.
 
     The ballistic limit of the armour is that of the model by a law times a ratio, which are independent: the moments of
     the ratio are known, and only those of the limits by each law are estimated.

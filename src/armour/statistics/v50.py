@@ -121,7 +121,7 @@ class FiringResult(TableResult):
     model_ballistic_limit_m_s : float or None
         Ballistic limit of the scenario, m/s, where one is given.  The model is deterministic: the limit has no scatter.
     model_interval_m_s : tuple of float or None
-        Interval of it with a probability of 95 %, given the error of the model, m/s; None where that is not known.
+        Interval of it with a probability of 95 %, given the model error, m/s; None where that is not known.
     warnings : tuple of str
         Shots far from the model's limit or contradicting the prior, and ways in which the scenario is unlike what the
         model was compared with.
@@ -240,7 +240,7 @@ def v50(
     confidence : float
         Confidence level of the intervals, 0.5 to 0.9999.
     prior : bool
-        Whether to add the posterior of V50 whose prior is the scenario's ballistic limit with the error of the model.
+        Whether to add the posterior of V50 whose prior is the scenario's ballistic limit with the model error.
     on_progress : callable, optional
         Called with the number of impacts computed since the last call, and None, as their total is not known.
 
@@ -251,7 +251,7 @@ def v50(
     Raises
     ------
     InputError
-        If a setting is out of its range, the shots are not of both kinds, or the error of the model is not known for a
+        If a setting is out of its range, the shots are not of both kinds, or the model error is not known for a
         prior.
     NoAnswerError
         If the complete penetrations were no faster on average than the partial ones, unless there is a prior, or the

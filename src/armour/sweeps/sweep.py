@@ -340,7 +340,7 @@ def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -
 
 
 def unanswered(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
-    """Return a warning where a quantity needs the error of the model, which the scenario excludes."""
+    """Return a warning where a quantity needs the model error, which the scenario excludes."""
     needing = [
         name for name in quantities if "uncertainty.model" in QUANTITIES[name].reads and scenario.excludes_error()
     ]

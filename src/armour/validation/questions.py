@@ -69,7 +69,7 @@ def answer(name: str, asked: Asked) -> float | str:
         ballistic_limit(asked.scenario)  # raises, and says why
     velocity = asked.scenario.impact.velocity_m_s
     raise NoDesignError(
-        f"no design: no thickness of the range defeats the impact at {velocity:g} m/s; "
+        f"no design: no thickness of the range stops the projectile at {velocity:g} m/s; "
         "raise the max of optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"
     )
 

@@ -111,7 +111,7 @@ def test_an_impact():
 def test_a_long_tail_is_left_out():
     slow = simulate(scenario(ceramic_mm=12.0, velocity=300.0), history=True)
     chart = impact_view.chart(slow)
-    assert chart.title == "Impact: defeated at 300 m/s"
+    assert chart.title == "Impact: stopped at 300 m/s"
     _, *panels = chart.panels
     assert panels[0].x.text(12.3456) == "12.35 µs"
     assert panels[2].y.text(0.0018156) == "0.00 mm"
@@ -266,7 +266,7 @@ def test_a_calibration():
     parity, deviations = chart.panels
     assert chart.title == "Calibration to t.csv"
     assert (parity.x.heading, parity.y.heading) == ("measured ballistic limit, m/s", "computed ballistic limit, m/s")
-    assert labels(parity) == ["tests", "defeated at", "agreement"]
+    assert labels(parity) == ["tests", "stopped at", "agreement"]
     assert some(parity, Points)[0].text[0] == "test 0\nmeasured 700 m/s, computed 705 m/s"
     assert deviations.y.categories == ("test 0", "test 1", "test 2")
     fitted, left_out = some(deviations, Bars)

@@ -52,7 +52,7 @@ def test_threats_and_probabilities_have_margins():
     assert margin_table(design_result(), {}).headings() == [
         "threat",
         "margin, m/s",
-        "probability of defeating the threat",
+        "probability of stopping the projectile",
         "note",
     ]
 

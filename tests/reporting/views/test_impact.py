@@ -44,8 +44,8 @@ def limit(crossings: tuple[Crossing, ...]) -> LimitResult:
 
 def test_crossings_are_listed_where_there_are_several():
     scanned = "33 velocities from 20 to 4000 m/s were scanned; "
-    error = "the error of the model is not known for such an armour, or not included"
+    error = "the model error is not known for such an armour, or not included"
     assert tables(limit(ONE))[1:] == [scanned + "all above the ballistic limit perforate", error]
     changes = scanned + "the outcome changes 3 times"
     assert tables(limit(THREE))[1:] == [changes, crossing_table(limit(THREE)), error]
-    assert crossing_table(limit(THREE)).rows[1] == (900.0, 900.01, "defeated")
+    assert crossing_table(limit(THREE)).rows[1] == (900.0, 900.01, "stopped")

@@ -81,6 +81,6 @@ def test_indices_of_correlated_inputs_have_notes():
     correlated = Influence("ceramic.flow_stress_GPa", estimate, None, (678.0, 769.1))
     *_, index, error, alone, note = uncertainty_view.tables(replace(uncertainty_result(), inputs=(correlated,)))
     assert index == INDEX_NOTE
-    assert error == "the error of the model is not known for such an armour, or not included"
+    assert error == "the model error is not known for such an armour, or not included"
     assert alone == SAMPLED_ALONE
     assert "their sum may exceed 1; total indices are not given" in str(note)

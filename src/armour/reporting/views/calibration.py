@@ -128,7 +128,7 @@ MAX_ROWS = 40
 
 def chart(result: CalibrationResult) -> charts.Chart:
     """Describe computed over measured values, and the deviations test by test, fitted and left out."""
-    words = {"": "measured", "at least": "defeated at", "at most": "perforated at"}
+    words = {"": "measured", "at least": "stopped at", "at most": "perforated at"}
     panels = []
     for quantity, residuals in charts.grouped(result.residuals, lambda residual: residual.quantity).items():
         by_bound = charts.grouped(residuals, lambda residual: residual.bound)

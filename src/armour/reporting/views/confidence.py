@@ -1,4 +1,4 @@
-"""The probability that an armour defeats its threat."""
+"""The probability that an armour stops its threat."""
 
 from armour.analysis.ballistic_limit import ConfidenceResult, LimitResult
 from armour.analysis.results import Result
@@ -6,16 +6,16 @@ from armour.reporting.table import Column, Source, Table, column_of, record
 from armour.reporting.text import interval
 from armour.scenario.evidence import REMEDY, ModelError
 
-DEFEAT = Column("probability of defeating the threat", prose=True)
+DEFEAT = Column("probability of stopping the projectile", prose=True)
 
 
-UNKNOWN = "the error of the model is not known for such an armour"
+UNKNOWN = "the model error is not known for such an armour"
 
 
-EXCLUDED = "the error of the model is not included, as uncertainty.model says"
+EXCLUDED = "the model error is not included, as uncertainty.model says"
 
 
-# What distributions tell where the error of the model is not known.
+# What distributions tell where the model error is not known.
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 
 
@@ -29,7 +29,7 @@ def chance(probability: float | None) -> str:
 
 
 def error_note(result: Result, error: ModelError | None) -> str:
-    """Return what the error of the model is and rests on, in a sentence, for a result."""
+    """Return what the model error is and rests on, in a sentence, for a result."""
     if error is None:
         scenario = result.question.get("scenario")
         if scenario is None:
@@ -39,23 +39,23 @@ def error_note(result: Result, error: ModelError | None) -> str:
 
 
 def from_tests(error: ModelError) -> str:
-    """Return what the error of the model is, and what it is estimated from."""
+    """Return what the model error is, and what it is estimated from."""
     if error.ratio.logarithmic:
         low, middle, high = (error.quantiles_percent[p] for p in ("0.025", "0.5", "0.975"))
-        return f"error of the model: {middle:+.1f} %, 95 % interval {low:+.1f} to {high:+.1f} %, from {error.source}"
+        return f"model error: {middle:+.1f} %, 95 % interval {low:+.1f} to {high:+.1f} %, from {error.source}"
     mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
-    return f"error of the model: {mean}± {error.scale_percent:.1f} %, from {error.source}"
+    return f"model error: {mean}± {error.scale_percent:.1f} %, from {error.source}"
 
 
 def extrapolation(error: ModelError) -> list[str]:
-    """Return what the error of the model is extrapolated from, if it is."""
+    """Return what the model error is extrapolated from, if it is."""
     return [f"extrapolated from {', '.join(error.extrapolated)}"] if error.extrapolated else []
 
 
 def confidence_note(result: ConfidenceResult) -> str:
     """Return what the probability rests on, or why it is not known."""
     if result.model_error is None or result.probability_of_defeat is None:
-        return f"the probability of defeating the threat is not known: {result.reason}"
+        return f"the probability of stopping the projectile is not known: {result.reason}"
     return error_note(result, result.model_error)
 
 
@@ -63,9 +63,9 @@ BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
 
 
 def expected_limit(result: ConfidenceResult | LimitResult) -> tuple[Source, Source]:
-    """Return where the error of the model puts the ballistic limit of the armour."""
+    """Return where the model error puts the ballistic limit of the armour."""
     return (
-        (Column("expected, with the error of the model", "m/s", ".0f"), result.median_m_s),
+        (Column("expected, with the model error", "m/s", ".0f"), result.median_m_s),
         (Column("its 95 % interval", "m/s"), interval(result.interval_m_s, ".0f")),
     )
 

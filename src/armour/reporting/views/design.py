@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from armour.design.catalogue import Catalogue
     from armour.design.map import DesignMap
 
-# Probability of defeat below which the notes say how to ask for more.
+# Probability of stopping the projectile below which the notes say how to ask for more.
 LOW = 0.75
 
 
@@ -462,7 +462,7 @@ class _MapDrawing:
         if len(self.result.threats) > 1:
             notes.append("Probabilities are those of the threat that is most likely to perforate.")
         if self.catalogue.sampled:
-            notes.append("Lines and regions include the error of the model only, not the distributions of the inputs.")
+            notes.append("Lines and regions include the model error only, not the distributions of the inputs.")
         return " ".join(notes)
 
 

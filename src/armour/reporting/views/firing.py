@@ -35,7 +35,7 @@ def v50_table(result: FiringResult) -> Table:
         column_of("zone_of_mixed_results_m_s", ".1f"),
         *rule,
         column_of("model_ballistic_limit_m_s", ".1f", "ballistic limit by the model"),
-        (Column("95 % interval, with the error of the model", "m/s"), interval(result.model_interval_m_s, ".0f")),
+        (Column("95 % interval, with the model error", "m/s"), interval(result.model_interval_m_s, ".0f")),
     )
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from armour.analysis.history import History
 from armour.analysis.impact import EnergyBalance, ImpactResult
+from armour.analysis.quantities import OUTCOMES
 from armour.errors import InputError, Problem
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
@@ -42,7 +43,7 @@ SHORT = {
 
 
 def tables(result: ImpactResult) -> list[Table | str]:
-    """Return the result of an impact, and the probability that the armour defeats the threat where it was computed."""
+    """Return the result of an impact, with the probability that the armour stops the projectile where it is known."""
     found: list[Table | str] = [impact_table(result), stage_table(result)]
     if (confidence := result.question.get("confidence")) is not None:
         found += confidence_tables(confidence)
@@ -56,7 +57,7 @@ def impact_table(result: ImpactResult) -> Table:
     """Return the result of an impact, quantity by quantity."""
     return record(
         result,
-        column_of("outcome"),
+        (column_of("outcome"), OUTCOMES[result.outcome]),
         column_of("impact_velocity_m_s", ".2f"),
         column_of("residual_velocity_m_s"),
         column_of("residual_length_mm"),
@@ -148,7 +149,7 @@ def chart(result: ImpactResult) -> charts.Chart:
         # The first panel alone names the stages.
         spans = replace(spans, names=(), text=())
     scene = () if result.question.get("scenario") is None else (_scene(result, history),)
-    outcome = f"Impact: {result.outcome} at {result.impact_velocity_m_s:g} m/s"
+    outcome = f"Impact: {OUTCOMES[result.outcome]} at {result.impact_velocity_m_s:g} m/s"
     if result.outcome == "perforated":
         outcome += f", residual velocity {result.residual_velocity_m_s:.1f} m/s"
     # The caption names every stage: some are too narrow for a name above the panel, or start after the time shown.

@@ -1,6 +1,7 @@
 """A ballistic limit."""
 
 from armour.analysis.ballistic_limit import LimitResult, curve_velocities, residual_velocity_curve
+from armour.analysis.quantities import OUTCOMES
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, listing, record
 from armour.reporting.views.confidence import error_note, expected_limit
@@ -11,7 +12,7 @@ def limit_table(result: LimitResult) -> Table:
     return record(
         result,
         column_of("ballistic_limit_m_s"),
-        (Column("defeated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[0]),
+        (Column("stopped at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[0]),
         (Column("perforated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[1]),
         *expected_limit(result),
         column_of("runs", "d"),
@@ -25,7 +26,7 @@ def crossing_table(result: LimitResult) -> Table:
         result.crossings,
         (Column("below", "m/s", ".4f"), lambda crossing: crossing.bracket_m_s[0]),
         (Column("above", "m/s", ".4f"), lambda crossing: crossing.bracket_m_s[1]),
-        column_of("above", label="outcome above"),
+        (Column("outcome above"), lambda crossing: OUTCOMES[crossing.above]),
     )
 
 

@@ -44,7 +44,7 @@ def plan_table(result: PlannedTests) -> Table:
     """Return what the tests are planned for."""
     measured, of = "ballistic limit", "ballistic limit"
     if result.measure == "outcome":
-        measured, of = "outcome of one shot, defeated or perforated", "impact velocity"
+        measured, of = "outcome of one shot, stopped or perforated", "impact velocity"
     why = "the candidates do not determine the inputs" if result.not_identified else "too few tests"
     efficient = f"none: {why}"
     if result.efficiency is not None:

@@ -14,7 +14,7 @@ def sensitivity_table(result: SensitivityResult) -> Table:
     """Return the answers whose elasticities are given."""
     sources: list[Source] = []
     for name, value in result.answers.items():
-        none = "none (defeated)" if name == "residual_velocity_m_s" else "none"
+        none = "none (stopped)" if name == "residual_velocity_m_s" else "none"
         column = Column(label_and_unit(name)[0]) if value is None else column_of(name, ".2f")
         sources.append((column, none if value is None else value))
     return record(result, *sources)
