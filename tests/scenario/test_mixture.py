@@ -17,8 +17,11 @@ def test_the_probability_is_that_of_the_components():
         assert THREE.probability_above(velocity) == pytest.approx(WEIGHTS @ above, rel=1e-9)
 
 
+APART = Mixture(WEIGHTS, np.array([6.0, 6.5, 9.0]), np.array([0.01, 1e-4, 0.3]), FREEDOM)
+
+
 def test_quantiles_invert_the_probability():
-    for mixture in (THREE, ONE):
+    for mixture in (THREE, ONE, APART):
         above = mixture.probability_above(mixture.quantile(PROBABILITIES))
         assert 1.0 - above == pytest.approx(PROBABILITIES, abs=1e-9)
     assert THREE.quantile([0.0, 1.0]) == pytest.approx([0.0, np.inf])
