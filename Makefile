@@ -44,6 +44,7 @@ docs: $(VENV)/installed
 	$(BIN)/armour validate --markdown docs/validation.md --force
 	$(BIN)/armour validate plates --markdown docs/plates.md --force
 	$(BIN)/python tools/notebook.py docs/study.ipynb
+	$(BIN)/python tools/drawings.py
 	$(BIN)/armour figures docs/figures --force
 	rm docs/figures/*.csv
 	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine --plot docs/images/optimum.png --force

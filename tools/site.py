@@ -10,10 +10,12 @@ import re
 import tomllib
 from collections.abc import Mapping
 from functools import cache, partial
+from html import unescape
 from pathlib import Path
 from typing import Any
 
 import typer.cli
+from latex2mathml.converter import convert
 from markdown.extensions.toc import slugify
 from mkdocs.structure.files import File
 from typer.testing import CliRunner
@@ -28,30 +30,38 @@ from armour.scenario.scenario import scenario_schema
 DOCS = Path(__file__).parents[1] / "docs"
 # Pages of the site whose text is kept elsewhere in the repository.
 OUTSIDE = {"contributing.md": "CONTRIBUTING.md", "changes.md": "CHANGELOG.md"}
-# Headings of the public names by package.
-PACKAGES = {
-    "scenario": "Scenarios and the library",
-    "analysis": "One armour",
-    "design": "The best armour",
-    "statistics": "Tests and uncertainty",
-    "planning": "What to test next",
-    "sweeps": "Many armours",
-    "validation": "Suites and comparisons",
-    "reporting": "Figures and reports",
-    "errors": "Errors",
-}
+# How far up the search lists the pages of a folder: those that answer a question come before those that list names.
+BOOST = {"howto": 8.0, "learn": 4.0, "tutorials": 4.0, "reference": 0.5, "": 1.0}
+# Pages on the project itself, which no question is about.
+LAST = ("changes.md", "contributing.md", "design.md", "performance.md", "study.ipynb")
 
 
 # Pictures that the pages filled so far show, by their place in the site.
 PICTURES: dict[str, str] = {}
 
 
-def api() -> str:
-    """Return the directives of mkdocstrings for the public names, functions first."""
-    found: dict[str, list[str]] = {package: [] for package in PACKAGES}
-    for name in sorted(dir(armour), key=lambda name: (isinstance(getattr(armour, name), type), name)):
-        found[getattr(armour, name).__module__.split(".")[1]].append(f"::: armour.{name}")
-    return "\n\n".join("\n\n".join([f"## {PACKAGES[package]}", *names]) for package, names in found.items())
+def names(package: str) -> list[str]:
+    """Return the public names of a package, functions first."""
+    return [
+        name
+        for name in sorted(dir(armour), key=lambda name: (isinstance(getattr(armour, name), type), name))
+        if getattr(armour, name).__module__.split(".")[1] == package
+    ]
+
+
+def api(package: str) -> str:
+    """Return the directives of mkdocstrings for the public names of a package."""
+    return "\n\n".join(f"::: armour.{name}" for name in names(package))
+
+
+def contents() -> str:
+    """Return the public names, with links to their descriptions, by the pages of docs/reference/api."""
+    lines = []
+    for page in sorted((DOCS / "reference" / "api").glob("*.md")):
+        title = page.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
+        links = ", ".join(f"[`{name}`][armour.{name}]" for name in names(page.stem))
+        lines.append(f"* [{title}](api/{page.name}): {links}")
+    return "\n".join(lines)
 
 
 def commands() -> str:
@@ -156,14 +166,11 @@ def _anchor(heading: str) -> str:
     return str(slugify(heading.replace("`", ""), "-"))
 
 
-def library() -> str:
-    """Return the entries of the library; those of the tests of bare plates are listed by name."""
-    shipped = armour.shipped_library()
+def library(kind: str) -> str:
+    """Return the entries of a kind of the library."""
     parts = []
-    for kind, entries in shipped.entries.items():
-        parts.append(f"## {kind.capitalize()}s")
-        for entry in entries.values():
-            parts += [f"### {entry.name}", entry.description, markdown_table(entry_table(entry))]
+    for entry in armour.shipped_library().entries[kind].values():
+        parts += [f"## {entry.name}", entry.description, markdown_table(entry_table(entry))]
     return "\n\n".join(parts)
 
 
@@ -199,7 +206,7 @@ def scene(command: str, name: str) -> str:
     return f"![{name}]({picture})\n\n<details><summary>Numbers</summary>{result._repr_html_()}</details>"
 
 
-PARTS = {part.__name__: part for part in (api, commands, keys, library, references, scenario, scene)}
+PARTS = {part.__name__: part for part in (api, commands, contents, keys, library, references, scenario, scene)}
 
 
 def filled(markdown: str) -> str:
@@ -221,7 +228,10 @@ def on_files(files: Any, config: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
-    """Fill a page, name links by the titles of pages, and make links of the keys of the bibliography."""
+    """Fill a page, rank it for the search, name links by titles, and make links of the keys of the bibliography."""
+    page.meta["search"] = {
+        "boost": 0.3 if page.file.src_uri in LAST else BOOST.get(page.file.src_uri.rpartition("/")[0], 0.5)
+    }
     up = "../" * page.file.src_uri.count("/")
     folder = (DOCS / page.file.src_uri).parent
     text = re.sub(r"\[[\w/-]+\.(?:md|ipynb)\]\(([^)#]+)", partial(_titled, folder), _inside(markdown, f"../{up}"))
@@ -232,8 +242,27 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
 
 
 def on_page_content(html: str, **_: Any) -> str:
-    """Return the page without a minus where mkdocstrings takes a type in words for Python."""
+    """Return the page with its formulas as MathML and its drawings inline, in the colours of the page."""
+    html = re.sub(r'<(span|div) class="arithmatex">\\[\[(](.+?)\\[\])]</\1>', _formula, html, flags=re.DOTALL)
+    html = re.sub(r'<img alt="([^"]+)" src="[./]*images/([\w-]+\.svg)" ?/?>', _drawing, html)
+    # mkdocstrings takes a type in words for Python.
     return html.replace("path - like", "path-like")
+
+
+def _formula(found: re.Match[str]) -> str:
+    """Return a formula in LaTeX as MathML, with the number of the equation beside it."""
+    latex, _, tag = unescape(found[2]).partition(r"\tag")
+    if found[1] == "span":
+        return convert(latex)
+    number = f"<span>({tag.strip().strip('{}')})</span>" if tag else ""
+    return f'<div class="formula">{convert(latex.strip(), display="block")}{number}</div>'
+
+
+def _drawing(found: re.Match[str]) -> str:
+    """Return a drawing of docs/images; its own style is for pages that show it as a picture."""
+    drawing = (DOCS / "images" / found[2]).read_text(encoding="utf-8")
+    drawing = re.sub(r"<style>.*?</style>", "", drawing, flags=re.DOTALL)
+    return drawing.replace("<svg ", f'<svg class="drawing" role="img" aria-label="{found[1]}" ', 1)
 
 
 def _inside(markdown: str, up: str) -> str:
