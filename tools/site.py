@@ -25,15 +25,16 @@ from armour.analysis.quantities import label_and_unit
 from armour.reporting.report import markdown_table
 from armour.reporting.views.library import entry_table
 from armour.scenario.inputs import INPUTS
+from armour.scenario.library import Kind
 from armour.scenario.scenario import scenario_schema
 
 DOCS = Path(__file__).parents[1] / "docs"
 # Pages of the site whose text is kept elsewhere in the repository.
 OUTSIDE = {"contributing.md": "CONTRIBUTING.md", "changes.md": "CHANGELOG.md"}
-# How far up the search lists the pages of a folder: those that answer a question come before those that list names.
-BOOST = {"howto": 8.0, "learn": 4.0, "tutorials": 4.0, "reference": 0.5, "": 1.0}
-# Pages on the project itself, which no question is about.
-LAST = ("changes.md", "contributing.md", "design.md", "performance.md", "study.ipynb")
+# Weight in the search, by folder or page: pages that answer a question come before those that list names, and those on
+# the project itself last.
+WEIGHTS = {"howto": 10.0, "learn": 5.0, "tutorials": 5.0, "reference": 0.1, "reference/api": 0.02}
+WEIGHTS |= dict.fromkeys(["changes.md", "contributing.md", "design.md", "performance.md", "study.ipynb"], 0.02)
 
 
 # Pictures that the pages filled so far show, by their place in the site.
@@ -166,7 +167,7 @@ def _anchor(heading: str) -> str:
     return str(slugify(heading.replace("`", ""), "-"))
 
 
-def library(kind: str) -> str:
+def library(kind: Kind) -> str:
     """Return the entries of a kind of the library."""
     parts = []
     for entry in armour.shipped_library().entries[kind].values():
@@ -229,9 +230,8 @@ def on_files(files: Any, config: Any) -> Any:
 
 def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
     """Fill a page, rank it for the search, name links by titles, and make links of the keys of the bibliography."""
-    page.meta["search"] = {
-        "boost": 0.3 if page.file.src_uri in LAST else BOOST.get(page.file.src_uri.rpartition("/")[0], 0.5)
-    }
+    path = page.file.src_uri
+    page.meta["search"] = {"boost": WEIGHTS.get(path, WEIGHTS.get(path.rpartition("/")[0], 1.0))}
     up = "../" * page.file.src_uri.count("/")
     folder = (DOCS / page.file.src_uri).parent
     text = re.sub(r"\[[\w/-]+\.(?:md|ipynb)\]\(([^)#]+)", partial(_titled, folder), _inside(markdown, f"../{up}"))
