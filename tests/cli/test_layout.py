@@ -12,8 +12,8 @@ from armour.analysis.impact import simulate
 from armour.cli.layout import rendered
 from armour.reporting.table import Column, Table, record
 from armour.reporting.views import impact as impact_view
-from armour.reporting.views.library import library_tables
-from armour.scenario.library import shipped_library
+from armour.reporting.views.library import library_table
+from armour.scenario.library import KINDS, shipped_library
 from tests.helpers.cases import scenario
 
 PIPE = 1_000_000
@@ -32,7 +32,7 @@ def words(lines: list[str]) -> list[str]:
 def tables() -> list[Table]:
     items = [
         *impact_view.tables(simulate(scenario()).of(confidence=confidence(scenario()))),
-        *library_tables(shipped_library()),
+        *(library_table(shipped_library(), kind) for kind in KINDS),
     ]
     return [item for item in items if isinstance(item, Table)]
 

@@ -13,6 +13,29 @@ def test_the_library_as_json(cli):
     assert data["ceramic"]["AD85"]["flow_stress_GPa"]["value"] == 5.2
 
 
+def test_a_kind_of_entries_and_those_that_were_tested(cli):
+    data = json.loads(cli("library", "--json").stdout)
+    assert json.loads(cli("library", "metals", "--json").stdout) == {"metal": data["metal"]}
+    tested = json.loads(cli("library", "--tested", "metals", "--json").stdout)["metal"]
+    assert tested["AA5083-H116"] == {**data["metal"]["AA5083-H116"], "tested_with": ["7.62 mm APM2"]}
+    assert "5083-H3" not in tested
+    assert cli("library", "metals", "--tested").stdout.splitlines()[0].endswith("tested with")
+    threats = json.loads(cli("library", "threats", "--tested", "--json").stdout)["threat"]
+    assert {threat["projectile"] for threat in threats.values()} == {"7.62 mm APM2", "14.5 mm B32"}
+
+
+def test_a_strength_is_static_or_dynamic(cli):
+    header, _, *rows = cli("library", "metals").stdout.splitlines()
+    for name, heading in (("5083-H3", "dynamic yield strength, MPa"), ("AA5083-H116", "static yield strength, MPa")):
+        [row] = [row for row in rows if row.startswith(f"{name} ")]
+        end = header.index(heading) + len(heading)
+        assert row[end - 3 : end] == {"5083-H3": "333", "AA5083-H116": "240"}[name]
+        assert len([cell for cell in row.split("  ") if cell.strip()]) == 5
+    values = json.loads(cli("library", "show", "AA5083-H116", "--json").stdout)
+    statuses = {key: values[f"{key}_yield_strength_MPa"]["status"] for key in ("static", "dynamic")}
+    assert statuses == {"static": "nominal", "dynamic": "assumed"}
+
+
 def test_an_entry_is_shown_with_its_sources(cli):
     result = cli("library", "show", "7.62 mm AP")
     assert result.exit_code == 0

@@ -6,12 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from armour.analysis.variants import outside_limits, variants_of
 from armour.engine import batch
 from armour.errors import InputError
-from armour.scenario.evidence import MEASURES, ModelError, is_unusual, row_limits, shipped_evidence
-from armour.scenario.inputs import OBLIQUITY
+from armour.scenario.evidence import MEASURES, ModelError, is_unusual, shipped_evidence
+from armour.scenario.inputs import OBLIQUITY, YIELD
 from armour.scenario.library import shipped_library
 from armour.scenario.scenario import Scenario, load_scenario
+from armour.sweeps.sweep import sweep
 from armour.units import GPA, MM
 from armour.validation.suite import load_suite
 from armour.validation.validate import paper_suite
@@ -48,7 +50,8 @@ def test_the_ranges_are_those_of_the_published_cases():
 
 def test_no_warning_within_the_validated_range():
     assert scenario().warnings(723.8) == ()
-    assert scenario(ceramic=None, ceramic_mm=0.0, backing_mm=20.0, projectile="7.62 mm APM2").warnings(600.0) == ()
+    bare = scenario(ceramic=None, ceramic_mm=0.0, backing="AA6061-T651", backing_mm=20.0, projectile="7.62 mm APM2")
+    assert bare.warnings(600.0) == ()
 
 
 STUB = {"projectile": {"stub": {"based_on": "7.62 mm AP", "penetrator_diameter_mm": 9.0}}}
@@ -88,6 +91,7 @@ LAW = {"ceramic": {"law": {"based_on": "AD85", "flow_stress_backing_exponent": 0
                 "armour.ceramic: the model was compared with results of AD85, AD99.5, Al-N only",
                 "backing.density_kg_m3: ",
                 "backing.flow_stress_GPa: ",
+                "armour.backing: the yield strength of Ti-6Al-4V is static",
             ],
         ),
         (
@@ -118,11 +122,22 @@ CASES = (
 
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_rows_are_judged_like_scenarios(case: Scenario):
-    rows = batch.fields(batch.packed([case.core_armour()] * 2))
-    velocities = np.full(2, case.impact.velocity_m_s)
-    cosines = np.full(2, case.cosine())
     words = [warning.partition(", found ")[0] for warning in case.warnings(case.impact.velocity_m_s)]
-    assert sorted(row_limits(rows, velocities, cosines)) == sorted((warning, 2) for warning in words)
+    assert sorted(outside_limits(variants_of(case, {}, 2))) == sorted((warning, 2) for warning in words)
+
+
+@pytest.mark.parametrize(
+    ("ceramic_mm", "alike", "other"), [(6.35, "5083-H3", "AA5083-H116"), (0.0, "AA5083-H116", "5083-H3")]
+)
+def test_a_strength_of_another_kind_than_that_of_the_tests_is_named(ceramic_mm: float, alike: str, other: str):
+    """Armour with a ceramic was compared by dynamic strengths, bare plates by static ones."""
+    case = scenario(ceramic_mm=ceramic_mm)
+    found = sweep(case, {"armour.backing": [alike, other, other]}, "areal_density_kg_m2").warnings
+    [line] = [line for line in found if "yield strength" in line]
+    assert f"of {other} is " in line
+    assert line.endswith("2 of 3 rows")
+    given = sweep(case.replaced({"armour.backing": other}), {YIELD: [300.0]}, "areal_density_kg_m2").warnings
+    assert "yield strength" not in str(given)
 
 
 def test_a_given_error_is_that_of_samples():

@@ -53,6 +53,16 @@ def test_a_metal_without_them_has_the_default_strengths():
     assert metal.derived == {"flow_stress_GPa", "shear_strength_MPa"}
 
 
+def test_a_static_yield_strength_is_taken_for_a_dynamic_one_that_is_not_given():
+    static = {"density_kg_m3": 7850, "static_yield_strength_MPa": 1000}
+    tables = {"m": static, "n": {"based_on": "m", "dynamic_yield_strength_MPa": 1200}}
+    known = extended({"metal": tables}).entries["metal"]
+    assert [known[name]["dynamic_yield_strength_MPa"] for name in "mn"] == [1000, 1200]
+    assert [known[name]["shear_strength_MPa"] for name in "mn"] == pytest.approx([700, 840])
+    assert [known[name].is_static for name in "mn"] == [True, False]
+    assert known["n"]["static_yield_strength_MPa"] == 1000
+
+
 def test_derived_strengths_follow_a_yield_strength_that_is_changed():
     tables = {"metal": {"m": {"based_on": "6061-T6", "dynamic_yield_strength_MPa": 500}}}
     [metal] = extended(tables).find("m")
@@ -124,6 +134,18 @@ def test_a_mass_in_the_wrong_unit_is_noticed():
     assert "is it in g?" in messages(tables)[0]
 
 
-def test_a_name_that_is_not_there_is_an_error_with_the_nearest():
-    with pytest.raises(KeyError, match="AD85"):
-        shipped_library().find("AD8")
+@pytest.mark.parametrize("name", ["5083", "5083-h32"])
+def test_a_name_that_is_not_there_is_an_error_with_all_that_are_alike(name: str):
+    """Each has what tells it apart; the strongest of them is not suggested alone."""
+    with pytest.raises(KeyError) as caught:
+        shipped_library().find(name)
+    alike = [each for each in shipped_library().names("metal") if "5083" in each]
+    assert len(alike) == 4
+    assert all(f"{each} (" in str(caught.value) for each in alike)
+    assert "5083-H3 (dynamic yield strength 333 MPa)" in str(caught.value)
+    assert "AA5083-H116 (static yield strength 240 MPa)" in str(caught.value)
+
+
+def test_a_name_that_is_like_none_is_an_error_with_the_nearest():
+    with pytest.raises(KeyError, match='did you mean "AD85"'):
+        shipped_library().find("AD86")

@@ -12,7 +12,7 @@ from armour.engine import batch
 from armour.errors import InputError, Problem
 from armour.scenario.evidence import ModelError, is_unusual, row_limits
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, LAYERS, OBLIQUITY, VELOCITY, YIELD, cosine_of
-from armour.scenario.library import DEFAULTS, ROD, length_mm
+from armour.scenario.library import DEFAULTS, ROD, LibraryEntry, length_mm, strength_notes
 from armour.scenario.own_evidence import OwnTests, own_tests, with_own
 from armour.scenario.predictive import LAW_FIELDS, Errors, errors_of
 from armour.scenario.scenario import Scenario
@@ -35,6 +35,7 @@ class Settings(NamedTuple):
     excludes_error: bool  # as that section says
     distributions: bool  # whether the section ``uncertainty`` has any, which rows leave out
     own: tuple[OwnTests, ...]  # of entries of the library
+    metals: tuple[LibraryEntry, ...]  # of the back plate, if its strength is that of the library
 
     def options(self, threads: int | None = None) -> batch.SolverOptions:
         """Return the options of the engine."""
@@ -124,7 +125,10 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
                 target = INPUTS[f"backing.{key}"]
                 getattr(field, target.field)[:] = DEFAULTS[key][0] * columns[YIELD] * target.factor
     velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
-    return Variants(rows, velocities, cosines, np.full(count, scenario.tensile_strength()), settings_of(scenario))
+    settings = settings_of(scenario)
+    if not columns.keys().isdisjoint((YIELD, "backing.flow_stress_GPa")):
+        settings = settings._replace(metals=())
+    return Variants(rows, velocities, cosines, np.full(count, scenario.tensile_strength()), settings)
 
 
 def _set_inputs(parameters: Floats, columns: Mapping[str, Floats | float], cosines: Floats) -> None:
@@ -143,7 +147,11 @@ def concatenated(parts: Sequence[Variants]) -> Variants:
 
 def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
     """Yield the limits of what the model was compared with that some rows lie outside of, and how many do."""
-    return row_limits(batch.fields(variants.parameters), variants.velocities if velocities else None, variants.cosines)
+    armour = batch.fields(variants.parameters)
+    yield from row_limits(armour, variants.velocities if velocities else None, variants.cosines)
+    for bare in (False, True):
+        if count := int(np.count_nonzero((armour.Hc0 == 0.0) == bare)):
+            yield from ((note, count) for note in strength_notes(variants.settings.metals, bare=bare))
 
 
 def unusual(variants: Variants) -> Bools:
@@ -167,8 +175,8 @@ def settings_of(scenario: Scenario) -> Settings:
     """Return the settings of a scenario."""
     error, excluded = scenario.given_error(), scenario.excludes_error()
     section, grid, some = scenario.ballistic_limit, scenario.optimise, bool(scenario.unused_distributions())
-    own = own_tests(scenario.entries)
-    return Settings(scenario.file, scenario.solver, section, grid, error, excluded, some, own)
+    own, metals = own_tests(scenario.entries), (scenario.entry("metal", scenario.armour.backing),)
+    return Settings(scenario.file, scenario.solver, section, grid, error, excluded, some, own, metals)
 
 
 def impacts(variants: Variants, threads: int | None = None) -> batch.Impacts:

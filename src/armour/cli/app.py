@@ -16,7 +16,7 @@ from armour import MODEL_VERSION, __version__
 from armour.analysis.quantities import QUANTITIES, REQUIRED
 from armour.cli.console import emit, say
 from armour.cli.experiments import calibrate, plan_shots, plan_tests, v50
-from armour.cli.library import init, list_library, schema, show_entry
+from armour.cli.library import KINDS, init, list_library, schema, section, show_entry
 from armour.cli.question import option
 from armour.cli.scenario_commands import (
     ballistic_limit,
@@ -221,6 +221,8 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
 library = typer.Typer(cls=Reporting, invoke_without_command=True, no_args_is_help=False)
 library.callback()(list_library)
 library.command("show", cls=Command)(show_entry)
+for _kind in KINDS:
+    library.command(f"{_kind}s", cls=Command)(section(_kind))
 for _panel, _commands in COMMANDS.items():
     for _command, _examples in _commands.items():
         _parts = ["Examples:", *(f"`armour {example}`" for example in _examples)]

@@ -1,7 +1,8 @@
 """Commands on what is shipped: the library, and files to start from."""
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -12,18 +13,48 @@ from armour.cli.runner import check_outputs, respond, write
 from armour.errors import InputError, Problem, choices, refuse
 from armour.files import shipped_files, shipped_suites, shipped_tests, wrong_ending
 
+# What the library lists, each by a command of its own, in the plural.
+KINDS = ("projectile", "ceramic", "metal", "threat")
+Tested = Annotated[bool, option("List only entries with tests by which the model error is known.", "--tested")]
 
-def list_library(ctx: typer.Context, as_json: AsJson = False) -> None:
+
+def list_library(ctx: typer.Context, tested: Tested = False, as_json: AsJson = False) -> None:
     """List materials, projectiles and threats."""
-    if ctx.invoked_subcommand is not None:
-        return
-    from armour.reporting.views.library import library_tables
+    if ctx.invoked_subcommand is None:
+        _list(KINDS, tested=tested, as_json=as_json)
+
+
+def section(kind: str) -> Callable[..., None]:
+    """Return the command that lists the entries of a kind."""
+
+    def listed(ctx: typer.Context, tested: Tested = False, as_json: AsJson = False) -> None:
+        given = ctx.parent.params if ctx.parent is not None else {}
+        _list((kind,), tested=tested or given["tested"], as_json=as_json or given["as_json"])
+
+    listed.__doc__ = f"List {kind}s."
+    return listed
+
+
+def _list(kinds: Sequence[str], *, tested: bool, as_json: bool) -> None:
+    """List entries of some kinds."""
+    from armour.reporting.views.library import library_table, threat_table
     from armour.scenario.library import shipped_library
     from armour.scenario.threats import named_threats
 
-    library = shipped_library()
-    threats = {name: threat.model_dump() for name, threat in named_threats().items()}
-    respond({**library.to_dict(), "threat": threats}, library_tables(library), as_json=as_json)
+    library, found = shipped_library(), None
+    data: dict[str, dict[str, Any]] = library.to_dict()
+    threats = named_threats()
+    if tested:
+        from armour.validation.tested import tested_with
+
+        found = tested_with()
+        for (kind, name), words in found.items():
+            data[kind][name]["tested_with"] = list(words)
+        data = {kind: {name: data[kind][name] for of, name in found if of == kind} for kind in data}
+        threats = {name: threat for name, threat in threats.items() if ("projectile", threat.projectile) in found}
+    data["threat"] = {name: threat.model_dump() for name, threat in threats.items()}
+    tables = {kind: library_table(library, kind, found) for kind in library.entries} | {"threat": threat_table(threats)}
+    respond({kind: data[kind] for kind in kinds}, [tables[kind] for kind in kinds], as_json=as_json)
 
 
 def show_entry(

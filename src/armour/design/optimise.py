@@ -17,6 +17,7 @@ from armour.errors import NoDesignError, Note, Problem, refuse
 from armour.scenario.checked import checked
 from armour.scenario.evidence import MEASURES, REMEDY, ModelError, armour_warnings
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, OBLIQUITY, VELOCITY
+from armour.scenario.library import strength_notes
 from armour.scenario.mixture import Mixture
 from armour.scenario.own_evidence import error_of_armour, own_tests
 from armour.scenario.scenario import Scenario, Varied
@@ -328,6 +329,8 @@ def _outside(search: Search, place: int) -> list[str]:
         keys = {**own, **keys} if catalogue.scenario.threat else {}
         cosine = float(catalogue.cosines[i])
         found += armour_warnings(_armour(search, place, i), ceramic, threat.velocity_m_s, cosine, keys)
+    metals = (catalogue.scenario.entry("metal", layer.material) for layer in catalogue.section.backing)
+    found += strength_notes(metals, bare=not search.candidates.ceramic_mm[place])
     return list(dict.fromkeys(found))
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from armour.errors import InputError, Problem, refuse, suggestion
 from armour.files import parse_toml
-from armour.scenario.inputs import INPUTS
+from armour.scenario.inputs import INPUTS, NAMING
 from armour.scenario.keys import Parts, describe, key_name, leaves, not_a_key, parts_of
 
 
@@ -66,7 +66,7 @@ def _put(table: dict[str, Any], key: str, value: object) -> None:
 def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
     """Return the changes that assignments on the command line make, values by dotted key.
 
-    An assignment is a line of TOML; a value that is not TOML is taken as a text.
+    An assignment is a line of TOML; a value that is not TOML, or a number where a name is meant, is taken as a text.
     """
     changes: dict[str, Any] = {}
     problems = []
@@ -94,7 +94,10 @@ def _parsed(text: str) -> tuple[str, Any] | None:
             continue
         value = text[equals.end() :].strip()
         try:
-            return None if "\n" in value else (key, parse_toml(f"value = {value}", "")["value"])
+            made = parse_toml(f"value = {value}", "")["value"]
+            if "\n" in value:
+                return None
+            return key, value if key in NAMING and not isinstance(made, str) else made
         except InputError:
             return key, value
     return None

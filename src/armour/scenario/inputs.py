@@ -83,7 +83,7 @@ def inputs_of_entry(role: str, entry: "LibraryEntry") -> dict[str, float]:
     return {
         name: entry[one.key]
         for name, one in INPUTS.items()
-        if one.section == role and one.key in entry.values and (name != YIELD or entry.derived)
+        if one.section == role and one.key in entry.values and (name != YIELD or entry.derived - {one.key})
     }
 
 

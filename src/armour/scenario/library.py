@@ -3,7 +3,8 @@
 Every value has a status (measured, nominal, fitted or assumed) and a source.
 """
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from math import inf, nan, pi
@@ -20,12 +21,12 @@ from pydantic import (
     model_validator,
 )
 
-from armour.errors import InputError, Problem, refuse, suggestion
+from armour.errors import CHOOSE, InputError, Note, Problem, refuse, suggestion
 from armour.files import read_toml, shipped
 from armour.scenario.checked import checked
 from armour.scenario.keys import describe, key_name
 from armour.scenario.sections import NOT_TINY, NUMBER, Items, NumberOrText, Section, validated
-from armour.units import GPA, MM, MPA, G
+from armour.units import GPA, MM, MPA, G, words_and_unit
 
 Status = Literal["measured", "nominal", "fitted", "assumed"]
 Number = TypeVar("Number", bound=float)
@@ -209,8 +210,10 @@ class Metal(Entry):
 
     density_kg_m3: Density | None = None
     """Density."""
+    static_yield_strength_MPa: StressMPa | None = None
+    """Static yield strength, as a data sheet has it; not used where there is a dynamic one."""
     dynamic_yield_strength_MPa: StressMPa | None = None
-    """Dynamic yield strength."""
+    """Dynamic yield strength; by default the static one."""
     flow_stress_GPa: StressGPa | None = None
     """Constrained flow stress; by default 2.7 times the dynamic yield strength."""
     shear_strength_MPa: StressMPa | None = None
@@ -234,14 +237,18 @@ FLOW_STRESS_LAW = (
     "flow_stress_ceramic_slope",
     "flow_stress_backing_slope",
 )
+STATIC, DYNAMIC = "static_yield_strength_MPa", "dynamic_yield_strength_MPa"
 # Keys that an entry may lack.
-OPTIONAL = (*UNUSED, *FLOW_STRESS_LAW)
+OPTIONAL = (*UNUSED, *FLOW_STRESS_LAW, STATIC)
 
-# Defaults for metals: multiples of the dynamic yield strength in MPa, and their source.
+# Defaults for metals: multiples of the static yield strength, or else of the dynamic one, in MPa, and their source.
 DEFAULTS = {
+    DYNAMIC: (1.0, "the static yield strength, as no dynamic one is known"),
     "flow_stress_GPa": (2.7 * MPA / GPA, "2.7 times the dynamic yield strength, the constraint factor of the paper"),
     "shear_strength_MPa": (0.7, "0.7 times the dynamic yield strength, which fits the paper's 6061-T6 and 5083-H3"),
 }
+# Most entries of similar names that a message lists.
+MOST_ALIKE = 12
 # Keys of a projectile that its penetrator's length follows from.
 ROD = ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3")
 # Range of length over diameter of a penetrator; outside it, the mass most likely has a wrong unit.
@@ -293,11 +300,56 @@ class LibraryEntry:
         """Return the number of a key."""
         return self.values[key].value
 
+    @property
+    def is_static(self) -> bool:
+        """Whether a static yield strength is taken for the dynamic one of a metal."""
+        return DYNAMIC in self.derived
+
     def to_dict(self) -> dict[str, Any]:
         """Return the entry as plain data."""
         values = {key: value.model_dump() for key, value in self.values.items()}
         aliases = {"aliases": list(self.aliases)} if self.aliases else {}
         return {"kind": self.kind, "name": self.name, "description": self.description, **aliases, **values}
+
+
+def hint(name: str, entries: Iterable[LibraryEntry], known: Iterable[str]) -> str:
+    """Return a hint at the entries with names that contain a given one, or else at the closest known name.
+
+    Without any that contains it, such as "5083-H32", names that contain its first part are meant.
+    """
+    entries = list(entries)
+    for part in filter(None, (name, re.split("[ -]", name)[0])):
+        found = [
+            _in_short(entry)
+            for entry in entries
+            if any(part.casefold() in other.casefold() for other in (entry.name, *entry.aliases))
+        ]
+        if 0 < len(found) <= MOST_ALIKE:
+            return CHOOSE + ", ".join(found)
+    return suggestion(name, list(known))
+
+
+def _in_short(entry: LibraryEntry) -> str:
+    """Return the name of an entry with the values that tell it from those of similar names."""
+    keys = {"projectile": ROD[:2], "ceramic": ("flow_stress_GPa",), "metal": (STATIC if entry.is_static else DYNAMIC,)}
+    values = (f"{words} {entry[key]:.4g} {unit}" for key in keys[entry.kind] for words, unit in [words_and_unit(key)])
+    return f"{entry.name} ({', '.join(values)})"
+
+
+def strength_notes(metals: Iterable[LibraryEntry], *, bare: bool) -> tuple[Note, ...]:
+    """Return a warning on metals with another kind of strength than the tests: static for bare plates, else dynamic."""
+    names = dict.fromkeys(metal.name for metal in metals if metal.is_static != bare and metal.evidence is None)
+    if not names:
+        return ()
+    own, tested, are = ("dynamic", "static", "lower") if bare else ("static", "dynamic", "higher")
+    tests = "bare plates" if bare else "armour with a ceramic"
+    return (
+        Note(
+            f"the yield strength of {', '.join(names)} is {own}, but those of the tests of {tests} are {tested}, "
+            f"which are usually {are}; do not compare them as they are",
+            "armour.backing",
+        ),
+    )
 
 
 def tensile_strength(metal: LibraryEntry) -> float:
@@ -363,8 +415,9 @@ class Library:
         """Return an entry; if there is none, an InputError suggests the closest name."""
         known = self.known(kind)
         if name not in known:
-            message = f"must name a {kind} of the library, found {describe(name)}{suggestion(str(name), list(known))}"
-            raise InputError([Problem("library", "name", message)])
+            words = f"must name a {kind} of the library, found {describe(name)}"
+            entries = self.entries[kind].values()
+            raise InputError([Problem("library", "name", words + hint(str(name), entries, known))])
         return self.entries[kind][known[name]]
 
     def known(self, kind: Kind) -> dict[str, str]:
@@ -384,7 +437,8 @@ class Library:
         found = [self.entry(kind, name) for kind in KINDS if name in self.known(kind)]
         if not found:
             known = [known for kind in KINDS for known in self.known(kind)]
-            raise KeyError(f'no entry of the library is called "{name}"{suggestion(name, known)}')
+            entries = [entry for kind in KINDS for entry in self.entries[kind].values()]
+            raise KeyError(f'no entry of the library is called "{name}"{hint(name, entries, known)}')
         return found
 
     def extended(self, tables: LibraryTables | Mapping[str, Any], file: str, prefix: str = "") -> "Library":
@@ -433,8 +487,14 @@ def _resolved(
                 if not wrong:
                     found[name] = made
             elif not is_added:  # the mistake of an added one is reported there
-                hint = suggestion(base, [*known, *(other for other in added if other != name)])
-                mistakes.append((name, "based_on", f'must name a {kind} of the library, found "{base}"{hint}'))
+                names = [*known, *(other for other in added if other != name)]
+                mistakes.append(
+                    (
+                        name,
+                        "based_on",
+                        f'must name a {kind} of the library, found "{base}"{hint(base, known.values(), names)}',
+                    )
+                )
     for name, entry in waiting.items():
         mistakes.append((name, "based_on", f'must not lead back to the entry itself, found "{entry.based_on}"'))
     return found, mistakes
@@ -446,12 +506,11 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
     for key, value in entry.values().items():
         values[key] = value if value.source else value.model_copy(update={"source": file})
     derived = []
-    if kind == "metal" and "dynamic_yield_strength_MPa" in values:
-        strength = values["dynamic_yield_strength_MPa"].value
+    if strength := values.get(DYNAMIC, values.get(STATIC)):
         derived = [key for key in DEFAULTS if key not in values]
         for key in derived:
             factor, source = DEFAULTS[key]
-            values[key] = Value[float](value=factor * strength, source=source)
+            values[key] = Value[float](value=factor * strength.value, source=source)
     ordered = {key: values[key] for key in _keys(kind) if key in values}
     description = entry.description or (base.description if base else "")
     evidence = entry.evidence or (base.evidence if base and not entry.values() else None)

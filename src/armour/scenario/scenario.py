@@ -42,6 +42,7 @@ from armour.scenario.library import (
     penetrator_length_mm,
     read_library,
     shipped_library,
+    strength_notes,
     tensile_strength,
 )
 from armour.scenario.schema import (
@@ -356,7 +357,9 @@ class Scenario(Section):
 
         `velocity` is the impact velocity, m/s, or the ballistic limit, whose key is then given.
         """
-        return armour_warnings(self.core_armour(), self.armour.ceramic, velocity, self.cosine(), {VELOCITY: key})
+        found = armour_warnings(self.core_armour(), self.armour.ceramic, velocity, self.cosine(), {VELOCITY: key})
+        metal = self.entry("metal", self.armour.backing)
+        return (*found, *strength_notes([metal], bare=not self.armour.ceramic_thickness_mm))
 
     def threats(self) -> tuple[Threat, ...]:
         """Return the threats; without any, the impact."""
@@ -505,7 +508,7 @@ def _made(source: _Source) -> Scenario:
     """Make a scenario from its source."""
     library, names, problems = _library_of(source)
     try:
-        scenario = Scenario.model_validate(source.data, context={"names": names})
+        scenario = Scenario.model_validate(source.data, context={"names": names, "library": library})
     except ValidationError as error:
         raise InputError([*problems, *problems_of(error, Scenario, source.file)]) from None
     refuse(problems)

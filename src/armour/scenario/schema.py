@@ -19,10 +19,10 @@ from pydantic import (
 )
 
 from armour.core import equations
-from armour.errors import choices, suggestion
+from armour.errors import choices
 from armour.scenario.evidence import ERROR
 from armour.scenario.inputs import INPUTS, THREAT
-from armour.scenario.library import Kind, LibraryTables
+from armour.scenario.library import Kind, LibraryTables, hint
 from armour.scenario.sections import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
 from armour.scenario.threats import GIVEN, named_threats
 from armour.units import US
@@ -47,10 +47,11 @@ def _in_library(kind: Kind) -> AfterValidator:
     """Return a validator of a name, which must be in the library; another name of an entry becomes its first."""
 
     def check(name: str, info: ValidationInfo) -> str:
-        names = info.context["names"] if info.context else {}
-        known: dict[str, str] = names.get(kind, {name: name})
+        context: dict[str, Any] = info.context or {"names": {}}
+        known: dict[str, str] = context["names"].get(kind, {name: name})
         if name not in known:
-            raise ValueError(f'must name a {kind} of the library, found "{name}"{suggestion(name, list(known))}')
+            entries = context["library"].entries[kind].values()
+            raise ValueError(f'must name a {kind} of the library, found "{name}"{hint(name, entries, known)}')
         return known[name]
 
     return AfterValidator(check)

@@ -1,12 +1,16 @@
 """The library of projectiles and materials, and what is shipped."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from armour.files import read_toml, shipped_files, shipped_suites
-from armour.reporting.table import Column, Table, column_of, listing
-from armour.scenario.library import OPTIONAL, Kind, Library, LibraryEntry
-from armour.scenario.threats import NamedThreat, named_threats
+from armour.reporting.table import Column, Source, Table, column_of, listing
+from armour.scenario.library import DYNAMIC, KINDS, OPTIONAL, STATIC, Kind, Library, LibraryEntry
+from armour.scenario.threats import NamedThreat
 
+# Rounds of materials, or materials of rounds, by kind and name.
+Tested = Mapping[tuple[Kind, str], Sequence[str]]
+# Most names of what an entry was tested with.
+MOST_NAMES = 7
 # Numbers of a threat.
 VALUES = ("velocity_m_s", "tolerance_m_s", "obliquity_deg")
 # Shipped tables of tests, which have no title, and what they are for.
@@ -18,21 +22,34 @@ TESTS = {
 }
 
 
-def library_table(library: Library, kind: Kind) -> Table:
-    """Return the library's entries of a kind: name, the numbers that every entry has, 4 digits, and description."""
-    entries = library.entries[kind].values()
-    keys = dict.fromkeys(key for entry in entries for key in entry.values if key not in OPTIONAL)
+def library_table(library: Library, kind: Kind, tested: Tested | None = None) -> Table:
+    """Return the entries of a kind: name, values that are not derived in all of them, 4 digits, and description.
+
+    Of metals the dynamic yield strength is shown only where it is known.  If `tested` is given, only the entries in it
+    are listed, with what they were tested with in place of the description.
+    """
+    entries = [entry for entry in library.entries[kind].values() if tested is None or (kind, entry.name) in tested]
+    given = {key for entry in entries for key in entry.values if key not in (*OPTIONAL, *entry.derived)} | {STATIC}
+    keys = [key for key in KINDS[kind].model_fields if key in given]
+    described: Source = column_of("description", prose=True)
+    if tested is not None:
+        described = (Column("tested with", prose=True), lambda entry: _in_short(tested[kind, entry.name]))
     return listing(
         entries,
         column_of("name", label=kind),
-        *((column_of(key, "g"), lambda entry, key=key: float(f"{entry[key]:.4g}")) for key in keys),
-        column_of("description", prose=True),
+        *((column_of(key, "g"), lambda entry, key=key: _shown(entry, key)) for key in keys),
+        described,
     )
 
 
-def library_tables(library: Library) -> list[Table | str]:
-    """Return a table of every kind of entry, and of the threats."""
-    return [*(library_table(library, kind) for kind in library.entries), threat_table(named_threats())]
+def _in_short(names: Sequence[str]) -> str:
+    more = len(names) - MOST_NAMES
+    return ", ".join(names[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
+
+
+def _shown(entry: LibraryEntry, key: str) -> float | None:
+    known = key in entry.values and not (key == DYNAMIC and entry.is_static)
+    return float(f"{entry[key]:.4g}") if known else None
 
 
 def threat_table(threats: Mapping[str, NamedThreat]) -> Table:

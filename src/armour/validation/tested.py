@@ -1,0 +1,50 @@
+"""What entries of the library were tested with, of tests by which the error of the model is known."""
+
+import csv
+from functools import cache
+
+import numpy as np
+
+from armour.analysis.evaluate import groups_of
+from armour.files import table_file
+from armour.scenario.inputs import BACKING, CERAMIC, NAMES
+from armour.scenario.library import Kind, shipped_library
+from armour.scenario.scenario import load_scenario
+
+
+@cache
+def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
+    """Return the rounds that materials were tested with, and the materials that rounds were, by kind and name."""
+    library, case = shipped_library(), load_scenario("wilkins")
+    rounds = library.known("projectile")
+    plates = [row for row in _rows("plates.csv") if row["round"] in rounds]
+    tiles = _rows("wilkins.csv") * len(library.names("ceramic"))
+    names = np.repeat(library.names("ceramic"), len(_rows("wilkins.csv")))
+    found: dict[tuple[Kind, str], dict[str, None]] = {}
+
+    def add(kind: Kind, name: str, words: str) -> None:
+        found.setdefault((kind, name), {})[words] = None
+
+    bare = {
+        NAMES["backing"]: np.array([row["plate"] for row in plates]),
+        NAMES["projectile"]: np.array([rounds[row["round"]] for row in plates]),
+        BACKING: np.array([float(row[BACKING]) for row in plates]),
+    }
+    for group in groups_of(case.replaced({CERAMIC: 0.0}), bare):
+        if group.variants.errors.known.any():
+            metal, projectile = (str(bare[NAMES[role]][group.where[0]]) for role in ("backing", "projectile"))
+            add("metal", metal, projectile)
+            add("projectile", projectile, metal)
+    layers = {key: np.array([float(row[key]) for row in tiles]) for key in (CERAMIC, BACKING)}
+    for group in groups_of(case, {NAMES["ceramic"]: names, **layers}):
+        if group.variants.errors.known.any():
+            metal, projectile = case.armour.backing, case.impact.projectile
+            add("ceramic", str(names[group.where[0]]), f"{projectile}, on {metal}")
+            add("metal", metal, f"{projectile}, with {case.armour.ceramic}")
+            add("projectile", projectile, f"{case.armour.ceramic} on {metal}")
+    return {entry: tuple(words) for entry, words in found.items()}
+
+
+def _rows(table: str) -> list[dict[str, str]]:
+    with table_file(table).open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
