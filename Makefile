@@ -40,11 +40,12 @@ format: $(VENV)/developing
 	$(BIN)/ruff check --fix .
 
 # Write the generated pages and pictures of docs/.
-docs: $(VENV)/installed
+docs: $(VENV)/developing
 	$(BIN)/armour validate --markdown docs/validation.md --force
 	$(BIN)/armour validate plates --markdown docs/plates.md --force
 	$(BIN)/python tools/notebook.py docs/study.ipynb
 	$(BIN)/python tools/drawings.py
+	$(BIN)/python -m tests.cli.test_docs
 	$(BIN)/armour figures docs/figures --force
 	rm docs/figures/*.csv
 	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine --plot docs/images/optimum.png --force

@@ -259,8 +259,11 @@ def _formula(found: re.Match[str]) -> str:
 
 
 def _drawing(found: re.Match[str]) -> str:
-    """Return a drawing of docs/images; its own style is for pages that show it as a picture."""
+    """Return a drawing that takes the colour of the text as a part of the page; charts remain pictures."""
     drawing = (DOCS / "images" / found[2]).read_text(encoding="utf-8")
+    if "currentColor" not in drawing:
+        return found[0]
+    # Its style is for where it is a picture.
     drawing = re.sub(r"<style>.*?</style>", "", drawing, flags=re.DOTALL)
     return drawing.replace("<svg ", f'<svg class="drawing" role="img" aria-label="{found[1]}" ', 1)
 

@@ -1,14 +1,23 @@
-"""The commands and the Python examples of the documentation do what it says, and its links lead somewhere."""
+"""The commands and the Python examples of the documentation do what it says, and its links lead somewhere.
+
+A page shows ``images/PAGE-NAME``, with its own name for PAGE, where one of its examples draws ``NAME``.
+``python -m tests.cli.test_docs`` draws these pictures anew.
+"""
 
 import io
+import os
 import re
 import shlex
+import shutil
+import tempfile
 from contextlib import redirect_stdout
 from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
+from typer.testing import CliRunner
 
+from armour.cli.app import app
 from tests.helpers.cases import SCENARIOS
 
 pytestmark = pytest.mark.slow
@@ -47,11 +56,26 @@ SESSIONS = [
 ]
 
 
+def python(page: Path) -> list[str]:
+    """The Python examples of a page."""
+    return re.findall(r"^```python\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
+
+
 EXAMPLES = [
     pytest.param(code, id=f"{name}: {number}")
     for page, name in zip(PAGES, IDS, strict=True)
-    for number, code in enumerate(re.findall(r"^```python\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL), 1)
+    for number, code in enumerate(python(page), 1)
 ]
+
+
+def arguments(command: str) -> list[str]:
+    return shlex.split(re.split("  #| > ", command)[0])[1:]
+
+
+def drawn(page: Path) -> dict[str, Path]:
+    """The pictures that examples of a page draw and that it shows: where they lie, by the names in the examples."""
+    shown = re.findall(rf"\]\(([./\w-]*images/{page.stem.lower()}-([\w.-]+))\)", page.read_text())
+    return {name: (page.parent / path).resolve() for path, name in shown}
 
 
 @pytest.fixture
@@ -70,7 +94,7 @@ def test_a_session_prints_what_it_shows(cli, empty: Path, page: Path, commands: 
     for name, text in titled(page).items():
         (empty / name).write_text(text)
     for command, lines in commands:
-        result = cli(*shlex.split(re.split("  #| > ", command)[0])[1:])
+        result = cli(*arguments(command))
         may_fail = command.startswith(("armour check", "armour validate"))
         assert result.exit_code in ((0, 3) if may_fail else (0,)), result.output
         printed = iter([plain(line) for line in (*result.stdout.splitlines(), *result.stderr.splitlines())])
@@ -88,6 +112,13 @@ def test_a_python_example_prints_what_its_comments_show(code: str):
     shown = re.findall(r"^ *print\(.*\)  # (.*)$", code, re.MULTILINE)
     assert shown, "an example shows what it prints, in a comment after each print"
     assert printed.getvalue().replace(",", "").split() == " ".join(shown).replace(",", "").split()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=IDS)
+def test_pictures_are_those_of_the_examples(page: Path):
+    examples = [command for block in sessions(page) for command, _ in block] + python(page)
+    for name in drawn(page):
+        assert any(re.search(rf"\b{re.escape(name)}\b", example) for example in examples), name
 
 
 def test_the_readme_has_a_python_example():
@@ -139,3 +170,27 @@ def test_every_guide_is_linked_from_the_readme():
     found = links(REPOSITORY / "README.md")
     for page in (REPOSITORY / "docs" / "howto").glob("*.md"):
         assert page.relative_to(REPOSITORY).as_posix() in found
+
+
+def draw(page: Path) -> None:
+    """Run the examples of a page, in a folder of their own, and keep the pictures that it shows."""
+    if not (pictures := drawn(page)):
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        for name, text in titled(page).items():
+            Path(name).write_text(text)
+        for block in sessions(page):
+            for command, _ in block:
+                if command.startswith("armour "):
+                    CliRunner().invoke(app, [*arguments(command)])
+        with redirect_stdout(io.StringIO()):
+            for code in python(page):
+                exec(code, {"__name__": "__main__"})
+        for name, place in pictures.items():
+            shutil.copy(name, place)
+
+
+if __name__ == "__main__":
+    for page in PAGES:
+        draw(page)
