@@ -248,8 +248,8 @@ def test_it_works_by_keyboard_and_keeps_within_its_width(tmp_path: Path, width: 
     assert found["pins"] == 1
     assert TITLE in found["notes"]
     assert (
-        "is the lightest that stops 7.62 mm AP at 850 m/s and 7.62 mm APM2 at 830 m/s with 90 % confidence."
-        in found["headline"]
+        "is the lightest that stops 7.62 mm AP at 850 m/s and 7.62 mm APM2 at 830 m/s with 90 % confidence "
+        "and the margin asked for." in found["headline"]
     )
     assert "stopped" in found["design"]
     assert found["commands"] == 3

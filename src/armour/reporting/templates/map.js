@@ -2,8 +2,9 @@
 // The designs of a scenario: answers are those of the thicknesses on offer, lines between them are interpolated.
 const DATA = JSON.parse(document.getElementById("data").textContent);
 const { threats, scores } = DATA, T = threats.length, Q = scores.length;
-const MIDDLE = { "text-anchor": "middle" }, SMALL = { "font-size": 11 };
-const LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ", MAX_PINS = 6;
+const margins = threats.some(t => t.margin);
+const mark = t => (t + 10).toString(36).toUpperCase();
+const { abs, floor, max, min, round } = Math;
 const $ = id => document.getElementById(id);
 
 // --- numbers
@@ -13,7 +14,7 @@ const bytes = text => Uint8Array.from(atob(text), each => each.charCodeAt(0)).bu
 // Limits and velocities that are stopped, in the order of their scores; NaN where they are unknown.
 function decoded(pair) {
   const floats = new Float32Array(bytes(pair.floats)), differences = new Uint16Array(bytes(pair.differences));
-  const count = pair.ceramics.length * pair.backings.length;
+  const m = pair.backings.length, count = pair.ceramics.length * m;
   pair.limits = new Float64Array(count * T);
   pair.stops = new Float64Array(count * T * Q);
   for (let d = 0; d < count * T; d++) {
@@ -24,21 +25,20 @@ function decoded(pair) {
       pair.stops[d * Q + q] = velocity;
     }
   }
-  pair.areal = new Float64Array(count);
-  pair.places = pair.ceramics.flatMap((c, i) => pair.backings.map((b, j) => {
-    pair.areal[i * pair.backings.length + j] = (pair.densities[0] * c + pair.densities[1] * b) / 1000 + DATA.added.areal;
-    return [i, j];
-  }));
-  const excluded = new Set(pair.excluded);
-  pair.onOffer = pair.offered[0].flatMap(i => pair.offered[1].map(j => i * pair.backings.length + j));
-  pair.designs = pair.onOffer.filter(k => !excluded.has(k));
+  pair.areal = Float64Array.from({ length: count }, (_, k) =>
+    (pair.densities[0] * pair.ceramics[floor(k / m)] + pair.densities[1] * pair.backings[k % m]) / 1000 + DATA.added.areal);
+  const excluded = new Set(pair.excluded), rank = pair.areal.map(each => round(each * 1e9));
+  pair.onOffer = pair.offered[0].flatMap(i => pair.offered[1].map(j => i * m + j));
+  // By areal density, of equals the first one first, so that searches end with the first that is found.
+  pair.designs = pair.onOffer.filter(k => !excluded.has(k)).sort((a, b) => rank[a] - rank[b] || a - b);
   pair.name = pair.ceramic ? `${pair.ceramic} on ${pair.backing}` : pair.backing;
-  pair.known = pair.stops.some(each => each > 0);
+  pair.unknown = Uint8Array.from(pair.areal, (_, k) => threats.some((_, t) => isNaN(pair.stops[(k * T + t) * Q])));
+  pair.known = pair.unknown.includes(0);
 }
 
 // Probability below a normal score (Abramowitz and Stegun 26.2.17), and its inverse.
 function below(z) {
-  const t = 1 / (1 + 0.2316419 * Math.abs(z)), density = 0.3989422804014327 * Math.exp(-z * z / 2);
+  const t = 1 / (1 + 0.2316419 * abs(z)), density = 0.3989422804014327 * Math.exp(-z * z / 2);
   const tail = density * t * (0.31938153 + t * (-0.356563782 + t * (1.781477937 + t * (-1.821255978 + t * 1.330274429))));
   return z > 0 ? 1 - tail : tail;
 }
@@ -53,7 +53,7 @@ function slope(V, o, q) {
   if (q === 0 || q === Q - 1) {
     const n = q ? -1 : 1, h = n * (V[o + q + n] - V[o + q]), k = n * (V[o + q + 2 * n] - V[o + q + n]);
     const a = n * (scores[q + n] - scores[q]) / h, b = n * (scores[q + 2 * n] - scores[q + n]) / (k || 1), m = ((2 * h + k) * a - h * b) / (h + k);
-    return m < 0 ? Math.max(m, 3 * a) : 0;
+    return m < 0 ? max(m, 3 * a) : 0;
   }
   const h = V[o + q] - V[o + q - 1], k = V[o + q + 1] - V[o + q];
   if (!(h > 0 && k > 0)) return 0;
@@ -94,100 +94,105 @@ const state = {
   pair: 0, confidence: DATA.confidence ? 100 * DATA.confidence : null, velocities: threats.map(t => t.velocity),
   most: DATA.most ?? Infinity, lines: "0", tests: true, cursor: null, pins: [],
 };
+const on = (element, type, act) => element.addEventListener(type, act);
+const current = () => DATA.pairs[state.pair];
 // Scores that are asked for against each threat; null where none is.
 const confidences = () => threats.map(t => t.own ?? (state.confidence === null ? null : state.confidence / 100));
 const wanted = () => confidences().map(c => c && scoreOf(c));
 const required = t => state.velocities[t] + threats[t].margin;
 const anyAsked = () => wanted().some(z => z !== null);
 
-// Scores of the designs against a threat, and the velocities that they stop with a score, of which the last are kept.
-function kept(pair, name, t, x, of) {
-  const key = name + t, there = (pair.kept ??= {})[key];
-  if (there && there.x === x) return there.values;
-  const values = new Float64Array(pair.areal.length);
-  for (let k = 0; k < values.length; k++) values[k] = of(pair, k * T + t, x);
-  pair.kept[key] = { x, values };
-  return values;
+// Velocities that the designs stop with a score, of which the last are kept.
+function sure(pair, t, z) {
+  const of = (pair.sure ??= {}), key = [t, z === 0];
+  if (of[key]?.z !== z) of[key] = { z, values: pair.areal.map((_, k) => stopped(pair, k * T + t, z)) };
+  return of[key].values;
 }
-const chances = (pair, t) => kept(pair, "score", t, state.velocities[t], score);
-const sure = (pair, t, z) => kept(pair, "sure", t, z, stopped);
-const scored = (pair, k, t) => chances(pair, t)[k];
-
-const isKnown = (pair, k) => threats.every((_, t) => !isNaN(scored(pair, k, t)));
+const scored = (pair, k, t) => score(pair, k * T + t, state.velocities[t]);
+const isKnown = (pair, k) => !pair.unknown[k];
 const light = (pair, k) => pair.areal[k] <= state.most + 1e-9;
 // A float of 32 bits is right to 1e-4 m/s.
 const stops = (pair, k, t, z) =>
   pair.limits[k * T + t] >= required(t) - 1e-4 && (z === null || scored(pair, k, t) >= z - 1e-6);
 
-// Lightest of the designs on offer for which a condition holds, of equals the first.
-function least(pair, holds) {
-  let best = null;
-  for (const k of pair.designs)
-    if ((best === null || pair.areal[k] < pair.areal[best] - 1e-9) && light(pair, k) && holds(k)) best = k;
-  return best;
-}
+// Lightest design on offer that does what is asked: one of which the probability is known if there is one.
 function lightest(pair, asked = wanted()) {
   const key = [asked, state.velocities, state.most].join("|"), found = (pair.found ??= new Map());
   if (!found.has(key)) {
     if (found.size > 9) found.clear();
-    const holds = k => asked.every((z, t) => stops(pair, k, t, z));
-    found.set(key, least(pair, k => isKnown(pair, k) && holds(k)) ?? least(pair, holds));
+    let other = null, known = null;
+    for (const k of pair.designs) {
+      if (!light(pair, k)) break;
+      if (!asked.every((z, t) => stops(pair, k, t, z))) continue;
+      if (isKnown(pair, k)) {
+        known = k;
+        break;
+      }
+      other ??= k;
+    }
+    found.set(key, known ?? other);
   }
   return found.get(key);
 }
-const even = pair => least(pair, k => threats.every((_, t) => scored(pair, k, t) >= 0));
+const even = pair => pair.designs.find(k => light(pair, k) && threats.every((_, t) => scored(pair, k, t) >= 0)) ?? null;
 
-// Areal density of the lightest design over x, given designs with the greatest x that they reach.
-function curve(reaching, xs) {
-  const known = xs.map(() => Infinity), others = [...known];
-  for (const [most, areal, isKnown] of reaching) {
-    let low = 0, high = xs.length;
-    while (low < high) if (xs[(low + high) >> 1] <= most) low = ((low + high) >> 1) + 1; else high = (low + high) >> 1;
-    const of = isKnown ? known : others;
-    if (low) of[low - 1] = Math.min(of[low - 1], areal);
-  }
-  for (let n = xs.length - 2; n >= 0; n--) for (const of of [known, others]) of[n] = Math.min(of[n], of[n + 1]);
-  return known.map((areal, n) => (areal < Infinity ? areal : others[n]));
+// Areal density of the lightest design over x, given the greatest x that a design reaches.
+function curve(pair, xs, reach) {
+  const ys = xs.map(() => Infinity);
+  let n = 0;
+  for (const known of [true, false])
+    for (const k of pair.designs) {
+      if (n === xs.length || !light(pair, k)) break;
+      if (isKnown(pair, k) !== known) continue;
+      for (const most = reach(k); xs[n] <= most; n++) ys[n] = pair.areal[k];
+    }
+  return ys;
 }
 function overConfidence(pair, xs) {
-  const asked = wanted(), reaching = [];
-  for (const k of pair.designs) {
-    if (!light(pair, k) || !threats.every((t, i) => stops(pair, k, i, t.own === null ? null : asked[i]))) continue;
-    const least = Math.min(...threats.map((t, i) => (t.own === null ? scored(pair, k, i) : Infinity)));
-    reaching.push([isNaN(least) ? -Infinity : least + 1e-6, pair.areal[k], true]);
-  }
-  const none = lightest(pair, threats.map((t, i) => (t.own === null ? null : asked[i])));
-  return curve(reaching, xs.map(x => scoreOf(x / 100))).map((y, n) => (n ? y : none === null ? Infinity : pair.areal[none]));
+  const asked = wanted().map((z, t) => (threats[t].own === null ? null : z)), none = lightest(pair, asked);
+  const ys = curve(pair, xs.map(x => scoreOf(x / 100)), k =>
+    asked.every((z, t) => stops(pair, k, t, z)) ? threats.reduce((least, { own }, t) => (own === null ? min(least, scored(pair, k, t)) : least), Infinity) + 1e-6 : NaN);
+  return [none === null ? Infinity : pair.areal[none], ...ys.slice(1)];
 }
 function overVelocity(pair, t, xs) {
-  const asked = wanted(), reaching = [];
-  for (const k of pair.designs) {
-    if (!light(pair, k) || !threats.every((_, i) => i === t || stops(pair, k, i, asked[i]))) continue;
-    const d = k * T + t, most = pair.limits[d] - threats[t].margin;
-    const fast = asked[t] === null ? Infinity : sure(pair, t, asked[t])[k];
-    if (!isNaN(fast)) reaching.push([Math.min(most, fast) + 1e-4, pair.areal[k], isKnown(pair, k)]);
+  const asked = wanted(), fast = asked[t] !== null && sure(pair, t, asked[t]);
+  return curve(pair, xs, k =>
+    asked.every((z, i) => i === t || stops(pair, k, i, z)) ? min(pair.limits[k * T + t] - threats[t].margin, fast ? fast[k] : Infinity) + 1e-4 : NaN);
+}
+
+// Velocities stopped, as asked for or with an even chance, less those of one threat or all, m/s.
+function reserve(pair, asked, only) {
+  const least = new Float64Array(pair.areal.length).fill(Infinity);
+  for (let t = 0; t < T; t++) {
+    if (only !== undefined && t !== only) continue;
+    const v = state.velocities[t], z = asked ? asked[t] : 0, values = z === null ? null : sure(pair, t, z);
+    for (let k = 0; k < least.length; k++) {
+      if (values) least[k] = min(least[k], values[k] - v);
+      if (asked) least[k] = min(least[k], pair.limits[k * T + t] - v - threats[t].margin);
+    }
   }
-  return curve(reaching, xs);
+  return least;
 }
 
 // --- words
 
 const trimmed = x => String(+x.toFixed(3));
 const areal = x => x.toFixed(1);
+const signed = x => `${x < 0 ? "−" : "+"}${areal(abs(x))}`;
 // Percentages are rounded down, so that none is shown that is not reached.
 function chance(z) {
   if (isNaN(z)) return "unknown";
   if (z === Infinity) return "above 99 %";
-  return z === -Infinity ? "below 1 %" : `${Math.floor(100 * below(z) + 1e-4)} %`;
+  return z === -Infinity ? "below 1 %" : `${floor(100 * below(z) + 1e-4)} %`;
 }
-const letter = t => (T > 1 ? `${LETTERS[t % 26]} ` : "");
+const letter = t => (T > 1 ? `${mark(t)} ` : "");
 const shot = t =>
   `${threats[t].name} at ${trimmed(state.velocities[t])} m/s${threats[t].obliquity ? `, ${threats[t].obliquity}°` : ""}`;
 const listed = words => (words.length > 1 ? `${words.slice(0, -1).join(", ")} and ${words.at(-1)}` : words[0]);
 const allThreats = () => listed(threats.map((_, t) => shot(t)));
 function thicknesses(pair, k) {
-  const [i, j] = pair.places[k];
-  return [pair.ceramics[i], pair.backings[j]];
+  const m = pair.backings.length;
+  return [pair.ceramics[floor(k / m)], pair.backings[k % m]];
 }
 function armour(pair, k) {
   const [c, b] = thicknesses(pair, k);
@@ -201,37 +206,37 @@ function short(pair, k) {
 function governing(pair, k) {
   const of = threats.map((_, t) => scored(pair, k, t));
   const by = of.some(isNaN) || of.every(z => z === Infinity) ? threats.map((_, t) => pair.limits[k * T + t] - required(t)) : of;
-  return by.indexOf(Math.min(...by));
+  return by.indexOf(min(...by));
 }
 const worst = (pair, k) => {
   const of = threats.map((_, t) => scored(pair, k, t));
-  return of.some(isNaN) ? NaN : Math.min(...of);
+  return of.some(isNaN) ? NaN : min(...of);
 };
-function confidenceWords() {
+function percent() {
   const asked = new Set(confidences());
-  return asked.size > 1 ? "the confidence asked for" : `${trimmed(100 * [...asked][0])} % confidence`;
+  return asked.size > 1 ? null : `${trimmed(100 * [...asked][0])} %`;
 }
+const confidenceWords = () => `with ${percent() ?? "the"} confidence${margins ? `${percent() ? "" : ","} and the margin` : ""}${percent() && !margins ? "" : " asked for"}`;
 const within = () => (state.most < Infinity ? ` within ${areal(state.most)} kg/m²` : "");
-const marginWords = () => (threats.some(t => t.margin) ? " plus the margin" : "");
+const marginWords = () => (margins ? " plus the margin" : "");
 
 function headline(pair, best) {
+  const lead = best === null ? "" : `${armour(pair, best)}, ${areal(pair.areal[best])} kg/m², is the lightest`;
   if (best !== null && anyAsked())
-    return `${armour(pair, best)}, ${areal(pair.areal[best])} kg/m², is the lightest that stops ${allThreats()} with ${confidenceWords()}.`;
+    return `${lead} that stops ${allThreats()} ${confidenceWords()}.`;
   if (best !== null) {
     const z = worst(pair, best);
     const sure = isNaN(z) ? "How likely it is to stop is unknown." : `It stops with a probability of ${chance(z)}.`;
-    return `${armour(pair, best)}, ${areal(pair.areal[best])} kg/m², is the lightest whose computed ballistic limit reaches ${allThreats()}${marginWords()}. ${sure}`;
+    return `${lead} whose computed ballistic limit reaches ${allThreats()}${marginWords()}. ${sure}`;
   }
-  const of = `No ${pair.name} on offer${within()}`;
-  return anyAsked() ? `${of} is known to stop ${allThreats()} with ${confidenceWords()}.` :
-    `${of} has a computed ballistic limit that reaches ${allThreats()}${marginWords()}.`;
+  return `No ${pair.name} on offer${within()} ${anyAsked() ? `is known to stop ${allThreats()} ${confidenceWords()}` : `has a computed ballistic limit that reaches ${allThreats()}${marginWords()}`}.`;
 }
 function besides(pair, best, ring) {
   const words = [];
   if (!pair.known) words.push(`No test of ${pair.name} is known, so that no probability is.`);
   if (ring !== null && best !== null && anyAsked() && pair.areal[best] > pair.areal[ring]) {
     const more = pair.areal[best] - pair.areal[ring];
-    words.push(`${short(pair, ring)}, ${areal(pair.areal[ring])} kg/m², stops more often than not: what is asked for costs ${areal(more)} kg/m², ${Math.round(100 * more / pair.areal[ring])} % more.`);
+    words.push(`${short(pair, ring)}, ${areal(pair.areal[ring])} kg/m², stops more often than not: what is asked for costs ${areal(more)} kg/m², ${round(100 * more / pair.areal[ring])} % more.`);
   }
   const own = best === null ? Infinity : pair.areal[best];
   const rival = DATA.pairs.map(p => [p, lightest(p)]).filter(([p, k]) => k !== null && p !== pair && p.areal[k] < own - 1e-9 && (isKnown(p, k) || !pair.known))
@@ -269,12 +274,19 @@ function make(element, attributes, children) {
 }
 const html = (tag, attributes, ...children) => make(document.createElement(tag), attributes, children);
 const svg = (tag, attributes, ...children) => make(document.createElementNS(SVG, tag), attributes, children);
+function button(words, act) {
+  const made = html("button", { type: "button" }, words);
+  on(made, "click", () => act(made));
+  return made;
+}
+const circle = (cx, cy, r, of) => svg("circle", { class: of, cx, cy, r });
+const small = (width, height) => svg("svg", { viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true" });
 const path = (points, of) => svg("path", { class: of, d: `M${points.map(p => `${p[0].toFixed(1)} ${p[1].toFixed(1)}`).join("L")}` });
 const text = (x, y, words, of, more) => svg("text", { x: x.toFixed(1), y: y.toFixed(1), class: of, "font-size": 12, ...more }, words);
 
 // Values at equal distances of 1, 2 or 5 times a power of ten.
 function ticks(low, high, count) {
-  const raw = (high - low) / count || 1, power = 10 ** Math.floor(Math.log10(raw));
+  const raw = (high - low) / count || 1, power = 10 ** floor(Math.log10(raw));
   const step = power * [1, 2, 5, 10].find(m => m * power >= raw * 0.999), found = [];
   for (let n = Math.ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; n++) found.push(+(n * step).toPrecision(12));
   return found;
@@ -284,49 +296,44 @@ function ticks(low, high, count) {
 
 // Lines where a field over the nodes has a value, in pixels; fields are NaN where they are unknown.
 function contour(view, field, level) {
-  const { n, m, x, y } = view, ends = new Map(), segments = [];
+  const { n, m, x, y } = view, ends = new Map(), segments = [], used = new Set(), lines = [];
   const at = (a, b, edge) => {
-    const part = (level - field[a]) / (field[b] - field[a]);
-    const [i, j, k, l] = [Math.floor(a / m), a % m, Math.floor(b / m), b % m];
-    return { edge, point: [x[j] + part * (x[l] - x[j]), y[i] + part * (y[k] - y[i])] };
+    const part = (level - field[a]) / (field[b] - field[a]), i = floor(a / m), j = a % m;
+    return { edge, point: [x[j] + part * (x[b % m] - x[j]), y[i] + part * (y[floor(b / m)] - y[i])] };
   };
   for (let i = 0; i < n - 1; i++)
     for (let j = 0; j < m - 1; j++) {
       const a = i * m + j, side = field[a] < level;
       if (side === field[a + 1] < level && side === field[a + m] < level && side === field[a + m + 1] < level) continue;
+      if (isNaN(field[a] + field[a + 1] + field[a + m] + field[a + m + 1])) continue;
       const found = [];
       for (const [p, q, edge] of [[a, a + 1, 2 * a], [a + 1, a + m + 1, 2 * a + 3], [a + m, a + m + 1, 2 * (a + m)], [a, a + m, 2 * a + 1]])
         if (field[p] < level !== field[q] < level) found.push(at(p, q, edge));
-      if (isNaN(field[a] + field[a + 1] + field[a + m] + field[a + m + 1])) continue;
       for (let s = 0; s + 1 < found.length; s += 2) {
         const segment = [found[s], found[s + 1]];
         segments.push(segment);
-        for (const end of segment) ends.set(end.edge, [...(ends.get(end.edge) ?? []), segment]);
+        for (const { edge } of segment) ends.set(edge, [...(ends.get(edge) ?? []), segment]);
       }
     }
-  const used = new Set(), lines = [];
-  const follow = (segment, from) => {
-    const points = [];
-    for (let next = segment, edge = from; next; ) {
-      used.add(next);
-      const end = next[0].edge === edge ? next[1] : next[0];
-      points.push(end.point);
-      edge = end.edge;
-      next = ends.get(edge).find(each => !used.has(each));
-    }
-    return points;
-  };
-  for (const segment of segments) {
-    if (used.has(segment)) continue;
-    const forward = follow(segment, segment[0].edge), other = ends.get(segment[0].edge).find(each => !used.has(each));
-    lines.push([...(other ? follow(other, segment[0].edge).reverse() : []), segment[0].point, ...forward]);
+  for (const first of segments) {
+    if (used.has(first)) continue;
+    used.add(first);
+    const line = first.map(end => end.point);
+    for (const [end, add] of [[1, "push"], [0, "unshift"]])
+      for (let { edge } = first[end], next; (next = ends.get(edge).find(each => !used.has(each))); ) {
+        used.add(next);
+        const other = next[next[0].edge === edge ? 1 : 0];
+        line[add](other.point);
+        edge = other.edge;
+      }
+    lines.push(line);
   }
   return lines;
 }
-// The area where a field is at least a value, as the path of its cells cut at that value.
+// The area where a field is at least a value: its cells, cut at that value, in tenths of pixels.
 function area(view, field, level, of) {
-  const { n, m, x, y } = view, parts = [];
-  const round = p => `${p[0].toFixed(1)} ${p[1].toFixed(1)}`;
+  const { n, m } = view, [x, y] = [view.x, view.y].map(each => each.map(at => round(10 * at)));
+  let drawn = "";
   for (let i = 0; i < n - 1; i++) {
     let start = -1;
     for (let j = 0; j < m; j++) {
@@ -335,7 +342,7 @@ function area(view, field, level, of) {
         if (start < 0) start = j;
         continue;
       }
-      if (start >= 0) parts.push(`M${round([x[start], y[i]])}H${x[j].toFixed(1)}V${y[i + 1].toFixed(1)}H${x[start].toFixed(1)}Z`);
+      if (start >= 0) drawn += `M${x[start]} ${y[i]}H${x[j]}V${y[i + 1]}H${x[start]}Z`;
       start = -1;
       if (!full) continue;
       const nodes = [[a, j, i], [a + 1, j + 1, i], [a + m + 1, j + 1, i + 1], [a + m, j, i + 1]];
@@ -343,69 +350,92 @@ function area(view, field, level, of) {
       const corners = [];
       nodes.forEach(([k, l, o], c) => {
         const [p, q, r] = nodes[(c + 1) % 4];
-        if (field[k] >= level) corners.push([x[l], y[o]]);
+        if (field[k] >= level) corners.push(`${x[l]} ${y[o]}`);
         if (field[k] >= level !== field[p] >= level) {
           const part = (level - field[k]) / (field[p] - field[k]);
-          corners.push([x[l] + part * (x[q] - x[l]), y[o] + part * (y[r] - y[o])]);
+          corners.push(`${round(x[l] + part * (x[q] - x[l]))} ${round(y[o] + part * (y[r] - y[o]))}`);
         }
       });
-      parts.push(`M${corners.map(round).join("L")}Z`);
+      drawn += `M${corners.join("L")}Z`;
     }
   }
-  return svg("path", { class: of, d: parts.join("") });
+  return svg("path", { class: of, d: drawn, transform: "scale(.1)" });
 }
 
-let view;
+// Kept while pair and width stay.
+let view = null;
 function viewOf(pair) {
   const narrow = $("map").parentNode.clientWidth < 520;
-  const flat = Math.min(pair.ceramics.length, pair.backings.length) > 1, tall = flat || pair.ceramics.length > 1;
+  const flat = min(pair.ceramics.length, pair.backings.length) > 1, tall = flat || pair.ceramics.length > 1;
   const [width, height] = narrow ? [390, tall ? 400 : 170] : [760, tall ? 600 : 190], frame = { left: 34, right: width - 48, top: 8, bottom: height - 24 };
   const scale = (values, from, to) => {
     const [low, high] = values.length > 1 ? [values[0], values.at(-1)] : [values[0] - 1, values[0] + 1];
     return { low, high, at: value => from + (to - from) * (value - low) / (high - low) };
   };
   const across = scale(pair.backings, frame.left, frame.right), up = scale(pair.ceramics, frame.bottom, frame.top);
-  return { width, height, narrow, frame, across, up, n: pair.ceramics.length, m: pair.backings.length, x: pair.backings.map(across.at), y: pair.ceramics.map(up.at) };
+  const [x, y] = [pair.backings.map(across.at), pair.ceramics.map(up.at)];
+  const near = [[x, width], [y, height]].map(([places, size]) =>
+    Array.from({ length: size }, (_, at) => places.reduce((best, place, n) => (abs(place - at) < abs(places[best] - at) ? n : best), 0)));
+  return { pair, grey: {}, equal: {}, near, width, height, narrow, frame, across, up, n: pair.ceramics.length, m: pair.backings.length, x, y };
 }
 
-// Put words on the longest of some lines, where it is farthest from the frame and from other words.
-function label(lines, words, of, taken, group) {
-  const { frame } = view, line = lines.reduce((a, b) => (b.length > a.length ? b : a), []);
-  let best = null, most = 16;
-  for (let s = 1; s < line.length - 1; s++) {
-    const [x, y] = line[s];
-    const edge = Math.min(x - frame.left, frame.right - x, y - frame.top, frame.bottom - y);
-    const room = Math.min(edge, ...taken.map(([a, b]) => 0.5 * Math.hypot(x - a, 2 * (y - b))));
-    if (room > most) [best, most] = [s, room];
+// Distance of words from the frame and other words.
+function roomOf(points) {
+  const { frame, taken } = view;
+  let room = Infinity;
+  for (const [x, y] of points) {
+    room = min(room, x - frame.left, frame.right - x, y - frame.top, frame.bottom - y);
+    for (const [a, b] of taken) room = min(room, Math.sqrt((x - a) ** 2 / 4 + (y - b) ** 2));
+  }
+  return room;
+}
+// Put words on the longest line, where there is the most room.
+function label(lines, said, of) {
+  const { taken, words } = view;
+  const line = lines.reduce((a, b) => (b.length > a.length ? b : a), []), half = 3.2 * said.length;
+  let best = null, most = 8;
+  for (let s = 1; s < line.length - 1; s += Math.ceil(line.length / 40)) {
+    const [x, y] = line[s], [a, b] = [line[max(s - 3, 0)], line[min(s + 3, line.length - 1)]];
+    let angle = Math.atan2(b[1] - a[1], b[0] - a[0]);
+    if (abs(angle) > Math.PI / 2) angle -= Math.PI * Math.sign(angle);
+    const points = [-1, 0, 1].map(n => [x + n * half * Math.cos(angle), y + n * half * Math.sin(angle)]), room = roomOf(points);
+    if (room > most) [best, most] = [{ x, y, angle, points }, room];
   }
   if (best === null) return;
-  const [x, y] = line[best], [a, b] = [line[best - 1], line[best + 1]];
-  let angle = Math.atan2(b[1] - a[1], b[0] - a[0]) * 180 / Math.PI;
-  if (Math.abs(angle) > 90) angle -= 180 * Math.sign(angle);
-  taken.push([x, y]);
-  group.append(text(x, y + 4, words, `halo ${of}`, { "text-anchor": "middle", "font-size": 11.5, transform: `rotate(${angle.toFixed(1)} ${x.toFixed(1)} ${y.toFixed(1)})` }));
+  const { x, y, angle, points } = best;
+  taken.push(...points);
+  words.append(text(x, y + 4, said, `halo mid small ${of}`, { transform: `rotate(${(angle * 180 / Math.PI).toFixed(1)} ${x.toFixed(1)} ${y.toFixed(1)})` }));
+}
+// Put words where a field is above 0 and there is the most room.
+function caption(field, said, of) {
+  const { frame, near, m, taken, words } = view, half = 3.6 * said.length;
+  let best = null, most = 14;
+  const inside = (x, y) => field[near[1][round(y)] * m + near[0][round(x)]] > 0;
+  for (let y = frame.top + 20; y < frame.bottom - 12; y += 20)
+    for (let x = frame.left + half + 8; x < frame.right - half - 8; x += 20) {
+      if (!inside(x - half, y + 10) || !inside(x + half, y - 14) || !inside(x + half, y + 10) || !inside(x - half, y - 14)) continue;
+      const points = [[x - half, y], [x, y], [x + half, y]], room = roomOf(points);
+      if (room > most) [best, most] = [points, room];
+    }
+  if (best === null) return;
+  taken.push(...best);
+  words.append(text(best[1][0], best[1][1] + 4, said, `halo mid ${of}`));
 }
 
+function limitLines(pair, t) {
+  const own = pair.areal.map((_, k) => pair.limits[k * T + t]), group = svg("g");
+  const sorted = own.slice().sort(), lines = ticks(sorted[0], sorted.at(-1), view.narrow ? 6 : 12).map(level => [level, contour(view, own, level)]);
+  for (const [, found] of lines) group.append(...found.map(line => path(line, "grey")));
+  return { lines, group };
+}
 function drawMap(pair, best, ring) {
-  view = viewOf(pair);
-  const { frame, width, height, across, up } = view, box = $("map"), count = pair.areal.length;
-  const areas = svg("g"), lines = svg("g"), words = svg("g"), marks = svg("g"), taken = [];
-  const asked = wanted(), fields = { asked: new Float64Array(count), even: new Float64Array(count), unknown: new Float64Array(count) };
-  const fast = threats.map((_, t) => asked[t] !== null && sure(pair, t, asked[t])), evens = threats.map((_, t) => kept(pair, "even", t, 0, stopped));
-  for (let k = 0; k < count; k++) {
-    let a = Infinity, e = Infinity;
-    for (let t = 0; t < T; t++) {
-      const v = state.velocities[t];
-      a = Math.min(a, pair.limits[k * T + t] - required(t), fast[t] ? fast[t][k] - v : Infinity);
-      e = Math.min(e, evens[t][k] - v);
-    }
-    fields.asked[k] = a;
-    fields.even[k] = -e;
-    fields.unknown[k] = isNaN(e) ? 1 : 0;
-  }
+  if (view?.pair !== pair) view = viewOf(pair);
+  const { frame, width, height, across, up } = view, box = $("map");
+  const areas = svg("g"), lines = svg("g"), marks = svg("g"), words = (view.words = svg("g")), taken = (view.taken = []);
+  const asked = wanted(), fields = { asked: reserve(pair, asked), even: reserve(pair, null).map(each => -each) };
   const flat = view.n > 1 && view.m > 1;
   if (flat) {
-    if (pair.known) areas.append(area(view, fields.unknown, 1e-3, "unknown"), area(view, fields.even, 0, "fails"));
+    if (pair.known) areas.append(view.unknown ??= area(view, fields.even.map(v => +isNaN(v)), 1e-3, "unknown"), area(view, fields.even, 0, "fails"));
     if (anyAsked()) areas.append(area(view, fields.asked, 0, "stops"));
   }
 
@@ -413,83 +443,80 @@ function drawMap(pair, best, ring) {
   const right = [], colours = [[ring, "even", "t-red", "red thin"], [best, "best", anyAsked() ? "t-blue" : "strong", "blue thin"]];
   for (const [k, of, colour, line] of colours) {
     if (k === null || (of === "even" && k === best)) continue;
-    const [c, b] = thicknesses(pair, k), [x, y] = [across.at(b), up.at(c)], above = of === "best";
-    marks.append(svg("circle", { class: of, cx: x, cy: y, r: above ? 7.5 : 6 }));
-    const said = [short(pair, k), `${areal(pair.areal[k])} kg/m², ${chance(worst(pair, k))}`], room = 6.6 * Math.max(...said.map(w => w.length));
-    const start = above ? x + 12 + room < width : x - 12 - room < frame.left, middle = x + (start ? 12 : -12) + (start ? 0.5 : -0.5) * room;
-    said.forEach((w, n) => words.append(text(x + (start ? 12 : -12), y + (above ? -20 : 18) + 14 * n, w, `halo ${colour}`, { "text-anchor": start ? "start" : "end" })));
-    taken.push([middle, y + (above ? -16 : 22)], [middle - room / 3, y + (above ? -16 : 22)], [middle + room / 3, y + (above ? -16 : 22)], [x, y]);
+    const [x, y] = placeOf(pair, k), above = of === "best";
+    marks.append(circle(x, y, above ? 7.5 : 6, of));
+    const said = [short(pair, k), `${areal(pair.areal[k])} kg/m², ${chance(worst(pair, k))}`], room = 6.6 * max(...said.map(w => w.length));
+    const side = (above ? x + 12 + room < width : x - 12 - room < frame.left) ? 1 : -1, top = y + (above ? -20 : 18);
+    said.forEach((w, n) => words.append(text(x + 12 * side, top + 14 * n, w, `halo ${side > 0 ? "" : "end"} ${colour}`)));
+    taken.push([x, y], ...[0.2, 0.5, 0.8].map(part => [x + side * (12 + part * room), top + 4]));
     right.push([pair.areal[k], line, colour]);
   }
 
-  // Lines of equal areal density are straight.
-  const [rc, rb] = pair.densities, [lightestHere, heaviest] = [pair.areal[0], pair.areal[count - 1]];
+  const outline = state.tests && pair.tested[state.lines === "none" ? 0 : +state.lines];
+  if (outline && flat) {
+    const cut = (value, of) => of.at(min(max(value, of.low), of.high)), [[a, b], [c, d]] = outline;
+    const [left, end, low, high] = [cut(c, across), cut(d, across), cut(a, up), cut(b, up)];
+    if (end > left && low > high) {
+      lines.append(svg("rect", { class: "green", x: left, y: high, width: end - left, height: low - high }));
+      taken.push([end - 30, low - 8], [end - 80, low - 8]);
+      words.append(text(end - 4, low - 5, "thicknesses tested", "halo end small t-green"));
+    }
+  }
   const heights = [];
-  const straight = (value, of, colour, strong) => {
-    const ends = [];
-    for (const x of [across.low, across.high]) {
-      const c = rc > 0 && pair.ceramic ? (1000 * (value - DATA.added.areal) - rb * x) / rc : NaN;
-      if (c >= up.low - 1e-9 && c <= up.high + 1e-9) ends.push([across.at(x), up.at(c)]);
-    }
-    for (const c of [up.low, up.high]) {
-      const x = (1000 * (value - DATA.added.areal) - (pair.ceramic ? rc * c : 0)) / rb;
-      if (x > across.low && x < across.high) ends.push([across.at(x), up.at(c)]);
-    }
-    if (ends.length < 2) return;
-    ends.sort((a, b) => a[0] - b[0]);
-    lines.append(path([ends[0], ends.at(-1)], of));
-    const [x, y] = ends.at(-1);
-    if (x > frame.right - 1 && heights.every(h => Math.abs(h - y) > 13)) {
+  // Lines of equal areal density are straight.
+  const straight = (value, of, colour, said) => {
+    const [line] = (view.equal[value] ??= contour(view, pair.areal, value));
+    if (!line) return;
+    const ends = [line[0], line.at(-1)].sort((a, b) => a[0] - b[0]), [x, y] = ends[1];
+    lines.append(path(ends, of));
+    if (x > frame.right - 1 && heights.every(h => abs(h - y) > 13)) {
       heights.push(y);
-      words.append(text(frame.right + 9, y + 4, strong ? areal(value) : trimmed(value), colour));
+      words.append(text(frame.right + 9, y + 4, said, colour));
     }
   };
   if (flat) {
-    for (const [value, of, colour] of right.reverse()) straight(value, of, colour, true);
-    for (const value of ticks(lightestHere, heaviest, view.narrow ? 4 : 6)) straight(value, "dotted", "t-soft", false);
-    const drawn = (field, level, of, said, colour, group = lines) => {
-      const found = contour(view, field, level);
-      for (const line of found) group.append(path(line, of));
-      if (said) label(found, said, colour, taken, words);
+    for (const [value, of, colour] of right.reverse()) straight(value, of, colour, areal(value));
+    for (const value of ticks(pair.areal[0], pair.areal.at(-1), view.narrow ? 4 : 6)) straight(value, "dotted", "t-soft", trimmed(value));
+    const grey = state.lines === "none" ? null : (view.grey[state.lines] ??= limitLines(pair, +state.lines));
+    if (grey) lines.append(grey.group);
+    const front = svg("g"), known = pair.known && anyAsked();
+    const drawn = (field, of, said, colour) => {
+      const found = contour(view, field, 0);
+      front.append(...found.map(line => path(line, of)));
+      label(found, said, colour);
     };
-    const front = svg("g");
-    if (pair.known) drawn(fields.even, 0, "red", "50 %", "t-red", front);
-    if (anyAsked()) drawn(fields.asked, 0, "blue", pair.known ? (threats.every(t => t.own === null) ? `${trimmed(state.confidence)} %` : "asked for") : "", "t-blue", front);
-    else drawn(fields.asked, 0, "ink", `computed limit = velocity${threats.some(t => t.margin) ? " + margin" : ""}`, "strong", front);
-    if (state.lines !== "none") {
-      const own = Float64Array.from({ length: count }, (_, k) => pair.limits[k * T + +state.lines]);
-      for (const level of ticks(Math.min(...own), Math.max(...own), view.narrow ? 6 : 10)) drawn(own, level, "grey", String(level), "t-soft");
+    if (pair.known) drawn(fields.even, "red", "50 %", "t-red");
+    if (anyAsked()) drawn(fields.asked, "blue", percent() ?? "asked for", "t-blue");
+    else drawn(fields.asked, "ink", `computed limit = velocity${margins ? " + margin" : ""}`, "strong");
+    if (pair.known) caption(fields.even, view.narrow ? "perforated" : "perforated more often than not", "t-red");
+    if (known) {
+      caption(fields.asked, percent() ? `${percent()} or more stopped` : "stopped as asked for", "t-blue");
+      label(contour(view, fields.asked.map((each, k) => each - fields.even[k]), 0), "stopped, but less surely", "t-soft");
     }
+    if (known && T > 1 && T < 5)
+      threats.forEach((_, t) => {
+        drawn(reserve(pair, asked, t), "blue fine", mark(t), "t-blue");
+        drawn(reserve(pair, null, t), "red fine", mark(t), "t-red");
+      });
+    if (grey)
+      for (const [level, found] of grey.lines) label(found, String(level), "t-soft");
     lines.append(front);
-  }
-  const outline = state.tests && pair.tested[state.lines === "none" ? 0 : +state.lines];
-  if (outline && flat) {
-    const cut = (value, of) => Math.min(Math.max(value, of.low), of.high), [[a, b], [c, d]] = outline;
-    const [left, end, low, high] = [across.at(cut(c, across)), across.at(cut(d, across)), up.at(cut(a, up)), up.at(cut(b, up))];
-    if (end > left && low > high) {
-      lines.append(svg("rect", { class: "green", x: left, y: high, width: end - left, height: low - high }));
-      words.append(text(end - 4, low - 5, "thicknesses tested", "halo t-green", { "text-anchor": "end", "font-size": 11.5 }));
-    }
   }
   if (pair.onOffer.length <= 400) {
     const passing = new Set(pair.designs.filter(k => light(pair, k) && asked.every((z, t) => stops(pair, k, t, z))));
-    for (const k of pair.onOffer) {
-      const [c, b] = thicknesses(pair, k);
-      lines.append(svg("circle", { class: passing.has(k) ? "dot on" : "dot", cx: across.at(b), cy: up.at(c), r: 2.6 }));
-    }
+    for (const k of pair.onOffer) lines.append(circle(...placeOf(pair, k), 2.6, passing.has(k) ? "dot on" : "dot"));
   }
   const axes = svg("g");
   axes.append(svg("rect", { class: "frame", x: frame.left, y: frame.top, width: frame.right - frame.left, height: frame.bottom - frame.top }));
   const marked = (values, of, low, high) => (values.length > 1 ? ticks(low, high, of) : values);
   for (const b of marked(pair.backings, view.narrow ? 5 : 8, across.low, across.high))
-    axes.append(text(across.at(b), frame.bottom + 16, trimmed(b), "t-soft", MIDDLE));
+    axes.append(text(across.at(b), frame.bottom + 16, trimmed(b), "t-soft mid"));
   for (const c of marked(pair.ceramics, view.narrow ? 5 : 9, up.low, up.high))
-    axes.append(text(frame.left - 6, up.at(c) + 4, trimmed(c), "t-soft", { "text-anchor": "end" }));
+    axes.append(text(frame.left - 6, up.at(c) + 4, trimmed(c), "t-soft end"));
   box.setAttribute("viewBox", `0 0 ${width} ${height}`);
   box.setAttribute("aria-label", `Map of ${pair.name}. ${headline(pair, best)}`);
   box.replaceChildren(areas, lines, axes, marks, words, svg("g", { id: "over" }));
   const said = flat ? ["Dotted: equal areal density.", ...(state.lines === "none" ? [] : ["Thin: equal ballistic limit, m/s."])] : [];
-  if (flat && pair.known) said.push("Red: perforated more often than not.", ...(anyAsked() ? ["Blue: stops as asked for."] : []));
   if (pair.onOffer.length <= 400) said.push("Dots: on offer, filled where they do what is asked for.");
   said.push("Point at a design to read it, click to pin it. Keys: arrows move (Shift: five steps), Home goes to the lightest, Enter pins, Escape leaves.");
   $("keys").textContent = said.join(" ");
@@ -499,23 +526,24 @@ function drawMap(pair, best, ring) {
   drawOver(pair);
 }
 
-// What follows the pointer, and the pins.
+const placeOf = (pair, k) => [view.x[k % view.m], view.y[floor(k / view.m)]];
+// The pointer and the pins.
 function drawOver(pair) {
-  const over = $("over"), { frame, across, up } = view;
+  const over = $("over"), { frame } = view;
   over.replaceChildren();
   state.pins.forEach((pin, n) => {
     if (pin.pair !== pair) return;
-    const [c, b] = thicknesses(pair, pin.k), [x, y] = [across.at(b), up.at(c)];
-    over.append(svg("circle", { class: "pin", cx: x, cy: y, r: 8 }), text(x, y + 4, String(n + 1), "pin-text", MIDDLE));
+    const [x, y] = placeOf(pair, pin.k);
+    over.append(circle(x, y, 8, "pin"), text(x, y + 4, n + 1, "pin-text mid"));
   });
   if (state.cursor === null) return;
-  const [c, b] = thicknesses(pair, state.cursor), [x, y] = [across.at(b), up.at(c)];
-  over.append(path([[frame.left, y], [x, y]], "cross"), path([[x, frame.bottom], [x, y]], "cross"), svg("circle", { class: "cursor", cx: x, cy: y, r: 8 }));
-  const chip = (cx, cy, said, width) => over.append(svg("rect", { class: "pin", x: cx - width / 2, y: cy - 10, width, height: 19, rx: 3 }), text(cx, cy + 4, said, "pin-text", MIDDLE));
+  const [c, b] = thicknesses(pair, state.cursor), [x, y] = placeOf(pair, state.cursor);
+  over.append(path([[frame.left, y], [x, y]], "cross"), path([[x, frame.bottom], [x, y]], "cross"), circle(x, y, 8, "cursor"));
+  const chip = (cx, cy, said, width) => over.append(svg("rect", { class: "pin", x: cx - width / 2, y: cy - 10, width, height: 19, rx: 3 }), text(cx, cy + 4, said, "pin-text mid"));
   if (pair.ceramic) chip(frame.left - 15, y, trimmed(c), 32);
   chip(x, frame.bottom + 13, trimmed(b), 32);
   const said = `${areal(pair.areal[state.cursor])} kg/m² · ${chance(worst(pair, state.cursor))}`, width = 7 * said.length + 8;
-  chip(Math.min(Math.max(x, width / 2), view.width - width / 2), y > 40 ? y - 24 : y + 26, said, width);
+  chip(min(max(x, frame.left + width / 2), view.width - width / 2), y > 40 ? y - 24 : y + 26, said, width);
 }
 
 // --- beside the map
@@ -526,105 +554,107 @@ function drawPairs() {
   if (box.hidden) return;
   const rows = DATA.pairs.map(pair => [pair, lightest(pair), even(pair)]);
   const values = rows.flatMap(([p, a, b]) => [a, b].filter(k => k !== null).map(k => p.areal[k]));
-  const low = Math.min(...values), high = Math.max(...values), at = v => 8 + 96 * (high > low ? (v - low) / (high - low) : 0.5);
+  const low = min(...values), high = max(...values), at = v => 8 + 96 * (high > low ? (v - low) / (high - low) : 0.5);
   const focused = box.contains(document.activeElement);
   box.replaceChildren(box.querySelector("legend"), ...rows.map(([pair, best, ring], n) => {
     const input = html("input", { type: "radio", name: "pair", value: n });
-    input.checked = DATA.pairs[state.pair] === pair;
-    input.addEventListener("change", () => { state.pair = n; state.cursor = null; draw(); });
-    const picture = svg("svg", { viewBox: "0 0 210 18", "aria-hidden": "true" });
+    input.checked = current() === pair;
+    on(input, "change", () => { state.pair = n; state.cursor = null; draw(); });
+    const picture = small(210, 18);
     const places = [ring, best].filter(k => k !== null).map(k => at(pair.areal[k]));
     if (places.length === 2) picture.append(path([[places[0], 9], [places[1], 9]], "frame"));
-    if (ring !== null) picture.append(svg("circle", { class: "even", cx: at(pair.areal[ring]), cy: 9, r: 4 }));
-    if (best !== null) picture.append(svg("circle", { class: isKnown(pair, best) ? "best" : "cursor", cx: at(pair.areal[best]), cy: 9, r: 5 }));
+    if (ring !== null) picture.append(circle(at(pair.areal[ring]), 9, 4, "even"));
+    if (best !== null) picture.append(circle(at(pair.areal[best]), 9, 5, isKnown(pair, best) ? "best" : "cursor"));
     const said = best === null ? (pair.known ? "none on offer" : "unknown") : areal(pair.areal[best]) + (isKnown(pair, best) ? "" : ", unknown");
-    picture.append(text(places.length ? Math.max(...places) + 9 : 8, 13, said, "", { "font-size": 11.5 }));
+    picture.append(text(places.length ? max(...places) + 9 : 8, 13, said, "small"));
     return html("div", { class: "pair" }, html("label", {}, input, ` ${pair.name}`), picture);
   }));
   if (focused) box.querySelector("input:checked").focus();
 }
 
-// Draw a curve above a slider, with the place of its value.
+// Draw a curve above a slider, and the place of its value.
 function drawCurve(slider, xs, ys, value) {
-  const real = ys.filter(Number.isFinite), picture = slider.picture, at = x => 4 + 292 * (x - xs[0]) / (xs.at(-1) - xs[0]);
+  const real = ys.filter(isFinite), picture = slider.picture, at = x => 4 + 292 * (x - xs[0]) / (xs.at(-1) - xs[0]);
   picture.replaceChildren();
-  if (!real.length) return picture.append(text(4, 28, "none on offer", "t-soft", SMALL));
-  const low = Math.min(...real), high = Math.max(...real), up = y => 34 - 14 * (high > low ? (y - low) / (high - low) : 0);
-  const points = xs.map((x, n) => [at(x), up(ys[n])]).filter((_, n) => Number.isFinite(ys[n]));
-  picture.append(path(points, "frame"), text(4, points[0][1] - 5, areal(real[0]), "t-soft", SMALL));
-  if (points.at(-1)[0] < 215) picture.append(text(300, 40, "none on offer", "t-soft", { "font-size": 11, "text-anchor": "end" }));
-  const pair = DATA.pairs[state.pair], best = lightest(pair);
+  if (!real.length) return picture.append(text(4, 28, "none on offer", "t-soft small"));
+  const low = min(...real), high = max(...real), up = y => 34 - 14 * (high > low ? (y - low) / (high - low) : 0);
+  const points = xs.map((x, n) => [at(x), up(ys[n])]).filter((_, n) => isFinite(ys[n]));
+  picture.append(path(points, "frame"), text(4, points[0][1] - 5, areal(real[0]), "t-soft small"));
+  const [end, top] = points.at(-1);
+  if (end - at(value) > 80) picture.append(text(end, top - 5, areal(real.at(-1)), "t-soft small end"));
+  if (end < 215) picture.append(text(300, 40, "none on offer", "t-soft small end"));
+  const pair = current(), best = lightest(pair);
   if (best === null) return;
   const x = at(value), y = up(pair.areal[best]);
-  picture.append(svg("circle", { class: "best", cx: x, cy: y, r: 4.5 }));
-  if (x > 50) picture.append(text(Math.min(x, 266), y - 8, `${areal(pair.areal[best])} kg/m²`, "strong", { "font-size": 11, "text-anchor": "middle" }));
+  picture.append(circle(x, y, 4.5, "best"));
+  if (x > 50) picture.append(text(min(x, 266), y - 8, `${areal(pair.areal[best])} kg/m²`, "strong small mid"));
 }
 const sliders = [];
-function slider(name, min, max, step, value, said, changed, points) {
-  const input = html("input", { type: "range", min, max, step, "aria-label": name }), output = html("output");
+function slider(name, low, high, step, value, said, changed, points) {
+  const input = html("input", { type: "range", min: low, max: high, step, "aria-label": name }), output = html("output");
   input.value = value;
-  const picture = svg("svg", { viewBox: "0 0 300 42", "aria-hidden": "true" });
+  const picture = small(300, 42);
   const made = { input, picture, show: () => {
     output.textContent = said();
     input.setAttribute("aria-valuetext", said());
     if (points) points(made);
   } };
-  input.addEventListener("input", () => { changed(+input.value); state.cursor = null; draw(); });
+  on(input, "input", () => { changed(+input.value); state.cursor = null; frame ??= requestAnimationFrame(draw); });
   $("sliders").append(html("div", { class: "slider" }, html("div", {}, html("span", {}, name), output), points ? picture : null, input));
   sliders.push(made);
 }
 function makeSliders() {
-  const spread = (low, high, count) => Array.from({ length: count + 1 }, (_, n) => low + (high - low) * n / count);
+  const spread = (low, high, count) => Array.from({ length: count + 1 }, (_, n) => low + (high - low) * n / count), percents = spread(50, 99, 49);
   if (threats.some(t => t.own === null))
     slider("Confidence", 50, 99, state.confidence === null || Number.isInteger(state.confidence) ? 1 : "any", state.confidence ?? 50,
       () => (state.confidence === null ? "none asked for" : `${trimmed(state.confidence)} %`),
       value => { state.confidence = value > 50 ? value : null; },
-      made => drawCurve(made, spread(50, 99, 49), overConfidence(DATA.pairs[state.pair], spread(50, 99, 49)), state.confidence ?? 50));
+      made => drawCurve(made, percents, overConfidence(current(), percents), state.confidence ?? 50));
   threats.forEach((threat, t) => {
-    const reach = Math.max(Math.round(0.35 * threat.velocity), 1), low = threat.velocity - reach, high = threat.velocity + reach;
+    const reach = max(round(0.35 * threat.velocity), 1), low = threat.velocity - reach, high = threat.velocity + reach, xs = spread(low, high, 60);
     const own = threat.own === null ? "" : `, ${trimmed(100 * threat.own)} % asked for`;
     slider(`${letter(t)}${threat.name}${threat.obliquity ? ` at ${threat.obliquity}°` : ""}${own}`, low, high, 1, threat.velocity,
       () => `${trimmed(state.velocities[t])} m/s${threat.margin ? ` + ${threat.margin}` : ""}`,
       value => { state.velocities[t] = value; },
-      made => drawCurve(made, spread(low, high, 60), overVelocity(DATA.pairs[state.pair], t, spread(low, high, 60)), state.velocities[t]));
+      made => drawCurve(made, xs, overVelocity(current(), t, xs), state.velocities[t]));
   });
-  const every = DATA.pairs.flatMap(p => [p.areal[0], p.areal.at(-1)]), low = Math.floor(Math.min(...every)), high = Math.ceil(Math.max(...every));
-  slider("Greatest areal density", low, high, 0.5, Math.min(state.most, high), () => (state.most < Infinity ? `${trimmed(state.most)} kg/m²` : "any"),
+  const every = DATA.pairs.flatMap(p => [p.areal[0], p.areal.at(-1)]), low = floor(min(...every)), high = Math.ceil(max(...every));
+  slider("Greatest areal density", low, high, 0.5, min(state.most, high), () => (state.most < Infinity ? `${trimmed(state.most)} kg/m²` : "any"),
     value => { state.most = value < high ? value : Infinity; });
 }
 
 function crossSection(pair, k) {
-  const [c, b] = thicknesses(pair, k), rods = threats.map(t => t.rod), longest = Math.max(...rods.map(r => r[0]));
-  const angles = threats.map(t => t.obliquity * Math.PI / 180), rows = rods.map((r, t) => 1.7 * r[1] + 2 + r[0] * Math.sin(angles[t])), tall = Math.max(rows.reduce((a, d) => a + d, 0), 0.8 * (c + b)), wide = longest + c + b + 12, gap = longest + 3;
-  const font = Math.max(wide, tall * 2) / 26, picture = svg("svg", { viewBox: `0 0 ${Math.max(wide, tall * 2)} ${tall + 3.4 * font}`, role: "img", "aria-label": `Cross-section to scale: ${armour(pair, k)}` });
-  const sized = { "font-size": font, "text-anchor": "middle" }, top = 1.4 * font;
+  const [c, b] = thicknesses(pair, k), rods = threats.map(t => t.rod), longest = max(...rods.map(r => r[0]));
+  const angles = threats.map(t => t.obliquity * Math.PI / 180), rows = rods.map((r, t) => 1.7 * r[1] + 2 + r[0] * Math.sin(angles[t])), tall = max(rows.reduce((a, d) => a + d, 0), 0.8 * (c + b)), wide = longest + c + b + 12, gap = longest + 3;
+  const font = max(wide, tall * 2) / 26, picture = svg("svg", { viewBox: `0 0 ${max(wide, tall * 2)} ${tall + 3.4 * font}`, role: "img", "aria-label": `Cross-section to scale: ${armour(pair, k)}` });
+  const sized = { "font-size": font }, top = 1.4 * font;
   if (pair.ceramic) picture.append(svg("rect", { class: "ceramic", x: gap, y: top, width: c, height: tall }));
   picture.append(svg("rect", { class: "metal", x: gap + c, y: top, width: b, height: tall }));
-  picture.append(text(gap + (c + b) / 2, font, pair.ceramic ? `${trimmed(c)} + ${trimmed(b)} mm` : `${trimmed(b)} mm`, "", sized));
+  picture.append(text(gap + (c + b) / 2, font, pair.ceramic ? `${trimmed(c)} + ${trimmed(b)} mm` : `${trimmed(b)} mm`, "mid", sized));
   let y = top + (tall - rows.reduce((a, d) => a + d, 0)) / 2;
   rods.forEach((rod, t) => {
     const middle = y + rows[t] - 0.85 * rod[1] - 1, tip = gap - 2 - 0.5 * rod[1] * Math.sin(angles[t]);
     const drawn = svg("g", { transform: `rotate(${threats[t].obliquity} ${tip} ${middle})` }, svg("rect", { class: "rod", x: tip - rod[0], y: middle - rod[1] / 2, width: rod[0], height: rod[1] }));
-    if (T > 1) drawn.append(text(tip - rod[0] / 2, middle + font / 3, LETTERS[t % 26], "pin-text", sized));
+    if (T > 1) drawn.append(text(tip - rod[0] / 2, middle + font / 3, mark(t), "pin-text mid", sized));
     picture.append(drawn);
     y += rows[t];
   });
   const base = top + tall + 1.2 * font;
-  picture.append(svg("rect", { class: "pin", x: 1, y: base - 0.3, width: 10, height: font / 12 }), text(12, base + font / 3, "10 mm", "", { "font-size": font }));
+  picture.append(svg("rect", { class: "pin", x: 1, y: base - 0.3, width: 10, height: font / 12 }), text(12, base + font / 3, "10 mm", "", sized));
   return picture;
 }
 // The distribution of the ballistic limit, from 1 to 99 %, cut at the velocity of the threat.
 function distribution(pair, d, v) {
-  const V = pair.stops, o = d * Q, low = V[o], high = V[o + Q - 1], from = Math.min(low, v), to = Math.max(high, v);
-  const at = x => 300 * (x - from) / (to - from), count = 90, heights = [];
+  const V = pair.stops, o = d * Q, low = V[o], high = V[o + Q - 1], from = min(low, v), to = max(high, v);
+  const at = x => 300 * (x - from) / (to - from), count = 240, heights = [];
   for (let n = 0; n <= count; n++) {
     const x = low + (high - low) * n / count, h = (high - low) / count;
-    heights.push([x, below(score(pair, d, Math.max(x - h, low))) - below(score(pair, d, Math.min(x + h, high)))]);
+    heights.push([x, below(score(pair, d, max(x - h, low))) - below(score(pair, d, min(x + h, high)))]);
   }
   heights[0][1] = heights[1][1] / 2;
   heights[count][1] = heights[count - 1][1] / 2;
-  const most = Math.max(...heights.map(h => h[1])), shape = points => points.length > 1 ? `M${at(points[0][0])} 44${points.map(p => `L${at(p[0]).toFixed(1)} ${(44 - 38 * p[1] / most).toFixed(1)}`).join("")}L${at(points.at(-1)[0])} 44Z` : "";
-  const picture = svg("svg", { viewBox: "0 0 300 46", "aria-hidden": "true" });
+  const most = max(...heights.map(h => h[1])), shape = points => points.length > 1 ? `M${at(points[0][0])} 44${points.map(p => `L${at(p[0]).toFixed(1)} ${(44 - 38 * p[1] / most).toFixed(1)}`).join("")}L${at(points.at(-1)[0])} 44Z` : "";
+  const picture = small(300, 46);
   picture.append(svg("path", { class: "below", d: shape(heights.filter(h => h[0] <= v)) }), svg("path", { class: "above", d: shape(heights.filter(h => h[0] >= v)) }));
   picture.append(path([[at(v), 2], [at(v), 46]], "bar"));
   return picture;
@@ -635,7 +665,7 @@ function drawDesign(pair, best) {
   if (k === null) return box.append(html("p", { class: "soft" }, "Point at a design to read it."));
   const [c, b] = thicknesses(pair, k), governs = governing(pair, k), pinned = state.pins.some(p => p.pair === pair && p.k === k);
   box.append(html("h2", {}, armour(pair, k)));
-  const difference = best === null || k === best ? "" : ` (${pair.areal[k] < pair.areal[best] ? "−" : "+"}${areal(Math.abs(pair.areal[k] - pair.areal[best]))})`;
+  const difference = best === null || k === best ? "" : ` (${signed(pair.areal[k] - pair.areal[best])})`;
   box.append(html("p", {}, `${areal(pair.areal[k])} kg/m²${difference}, ${trimmed(c * !!pair.ceramic + b + DATA.added.thickness)} mm thick`, k === best ? html("span", { class: "t-blue" }, ` lightest${anyAsked() ? " as asked for" : ""}`) : null));
   if (pair.excluded.includes(k)) box.append(html("p", { class: "t-red" }, "Beyond the limits of the scenario."));
   box.append(crossSection(pair, k));
@@ -643,17 +673,15 @@ function drawDesign(pair, best) {
     const d = k * T + t, v = state.velocities[t], z = score(pair, d, v), limit = pair.limits[d];
     box.append(html("div", { class: "row" }, html("span", {}, `${letter(t)}${shot(t)}`), html("b", {}, isNaN(z) ? "probability unknown" : `${chance(z)} stopped`)));
     if (!isNaN(z)) box.append(distribution(pair, d, v));
-    const margin = Math.floor(limit + 1e-4) - v;
-    box.append(html("p", { class: "soft" }, `Computed limit ${Math.floor(limit + 1e-4)} m/s, margin ${margin < 0 ? "−" : "+"}${trimmed(Math.abs(margin))} m/s${T > 1 && t === governs ? "; governs" : ""}`));
+    const margin = floor(limit + 1e-4) - v;
+    box.append(html("p", { class: "soft" }, `Computed limit ${floor(limit + 1e-4)} m/s, margin ${margin < 0 ? "−" : "+"}${trimmed(abs(margin))} m/s${T > 1 && t === governs ? "; governs" : ""}`));
   });
-  const button = html("button", { type: "button" }, pinned ? "Remove the pin" : "Pin this design");
-  button.addEventListener("click", () => pin(k));
-  box.append(button);
+  box.append(button(pinned ? "Remove the pin" : "Pin this design", () => pin(k)));
 }
 function pin(k) {
-  const pair = DATA.pairs[state.pair], place = state.pins.findIndex(p => p.pair === pair && p.k === k);
+  const pair = current(), place = state.pins.findIndex(p => p.pair === pair && p.k === k);
   if (place >= 0) state.pins.splice(place, 1);
-  else state.pins = [...state.pins, { pair, k }].slice(-MAX_PINS);
+  else state.pins = [...state.pins, { pair, k }].slice(-6);
   drawOver(pair);
   drawDesign(pair, lightest(pair));
   drawTable(pair, lightest(pair), even(pair));
@@ -665,28 +693,22 @@ async function copy(words, code, button) {
     button.textContent = "Copied";
   } catch {
     getSelection().selectAllChildren(code);
-    button.textContent = document.execCommand("copy") ? "Copied" : "Selected";
+    button.textContent = "Selected";
   }
 }
 function drawTable(pair, best, ring) {
-  const rows = [[pair, best, "●", "t-blue"], [pair, ring === best ? null : ring, "○", "t-red"], ...state.pins.map((p, n) => [p.pair, p.k, String(n + 1), "", p])].filter(row => row[1] !== null);
+  const rows = [[pair, best, "●", "t-blue"], [pair, ring === best ? null : ring, "○", "t-red"], ...state.pins.map((p, n) => [p.pair, p.k, n + 1, "disc", p])].filter(row => row[1] !== null);
   const from = best === null ? null : pair.areal[best];
   const heads = ["armour", "kg/m²", ...(from === null ? [] : [`from ${areal(from)}`]), ...threats.flatMap((_, t) => [`${letter(t)}limit, m/s`, `${letter(t)}stopped`])];
   const body = html("tbody");
-  for (const [of, k, mark, colour, pinned] of rows) {
+  for (const [of, k, sign, colour, pinned] of rows) {
     const difference = from === null ? 0 : of.areal[k] - from;
-    const cells = [areal(of.areal[k]), ...(from === null ? [] : [Math.abs(difference) < 0.05 ? "" : `${difference < 0 ? "−" : "+"}${areal(Math.abs(difference))}`]),
-      ...threats.flatMap((_, t) => [String(Math.floor(of.limits[k * T + t] + 1e-4)), chance(scored(of, k, t))])];
-    body.append(html("tr", {}, html("td", {}, html("span", {}, html("span", { class: colour }, `${mark} `), armour(of, k))), ...cells.map((cell, i) => html("td", { "data-label": heads[i + 1] }, html("span", {}, cell)))));
-    const words = command(of, k), code = html("code", {}, ...parts(words)), button = html("button", { type: "button" }, "Copy");
-    button.addEventListener("click", () => copy(words, code, button));
-    const cell = html("td", { colspan: heads.length }, code, button);
-    if (pinned) {
-      const remove = html("button", { type: "button" }, "Remove");
-      remove.addEventListener("click", () => { state.pins = state.pins.filter(p => p !== pinned); draw(); });
-      cell.append(" ", remove);
-    }
-    body.append(html("tr", { class: "command" }, cell));
+    const cells = [areal(of.areal[k]), ...(from === null ? [] : [abs(difference) < 0.05 ? "" : signed(difference)]),
+      ...threats.flatMap((_, t) => [String(floor(of.limits[k * T + t] + 1e-4)), chance(scored(of, k, t))])];
+    body.append(html("tr", {}, html("td", {}, html("span", {}, html("span", { class: colour }, sign), " ", armour(of, k))), ...cells.map((cell, i) => html("td", { "data-label": heads[i + 1] }, html("span", {}, cell)))));
+    const words = command(of, k), code = html("code", {}, ...parts(words));
+    const remove = pinned ? button("Remove", () => { state.pins = state.pins.filter(p => p !== pinned); draw(); }) : null;
+    body.append(html("tr", { class: "command" }, html("td", { colspan: heads.length }, code, button("Copy", made => copy(words, code, made)), " ", remove)));
   }
   $("table").replaceChildren(html("table", {}, html("thead", {}, html("tr", {}, ...heads.map(each => html("th", { scope: "col" }, each)))), body));
 }
@@ -695,14 +717,16 @@ function drawNotes(pair) {
     pair.known && `Probabilities of ${pair.name} rest on: ${pair.source}.`,
     "Probabilities are those of one shot and of the error of the model, as the evidence gives it; they are no probability of survival.",
     `${kinds} designs of this pair are ${pair.free.some(Boolean) ? "shown of any thickness on offer" : "on offer, and exact"}; lines between them are interpolated.${pair.coarser ? " To keep the page small, they are coarser than they could be." : ""}`,
-    pair.known && pair.stops.some(isNaN) && "Grey: the probability is unknown, as such thicknesses are too unlike the tests.",
+    pair.known && pair.unknown.includes(1) && "Grey: the probability is unknown, as such thicknesses are too unlike the tests.",
     ...DATA.notes, `armour ${DATA.version}${DATA.title ? `; ${DATA.title}` : ""}`,
   ];
   $("notes").replaceChildren(...said.filter(Boolean).map(each => html("p", {}, each)));
 }
 
+let frame = null;
 function draw() {
-  const pair = DATA.pairs[state.pair], best = lightest(pair), ring = even(pair);
+  frame = null;
+  const pair = current(), best = lightest(pair), ring = even(pair);
   $("headline").textContent = headline(pair, best);
   $("beside").textContent = besides(pair, best, ring);
   drawMap(pair, best, ring);
@@ -717,27 +741,27 @@ function draw() {
 
 function move(k) {
   if (k === state.cursor) return;
-  const pair = DATA.pairs[state.pair];
+  const pair = current();
   state.cursor = k;
   drawOver(pair);
   drawDesign(pair, lightest(pair));
 }
 function nearest(event) {
-  const pair = DATA.pairs[state.pair], box = $("map").getBoundingClientRect(), factor = view.width / box.width;
+  const pair = current(), box = $("map").getBoundingClientRect(), factor = view.width / box.width;
   const [x, y] = [(event.clientX - box.left) * factor, (event.clientY - box.top) * factor];
-  const closest = (places, at, to) => places.reduce((a, b) => (Math.abs(at[b] - to) < Math.abs(at[a] - to) ? b : a));
+  const closest = (places, at, to) => places.reduce((a, b) => (abs(at[b] - to) < abs(at[a] - to) ? b : a));
   return closest(pair.offered[0], view.y, y) * view.m + closest(pair.offered[1], view.x, x);
 }
 function keyed(event) {
-  const pair = DATA.pairs[state.pair], moves = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowRight: [0, 1], ArrowLeft: [0, -1] };
+  const pair = current(), moves = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowRight: [0, 1], ArrowLeft: [0, -1] };
   if (event.key === "Home") move(lightest(pair));
   else if (event.key === "Escape") move(null);
   else if (event.key === "Enter") { if ((state.cursor ?? lightest(pair)) !== null) pin(state.cursor ?? lightest(pair)); }
   else if (moves[event.key]) {
-    const from = pair.places[state.cursor ?? lightest(pair) ?? pair.onOffer[0]], step = event.shiftKey ? 5 : 1;
+    const at = state.cursor ?? lightest(pair) ?? pair.onOffer[0], from = [floor(at / view.m), at % view.m], step = event.shiftKey ? 5 : 1;
     const [i, j] = [0, 1].map(axis => {
       const of = pair.offered[axis], place = of.indexOf(from[axis]) + step * moves[event.key][axis];
-      return of[Math.min(Math.max(place, 0), of.length - 1)];
+      return of[min(max(place, 0), of.length - 1)];
     });
     move(i * view.m + j);
   } else return;
@@ -750,19 +774,19 @@ function start() {
   found.sort(([, p, k], [, q, l]) => isKnown(q, l) - isKnown(p, k) || p.areal[k] - q.areal[l]);
   state.pair = found.length ? found[0][0] : 0;
   $("about").textContent = DATA.subject;
-  for (let t = 0; t < T; t++) $("lines").append(html("option", { value: t }, T > 1 ? `ballistic limit against ${LETTERS[t % 26]}` : "ballistic limit"));
+  for (let t = 0; t < T; t++) $("lines").append(html("option", { value: t }, T > 1 ? `ballistic limit against ${mark(t)}` : "ballistic limit"));
   $("lines").append(html("option", { value: "none" }, "areal density only"));
   makeSliders();
-  $("lines").addEventListener("change", () => { state.lines = $("lines").value; draw(); });
-  $("tests").addEventListener("change", () => { state.tests = $("tests").checked; draw(); });
+  on($("lines"), "change", () => { state.lines = $("lines").value; draw(); });
+  on($("tests"), "change", () => { state.tests = $("tests").checked; draw(); });
   const map = $("map");
-  map.addEventListener("pointermove", event => move(nearest(event)));
-  map.addEventListener("pointerdown", event => move(nearest(event)));
-  map.addEventListener("pointerleave", event => event.pointerType !== "touch" && move(null));
-  map.addEventListener("click", event => event.pointerType !== "touch" && pin(nearest(event)));
-  map.addEventListener("keydown", keyed);
+  on(map, "pointermove", event => move(nearest(event)));
+  on(map, "pointerdown", event => move(nearest(event)));
+  on(map, "pointerleave", event => event.pointerType !== "touch" && move(null));
+  on(map, "click", event => event.pointerType !== "touch" && pin(nearest(event)));
+  on(map, "keydown", keyed);
   let width = innerWidth;
-  addEventListener("resize", () => { if (innerWidth !== width) { width = innerWidth; draw(); } });
+  addEventListener("resize", () => { if (innerWidth !== width) { width = innerWidth; view = null; draw(); } });
   draw();
 }
 start();
