@@ -45,6 +45,7 @@ docs: $(VENV)/developing
 	$(BIN)/armour validate plates --markdown docs/plates.md --force
 	$(BIN)/python tools/notebook.py docs/study.ipynb
 	$(BIN)/python tools/drawings.py
+	$(BIN)/python -m tools.lessons
 	$(BIN)/python -m tests.cli.test_docs
 	$(BIN)/armour figures docs/figures --force
 	rm docs/figures/*.csv

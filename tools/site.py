@@ -245,6 +245,8 @@ def on_page_content(html: str, **_: Any) -> str:
     """Return the page with its formulas as MathML and its drawings inline, in the colours of the page."""
     html = re.sub(r'<(span|div) class="arithmatex">\\[\[(](.+?)\\[\])]</\1>', _formula, html, flags=re.DOTALL)
     html = re.sub(r'<img alt="([^"]+)" src="[./]*images/([\w-]+\.svg)" ?/?>', _drawing, html)
+    # A reference to the bibliography keeps its brackets.
+    html = re.sub(r'(<a href="[^"]*references\.html#(\w+)">\2</a>)', r"[\1]", html)
     # mkdocstrings takes a type in words for Python.
     return html.replace("path - like", "path-like")
 

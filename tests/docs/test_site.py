@@ -80,13 +80,18 @@ def test_a_formula_is_rendered_when_the_site_is_built(site):
     assert html == f'<div class="formula">{site.convert("V = U", display="block")}<span>(2, 3)</span></div>'
 
 
+def test_a_reference_to_the_bibliography_keeps_its_brackets(site):
+    link = '<a href="../references.html#Tate1967">Tate1967</a>'
+    assert site.on_page_content(link) == f"[{link}]"
+
+
 def test_no_formula_of_a_page_is_left_as_it_is_typed(site):
     from markdown import markdown
 
     for page in DOCS.rglob("*.md"):
         html = markdown(
             page.read_text(encoding="utf-8"),
-            extensions=["tables", "pymdownx.arithmatex"],
+            extensions=["md_in_html", "tables", "pymdownx.arithmatex"],
             extension_configs={"pymdownx.arithmatex": {"generic": True}},
         )
         assert "\\" not in re.sub(r"<code>.*?</code>", "", site.on_page_content(html), flags=re.DOTALL).replace(
