@@ -92,15 +92,20 @@ def test_a_run_that_does_not_end_names_its_velocity(monkeypatch: pytest.MonkeyPa
     assert "the run at 333.774 m/s" in confidence(scenario()).reason
 
 
-def test_a_dense_scan_uses_the_engine_if_it_is_compiled(monkeypatch: pytest.MonkeyPatch):
-    """The result is the same to the last bit."""
-    unusual = scenario().with_inputs({"backing.density_kg_m3": 500.0})
-    assert scan_points(unusual) == 1025
+@pytest.mark.parametrize(("changes", "points"), [({}, 33), ({"backing.density_kg_m3": 500.0}, 1025)])
+def test_the_engine_finds_the_same_to_the_last_bit(
+    changes: dict[str, float], points: int, monkeypatch: pytest.MonkeyPatch
+):
+    """It is used where it is loaded and, for a dense scan, where it is compiled."""
+    case = scenario().with_inputs(changes)
+    assert scan_points(case) == points
     found = []
-    for compiled in (False, True):
+    for loaded, compiled in ((False, False), (False, True), (True, False)):
+        monkeypatch.setattr("armour.engine.cache.is_loaded", lambda _name, answer=loaded: answer)
         monkeypatch.setattr("armour.engine.cache.is_compiled", lambda _name, answer=compiled: answer)
-        found.append(confidence(unusual).ballistic_limit_m_s)
-    assert found[0] == found[1]
+        found.append(confidence(case))
+    assert found[0].probability_of_defeat is not None or points == 1025
+    assert found[0] == found[1] == found[2]
 
 
 def test_the_residual_velocity_rises_as_a_square_root():

@@ -5,7 +5,7 @@ The confidence in an armour is the probability that it stops its threat, given t
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import isnan
+from math import isfinite
 from typing import Literal
 
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
@@ -171,16 +171,31 @@ def model_error(scenario: Scenario, limit_m_s: float) -> ModelError | None:
 
 def _lowest_limit(scenario: Scenario, armour: Parameters) -> float:
     """Return the ballistic limit of an armour, m/s, as `armour.analysis.searches.limits_by_law` does."""
-    section, solver = scenario.ballistic_limit, scenario.solver
-    settings = section.tolerance_m_s, solver.arrest_velocity_m_s, solver.time_step, solver.max_steps
-    points = search.DENSE_SCAN_POINTS if is_unusual(armour) else search.SCAN_POINTS
+    section = scenario.ballistic_limit
     for low, high in ((section.velocity_min_m_s, section.velocity_max_m_s), (SLOWEST_M_S, FASTEST_M_S)):
-        found = search.find_ballistic_limit(armour, search.scan(low, high, points), *settings)
+        found = _search(scenario, armour, low, high)
         if not found.resolved:
-            raise unresolved_error(solver, scenario.file, found.high)
+            raise unresolved_error(scenario.solver, scenario.file, found.high)
         if low < found.high <= high:
             break
     return min(max(found.high, low), high)
+
+
+def _search(scenario: Scenario, armour: Parameters, low: float, high: float) -> search.SearchResult:
+    """Search for the ballistic limit of an armour between two velocities, m/s, by the engine where that is quicker."""
+    # Imported here, as the engine below, because a usual armour needs no numpy.
+    from armour.engine import cache
+
+    tolerance, solver = scenario.ballistic_limit.tolerance_m_s, scenario.solver
+    settings = solver.arrest_velocity_m_s, solver.time_step, solver.max_steps
+    points = search.DENSE_SCAN_POINTS if is_unusual(armour) else search.SCAN_POINTS
+    kernel = "ballistic_limits"
+    if not (cache.is_loaded(kernel) or (points == search.DENSE_SCAN_POINTS and cache.is_compiled(kernel))):
+        return search.find_ballistic_limit(armour, search.scan(low, high, points), tolerance, *settings)
+    from armour.engine import batch
+
+    found = batch.ballistic_limits(batch.packed([armour]), low, high, tolerance, batch.SolverOptions(*settings), points)
+    return search.SearchResult(*(column[0].item() for column in found))
 
 
 def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
@@ -353,17 +368,13 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
 
 
 def _limit(scenario: Scenario, on_progress: OnProgress) -> float:
-    """Return the ballistic limit, m/s, where the scan is dense by the engine if that has been compiled before."""
-    if scan_points(scenario) == search.DENSE_SCAN_POINTS:
-        # Imported here because a usual armour needs no numpy.
-        from armour.analysis.searches import ballistic_limits
-        from armour.analysis.variants import variants_of
-        from armour.engine import cache
-
-        if cache.is_compiled("ballistic_limits"):
-            limit = float(ballistic_limits(variants_of(scenario, {}, 1))[0])
-            if not isnan(limit):
-                return limit
+    """Return the ballistic limit, m/s."""
+    section = scenario.ballistic_limit
+    found = _search(scenario, scenario.core_armour(), section.velocity_min_m_s, section.velocity_max_m_s)
+    on_progress(found.runs, None)
+    if found.resolved and isfinite(found.low) and isfinite(found.high):
+        return found.high
+    # It says why there is none.
     return ballistic_limit(scenario, on_progress=on_progress).ballistic_limit_m_s
 
 

@@ -28,6 +28,7 @@ PACKAGE = Path(__file__).resolve().parent.parent
 OTHERS_KEPT = 4
 
 _lock = Lock()
+_loaded: set[str] = set()
 
 
 def digest(package: Path = PACKAGE) -> str:
@@ -75,7 +76,14 @@ def is_compiled(name: str = "") -> bool:
 def kernel(name: str) -> "Kernel":
     """Return a kernel of `armour.engine.kernels`; each is loaded or compiled once in a process."""
     with _lock:
-        return _kernel(name)
+        found = _kernel(name)
+        _loaded.add(name)
+        return found
+
+
+def is_loaded(name: str) -> bool:
+    """Return whether this process has a kernel."""
+    return name in _loaded
 
 
 @cache
