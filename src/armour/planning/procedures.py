@@ -250,6 +250,8 @@ CANDIDATES, TAIL, WIDE_TAIL, SCATTERS, AROUND = 101, 1e-3, 0.025, 2.0, 4.0
 # Continuations of the firing that are simulated to tell how many shots are still to be expected, the nodes of their
 # grid, their velocities and the most shots of each.
 FUTURES, FUTURE_NODES, FUTURE_CANDIDATES, MOST_SHOTS = 40, (401, 11), 61, 100
+# Multiplications of a product of matrices that is worth no thread.
+SMALL = 2**17
 # Another confidence, of which the number of shots is given too.
 SOONER = 0.9
 # Simulated firings for each point of an operating characteristic, and where these are: the distance of the velocity in
@@ -330,9 +332,14 @@ def gains(weights: Floats, target: Floats, response: Floats) -> Floats:
 
 def _product(weights: Floats, response: Floats) -> Floats:
     """Return the sums over the points, (n, m)."""
+    if len(weights) > FUTURES:
+        return weights @ response.T
     # On a busy machine the threads of the linear algebra cost more than few distributions are worth.
-    few = len(weights) <= FUTURES
-    return np.einsum("np,mp->nm", weights, response) if few else weights @ response.T
+    size = SMALL // (len(weights) * len(response))
+    sums = np.zeros((len(weights), len(response)))
+    for start in range(0, weights.shape[1], size):
+        sums += weights[:, start : start + size] @ response[:, start : start + size].T
+    return sums
 
 
 def candidates(known: Posterior, settings: ShotSettings, count: int) -> Floats:
@@ -366,7 +373,8 @@ class Firings:
 
     def add(self, velocities: Floats, complete: Bools) -> None:
         """Add a shot to each firing."""
-        response = self.grid.response(velocities)
+        aims, place = np.unique(velocities, return_inverse=True)
+        response = self.grid.response(aims)[place]
         self.weights *= np.where(complete[:, None], response, 1.0 - response)
         self.weights /= self.weights.sum(axis=1, keepdims=True)
 
