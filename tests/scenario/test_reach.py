@@ -4,9 +4,11 @@ from typing import Any
 
 import pytest
 
+from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.quantities import DESIGNS
 from armour.errors import InputError
 from armour.scenario.reach import check_reach, check_read, check_used, read_of
+from armour.sweeps.sweep import sweep
 from tests.helpers.cases import catalogue, scenario, shipped_scenario
 
 OWN = {
@@ -113,3 +115,12 @@ def test_a_change_is_read_or_refused(file: str, reads: tuple[str, ...], key: str
     else:
         with pytest.raises(InputError, match=f"--set {key}: must have an effect: "):
             check_read({key: 1}, read_of(found, reads))
+
+
+def test_a_static_strength_counts_where_there_is_no_dynamic_one():
+    key = "library.metal.{}.static_yield_strength_MPa"
+    static = sweep(scenario(backing="AA5083-H116"), {key.format("AA5083-H116"): [240.0, 333.0]})["ballistic_limit_m_s"]
+    assert static[1] > static[0] + 10.0
+    assert static[0] == ballistic_limit(scenario(backing="AA5083-H116")).ballistic_limit_m_s
+    with pytest.raises(InputError, match="must have an effect"):
+        sweep(scenario(backing="5083-H3"), {key.format("5083-H3"): [240.0, 333.0]})

@@ -32,8 +32,10 @@ from armour.scenario.inputs import (
 )
 from armour.scenario.keys import Parts, key_name, leaves, parts_of
 from armour.scenario.library import (
+    DYNAMIC,
     KINDS,
     ROD,
+    STATIC,
     Entry,
     Kind,
     Library,
@@ -229,13 +231,16 @@ class Scenario(Section):
         inputs = self.inputs()
         for role, kind in ROLES.items():
             name = self.name_of(role)
-            if name is None or parts[:1] != (kind,) or len(parts) < 3 or f"{role}.{parts[2]}" not in inputs:
+            if name is None or parts[:1] != (kind,) or len(parts) < 3:
+                continue
+            key = DYNAMIC if parts[2] == STATIC and self.entry(kind, name).is_static else parts[2]
+            if f"{role}.{key}" not in inputs:
                 continue
             chain = self.bases_of(kind, name)
             own = getattr(self.library, kind)
             givers = [base for base in chain if base in own and getattr(own[base], parts[2]) is not None]
             if givers[:1] == [parts[1]]:
-                return f"{role}.{parts[2]}"
+                return f"{role}.{key}"
         return ""
 
     def core_armour(self) -> Parameters:
