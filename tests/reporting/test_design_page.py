@@ -126,17 +126,19 @@ def test_what_is_not_shown_is_said():
 
 
 def browsed(folder: Path, content: str, script: str, width: int = 1280) -> Any:
-    """What a script returns that the policy of the page admits, as by its hash; without an error or a request."""
+    """What a script returns, or its promise, that the policy of the page admits; without an error or a request."""
     watch = """const said = [];
       addEventListener("error", e => said.push(e.message));
       addEventListener("securitypolicyviolation", e => said.push(e.violatedDirective + " " + e.blockedURI));"""
-    after = f"""let found; try {{ found = (() => {{ {script} }})(); }} catch (e) {{ said.push(String(e)); }}
+    after = f"""(async () => {{
+      let found; try {{ found = await (async () => {{ {script} }})(); }} catch (e) {{ said.push(String(e)); }}
       const asked = performance.getEntriesByType("resource").map(entry => entry.name);
       document.body.innerHTML = "";
       const pre = document.createElement("pre");
       pre.id = "found";
       pre.textContent = JSON.stringify({{ said, asked, found }});
-      document.body.append(pre);"""
+      document.body.append(pre);
+      }})();"""
     hashes = " ".join(f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'" for text in (watch, after))
     content = content.replace("script-src '", f"script-src {hashes} '", 1)
     content = content.replace("<title>", f"<script>{watch}</script><title>", 1)
@@ -253,6 +255,24 @@ def test_it_works_by_keyboard_and_keeps_within_its_width(tmp_path: Path, width: 
     )
     assert "stopped" in found["design"]
     assert found["commands"] == 3
+
+
+@needs_chromium
+def test_a_command_is_copied_or_selected_where_the_browser_refuses(tmp_path: Path):
+    script = """const pair = DATA.pairs[state.pair], words = command(pair, lightest(pair)), copies = [];
+      for (const refuses of [false, true]) {
+        let written = null;
+        const writeText = async text => { if (refuses) throw new Error("refused"); written = text; };
+        Object.defineProperty(navigator, "clipboard", { value: { writeText }, configurable: true });
+        const button = document.querySelector("#table button");
+        button.focus();
+        button.click();
+        await new Promise(after => setTimeout(after, 50));
+        copies.push([button.textContent, written ?? String(getSelection()).trim(), document.activeElement === button]);
+      }
+      return [words, copies];"""
+    words, copies = browsed(tmp_path, page(), script)
+    assert copies == [["Copied", words, True], ["Selected", words, True]]
 
 
 ODD = 'it\'s a "rod" of $HOME'

@@ -246,7 +246,7 @@ function besides(pair, best, ring) {
   return words.join(" ");
 }
 
-// Words of a shell, quoted where they must be.
+// Words of a shell.
 const quoted = word => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", `'"'"'`)}'`);
 function command(pair, k) {
   const t = governing(pair, k), threat = threats[t], [c, b] = thicknesses(pair, k), own = DATA.own;
@@ -284,7 +284,7 @@ const small = (width, height) => svg("svg", { viewBox: `0 0 ${width} ${height}`,
 const path = (points, of) => svg("path", { class: of, d: `M${points.map(p => `${p[0].toFixed(1)} ${p[1].toFixed(1)}`).join("L")}` });
 const text = (x, y, words, of, more) => svg("text", { x: x.toFixed(1), y: y.toFixed(1), class: of, "font-size": 12, ...more }, words);
 
-// Values at equal distances of 1, 2 or 5 times a power of ten.
+// Multiples of 1, 2 or 5 times a power of ten.
 function ticks(low, high, count) {
   const raw = (high - low) / count || 1, power = 10 ** floor(Math.log10(raw));
   const step = power * [1, 2, 5, 10].find(m => m * power >= raw * 0.999), found = [];
@@ -643,7 +643,7 @@ function crossSection(pair, k) {
   picture.append(svg("rect", { class: "pin", x: 1, y: base - 0.3, width: 10, height: font / 12 }), text(12, base + font / 3, "10 mm", "", sized));
   return picture;
 }
-// The distribution of the ballistic limit, from 1 to 99 %, cut at the velocity of the threat.
+// The limit's distribution, from 1 to 99 %, cut at the velocity.
 function distribution(pair, d, v) {
   const V = pair.stops, o = d * Q, low = V[o], high = V[o + Q - 1], from = min(low, v), to = max(high, v);
   const at = x => 300 * (x - from) / (to - from), count = 240, heights = [];
@@ -660,7 +660,7 @@ function distribution(pair, d, v) {
   return picture;
 }
 function drawDesign(pair, best) {
-  const k = state.cursor ?? best, box = $("design");
+  const k = state.cursor ?? best, box = $("design"), focused = box.contains(document.activeElement);
   box.replaceChildren();
   if (k === null) return box.append(html("p", { class: "soft" }, "Point at a design to read it."));
   const [c, b] = thicknesses(pair, k), governs = governing(pair, k), pinned = state.pins.some(p => p.pair === pair && p.k === k);
@@ -677,6 +677,7 @@ function drawDesign(pair, best) {
     box.append(html("p", { class: "soft" }, `Computed limit ${floor(limit + 1e-4)} m/s, margin ${margin < 0 ? "−" : "+"}${trimmed(abs(margin))} m/s${T > 1 && t === governs ? "; governs" : ""}`));
   });
   box.append(button(pinned ? "Remove the pin" : "Pin this design", () => pin(k)));
+  if (focused) box.lastChild.focus();
 }
 function pin(k) {
   const pair = current(), place = state.pins.findIndex(p => p.pair === pair && p.k === k);
