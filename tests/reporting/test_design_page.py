@@ -306,6 +306,15 @@ def test_commands_are_of_the_designs_and_need_no_care_in_a_shell(tmp_path: Path)
     ("changes", "words"),
     [
         ({"armour.ceramic": "SiC"}, "How likely it is to stop is unknown."),
+        (
+            {
+                "threat": [
+                    {"projectile": "7.62 mm AP", "velocity_m_s": 850.0},
+                    {"projectile": "7.62 mm APM2", "velocity_m_s": 830.0, "obliquity_deg": 30.0},
+                ]
+            },
+            "No test like AD85 on 5083-H3 against 7.62 mm APM2 at 830 m/s, 30° is known, so that no probability is.",
+        ),
         ({"impact.velocity_m_s": 3000.0}, "No AD85 on 5083-H3 on offer has a computed ballistic limit that reaches"),
         ({"impact.velocity_m_s": 3000.0, "design.confidence": 0.9}, "No AD85 on 5083-H3 on offer is known to stop"),
         ({"optimise.backing_thickness_mm": {"min": 6.0, "max": 6.0, "step": 1.0}}, "6 mm 5083-H3"),

@@ -1,5 +1,5 @@
 "use strict";
-// The designs of a scenario: answers are those of the thicknesses on offer, lines between them are interpolated.
+// Answers are those of thicknesses on offer, lines between them are interpolated.
 const DATA = JSON.parse(document.getElementById("data").textContent);
 const { threats, scores } = DATA, T = threats.length, Q = scores.length;
 const margins = threats.some(t => t.margin);
@@ -11,7 +11,7 @@ const $ = id => document.getElementById(id);
 
 const bytes = text => Uint8Array.from(atob(text), each => each.charCodeAt(0)).buffer;
 
-// Limits and velocities that are stopped, in the order of their scores; NaN where they are unknown.
+// Limits and velocities stopped, in the order of their scores; NaN: unknown.
 function decoded(pair) {
   const floats = new Float32Array(bytes(pair.floats)), differences = new Uint16Array(bytes(pair.differences));
   const m = pair.backings.length, count = pair.ceramics.length * m;
@@ -216,9 +216,8 @@ function percent() {
   const asked = new Set(confidences());
   return asked.size > 1 ? null : `${trimmed(100 * [...asked][0])} %`;
 }
-const confidenceWords = () => `with ${percent() ?? "the"} confidence${margins ? `${percent() ? "" : ","} and the margin` : ""}${percent() && !margins ? "" : " asked for"}`;
-const within = () => (state.most < Infinity ? ` within ${areal(state.most)} kg/m²` : "");
-const marginWords = () => (margins ? " plus the margin" : "");
+const confidenceWords = () => `with ${percent() ?? "the"} confidence${margins ? " and the margin" : ""}${percent() && !margins ? "" : " asked for"}`;
+const plus = margins ? " plus the margin" : "";
 
 function headline(pair, best) {
   const lead = best === null ? "" : `${armour(pair, best)}, ${areal(pair.areal[best])} kg/m², is the lightest`;
@@ -226,14 +225,15 @@ function headline(pair, best) {
     return `${lead} that stops ${allThreats()} ${confidenceWords()}.`;
   if (best !== null) {
     const z = worst(pair, best);
-    const sure = isNaN(z) ? "How likely it is to stop is unknown." : `It stops with a probability of ${chance(z)}.`;
-    return `${lead} whose computed ballistic limit reaches ${allThreats()}${marginWords()}. ${sure}`;
+    const sure = isNaN(z) ? "How likely it is to stop is unknown." : `The ${T > 1 ? "least " : ""}probability of stopping is ${chance(z)}.`;
+    return `${lead} whose computed ballistic limit reaches ${allThreats()}${plus}. ${sure}`;
   }
-  return `No ${pair.name} on offer${within()} ${anyAsked() ? `is known to stop ${allThreats()} ${confidenceWords()}` : `has a computed ballistic limit that reaches ${allThreats()}${marginWords()}`}.`;
+  return `No ${pair.name} on offer${state.most < Infinity ? ` within ${areal(state.most)} kg/m²` : ""} ${anyAsked() ? `is known to stop ${allThreats()} ${confidenceWords()}` : `has a computed ballistic limit that reaches ${allThreats()}${plus}`}.`;
 }
 function besides(pair, best, ring) {
   const words = [];
-  if (!pair.known) words.push(`No test of ${pair.name} is known, so that no probability is.`);
+  const untested = threats.flatMap((_, t) => (pair.designs.some(k => !isNaN(scored(pair, k, t))) ? [] : [shot(t)]));
+  if (untested.length) words.push(`No test like ${pair.name} against ${listed(untested)} is known, so that no probability is.`);
   if (ring !== null && best !== null && anyAsked() && pair.areal[best] > pair.areal[ring]) {
     const more = pair.areal[best] - pair.areal[ring];
     words.push(`${short(pair, ring)}, ${areal(pair.areal[ring])} kg/m², stops more often than not: what is asked for costs ${areal(more)} kg/m², ${round(100 * more / pair.areal[ring])} % more.`);
@@ -546,8 +546,6 @@ function drawOver(pair) {
   chip(min(max(x, frame.left + width / 2), view.width - width / 2), y > 40 ? y - 24 : y + 26, said, width);
 }
 
-// --- beside the map
-
 function drawPairs() {
   const box = $("pairs");
   box.hidden = DATA.pairs.length < 2;
@@ -714,10 +712,10 @@ function drawTable(pair, best, ring) {
   $("table").replaceChildren(html("table", {}, html("thead", {}, html("tr", {}, ...heads.map(each => html("th", { scope: "col" }, each)))), body));
 }
 function drawNotes(pair) {
-  const kinds = pair.onOffer.length, said = [
+  const said = [
     pair.known && `Probabilities of ${pair.name} rest on: ${pair.source}.`,
     "Probabilities are those of one shot and of the error of the model, as the evidence gives it; they are no probability of survival.",
-    `${kinds} designs of this pair are ${pair.free.some(Boolean) ? "shown of any thickness on offer" : "on offer, and exact"}; lines between them are interpolated.${pair.coarser ? " To keep the page small, they are coarser than they could be." : ""}`,
+    `${pair.onOffer.length.toLocaleString("en")} designs of this pair are ${pair.free.some(Boolean) ? "shown" : "on offer, and exact"}; lines between them are interpolated.${pair.coarser ? " To keep the page small, they are coarser than they could be." : ""}`,
     pair.known && pair.unknown.includes(1) && "Grey: the probability is unknown, as such thicknesses are too unlike the tests.",
     ...DATA.notes, `armour ${DATA.version}${DATA.title ? `; ${DATA.title}` : ""}`,
   ];
