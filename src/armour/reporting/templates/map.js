@@ -330,7 +330,7 @@ function contour(view, field, level) {
   }
   return lines;
 }
-// The area where a field is at least a value: its cells, cut at that value, in tenths of pixels.
+// The cells where a field is at least a value, cut at it, in tenths of pixels.
 function area(view, field, level, of) {
   const { n, m } = view, [x, y] = [view.x, view.y].map(each => each.map(at => round(10 * at)));
   let drawn = "";
@@ -511,7 +511,7 @@ function drawMap(pair, best, ring) {
   const marked = (values, of, low, high) => (values.length > 1 ? ticks(low, high, of) : values);
   for (const b of marked(pair.backings, view.narrow ? 5 : 8, across.low, across.high))
     axes.append(text(across.at(b), frame.bottom + 16, trimmed(b), "t-soft mid"));
-  for (const c of marked(pair.ceramics, view.narrow ? 5 : 9, up.low, up.high))
+  for (const c of marked(pair.ceramic ? pair.ceramics : [], view.narrow ? 5 : 9, up.low, up.high))
     axes.append(text(frame.left - 6, up.at(c) + 4, trimmed(c), "t-soft end"));
   box.setAttribute("viewBox", `0 0 ${width} ${height}`);
   box.setAttribute("aria-label", `Map of ${pair.name}. ${headline(pair, best)}`);
@@ -641,7 +641,7 @@ function crossSection(pair, k) {
   picture.append(svg("rect", { class: "pin", x: 1, y: base - 0.3, width: 10, height: font / 12 }), text(12, base + font / 3, "10 mm", "", sized));
   return picture;
 }
-// The limit's distribution, from 1 to 99 %, cut at the velocity.
+// The limit's distribution, 1 to 99 %, cut at the velocity.
 function distribution(pair, d, v) {
   const V = pair.stops, o = d * Q, low = V[o], high = V[o + Q - 1], from = min(low, v), to = max(high, v);
   const at = x => 300 * (x - from) / (to - from), count = 240, heights = [];
