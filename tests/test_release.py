@@ -45,6 +45,7 @@ def test_the_wheel_ships_what_the_program_reads(tmp_path: Path, monkeypatch: pyt
         assert shipped
         assert [*files.shipped_files(name, "")] == [path for path, _ in shipped]
         assert files.shipped(name) == tmp_path / "armour" / name
+    assert [*files.shipped_notebooks()] == ["study.ipynb"]
     assert (tmp_path / "armour" / "py.typed").exists()
     assert (tmp_path / "armour" / "__init__.pyi").exists()
     assert (tmp_path / "armour" / "reporting" / "templates" / "report.html").exists()

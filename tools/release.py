@@ -71,7 +71,7 @@ def stray(sdist: Path, wheel: Path) -> list[str]:
     options = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["hatch"]["build"]
     data = options["targets"]["wheel"]["force-include"]
     expected = {name.removeprefix("src/") for name in tracked if name.startswith("src/armour/")}
-    expected |= {f"armour/{name}" for name in tracked if name.split("/")[0] in data}
+    expected |= {f"armour/{name}" for name in tracked if data.keys() & {name, name.split("/")[0]}}
     names = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
     found = [f"{sdist.name}: {name}: is not in the repository" for name in sorted(packed - tracked)]
     found += [f"{wheel.name}: {name}: is not in the repository" for name in sorted(names - expected)]

@@ -51,6 +51,11 @@ def shipped_tests() -> dict[str, Path]:
     return {path.name: path for path in shipped_files("scenarios/tests", ".csv").values()}
 
 
+def shipped_notebooks() -> dict[str, Path]:
+    """Return the shipped notebooks by name, with its ending."""
+    return {path.name: path for path in shipped_files("docs", ".ipynb").values()}
+
+
 def located(path: Path, known: Mapping[str, Path], listed: str = "") -> Path:
     """Return the file at a path or, where there is none, the one that is known by this name.
 

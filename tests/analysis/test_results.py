@@ -13,6 +13,7 @@ from armour.analysis import results
 from armour.analysis.impact import impact_at, simulate
 from armour.analysis.results import data_frame
 from armour.statistics.v50 import Shots, v50
+from armour.sweeps.sweep import sweep
 from tests.helpers.cases import scenario
 from tests.helpers.results import design_result, impact, uncertainty_result
 
@@ -61,6 +62,20 @@ def test_rows_of_results():
     assert not any(empty.values())
     assert list(impact().to_dataframe())[:2] == ["stage", "start_us"]
     assert v50(SHOTS).to_dataframe()["method"][0] == "penalised likelihood"
+
+
+def test_iteration_gives_the_rows():
+    """A list of dictionaries is what pandas and polars take as rows."""
+    design = design_result(pareto=True)
+    assert [row["ceramic_thickness_mm"] for row in design] == [10.0, 8.0, 7.0]
+    found = sweep(scenario(), {"armour.ceramic_thickness_mm": [4.0, 6.0], "armour.ceramic": ["AD85", "SiC"]})
+    rows = list(found)
+    assert len(rows) == 4
+    for name, values in found.columns.items():
+        assert [row[name] for row in rows] == values.tolist()
+    for result in (impact(), uncertainty_result(), v50(SHOTS), design):
+        columns = {name: list(values) for name, values in result._columns().items()}
+        assert {name: [row[name] for row in result] for name in columns} == columns
 
 
 def test_a_column_without_any_value_is_one_of_numbers(library: str):

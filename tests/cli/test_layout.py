@@ -11,6 +11,7 @@ from armour.analysis.ballistic_limit import confidence
 from armour.analysis.impact import simulate
 from armour.cli.layout import rendered
 from armour.reporting.table import Column, Table, record
+from armour.reporting.text import Verdict
 from armour.reporting.views import impact as impact_view
 from armour.reporting.views.library import library_table
 from armour.scenario.library import KINDS, shipped_library
@@ -92,16 +93,27 @@ def test_then_rows_become_blocks(wide: Table):
     ]
 
 
-def test_headings_are_abbreviated_before_that(wide: Table):
+def test_texts_are_wrapped_before_that(wide: Table):
     assert printed(wide, width=30) == [
-        "                 areal ballis.",
-        "               density   limit",
-        "name             kg/m²     m/s",
+        "               areal ballistic",
+        "             density     limit",
+        "name           kg/m²       m/s",
         "─" * 30,
-        "AD85 on           39.2   723.8",
+        "AD85 on         39.2     723.8",
         "6061-T6",
         "a                          1.0",
     ]
+
+
+def test_a_verdict_is_coloured_and_stands_at_its_numbers():
+    table = record(None, (Column("limit", "m/s", ".0f"), 724.0))
+
+    def style(text: str, colour: str = "") -> str:
+        return f"<{colour}>{text}"
+
+    for good, colour in ((True, "green"), (False, "red")):
+        lines = rendered([Verdict.of("outcome", good=good), table], 80, title="armour", style=style)
+        assert lines.splitlines() == ["<>armour", f"<{colour}>outcome", "limit  724 m/s"]
 
 
 def test_a_terminal_shows_the_first_rows_where_the_rest_is_elsewhere():

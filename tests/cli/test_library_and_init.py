@@ -83,7 +83,10 @@ def test_init_copies_a_suite_and_a_table(cli, folder: Path):
     assert cli("validate", "s.toml", "--only", "lightest against the 7.62 mm AP: areal density").exit_code == 0
     assert cli("init", "t.csv", "--from", "wilkins.csv").exit_code == 0
     assert (folder / "t.csv").read_bytes() == (SCENARIOS / "tests" / "wilkins.csv").read_bytes()
-    for file, source, ending in (("t.toml", "shots.csv", "csv"), ("u.csv", "plates", "toml")):
+    assert cli("init", "s.ipynb", "--from", "study.ipynb").stderr.splitlines()[-1] == "next: jupyter lab s.ipynb"
+    assert (folder / "s.ipynb").read_bytes() == (SCENARIOS.parent / "docs" / "study.ipynb").read_bytes()
+    wrong = ("t.toml", "shots.csv", "csv"), ("u.csv", "plates", "toml"), ("u.toml", "study.ipynb", "ipynb")
+    for file, source, ending in wrong:
         assert cli.fails(2, "init", file, "--from", source)[0].startswith(f"{file}: must end in .{ending}")
 
 
@@ -91,7 +94,7 @@ def test_init_names_what_there_is(cli, folder: Path):
     names = cli("init", "--list").stdout.split()
     assert "wilkins" in names
     assert "paper/optimum_25mm_APDS" in names
-    shipped = [*shipped_suites(), *(path.name for path in (SCENARIOS / "tests").glob("*.csv"))]
+    shipped = [*shipped_suites(), *(path.name for path in (SCENARIOS / "tests").glob("*.csv")), "study.ipynb"]
     assert [name for name in shipped if name not in names] == []
     [line] = cli.fails(2, "init", "--from", "wilkin")
     assert 'did you mean "wilkins"?' in line

@@ -68,7 +68,7 @@ def test_no_error_where_nothing_was_tested(changes: dict[str, Any]):
     assert model_error(case, 700.0) is None
     found = confidence(case)
     assert found.probability_of_defeat is None
-    assert "tests of your own (armour calibrate)" in found.reason
+    assert "own tests (armour calibrate)" in found.reason
 
 
 def test_the_scenario_gives_the_error_or_excludes_it():

@@ -31,7 +31,7 @@ def test_a_result_compares_and_is_plain_data():
     assert found != sweep(scenario(), {CERAMIC: [6.5, 400.0]})
     assert found != sweep(scenario(backing_mm=7.0), over)
     assert found.to_dict()["ballistic_limit_m_s"][1] is None
-    assert list(found) == [CERAMIC, "ballistic_limit_m_s"]
+    assert list(found.columns) == [CERAMIC, "ballistic_limit_m_s"]
     with pytest.raises(InputError, match='sweep: column: must name a column, found the text "foo"; choose from'):
         found["foo"]
 

@@ -50,19 +50,19 @@ class Quantity(NamedTuple):
 
 QUANTITIES: dict[str, Quantity] = {
     "outcome": Quantity("outcome", "", "", OF_IMPACT, lambda a: a.outcomes),
-    "residual_velocity_m_s": Quantity("residual velocity", "m/s", ".2f", OF_IMPACT, lambda a: a.residual_velocities),
-    "residual_mass_g": Quantity("residual mass", "g", ".3f", OF_IMPACT, lambda a: a.residual_masses),
-    "residual_length_mm": Quantity("residual length", "mm", ".3f", OF_IMPACT, lambda a: a.impacts.L / MM),
-    "velocity_lost_percent": Quantity("velocity lost", "%", ".2f", OF_IMPACT, lambda a: a.velocities_lost),
-    "mass_lost_percent": Quantity("mass lost", "%", ".2f", OF_IMPACT, lambda a: a.masses_lost),
-    "penetration_depth_mm": Quantity("penetration depth", "mm", ".3f", OF_IMPACT, lambda a: a.impacts.Z / MM),
-    "bulge_height_mm": Quantity("bulge height", "mm", ".3f", OF_IMPACT, lambda a: a.impacts.h / MM),
-    "plug_velocity_m_s": Quantity("plug velocity", "m/s", ".2f", OF_IMPACT, lambda a: a.plug_velocities),
-    "duration_us": Quantity("duration", "µs", ".2f", OF_IMPACT, lambda a: a.impacts.t / US),
-    "areal_density_kg_m2": Quantity("areal density", "kg/m²", ".2f", (), lambda a: a.variants.areal_densities_kg_m2),
-    "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", ".2f", OF_LIMIT, lambda a: a.ballistic_limits),
+    "residual_velocity_m_s": Quantity("residual velocity", "m/s", ".0f", OF_IMPACT, lambda a: a.residual_velocities),
+    "residual_mass_g": Quantity("residual mass", "g", ".2f", OF_IMPACT, lambda a: a.residual_masses),
+    "residual_length_mm": Quantity("residual length", "mm", ".1f", OF_IMPACT, lambda a: a.impacts.L / MM),
+    "velocity_lost_percent": Quantity("velocity lost", "%", ".1f", OF_IMPACT, lambda a: a.velocities_lost),
+    "mass_lost_percent": Quantity("mass lost", "%", ".1f", OF_IMPACT, lambda a: a.masses_lost),
+    "penetration_depth_mm": Quantity("penetration depth", "mm", ".1f", OF_IMPACT, lambda a: a.impacts.Z / MM),
+    "bulge_height_mm": Quantity("bulge height", "mm", ".1f", OF_IMPACT, lambda a: a.impacts.h / MM),
+    "plug_velocity_m_s": Quantity("plug velocity", "m/s", ".0f", OF_IMPACT, lambda a: a.plug_velocities),
+    "duration_us": Quantity("duration", "µs", ".0f", OF_IMPACT, lambda a: a.impacts.t / US),
+    "areal_density_kg_m2": Quantity("areal density", "kg/m²", ".1f", (), lambda a: a.variants.areal_densities_kg_m2),
+    "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", ".0f", OF_LIMIT, lambda a: a.ballistic_limits),
     "probability_of_defeat": Quantity(
-        "probability of stopping the projectile", "", ".3f", DEFEAT, lambda a: a.probabilities_of_defeat
+        "probability of stopping the projectile", "", ".2f", DEFEAT, lambda a: a.probabilities_of_defeat
     ),
     "required_ceramic_thickness_mm": Quantity(
         "required ceramic thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_ceramic.ceramics_mm, "ceramic"

@@ -54,14 +54,19 @@ class Result:
 
 @dataclass(frozen=True, repr=False)
 class TableResult(Result):
-    """Result with rows."""
+    """Result with rows; iteration gives each as a dictionary, so that ``pandas.DataFrame(result)`` has them as rows."""
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        columns = self._columns()
+        return (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
 
     def to_dataframe(self) -> Any:
         """Return the rows as a data frame of pandas, or else of polars.
 
-        They are the stages of an impact, the instants of a history, the impacts of a comparison, the fitted curves of
-        a V50, the residuals of a calibration, the inputs of a sensitivity, the points of the curve of an uncertainty,
-        the checks of a suite or the rows of a sweep.
+        They are the stages of an impact, the instants of a history, the impacts of a comparison, the designs of the
+        frontier, the fitted curves of a V50, the residuals of a calibration, the inputs of a sensitivity, the points of
+        the curve of an uncertainty, the threats and changes of a check, the planned tests, the checks of a suite or the
+        rows of a sweep.
         """
         return data_frame(self._columns())
 

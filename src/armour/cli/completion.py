@@ -15,7 +15,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from armour.analysis.quantities import QUANTITIES
 from armour.cli.console import emit
-from armour.files import shipped_files, shipped_suites, shipped_tests
+from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests
 
 # What bash splits words at, and what the shell takes for more than itself.
 _SPLIT = re.compile("[=:]+")
@@ -25,8 +25,8 @@ _PLAIN = re.compile(rf"(?:[\w@%+=:,./-]|{re.escape(os.sep)}| (?! ))+")
 
 
 def shipped_names() -> list[str]:
-    """Return the names of shipped scenarios, suites and tables."""
-    return [*_shipped_scenarios(), *shipped_suites(), *shipped_tests()]
+    """Return the names of shipped scenarios, suites, tables and notebooks."""
+    return [*_shipped_scenarios(), *shipped_suites(), *shipped_tests(), *shipped_notebooks()]
 
 
 def _shipped_scenarios() -> list[str]:

@@ -11,7 +11,7 @@ from typing import IO, Any
 
 import typer
 
-from armour.cli.layout import UNLIMITED, rendered
+from armour.cli.layout import UNLIMITED, plain, rendered
 from armour.errors import InputError, Problem
 from armour.files import reason
 from armour.reporting.table import Table
@@ -23,7 +23,11 @@ def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:
 
     console = Console(stderr=stderr)
     width = console.width if console.is_terminal else UNLIMITED
-    text = rendered(items, width, title=title, bold=_bold if console.color_system else str)
+
+    def styled(text: str, colour: str | None = None) -> str:
+        return typer.style(text, fg=None if console.no_color else colour, bold=True)
+
+    text = rendered(items, width, title=title, style=styled if console.color_system else plain)
     emit(text, sys.stderr if stderr else sys.stdout)
 
 
@@ -49,10 +53,6 @@ def say(*lines: str) -> None:
     """Print messages on standard error."""
     if lines:
         show(*lines, stderr=True)
-
-
-def _bold(text: str) -> str:
-    return typer.style(text, bold=True)
 
 
 def emit(text: str, stream: IO[str] | None = None) -> None:

@@ -1,7 +1,7 @@
 """Tables and lines laid out for a given width, with every word, name and number whole.
 
-A table that is too wide first gets headings of several lines, then abbreviated ones with texts of several lines, and
-at last becomes a block of lines for each row.  A terminal shows the first rows of a long table.
+A table that is too wide first gets headings of several lines, then narrow gaps and texts of several lines, and at last
+becomes a block of lines for each row.  A terminal shows the first rows of a long table.
 """
 
 import re
@@ -12,6 +12,7 @@ from rich.cells import cell_len
 
 from armour.files import printable
 from armour.reporting.table import Column, Table
+from armour.reporting.text import Verdict
 from armour.units import ENDINGS
 
 GAP = "  "
@@ -19,46 +20,60 @@ GAP = "  "
 UNLIMITED = 1_000_000
 # Rows on a terminal of a table that has the rest elsewhere.
 MOST_ROWS = 25
-# How headings are made to fit, one after the other, and the words that abbreviation cuts after 6 letters.
-PLAIN, STACKED, ABBREVIATED = range(3)
-LONG = re.compile(r"\b([^\W\d]{6})[^\W\d]{3,}")
+# How a table is made to fit, one after the other.
+PLAIN, STACKED, NARROW = range(3)
 # Least width of a column of prose before the table becomes blocks.
 PROSE_WIDTH = 16
 # A space at which a line may end: any but the one between a number and its unit.
 BREAK = re.compile(rf"(?<!\d) | (?!(?:J|{'|'.join(ENDINGS.values())})(?!\w))")
 
 
-def rendered(items: Iterable[Table | str], room: int, *, title: str = "", bold: Callable[[str], str] = str) -> str:
+# Makes a line bold and, on request, coloured.
+Style = Callable[..., str]
+
+
+def plain(text: str, _colour: str = "") -> str:
+    """Return a text as it is, where no terminal shows it."""
+    return text
+
+
+def rendered(items: Iterable[Table | str], room: int, *, title: str = "", style: Style = plain) -> str:
     """Format tables and lines, with an empty line between a table and what stands above it."""
-    lines = [*map(bold, _wrapped(printable(title), room))] if title else []
-    for index, item in enumerate(items):
+    lines = [*map(style, _wrapped(printable(title), room))] if title else []
+    above: Table | str = ""
+    for item in items:
+        close = not above or (isinstance(above, Verdict) and isinstance(item, Table) and item.record)
+        above = item
         if isinstance(item, str):
-            lines += _wrapped(printable(item), room)
+            own = _wrapped(printable(item), room)
+            lines += (
+                [style(line, "green" if item.good else "red") for line in own] if isinstance(item, Verdict) else own
+            )
             continue
-        if index or (title and item.title):
+        if not close or (title and item.title):
             lines.append("")
         if item.title:
-            lines += map(bold, _wrapped(printable(item.title), room))
-        lines += _table_lines(item, room, bold)
+            lines += map(style, _wrapped(printable(item.title), room))
+        lines += _table_lines(item, room, style)
     return "".join(f"{line.rstrip(' ')}\n" for line in lines)
 
 
-def _table_lines(table: Table, room: int, bold: Callable[[str], str]) -> list[str]:
+def _table_lines(table: Table, room: int, style: Style) -> list[str]:
     more = len(table.rows) - MOST_ROWS
     if table.rest and room < UNLIMITED and more > 0:
         table = replace(table, rows=table.rows[:MOST_ROWS])
         last = _wrapped(f"{more} more rows: {table.rest}", room)
-        return [*_table_lines(table, room, bold), *last]
+        return [*_table_lines(table, room, style), *last]
     texts = [[printable(text) for text in row] for row in table.texts()]
-    for fit in () if table.record else (PLAIN, STACKED, ABBREVIATED):
+    for fit in () if table.record else (PLAIN, STACKED, NARROW):
         headings = [_heading(column, fit) for column in table.columns]
         cells = [[row[index] for row in texts] for index in range(len(headings))]
         limits = [_limits(*column, fit) for column in zip(table.columns, headings, cells, strict=True)]
-        gap = GAP if fit != ABBREVIATED else " "
+        gap = GAP if fit != NARROW else " "
         widths = _shared(limits, room, gap)
         if widths is not None:
             right = [column.numeric for column in table.columns]
-            head = [bold(line) for line in _grid([headings], widths, right, gap, at_bottom=True)]
+            head = [style(line) for line in _grid([headings], widths, right, gap, at_bottom=True)]
             rule = "─" * (sum(widths) + len(gap) * (len(widths) - 1))
             return [*head, rule, *_grid(texts, widths, right, gap)]
     return _blocks(table, texts, room)
@@ -66,16 +81,15 @@ def _table_lines(table: Table, room: int, bold: Callable[[str], str]) -> list[st
 
 def _heading(column: Column, fit: int) -> str:
     """Return a heading; unless plain, its unit has a line of its own."""
-    label = LONG.sub(r"\1.", column.label) if fit == ABBREVIATED else column.label
     separator = (", ", ",\n", "\n")[fit]
-    return separator.join(printable(part) for part in (label, column.unit) if part)
+    return separator.join(printable(part) for part in (column.label, column.unit) if part)
 
 
 def _limits(column: Column, heading: str, cells: Sequence[str], fit: int) -> tuple[int, int]:
     """Return the least and the greatest width that a column can use."""
     longest, stacked = _longest(cells), fit != PLAIN
     least = max(_longest_word(cells), min(longest, PROSE_WIDTH)) if column.prose else longest
-    if fit == ABBREVIATED and not column.numeric:
+    if fit == NARROW and not column.numeric:
         least = _longest_word(cells)
     # Stacked headings are wrapped, and take no room from prose.
     least = max(least, _longest_word([heading]) if stacked else cell_len(heading))

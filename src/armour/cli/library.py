@@ -11,7 +11,7 @@ from armour.cli.console import say, show, show_json
 from armour.cli.question import AsJson, Force, argument, option
 from armour.cli.runner import check_outputs, respond, write
 from armour.errors import InputError, Problem, choices, refuse
-from armour.files import shipped_files, shipped_suites, shipped_tests, wrong_ending
+from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests, wrong_ending
 
 # What the library lists, each by a command of its own, in the plural.
 KINDS = ("projectile", "ceramic", "metal", "threat")
@@ -85,34 +85,40 @@ def init(
     source: Annotated[
         str,
         option(
-            "Copy a shipped scenario, suite or table of tests.",
+            "Copy a shipped scenario, suite, table of tests or notebook.",
             "--from",
             metavar="NAME",
             autocompletion=completion.shipped_names,
         ),
     ] = "template",
-    names: Annotated[bool, option("List the shipped scenarios, suites and tables of tests.", "--list")] = False,
+    names: Annotated[
+        bool, option("List the shipped scenarios, suites, tables of tests and notebooks.", "--list")
+    ] = False,
     force: Force = False,
 ) -> None:
-    """Write a scenario, a suite or a table of tests to start from."""
+    """Write a scenario, a suite, a table of tests or a notebook to start from."""
     if names:
         from armour.reporting.views.library import shipped_tables
 
         show(*shipped_tables())
         return
     suites = shipped_suites()
-    known = {**shipped_files("scenarios", ".toml"), **suites, **shipped_tests()}
+    known = {**shipped_files("scenarios", ".toml"), **suites, **shipped_tests(), **shipped_notebooks()}
     if source not in known:
-        message = f'must name a shipped scenario, suite or table, found "{source}"{choices(source, list(known))}'
+        message = (
+            f'must name a shipped scenario, suite, table or notebook, found "{source}"{choices(source, list(known))}'
+        )
         raise InputError([Problem("init", "--from", message)])
     if str(file) == "-":
         raise InputError([Problem("init", "FILE", "must be the name of a file to write, found -")])
     ending = known[source].suffix
     check_outputs(file, force=force)
-    refuse(wrong_ending(file, (ending,)) if ".csv" in (ending, file.suffix) else [])
+    refuse(wrong_ending(file, (ending,)) if {ending, file.suffix} & {".csv", ".ipynb"} else [])
     write({file: known[source].read_bytes()})
     if ending == ".toml":
         say(f"next: armour {'validate' if source in suites else 'simulate'} {file}")
+    elif ending == ".ipynb":
+        say(f"next: jupyter lab {file}")
 
 
 def schema() -> None:

@@ -36,6 +36,7 @@ def validate(
     update: Annotated[
         bool, option("Write the computed values in place of the suite's regression values.", "--update")
     ] = False,
+    verbose: Annotated[bool, option("Show every case, and why some are not scored.", "--verbose", "-v")] = False,
     markdown: Annotated[Path | None, option("Write the result as Markdown.", "--markdown", metavar="FILE")] = None,
     junit: Annotated[Path | None, option("Write the result as JUnit XML.", "--junit", metavar="FILE")] = None,
     force: Force = False,
@@ -43,8 +44,7 @@ def validate(
 ) -> None:
     """Check the model against a suite of cases.
 
-    Exits with 3 where a value lies outside its band. With --update, the tables have the values before the update, and
-    only values that it keeps count.
+    Exits with 3 where a value lies outside its band; with --update only values that it keeps count.
     """
     from armour.reporting.report import markdown_report
     from armour.reporting.views import suite as view
@@ -66,18 +66,18 @@ def validate(
     start = perf_counter()
     result = _computed(chosen, quiet=as_json)
     seconds = perf_counter() - start
+    judged = kept_by_update(result) if update else result
     respond(
         result.to_dict(),
-        view.tables(result),
+        view.tables(judged.of(every_row=verbose)) if judged.checks else (),
         as_json=as_json,
-        of=["values before the update"] if update else (),
         files=[
             (markdown, lambda: markdown_report(view.report(result))),
             (junit, lambda: view.junit(result, seconds)),
             (updated, lambda: _updated(chosen.file, result)),
         ],
     )
-    if not (kept_by_update(result) if update else result).passed:
+    if not judged.passed:
         raise typer.Exit(CHECK_FAILED)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from armour.analysis.results import OnProgress, Result, data_frame, ignore_progress
+from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
 from armour.analysis.variants import Bools, Ints
 from armour.core.state import Parameters
 from armour.design.candidates import candidates_of
@@ -129,7 +129,7 @@ class Pair:
 
 
 @dataclass(frozen=True, repr=False)
-class DesignResult(Result):
+class DesignResult(TableResult):
     """Result of a design optimisation.
 
     Attributes
@@ -191,8 +191,11 @@ class DesignResult(Result):
 
     def to_dataframe(self, designs: Literal["frontier", "pareto"] = "frontier") -> Any:
         """Return the frontier, or the Pareto front, as a data frame of pandas, or else of polars."""
+        return data_frame(self._columns(designs))
+
+    def _columns(self, designs: str = "frontier") -> dict[str, Any]:
         names = [item.name for item in fields(Design)]
-        return data_frame({name: [getattr(design, name) for design in getattr(self, designs)] for name in names})
+        return {name: [getattr(design, name) for design in getattr(self, designs)] for name in names}
 
     def _words(self) -> str:
         best = self.best

@@ -11,6 +11,20 @@ from armour.units import ENDINGS
 if TYPE_CHECKING:
     from armour.analysis.estimates import Estimate
 
+
+class Verdict(str):
+    """A line that says how an answer ends, well or not; a terminal shows it in green or red."""
+
+    good: bool
+
+    @classmethod
+    def of(cls, text: str, *, good: bool) -> "Verdict":
+        """Make a verdict."""
+        made = cls(text)
+        made.good = good
+        return made
+
+
 # The space between a number and its unit.
 BEFORE_UNIT = re.compile(rf"(?<=\d) (?=({'|'.join(map(re.escape, [*ENDINGS.values(), 'J']))})(?![\w/]))")
 
@@ -45,8 +59,15 @@ def number(value: float | str, spec: str) -> str:
     if not isfinite(value):
         return ""
     text = format(value, spec)
+    if not float(text):
+        return format(0, spec)  # without the sign of a number that rounds to zero
     sign = spec[:1] if spec.startswith("+") else ""
     return text if abs(float(text)) < 1e4 else format(value, f"{sign},{spec.removeprefix(sign)}")
+
+
+def with_interval(value: float, ends: "tuple[float | None, float | None] | Estimate | None", spec: str) -> str:
+    """Format an estimate with its interval, such as "0.80 (0.79 to 0.81)"."""
+    return f"{number(value, spec)} ({interval(ends, spec)})"
 
 
 def interval(ends: "tuple[float | None, float | None] | Estimate | None", spec: str) -> str:

@@ -293,8 +293,8 @@ def covered(*, bare: bool) -> tuple[DataRange, ...]:
     )
 
 
-NO_TEST = "the model was compared with no test of such an armour"
-REMEDY = "tests of your own (armour calibrate) or a figure of your own in [uncertainty.model] can give it"
+NO_TEST = "no test of such an armour is known"
+REMEDY = "own tests (armour calibrate) or [uncertainty.model] can give it"
 
 
 def why_unknown(armour: Parameters, cosine: float) -> str:

@@ -75,7 +75,7 @@ class Workers(NamedTuple):
 class SweepResult(TableResult):
     """Quantities of a scenario over rows of values.
 
-    ``result["ballistic_limit_m_s"]`` is a column; iteration gives the names of the columns.
+    ``result["ballistic_limit_m_s"]`` is a column.
 
     Attributes
     ----------
@@ -115,9 +115,6 @@ class SweepResult(TableResult):
             message = f"must name a column, found {describe(name)}{choices(str(name), list(self.columns))}"
             raise InputError([Problem("sweep", "column", message)])
         return self.columns[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.columns)
 
     def __eq__(self, other: object) -> bool:
         """Return whether another sweep is of the same scenario and has the same columns."""

@@ -43,9 +43,9 @@ def limit(crossings: tuple[Crossing, ...]) -> LimitResult:
 
 
 def test_crossings_are_listed_where_there_are_several():
-    scanned = "33 velocities from 20 to 4000 m/s were scanned; "
-    error = "the model error is not known for such an armour, or not included"
-    assert tables(limit(ONE))[1:] == [scanned + "all above the ballistic limit perforate", error]
-    changes = scanned + "the outcome changes 3 times"
-    assert tables(limit(THREE))[1:] == [changes, crossing_table(limit(THREE)), error]
-    assert crossing_table(limit(THREE)).rows[1] == (900.0, 900.01, "stopped")
+    scanned, width = "33 velocities from 20 to 4000 m/s were scanned, ", "; bracket width 0.01 m/s"
+    error = "model error: unknown for such an armour, or not included"
+    assert tables(limit(ONE))[1:] == [error, f"{scanned}all above the limit perforate{width}"]
+    changes = f"{scanned}the outcome changes 3 times{width}"
+    assert tables(limit(THREE))[1:] == [error, changes, crossing_table(limit(THREE))]
+    assert crossing_table(limit(THREE)).rows[1] == (900.01, "stopped")

@@ -62,9 +62,12 @@ def test_coefficients(calibration: CalibrationResult):
 
 def test_residuals(calibration: CalibrationResult):
     assert residual_table(calibration).texts() == [
-        ["1", "ballistic limit", "", "m/s", "700", "714.00", "+2.00", "+3.00", ""],
-        ["2", "ballistic limit", "at least", "m/s", "800", "790.00", "", "", "no"],
+        ["1", "", "700", "714", "+2.0", "+3.0", ""],
+        ["2", "at least", "800", "790", "", "", "no"],
     ]
+    mixed = replace(calibration.residuals[0], quantity="residual_mass_g")
+    several = residual_table(replace(calibration, residuals=(*calibration.residuals, mixed)))
+    assert several.texts()[2] == ["1", "residual mass", "g", "", "700", "714", "+2.0", "+3.0", ""]
 
 
 def test_a_mean_of_no_usual_rule_and_shots_without_a_rising_curve():
@@ -72,15 +75,16 @@ def test_a_mean_of_no_usual_rule_and_shots_without_a_rising_curve():
     found = v50(shots, pairs=1, span_m_s=30.0)
     assert "V50, mean, m/s" in {column.heading for column in v50_table(found).columns}
     notes = [item for item in v50_view.tables(found) if isinstance(item, str)]
-    assert "none that is usual with MIL-STD-662F" in notes[0]
-    assert notes[1].startswith("no curve is recommended")
+    assert notes[0].startswith("no curve is recommended")
+    assert "none that is usual with MIL-STD-662F" in notes[1]
 
 
 def test_indices_of_correlated_inputs_have_notes():
     estimate = Estimate(0.972, 0.89, 1.054)
     correlated = Influence("ceramic.flow_stress_GPa", estimate, None, (678.0, 769.1))
-    *_, index, error, alone, note = uncertainty_view.tables(replace(uncertainty_result(), inputs=(correlated,)))
-    assert index == INDEX_NOTE
-    assert error == "the model error is not known for such an armour, or not included"
+    found = uncertainty_view.tables(replace(uncertainty_result(), inputs=(correlated,)))
+    _, error, alone, index, note = (item for item in found if isinstance(item, str))
+    assert error == "model error: unknown for such an armour, or not included"
     assert alone == SAMPLED_ALONE
+    assert index == INDEX_NOTE
     assert "their sum may exceed 1; total indices are not given" in str(note)

@@ -43,7 +43,7 @@ def calibration_table(result: CalibrationResult) -> Table:
 
 
 def _error(label: str, value: float | None) -> Source:
-    return (Column(label), "too few tests") if value is None else (Column(label, "%", ".2f"), value)
+    return (Column(label), "too few tests") if value is None else (Column(label, "%", ".1f"), value)
 
 
 def _has_prior(result: CalibrationResult) -> bool:
@@ -62,8 +62,8 @@ def coefficient_table(result: CalibrationResult) -> Table:
 
 
 PRIOR_NOTE = (
-    "the part of the prior is its part of the precision, 1 over the variance: at 0 % the tests alone give the "
-    "estimate, at 100 % they tell nothing"
+    "part of the prior: of the precision, 1 over the variance; at 0 % the tests alone give the estimate, at 100 % they "
+    "add nothing"
 )
 
 
@@ -75,8 +75,8 @@ def law_table(result: CalibrationResult) -> Table:
         result.laws,
         column_of("law"),
         column_of("coefficients", "d"),
-        (column_of("mean_error_percent", ".2f"), lambda law: _or(law.mean_error_percent, few)),
-        (Column("mean leave-one-out error", "%", ".2f"), lambda law: _or(law.left_out_error_percent, few)),
+        (column_of("mean_error_percent", ".1f"), lambda law: _or(law.mean_error_percent, few)),
+        (Column("mean leave-one-out error", "%", ".1f"), lambda law: _or(law.left_out_error_percent, few)),
         (Column("AICc", spec=".1f"), lambda law: _or(law.aicc, without)),
     )
 
@@ -95,17 +95,22 @@ def correlation_table(result: CalibrationResult) -> Table:
 
 def residual_table(result: CalibrationResult) -> Table:
     """Return measured and computed values, test by test; one-sided tests have a bound and no deviation."""
+    quantities = {residual.quantity for residual in result.residuals}
+    words, unit = label_and_unit(*quantities) if len(quantities) == 1 else ("", "")
+    each: tuple[Source, ...] = (
+        (Column("quantity", prose=True), lambda r: label_and_unit(r.quantity)[0]),
+        (Column("unit"), lambda r: label_and_unit(r.quantity)[1]),
+    )
     return listing(
         result.residuals,
         column_of("test", prose=True),
-        (Column("quantity", prose=True), lambda r: label_and_unit(r.quantity)[0]),
+        *(() if words else each),
         column_of("bound"),
-        (Column("unit"), lambda r: label_and_unit(r.quantity)[1]),
-        column_of("measured", "g"),
-        column_of("computed", ".2f"),
-        (Column("deviation", "%", "+.2f"), lambda r: None if r.bound else deviation_percent(r.computed, r.measured)),
+        (Column(f"measured {words}".rstrip(), unit, "g"), lambda r: r.measured),
+        (Column("computed", unit, ".4g"), lambda r: r.computed),
+        (Column("deviation", "%", "+.1f"), lambda r: None if r.bound else deviation_percent(r.computed, r.measured)),
         (
-            Column("leave-one-out deviation", "%", "+.2f"),
+            Column("leave-one-out deviation", "%", "+.1f"),
             lambda r: None if r.bound else deviation_percent(r.left_out, r.measured),
         ),
         (Column("bound met"), lambda r: "" if not r.bound else "yes" if r.met else "no"),
@@ -115,8 +120,9 @@ def residual_table(result: CalibrationResult) -> Table:
 def tables(result: CalibrationResult) -> list[Table | str]:
     """Return all tables of a calibration."""
     found: list[Table | str] = [law_table(result)] if result.laws else []
-    found += [calibration_table(result), coefficient_table(result)]
+    found.append(coefficient_table(result))
     found += [PRIOR_NOTE] if _has_prior(result) else []
+    found.append(calibration_table(result))
     if len(result.coefficients) > 1:
         found.append(correlation_table(result))
     return [*found, residual_table(result)]

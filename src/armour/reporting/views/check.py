@@ -6,8 +6,8 @@ from armour.design.check import CheckedThreat, CheckResult, WhatIf
 from armour.files import printable
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, listing
-from armour.reporting.text import interval, percent
-from armour.reporting.views.confidence import chance
+from armour.reporting.text import Verdict, interval, percent
+from armour.reporting.views.confidence import DEFEAT, chance
 
 PROBABILITY = Column("probability", prose=True)
 INTERVAL = Column("95 % interval", "m/s", prose=True)
@@ -23,41 +23,43 @@ def required(threat: CheckedThreat) -> str:
     """Return what is required of an armour against a threat."""
     if threat.required_probability is not None:
         return f"at least {percent(threat.required_probability)}"
-    margin = f", margin {threat.required_margin_m_s:g} m/s" if threat.required_margin_m_s else ""
-    return f"limit above {threat.velocity_m_s:g} m/s{margin}"
+    margin = f" and a margin of {threat.required_margin_m_s:g} m/s" if threat.required_margin_m_s else ""
+    return f"{threat.velocity_m_s:g} m/s{margin}"
+
+
+def finding(threat: CheckedThreat) -> str:
+    """Return what was found of an armour against a threat, beside what is required."""
+    if threat.required_probability is not None:
+        return f"{DEFEAT.label} {chance(threat.probability_of_defeat)}, {required(threat)} required"
+    limit = threat.ballistic_limit_m_s
+    found = "no ballistic limit in the range" if limit is None else f"limit {limit:.0f} m/s"
+    return f"{found}, required {required(threat)}"
 
 
 def tables(result: CheckResult) -> list[Table | str]:
-    """Return the verdict, a table of the threats, and one of the changes against each."""
-    failed = [threat.threat for threat in result.threats if not threat.passed]
-    every = "every threat" if len(result.threats) > 1 else "the threat"
-    found: list[Table | str] = [
-        f"FAILS against {' and '.join(failed)}" if failed else f"passes against {every}",
-        listing(
-            result.threats,
-            Column("threat", prose=True, key="threat"),
-            (Column("result"), verdict),
-            (PROBABILITY, lambda of: chance(of.probability_of_defeat)),
-            (Column("required", prose=True), required),
-            LIMIT,
-            (INTERVAL, lambda of: interval(of.interval_m_s, ".0f")),
-            column_of("margin_m_s", "+.0f"),
-        ),
-    ]
+    """Return the verdict, and for each threat a table of the armour as it is and with each change."""
+    several = len(result.threats) > 1
+    failed = [threat for threat in result.threats if not threat.passed]
+    words = "passes against every threat"
+    if not several:
+        words = f"{verdict(result.threats[0])}: {finding(result.threats[0])}"
+    elif failed:
+        words = f"FAILS against {' and '.join(threat.threat for threat in failed)}"
+    found: list[Table | str] = [Verdict.of(words, good=not failed)]
     for threat in result.threats:
         found.append(
             listing(
                 (threat.as_given(), *threat.what_ifs),
                 (Column("if", prose=True), lambda of: of.change),
-                (PROBABILITY, lambda of: chance(of.probability_of_defeat)),
                 LIMIT,
                 (INTERVAL, lambda of: interval(of.interval_m_s, ".0f")),
-                title=threat.threat if len(result.threats) > 1 else "",
+                (PROBABILITY, lambda of: chance(of.probability_of_defeat)),
+                title=f"{threat.threat}: {verdict(threat)}, {finding(threat)}" if several else "",
             )
         )
-    found.append("probability: that the armour stops the projectile; limit: ballistic limit by the model")
+    found.append("limit: by the model; its interval includes the model error; probability: of stopping the projectile")
     reasons = dict.fromkeys(threat.reason for threat in result.threats if threat.reason)
-    return [*found, *(f"the probability is not known: {reason}" for reason in reasons)]
+    return [*found, *(f"{DEFEAT.label}: unknown, {reason}" for reason in reasons)]
 
 
 def chart(result: CheckResult) -> charts.Chart:

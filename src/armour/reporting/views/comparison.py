@@ -5,16 +5,16 @@ from typing import Any
 from armour.analysis.closed_forms import residual_velocity
 from armour.reporting import charts
 from armour.reporting.table import Column, Source, Table, column_of, deviation_percent, listing, record
-from armour.reporting.views.suite import error_table
+from armour.reporting.views.suite import error_tables
 from armour.validation.comparison import Comparison
 
 
 def comparison_table(result: Comparison) -> Table:
-    """Return ballistic limits by the model, by Florence, with the thicknesses that are best by his, and by the rule."""
+    """Return ballistic limits by the model, by Florence and by the rule."""
     found = result.limit.ballistic_limit_m_s
     formulas: dict[str, Any] = {
         "this model": result.limit,
-        **{f"Florence, {f.projectile} ({f.mass_g:g} g, {f.diameter_mm:g} mm)": f for f in result.florence},
+        **{_florence(of): of for of in result.florence},
         **{f"areal density rule, p = {rule.p:.4g}": rule for rule in result.rules},
     }
 
@@ -27,14 +27,26 @@ def comparison_table(result: Comparison) -> Table:
     return listing(
         formulas,
         (Column("formula", prose=True), str),
-        of("ballistic_limit_m_s", "ballistic limit", ".1f"),
-        (Column("difference from the model", "%", "+.1f"), difference),
-        of("best_ceramic_thickness_mm", "optimal ceramic thickness", ".2f"),
-        of("best_backing_thickness_mm", "optimal back plate thickness", ".2f"),
-        of("best_thickness_ratio", "thickness ratio", ".2f"),
-        of("best_ballistic_limit_m_s", "Florence's limit of the optimum", ".1f"),
-        of("model_ballistic_limit_m_s", "model's limit of the optimum", ".1f"),
+        of("ballistic_limit_m_s", "ballistic limit", ".0f"),
+        (Column("difference from the model", "%", "+.0f"), difference),
     )
+
+
+def optimum_table(result: Comparison) -> Table:
+    """Return the thicknesses of the same areal density that are best by Florence, with their ballistic limits."""
+    return listing(
+        result.florence,
+        (Column("optimum by Florence", prose=True), _florence),
+        column_of("best_ceramic_thickness_mm", ".1f", "ceramic"),
+        column_of("best_backing_thickness_mm", ".1f", "back plate"),
+        column_of("best_thickness_ratio", ".1f", "ratio"),
+        column_of("best_ballistic_limit_m_s", ".0f", "limit by Florence"),
+        column_of("model_ballistic_limit_m_s", ".0f", "by the model"),
+    )
+
+
+def _florence(of: Any) -> str:
+    return f"Florence, {of.projectile} ({of.mass_g:g} g, {of.diameter_mm:g} mm)"
 
 
 def rule_note(result: Comparison) -> str:
@@ -60,13 +72,14 @@ def tables(result: Comparison) -> list[Table | str]:
     """Return all tables of a comparison."""
     low, high = result.fitted_m_s
     return [
-        record(result, column_of("areal_density_kg_m2")),
         comparison_table(result),
         *([f"Florence's limit: none, without {', '.join(result.florence_missing)}"] if result.florence_missing else []),
         rule_note(result),
-        *([error_table(result.errors)] if result.errors else []),
+        record(result, column_of("areal_density_kg_m2")),
+        *([optimum_table(result)] if result.florence else []),
+        *error_tables(result.errors),
         fit_table(result),
-        f"fitted to the model's residual velocities from {low:.1f} to {high:.1f} m/s",
+        f"fitted to the model's residual velocities from {low:.0f} to {high:.0f} m/s",
     ]
 
 

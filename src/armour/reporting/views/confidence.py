@@ -1,6 +1,6 @@
 """The probability that an armour stops its threat."""
 
-from armour.analysis.ballistic_limit import ConfidenceResult, LimitResult
+from armour.analysis.ballistic_limit import ConfidenceResult
 from armour.analysis.results import Result
 from armour.reporting.table import Column, Source, Table, column_of, record
 from armour.reporting.text import interval
@@ -9,10 +9,10 @@ from armour.scenario.evidence import REMEDY, ModelError
 DEFEAT = Column("probability of stopping the projectile", prose=True)
 
 
-UNKNOWN = "the model error is not known for such an armour"
+UNKNOWN = "model error: unknown for such an armour"
 
 
-EXCLUDED = "the model error is not included, as uncertainty.model says"
+EXCLUDED = "model error: not included, as uncertainty.model says"
 
 
 # What distributions tell where the model error is not known.
@@ -42,7 +42,7 @@ def from_tests(error: ModelError) -> str:
     """Return what the model error is, and what it is estimated from."""
     if error.ratio.logarithmic:
         low, middle, high = (error.quantiles_percent[p] for p in ("0.025", "0.5", "0.975"))
-        return f"model error: {middle:+.1f} %, 95 % interval {low:+.1f} to {high:+.1f} %, from {error.source}"
+        return f"model error: {middle:+.0f} % ({low:+.0f} to {high:+.0f} %), from {error.source}"
     mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
     return f"model error: {mean}± {error.scale_percent:.1f} %, from {error.source}"
 
@@ -55,24 +55,27 @@ def extrapolation(error: ModelError) -> list[str]:
 def confidence_note(result: ConfidenceResult) -> str:
     """Return what the probability rests on, or why it is not known."""
     if result.model_error is None or result.probability_of_defeat is None:
-        return f"the probability of stopping the projectile is not known: {result.reason}"
+        return f"{DEFEAT.label}: unknown, {result.reason}"
     return error_note(result, result.model_error)
 
 
 BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
 
 
-def expected_limit(result: ConfidenceResult | LimitResult) -> tuple[Source, Source]:
+def with_error(median_m_s: float | None, interval_m_s: tuple[float, float] | None) -> Source:
     """Return where the model error puts the ballistic limit of the armour."""
-    return (
-        (Column("expected, with the model error", "m/s", ".0f"), result.median_m_s),
-        (Column("its 95 % interval", "m/s"), interval(result.interval_m_s, ".0f")),
-    )
+    limit = "" if median_m_s is None else f"{median_m_s:.0f} m/s (95 % interval {interval(interval_m_s, '.0f')} m/s)"
+    return Column("with the model error", prose=True), limit
 
 
 def confidence_table(result: ConfidenceResult) -> Table:
     """Return the ballistic limit and the probability that it exceeds the impact velocity."""
-    return record(result, BALLISTIC_LIMIT, *expected_limit(result), (DEFEAT, chance(result.probability_of_defeat)))
+    return record(
+        result,
+        BALLISTIC_LIMIT,
+        with_error(result.median_m_s, result.interval_m_s),
+        (DEFEAT, None if result.probability_of_defeat is None else chance(result.probability_of_defeat)),
+    )
 
 
 def tables(result: ConfidenceResult) -> list[Table | str]:

@@ -11,7 +11,7 @@ from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult
 from armour.reporting import charts
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
 from armour.reporting.text import interval, number, percent
-from armour.reporting.views.confidence import DEFEAT, chance, error_note
+from armour.reporting.views.confidence import DEFEAT, chance, error_note, with_error
 from armour.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ LOW = 0.75
 FRONTIER_ROWS = 5
 
 
-ASK = "--confidence 0.95 designs for a probability of 95 %"
+ASK = "--confidence 0.95 designs for 95 %"
 
 
 AREAL_DENSITY, BALLISTIC_LIMIT = column_of("areal_density_kg_m2"), column_of("ballistic_limit_m_s")
@@ -42,16 +42,16 @@ CERAMIC_THICKNESS = column_of("ceramic_thickness_mm", ".3f")
 BACKING_THICKNESS = column_of("backing_thickness_mm", ".3f")
 
 
-THICKNESS = column_of("thickness_mm", ".3f", "total thickness")
+THICKNESS = column_of("thickness_mm", ".4g", "total thickness")
 
 
-COST = column_of("cost_per_m2", ".2f")
+COST = column_of("cost_per_m2", ".0f")
 
 
 GOVERNED_BY = Column("governed by", prose=True)
 
 
-MARGIN, REQUIRED = column_of("margin_m_s", "+.1f"), Column("required margin", "m/s", "+.1f")
+MARGIN, REQUIRED = column_of("margin_m_s", "+.0f"), Column("required margin", "m/s", "+.0f")
 
 
 def required_margins(scenario: Scenario | None) -> dict[str, float]:
@@ -62,30 +62,39 @@ def required_margins(scenario: Scenario | None) -> dict[str, float]:
 
 def best_table(result: DesignResult, required: Mapping[str, float]) -> Table:
     """Return the best design, quantity by quantity."""
-    return _design_record(result.best, f"{OBJECTIVES[result.minimised].least} design", required)
+    return _design_record(result.best, "", required)
 
 
 def _design_record(design: BestDesign, title: str, required: Mapping[str, float]) -> Table:
     limit: Source = BALLISTIC_LIMIT
+    # The table of the threats has the probability and the margin of each.
+    several = len(design.margins_m_s) > 1
+    expected: tuple[Source, ...] = ()
     if design.ballistic_limit_m_s is None:
         limit = Column("ballistic limit"), "outside the range"
-    table = record(
+    elif (error := design.model_error) is not None:
+        of = design.ballistic_limit_m_s
+        expected = (with_error(error.median(of), error.interval(of)),)
+    return record(
         design,
-        CERAMIC,
-        (CERAMIC_THICKNESS, design.ceramic_thickness_mm or None),
-        BACKING,
-        BACKING_THICKNESS,
+        (Column("armour", prose=True), armour_in_words(design)),
         AREAL_DENSITY,
+        (GOVERNED_BY, design.governing if several else None),
+        limit,
+        *expected,
+        (DEFEAT, None if several else chance(design.probabilities_of_defeat[design.governing])),
+        (MARGIN, None if several else design.margin_m_s),
+        (REQUIRED, None if several else required.get(design.governing)),
         THICKNESS,
         (COST, design.cost_per_m2 or None),
-        (GOVERNED_BY, design.governing if len(design.margins_m_s) > 1 else None),
-        limit,
-        MARGIN,
-        (REQUIRED, required.get(design.governing)),
-        (DEFEAT, chance(design.probabilities_of_defeat[design.governing])),
         title=title,
     )
-    return _aligned(table)
+
+
+def armour_in_words(design: Design) -> str:
+    """Return the layers of a design, such as "11 mm AD85 on 6 mm 5083-H3"."""
+    names = (design.ceramic_thickness_mm, design.ceramic), (design.backing_thickness_mm, design.backing)
+    return " on ".join(f"{round(thickness, 3):g} mm {name}" for thickness, name in names if name)
 
 
 def _aligned(table: Table) -> Table:
@@ -162,22 +171,20 @@ def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
         (MARGIN, best.margins_m_s.__getitem__),
         (DEFEAT, lambda threat: chance(defeat[threat])),
         (REQUIRED, required.get),
-        (Column("probability of perforation", spec=".4f"), lambda threat: getattr(sampled.get(threat), "value", None)),
-        (Column(f"{percent(CONFIDENCE)} interval, by sampling"), lambda threat: interval(sampled.get(threat), ".4f")),
+        (Column("probability of perforation", spec=".3f"), lambda threat: getattr(sampled.get(threat), "value", None)),
+        (Column(f"{percent(CONFIDENCE)} interval, by sampling"), lambda threat: interval(sampled.get(threat), ".3f")),
         (Column("note"), lambda threat: "governs" if threat == best.governing else ""),
     )
 
 
 def pair_table(result: DesignResult) -> Table:
     """Return every pair of materials with its best design, or the reason why it has none."""
-    several = len(result.threats) > 1
     shown = [CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST]
     table = listing(
         result.pairs,
         CERAMIC,
         BACKING,
         *((column, lambda pair, key=column.key: getattr(pair.best, key, None)) for column in shown),
-        (GOVERNED_BY, lambda pair: getattr(pair.best, "governing", None) if several else None),
         (Column("result", prose=True), lambda pair: pair.reason or "best"),
         title="pairs of materials",
         rest="--json",
@@ -199,7 +206,8 @@ def csv(result: DesignResult) -> str:
 def tables(result: DesignResult) -> list[Table | str]:
     """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
     required = required_margins(result.question.get("scenario"))
-    found: list[Table | str] = [best_table(result, required)]
+    error = error_note(result, result.best.model_error)
+    found: list[Table | str] = [best_table(result, required), error, *margin_notes(result.best)]
     if result.refined is not None:
         title = f"{OBJECTIVES[result.minimised].least} design between the values of the grid"
         found.append(_design_record(result.refined, title, required))
@@ -216,8 +224,7 @@ def tables(result: DesignResult) -> list[Table | str]:
         found.append(pair_table(result))
     if result.pareto:
         found.append(pareto_table(result))
-    note = error_note(result, result.best.model_error)
-    return [*found, f"{number(result.examined, 'd')} designs computed", note, *margin_notes(result.best)]
+    return [*found, f"{number(result.examined, 'd')} designs computed"]
 
 
 def margin_notes(best: BestDesign, ask: str = ASK) -> list[str]:

@@ -6,8 +6,8 @@ import numpy as np
 
 from armour.errors import InputError, Problem
 from armour.reporting import charts
-from armour.reporting.table import Cell, Column, Source, Table, between, column_of, listing, record
-from armour.reporting.text import interval, percent
+from armour.reporting.table import Cell, Column, Source, Table, column_of, listing, record
+from armour.reporting.text import interval, percent, with_interval
 from armour.reporting.views.shot_plan import SCATTER_ASSUMED, prior_table, share_note, shot_points
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.curves import FittedCurve, penalised_band
@@ -21,21 +21,21 @@ def v50_table(result: FiringResult) -> Table:
     if mean is not None:
         standard = mean.rule != "no usual rule"
         rule = [
-            (Column("V50, MIL-STD-662F" if standard else "V50, mean", "m/s", ".1f"), mean.v50_m_s),
+            (Column("V50, MIL-STD-662F" if standard else "V50, mean", "m/s", ".0f"), mean.v50_m_s),
             (Column("shots averaged"), f"{mean.pairs} partial and {mean.pairs} complete"),
-            (Column("span of these shots", "m/s", ".1f"), mean.span_m_s),
-            (Column("span allowed", "m/s", ".1f"), mean.span_allowed_m_s),
+            (Column("span of these shots", "m/s", ".0f"), mean.span_m_s),
+            (Column("span allowed", "m/s", ".0f"), mean.span_allowed_m_s),
         ]
     return record(
         result,
         column_of("shots", "d"),
         column_of("complete", "d", "complete penetrations"),
-        column_of("highest_partial_m_s", ".1f"),
-        column_of("lowest_complete_m_s", ".1f"),
-        column_of("zone_of_mixed_results_m_s", ".1f"),
+        column_of("highest_partial_m_s", ".0f"),
+        column_of("lowest_complete_m_s", ".0f"),
+        column_of("zone_of_mixed_results_m_s", ".0f"),
         *rule,
-        column_of("model_ballistic_limit_m_s", ".1f", "ballistic limit by the model"),
-        (Column("95 % interval, with the model error", "m/s"), interval(result.model_interval_m_s, ".0f")),
+        column_of("model_ballistic_limit_m_s", ".0f", "ballistic limit by the model"),
+        (Column("its 95 % interval, with the model error", "m/s"), interval(result.model_interval_m_s, ".0f")),
     )
 
 
@@ -43,7 +43,7 @@ def recommended_table(fit: FittedCurve, level: float) -> Table:
     """Return the velocities and the scale of the recommended curve, with their intervals."""
 
     def ends(name: str) -> str:
-        return interval(getattr(fit, f"{name.lower()}_interval_m_s"), ".1f")
+        return interval(getattr(fit, f"{name.lower()}_interval_m_s"), ".0f")
 
     def lower(name: str) -> Cell:
         bound = getattr(fit, f"{name.lower()}_lower_m_s", None)
@@ -52,67 +52,62 @@ def recommended_table(fit: FittedCurve, level: float) -> Table:
     return listing(
         ("V50", "V05", "V95", "scale"),
         (Column("quantity"), str),
-        (Column("estimate", "m/s", ".1f"), lambda name: getattr(fit, f"{name.lower()}_m_s")),
+        (Column("estimate", "m/s", ".0f"), lambda name: getattr(fit, f"{name.lower()}_m_s")),
         (Column(f"{percent(level)} interval", "m/s"), ends),
-        (Column(f"one-sided {percent(level)} lower bound", "m/s", ".1f"), lower),
+        (Column(f"one-sided {percent(level)} lower bound", "m/s", ".0f"), lower),
         title=f"recommended: {fit.curve}, {fit.method}",
     )
 
 
 def curve_table(result: FiringResult) -> Table:
     """Return all fitted curves, with their intervals."""
+    level = f"{percent(result.confidence)} interval"
     return listing(
         (*result.penalised_fits, *result.fits),
         column_of("curve"),
         (Column("likelihood"), lambda fit: fit.method.removesuffix(" likelihood")),
-        column_of("v50_m_s", ".1f", "V50"),
-        (between(result, "m/s", " of V50"), lambda fit: interval(fit.v50_interval_m_s, ".1f")),
-        column_of("scale_m_s", ".1f"),
-        (between(result, "m/s", " of the scale"), lambda fit: interval(fit.scale_interval_m_s, ".1f")),
-        column_of("v05_m_s", ".1f", "V05"),
-        column_of("v95_m_s", ".1f", "V95"),
+        (Column(f"V50, {level}", "m/s"), lambda fit: with_interval(fit.v50_m_s, fit.v50_interval_m_s, ".0f")),
+        (Column(f"scale, {level}", "m/s"), lambda fit: with_interval(fit.scale_m_s, fit.scale_interval_m_s, ".0f")),
+        column_of("v05_m_s", ".0f", "V05"),
+        column_of("v95_m_s", ".0f", "V95"),
     )
+
+
+PENALISED = "intervals by penalised likelihood; with few shots those of maximum likelihood are too short"
 
 
 # Notes on the mean by its rule.
 MEAN_NOTES = {
-    "usual span": "the span allowed is the one usual with this number of shots; MIL-STD-662F leaves it to the "
-    "specification",
+    "usual span": "the span allowed is usual with this number of shots; MIL-STD-662F leaves it to the specification",
     "given span": "the span allowed is given; MIL-STD-662F leaves it to the specification",
-    "no usual rule": "the mean is that of the numbers given; this number of shots is none that is usual with "
-    "MIL-STD-662F",
+    "no usual rule": "this number of shots is none that is usual with MIL-STD-662F",
 }
 
 
 def tables(result: FiringResult) -> list[Table | str]:
-    """Return all tables of firing results, with notes on them."""
-    found: list[Table | str] = [v50_table(result)]
-    if result.mean is not None:
-        found.append(MEAN_NOTES[result.mean.rule])
+    """Return the recommended curve, the posterior, the shots with the mean of the standard, and all curves."""
+    found: list[Table | str] = []
+    if result.recommended is not None:
+        found += [recommended_table(result.recommended, result.confidence), PENALISED]
+        if result.recommended.v05_m_s is None:
+            found.append("V05 has no estimate: the curve has 5 % at a velocity below 0")
+    elif result.fits:
+        found.append("no curve is recommended: the penalised likelihood is greatest for a curve that does not rise")
+    else:
+        found.append("the shots alone have no curve: none were complete, none partial, or the complete ones no faster")
     if result.prior is not None and result.posterior is not None and result.prior_share is not None:
         table = prior_table(result.prior, result.posterior, result.confidence)
         found += [table, SCATTER_ASSUMED, share_note(result.prior_share)]
-    if not result.fits:
-        words = "the shots alone have no curve: none were complete, none partial, or the complete ones no faster"
-        return [*found, words]
-    if result.recommended is None:
-        found.append("no curve is recommended: the penalised likelihood is greatest for a curve that does not rise")
-    else:
-        found.append(recommended_table(result.recommended, result.confidence))
-        found.append(
-            "with few shots its intervals hold the true values about as often as they say; those of maximum likelihood "
-            "are too short"
-        )
-        if result.recommended.v05_m_s is None:
-            found.append("V05 has no estimate: the curve has 5 % at a velocity below 0")
-    found.append(curve_table(result))
+    found.append(v50_table(result))
+    if result.mean is not None:
+        found.append(MEAN_NOTES[result.mean.rule])
+    if result.fits:
+        found.append(curve_table(result))
     if result.separated:
         found.append(
             "every complete penetration was faster than every partial one: by maximum likelihood any V50 between them "
             "is as likely, and the scale is 0"
         )
-    if result.model_ballistic_limit_m_s is not None:
-        found.append("the model's limit is deterministic: one velocity for one set of inputs, without scatter")
     return found
 
 

@@ -11,6 +11,7 @@ from armour.analysis.quantities import OUTCOMES
 from armour.errors import InputError, Problem
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
+from armour.reporting.text import Verdict
 from armour.reporting.views.confidence import SAMPLED_ALONE
 from armour.reporting.views.confidence import tables as confidence_tables
 from armour.units import MM
@@ -43,26 +44,30 @@ SHORT = {
 
 
 def tables(result: ImpactResult) -> list[Table | str]:
-    """Return the result of an impact, with the probability that the armour stops the projectile where it is known."""
-    found: list[Table | str] = [impact_table(result), stage_table(result)]
+    """Return the outcome of an impact, its probability where that was computed, and what remains, stage by stage."""
+    found: list[Table | str] = [verdict(result)]
     if (confidence := result.question.get("confidence")) is not None:
         found += confidence_tables(confidence)
         distributed = result.question["scenario"].uncertainty
         if confidence.model_error is None and distributed is not None and distributed.inputs():
             found.append(f"{SAMPLED_ALONE}: armour uncertainty")
-    return found
+    return [*found, impact_table(result), stage_table(result)]
+
+
+def verdict(result: ImpactResult) -> Verdict:
+    """Return the outcome in a line."""
+    stopped = result.outcome == "defeated"
+    residual = "" if stopped else f", residual velocity {result.residual_velocity_m_s:.0f} m/s"
+    return Verdict.of(OUTCOMES[result.outcome] + residual, good=stopped)
 
 
 def impact_table(result: ImpactResult) -> Table:
     """Return the result of an impact, quantity by quantity."""
     return record(
         result,
-        (column_of("outcome"), OUTCOMES[result.outcome]),
-        column_of("impact_velocity_m_s", ".2f"),
-        column_of("residual_velocity_m_s"),
         column_of("residual_length_mm"),
         column_of("residual_mass_g"),
-        column_of("plug_velocity_m_s"),
+        (column_of("plug_velocity_m_s"), result.plug_velocity_m_s or None),
         column_of("penetration_depth_mm"),
         column_of("bulge_height_mm"),
         column_of("duration_us"),
@@ -76,11 +81,11 @@ def stage_table(result: ImpactResult) -> Table:
         result.stages,
         column_of("stage"),
         (Column("description", prose=True), lambda record: STAGES[record.stage]),
-        column_of("start_us", ".3f"),
-        column_of("end_us", ".3f"),
-        column_of("velocity_lost_m_s", ".2f"),
-        column_of("length_lost_mm", ".3f"),
-        (Column("energy lost", "J", ".1f"), lambda record: record.energy_lost_J),
+        column_of("start_us", ".1f"),
+        column_of("end_us", ".1f"),
+        column_of("velocity_lost_m_s", ".0f"),
+        column_of("length_lost_mm", ".1f"),
+        (Column("energy lost", "J", ".0f"), lambda record: record.energy_lost_J),
     )
 
 
@@ -103,9 +108,9 @@ def energy_table(energy: EnergyBalance) -> Table:
     percent = 100.0 / energy.before if energy.before else 0.0
     columns = (
         Column("stage", prose=True),
-        Column("carried by eroded material", "J", ".2f"),
-        Column("lost in braking the rod", "J", ".2f"),
-        Column("sum", "J", ".2f"),
+        Column("carried by eroded material", "J", ".0f"),
+        Column("lost in braking the rod", "J", ".0f"),
+        Column("sum", "J", ".0f"),
         Column("share of the impact energy", "%", ".1f"),
     )
     rows = ((name, eroded, braked, eroded + braked, percent * (eroded + braked)) for name, eroded, braked in found)

@@ -65,7 +65,7 @@ def threat_table(threats: Mapping[str, NamedThreat]) -> Table:
 
 
 def shipped_tables() -> list[Table | str]:
-    """Return tables of what can be named in place of a file: scenarios, suites and tables of tests or shots."""
+    """Return tables of what can be copied: scenarios, suites, tables of tests or shots, and notebooks."""
     titled = {
         "scenario": shipped_files("scenarios", ".toml"),
         "suite for armour validate": shipped_suites(),
@@ -75,6 +75,7 @@ def shipped_tables() -> list[Table | str]:
     }
     shown["scenario"]["template"] = "Every key with a comment: what armour init copies by default"
     shown["table of tests"] = TESTS
+    shown["notebook"] = {"study.ipynb": "A study in Python, for Jupyter"}
     return [
         Table((Column(kind), Column("what it holds", prose=True)), tuple(words.items()))
         for kind, words in shown.items()

@@ -4,28 +4,20 @@ from armour.analysis.ballistic_limit import LimitResult, curve_velocities, resid
 from armour.analysis.quantities import OUTCOMES
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, listing, record
-from armour.reporting.views.confidence import error_note, expected_limit
+from armour.reporting.views.confidence import error_note, with_error
 
 
 def limit_table(result: LimitResult) -> Table:
-    """Return a ballistic limit, quantity by quantity."""
-    return record(
-        result,
-        column_of("ballistic_limit_m_s"),
-        (Column("stopped at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[0]),
-        (Column("perforated at", "m/s", ".4f"), lambda limit: limit.bracket_m_s[1]),
-        *expected_limit(result),
-        column_of("runs", "d"),
-        column_of("areal_density_kg_m2"),
-    )
+    """Return a ballistic limit, by the model and with its error."""
+    limits = column_of("ballistic_limit_m_s"), with_error(result.median_m_s, result.interval_m_s)
+    return record(result, *limits, column_of("areal_density_kg_m2"))
 
 
 def crossing_table(result: LimitResult) -> Table:
     """Return every change of the outcome with the velocity."""
     return listing(
         result.crossings,
-        (Column("below", "m/s", ".4f"), lambda crossing: crossing.bracket_m_s[0]),
-        (Column("above", "m/s", ".4f"), lambda crossing: crossing.bracket_m_s[1]),
+        (Column("velocity", "m/s", ".1f"), lambda crossing: crossing.bracket_m_s[1]),
         (Column("outcome above"), lambda crossing: OUTCOMES[crossing.above]),
     )
 
@@ -33,13 +25,13 @@ def crossing_table(result: LimitResult) -> Table:
 def tables(result: LimitResult) -> list[Table | str]:
     """Return all tables of a ballistic limit, and what was looked at; the changes of the outcome only where several."""
     low, high = result.scanned_range_m_s
+    below, above = result.bracket_m_s
     scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
-    found: list[Table | str] = [limit_table(result)]
+    width = f"bracket width {above - below:.1g} m/s"
+    found: list[Table | str] = [limit_table(result), error_note(result, result.model_error)]
     if result.monotonic:
-        found.append(f"{scanned}; all above the ballistic limit perforate")
-    else:
-        found += [f"{scanned}; the outcome changes {len(result.crossings)} times", crossing_table(result)]
-    return [*found, error_note(result, result.model_error)]
+        return [*found, f"{scanned}, all above the limit perforate; {width}"]
+    return [*found, f"{scanned}, the outcome changes {len(result.crossings)} times; {width}", crossing_table(result)]
 
 
 def chart(result: LimitResult) -> charts.Chart:

@@ -32,8 +32,8 @@ PLANNED = re.compile(r"planned (\d+)")
 
 
 NOTE = (
-    "± is the half-width of the interval to expect once the test has been made, with those before it; for a limit it "
-    "is that of the limit by the model, without the model's own error"
+    "±: half-width of the interval to expect after the test and those before it; of a limit by the model, without the "
+    "model error"
 )
 
 
@@ -80,14 +80,14 @@ def step_table(result: PlannedTests) -> Table:
             )
             for key in varied
         ),
-        (Column("ballistic limit by the model", "m/s", ".0f"), lambda step: step.ballistic_limit_m_s),
+        (Column("limit by the model", "m/s", ".0f"), lambda step: step.ballistic_limit_m_s),
         column_of("total_cost", ".6g"),
         *(
             (Column(f"± {words}", unit, ".3g"), lambda step, name=name: step.half_widths[name])
             for name, (words, unit) in zip(result.values, map(label_and_unit, result.values), strict=True)
         ),
         *(
-            (Column(f"± limit of {name}", "m/s", ".1f"), lambda step, index=index: step.limit_half_widths_m_s[index])
+            (Column(f"± limit of {name}", "m/s", ".0f"), lambda step, index=index: step.limit_half_widths_m_s[index])
             for index, name in enumerate(names)
         ),
     )
@@ -96,7 +96,7 @@ def step_table(result: PlannedTests) -> Table:
 def tables(result: PlannedTests) -> list[Table | str]:
     """Return all tables of planned tests."""
     slopes = [SLOPES] if any(name.endswith("_slope") for name in result.values) else []
-    return [plan_table(result), step_table(result), NOTE, *slopes]
+    return [step_table(result), NOTE, *slopes, plan_table(result)]
 
 
 def form_table(result: PlannedTests) -> Table:

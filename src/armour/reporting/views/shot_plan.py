@@ -9,13 +9,13 @@ import numpy as np
 from armour.planning.firing import ShotPlan
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, listing, record
-from armour.reporting.text import interval, percent
+from armour.reporting.text import interval, percent, with_interval
 from armour.reporting.views.confidence import chance, error_note
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.posterior import FiringEstimate
 from armour.statistics.v50 import Shots
 
-SCATTER_ASSUMED = "the prior of the scatter is an assumption, which the model says nothing of"
+SCATTER_ASSUMED = "the prior of the scatter is an assumption; the model does not predict scatter"
 
 
 def tables(plan: ShotPlan) -> list[Table | str]:
@@ -55,20 +55,20 @@ def _plan_table(plan: ShotPlan) -> Table:
             expected += f"; {plan.expected_shots_90:.0f} with --confidence 0.9"
     return record(
         plan,
+        column_of("next_velocity_m_s", ".1f"),
+        (Column("firing ended"), plan.stopped),
         column_of("procedure"),
         (Column("shots so far", spec="d"), len(plan.fired.complete)),
         (Column("simulated", spec="d"), plan.simulated or None),
-        column_of("next_velocity_m_s", ".1f"),
-        (Column("firing ended"), plan.stopped),
         (Column("further shots expected"), expected),
-        (Column("V50 by the mean of MIL-STD-662F", "m/s", ".1f"), None if mean is None else mean.v50_m_s),
-        (Column("V50 by the recommended curve", "m/s", ".1f"), None if fit is None else fit.v50_m_s),
+        (Column("V50 by the mean of MIL-STD-662F", "m/s", ".0f"), None if mean is None else mean.v50_m_s),
+        (Column("V50 by the recommended curve", "m/s", ".0f"), None if fit is None else fit.v50_m_s),
         (
             Column(f"its {percent(plan.confidence)} interval", "m/s"),
-            "" if fit is None else interval(fit.v50_interval_m_s, ".1f"),
+            "" if fit is None else interval(fit.v50_interval_m_s, ".0f"),
         ),
         column_of("half_width_m_s", "g", "half width at which the firing ends"),
-        (Column("limits of V50", "m/s"), interval(plan.limits_m_s, ".1f")),
+        (Column("limits of V50", "m/s"), interval(plan.limits_m_s, ".0f")),
         column_of("requirement_m_s", "g", f"required of the {met}"),
         (Column("consumer's risk, of accepting what fails it"), _risk(plan.consumers_risk)),
         (Column("producer's risk, of rejecting what meets it"), _risk(plan.producers_risk)),
@@ -78,8 +78,8 @@ def _plan_table(plan: ShotPlan) -> Table:
             Column(f"probability that it is met{by}"),
             "" if plan.probability_met is None else chance(plan.probability_met),
         ),
-        column_of("true_v50_m_s", ".1f", "V50 simulated"),
-        column_of("true_scatter_m_s", ".1f", "scatter simulated"),
+        column_of("true_v50_m_s", "g", "V50 simulated"),
+        column_of("true_scatter_m_s", "g", "scatter simulated"),
     )
 
 
@@ -111,11 +111,11 @@ def operating_table(plan: ShotPlan) -> Table:
     scatter = plan.operating_characteristic[0].scatter_m_s
     return listing(
         plan.operating_characteristic,
-        (Column("V50", "m/s", ".1f"), lambda point: point.v50_m_s),
+        (Column("V50", "m/s", ".0f"), lambda point: point.v50_m_s),
         (Column("met"), lambda point: percent(point.met)),
         (Column("not met"), lambda point: percent(point.not_met)),
         (Column("median of shots"), lambda point: "more than 100" if point.shots is None else f"{point.shots:.0f}"),
-        title=f"operating characteristic: simulated firings at a scatter of {scatter:.1f} m/s",
+        title=f"operating characteristic: simulated firings at a scatter of {scatter:.0f} m/s",
     )
 
 
@@ -125,11 +125,12 @@ def prior_table(prior: FiringEstimate, posterior: FiringEstimate, level: float) 
     return listing(
         (("prior", prior), ("posterior", posterior)),
         (Column("distribution"), lambda row: row[0]),
-        (Column("V50", "m/s", ".1f"), lambda row: row[1].v50_m_s),
-        (Column(f"{between} of V50", "m/s"), lambda row: interval(row[1].v50_interval_m_s, ".1f")),
-        (Column("standard deviation of V50", "m/s", ".1f"), lambda row: row[1].standard_deviation_m_s),
-        (Column("scatter", "m/s", ".1f"), lambda row: row[1].scatter_m_s),
-        (Column(f"{between} of the scatter", "m/s"), lambda row: interval(row[1].scatter_interval_m_s, ".1f")),
+        (Column(f"V50, {between}", "m/s"), lambda row: with_interval(row[1].v50_m_s, row[1].v50_interval_m_s, ".0f")),
+        (Column("standard deviation of V50", "m/s", ".0f"), lambda row: row[1].standard_deviation_m_s),
+        (
+            Column(f"scatter, {between}", "m/s"),
+            lambda row: with_interval(row[1].scatter_m_s, row[1].scatter_interval_m_s, ".0f"),
+        ),
     )
 
 

@@ -11,7 +11,7 @@ from armour.files import printable
 from armour.reporting import charts
 from armour.reporting.report import Report, Section, origin_section
 from armour.reporting.table import Column, Table, column_of, listing
-from armour.reporting.text import number
+from armour.reporting.text import Verdict, number
 from armour.scenario.sections import TINY
 from armour.validation.figures import Figure
 from armour.validation.rivals import Error
@@ -107,19 +107,20 @@ def _of_file(result: SuiteResult, table: str) -> bool:
     return any(check.case.cells for check in result.checks if check.case.group == table)
 
 
-def error_table(errors: Sequence[Error]) -> Table:
-    """Return the errors of every prediction that a table compares."""
-    return listing(
-        errors,
-        column_of("table", prose=True),
-        column_of("predictor", label="predicted by", prose=True),
-        column_of("count", "d", "rows"),
-        column_of("mean_percent", ".1f", "mean error"),
-        column_of("left_out_percent", ".1f", "left out"),
-        column_of("largest_percent", ".1f", "largest error"),
-        column_of("fitted", prose=True),
-        title="errors",
-    )
+def error_tables(errors: Sequence[Error]) -> list[Table]:
+    """Return the errors of the predictions that each table compares."""
+    return [
+        listing(
+            found,
+            column_of("predictor", label="predicted by", prose=True),
+            column_of("mean_percent", ".1f", "mean error"),
+            column_of("left_out_percent", ".1f", "left out"),
+            column_of("largest_percent", ".1f", "largest"),
+            column_of("fitted", prose=True),
+            title=f"errors, {table}, {found[0].count} rows",
+        )
+        for table, found in charts.grouped(errors, lambda error: error.table).items()
+    ]
 
 
 def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
@@ -140,8 +141,7 @@ def verdict(result: SuiteResult) -> str:
     for status in FAILED:
         if result.count(status):
             parts.append(f"{result.count(status)} {status}")
-    unscored = sum(check.status == "not scored" and not check.in_group for check in result.checks)
-    return ", ".join(parts) + (f"; {unscored} shown but not scored" if unscored else "")
+    return ", ".join(parts)
 
 
 def suite_tables(result: SuiteResult) -> list[Table]:
@@ -159,17 +159,55 @@ def suite_tables(result: SuiteResult) -> list[Table]:
             found.append(check_table(failed, f"{name}: not within their bands"))
     if (whole := summary_table(result)).rows:
         found.append(whole)
-    if result.errors:
-        found.append(error_table(result.errors))
-    return found
+    return [*found, *error_tables(result.errors)]
+
+
+def overview_table(result: SuiteResult) -> Table:
+    """Return a line for each table of a suite: how many cases are within their bands, and their deviations."""
+    whole = {summary.name: summary for summary in result.summaries if not summary.group}
+
+    def within(group: tuple[str, list[Check]]) -> str:
+        name, checks = group
+        scored = [check for check in checks if check.status != "not scored"]
+        if scored:
+            return f"{sum(check.status == 'within' for check in scored)} of {len(scored)}"
+        return whole[name].status.replace("within", "as a whole") if name in whole else "not scored"
+
+    def deviation(group: tuple[str, list[Check]], key: str) -> str:
+        name, checks = group
+        if name in whole:
+            value = getattr(whole[name], key)
+            return "" if value is None else f"{value:.3g} {whole[name].unit}"
+        found = [abs(c.deviation_percent or 0.0) for c in checks if c.status != "not scored"]
+        return f"{max(found):.3g} %" if found and key == "largest" else ""
+
+    return listing(
+        check_groups(result).items(),
+        (Column("table", prose=True), lambda group: group[0]),
+        (Column("cases", spec="d"), lambda group: len(group[1])),
+        (Column("within"), within),
+        (Column("RMS"), lambda group: deviation(group, "rms")),
+        (Column("RMS band"), lambda group: deviation(group, "rms_band")),
+        (Column("worst"), lambda group: deviation(group, "largest")),
+    )
 
 
 def tables(result: SuiteResult) -> list[Table | str]:
-    """Return the tables of a suite, why cases are outside their bands or not scored, and the outcome in a line."""
-    notes = note_rows([check for check in result.checks if check.status != "within" and not check.in_group])
-    groups = [each for each in result.summaries if each.status == "outside" and _of_file(result, each.name)]
-    notes += [(group.full_name, held_to(group)) for group in groups]
-    return [*suite_tables(result), "", *(f"{name}: {note}" for name, note in notes), verdict(result)]
+    """Return a line for each table of a suite, or every row where that was asked for, the failures and the verdict."""
+    every_row = result.question.get("every_row")
+    failed = {name: [c for c in checks if c.status in FAILED] for name, checks in check_groups(result).items()}
+    found: list[Table | str] = [*suite_tables(result)] if every_row else [overview_table(result)]
+    if not every_row:
+        found += [check_table(checks, f"{name}: not within their bands") for name, checks in failed.items() if checks]
+    shown = FAILED if not every_row else (*FAILED, "not scored")
+    notes = note_rows([check for check in result.checks if check.status in shown and not check.in_group])
+    notes += [(each.full_name, held_to(each)) for each in result.summaries if each.status == "outside"]
+    unscored = sum(check.status == "not scored" and not check.in_group for check in result.checks)
+    more = [] if not unscored or every_row else [f"not scored: {unscored} cases; --verbose shows them, and why"]
+    if not result.count("within", *FAILED):
+        return [*found, *more, "no case has a band to be within"]
+    lines = [f"{name}: {note}" for name, note in notes]
+    return [*found, *(["", *lines] if lines else []), *more, Verdict.of(verdict(result), good=result.passed)]
 
 
 def update_table(updates: Sequence[Check]) -> Table:

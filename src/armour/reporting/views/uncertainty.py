@@ -5,18 +5,11 @@ from dataclasses import replace
 from armour.analysis.estimates import Estimate
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, between, column_of, in_words, listing, record
-from armour.reporting.text import interval, percent
-from armour.reporting.views.confidence import SAMPLED_ALONE, error_note
+from armour.reporting.text import interval, percent, with_interval
+from armour.reporting.views.confidence import DEFEAT, SAMPLED_ALONE, error_note
 from armour.statistics.uncertainty import UncertaintyResult
 
-# What the intervals of a propagated uncertainty are of.
-SAMPLING = ", by sampling"
-
-
-SAMPLING_NOTE = (
-    "the intervals are those of the estimates, from the number of samples alone; the spread of the ballistic limit is "
-    "V05 to V95"
-)
+SAMPLING_NOTE = "the intervals are of the estimates, by sampling alone; the ballistic limit spreads from V05 to V95"
 
 
 INDEX_NOTE = "indices are from 0 to 1; estimates of small and large ones, and their intervals, may fall outside"
@@ -28,21 +21,22 @@ def uncertainty_table(result: UncertaintyResult) -> Table:
         result,
         column_of("samples", "d"),
         (Column("method"), f"{result.method}, seed {result.seed}"),
-        column_of("deterministic_m_s", ".1f", "ballistic limit of the scenario"),
-        column_of("standard_deviation_m_s", ".1f"),
+        column_of("deterministic_m_s", ".0f", "ballistic limit of the scenario"),
+        column_of("standard_deviation_m_s", ".0f"),
     )
 
 
 def estimate_table(result: UncertaintyResult) -> Table:
     """Return the estimated probability, quantiles and mean."""
-    mean = Estimate(result.mean_m_s, *result.mean_interval_m_s)
+    mean, perforated = Estimate(result.mean_m_s, *result.mean_interval_m_s), result.probability_of_perforation
+    stopped = Estimate(*(100.0 * (1.0 - p) for p in (perforated.value, perforated.high, perforated.low)))
     limits = {**result.ballistic_limit_m_s, "mean ballistic limit": mean}
     # A probability and velocities have different decimals, so that the numbers are formatted here.
     found = [
-        ("probability of perforation", "", result.probability_of_perforation, ".3f"),
-        *((name, "m/s", estimate, ".1f") for name, estimate in limits.items()),
+        (DEFEAT.label, "%", stopped, ".1f"),
+        *((name, "m/s", estimate, ".0f") for name, estimate in limits.items()),
     ]
-    columns = (Column("quantity"), Column("unit"), Column("estimate", spec="g"), between(result, of=SAMPLING))
+    columns = (Column("quantity"), Column("unit"), Column("estimate", spec="g"), between(result))
     rows = ((name, unit, format(e.value, spec), interval(e, spec)) for name, unit, e, spec in found)
     return Table(columns, tuple(rows))
 
@@ -52,24 +46,21 @@ def index_table(result: UncertaintyResult) -> Table:
     return listing(
         result.inputs,
         (Column("input", prose=True), lambda item: in_words(item.input)),
-        (Column("first-order index", spec=".3f"), lambda item: getattr(item.first, "value", None)),
-        (between(result, of=SAMPLING), lambda item: interval(item.first, ".3f")),
-        (Column("total index", spec=".3f"), lambda item: getattr(item.total, "value", None)),
-        (between(result, of=SAMPLING), lambda item: interval(item.total, ".3f")),
-        (Column("ballistic limit at its 5 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[0]),
-        (Column("ballistic limit at its 95 % quantile", "m/s", ".1f"), lambda item: item.limits_m_s[1]),
+        (Column("first-order index"), lambda item: item.first and with_interval(item.first.value, item.first, ".2f")),
+        (Column("total index"), lambda item: item.total and with_interval(item.total.value, item.total, ".2f")),
+        (Column("limit at 5 and 95 %", "m/s"), lambda item: interval(item.limits_m_s, ".0f")),
     )
 
 
 def tables(result: UncertaintyResult) -> list[Table | str]:
     """Return all tables of a propagated uncertainty."""
-    found: list[Table | str] = [uncertainty_table(result), estimate_table(result), SAMPLING_NOTE, index_table(result)]
+    found: list[Table | str] = [estimate_table(result), SAMPLING_NOTE, error_note(result, result.model_error)]
+    if result.model_error is None:
+        found.append(SAMPLED_ALONE)
+    found += [uncertainty_table(result), index_table(result)]
     estimates = [estimate for index in result.inputs for estimate in (index.first, index.total) if estimate]
     if any(estimate.low < 0.0 or estimate.high > 1.0 for estimate in estimates):
         found.append(INDEX_NOTE)
-    found.append(error_note(result, result.model_error))
-    if result.model_error is None:
-        found.append(SAMPLED_ALONE)
     if any(index.first and not index.total for index in result.inputs):
         found.append(
             "inputs are correlated: a first-order index includes what an input shares with those that it is correlated "
