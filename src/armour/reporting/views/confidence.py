@@ -3,7 +3,7 @@
 from armour.analysis.ballistic_limit import ConfidenceResult
 from armour.analysis.results import Result
 from armour.reporting.table import Column, Source, Table, column_of, record
-from armour.reporting.text import interval
+from armour.reporting.text import interval, number
 from armour.scenario.evidence import REMEDY, ModelError
 
 DEFEAT = Column("probability of stopping the projectile", prose=True)
@@ -42,7 +42,7 @@ def from_tests(error: ModelError) -> str:
     """Return what the model error is, and what it is estimated from."""
     if error.ratio.logarithmic:
         low, middle, high = (error.quantiles_percent[p] for p in ("0.025", "0.5", "0.975"))
-        return f"model error: {middle:+.0f} % ({low:+.0f} to {high:+.0f} %), from {error.source}"
+        return f"model error: {number(middle, '+.0f')} % ({interval((low, high), '+.0f')} %), from {error.source}"
     mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
     return f"model error: {mean}± {error.scale_percent:.1f} %, from {error.source}"
 
