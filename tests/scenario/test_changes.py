@@ -49,7 +49,10 @@ def test_what_is_no_key(key: str):
             "impact.velocity_m_s.mean",
             'must not go below impact.velocity_m_s, which is 800.0; did you mean "impact.velocity_m_s"?',
         ),
-        ("threat.margin_m_s", "must not go below threat, which is a list"),
+        (
+            "threat.margin_m_s",
+            "must not go below threat, which is a list; a list is given whole, such as threat=[{...}]",
+        ),
     ],
 )
 def test_a_key_below_a_value(key: str, message: str):

@@ -116,7 +116,7 @@ def init(
     refuse(wrong_ending(file, (ending,)) if {ending, file.suffix} & {".csv", ".ipynb"} else [])
     write({file: known[source].read_bytes()})
     if ending == ".toml":
-        say(f"next: armour {'validate' if source in suites else 'simulate'} {file}")
+        say(f"next: armour {'validate' if source in suites else 'check'} {file}")
     elif ending == ".ipynb":
         say(f"next: jupyter lab {file}")
 

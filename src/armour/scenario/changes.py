@@ -11,6 +11,8 @@ from armour.files import parse_toml
 from armour.scenario.inputs import INPUTS, NAMING
 from armour.scenario.keys import Parts, describe, key_name, leaves, not_a_key, parts_of
 
+LISTED = "; a list is given whole, such as threat=[{...}]"
+
 
 def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = "scenario") -> dict[str, Any]:
     """Return the data of a scenario with other values by dotted key; a table is merged into an existing one.
@@ -46,7 +48,7 @@ def _put_at(data: dict[str, Any], parts: Parts, value: object) -> str:
     for i, part in enumerate(parts[:-1], 1):
         there = table.get(part, {})
         if not isinstance(there, dict):
-            hint = suggestion(key_name(parts), list(INPUTS))
+            hint = LISTED if isinstance(there, list) else suggestion(key_name(parts), list(INPUTS))
             return f"must not go below {key_name(parts[:i])}, which is {describe(there)}{hint}"
         table[part] = table = dict(there)
     _put(table, parts[-1], value)
@@ -73,7 +75,8 @@ def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
     for assignment in assignments:
         found = _parsed(assignment)
         if found is None:
-            message = f"must be KEY=VALUE, such as impact.velocity_m_s=900, found {json.dumps(assignment)}"
+            listed = LISTED if "[" in assignment.partition("=")[0] else ""
+            message = f"must be KEY=VALUE, such as impact.velocity_m_s=900, found {json.dumps(assignment)}{listed}"
             problems.append(Problem("command line", "--set", message))
             continue
         key, value = found

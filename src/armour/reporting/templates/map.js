@@ -563,7 +563,7 @@ function drawPairs() {
     if (places.length === 2) picture.append(path([[places[0], 9], [places[1], 9]], "frame"));
     if (ring !== null) picture.append(circle(at(pair.areal[ring]), 9, 4, "even"));
     if (best !== null) picture.append(circle(at(pair.areal[best]), 9, 5, isKnown(pair, best) ? "best" : "cursor"));
-    const said = best === null ? (pair.known ? "none on offer" : "unknown") : areal(pair.areal[best]) + (isKnown(pair, best) ? "" : ", unknown");
+    const said = best === null ? (pair.known ? "none" : "unknown") : areal(pair.areal[best]) + (isKnown(pair, best) ? "" : ", unknown");
     picture.append(text(places.length ? max(...places) + 9 : 8, 13, said, "small"));
     return html("div", { class: "pair" }, html("label", {}, input, ` ${pair.name}`), picture);
   }));
@@ -574,13 +574,13 @@ function drawPairs() {
 function drawCurve(slider, xs, ys, value) {
   const real = ys.filter(isFinite), picture = slider.picture, at = x => 4 + 292 * (x - xs[0]) / (xs.at(-1) - xs[0]);
   picture.replaceChildren();
-  if (!real.length) return picture.append(text(4, 28, "none on offer", "t-soft small"));
+  if (!real.length) return picture.append(text(4, 28, "none", "t-soft small"));
   const low = min(...real), high = max(...real), up = y => 34 - 14 * (high > low ? (y - low) / (high - low) : 0);
   const points = xs.map((x, n) => [at(x), up(ys[n])]).filter((_, n) => isFinite(ys[n]));
   picture.append(path(points, "frame"), text(4, points[0][1] - 5, areal(real[0]), "t-soft small"));
   const [end, top] = points.at(-1);
   if (end - at(value) > 80) picture.append(text(end, top - 5, areal(real.at(-1)), "t-soft small end"));
-  if (end < 215) picture.append(text(300, 40, "none on offer", "t-soft small end"));
+  if (end < 215) picture.append(text(300, 40, "none", "t-soft small end"));
   const pair = current(), best = lightest(pair);
   if (best === null) return;
   const x = at(value), y = up(pair.areal[best]);
