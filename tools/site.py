@@ -178,7 +178,7 @@ def library(kind: Kind) -> str:
 @cache
 def sources() -> dict[str, dict[str, str]]:
     """Return the bibliography by key."""
-    return tomllib.loads((DOCS / "references.toml").read_text(encoding="utf-8"))
+    return tomllib.loads((DOCS.parent / "configs" / "references.toml").read_text(encoding="utf-8"))
 
 
 def references() -> str:

@@ -1,4 +1,4 @@
-"""The keys of docs/references.toml are those that pages, sources, library and suites cite."""
+"""The keys of configs/references.toml are those that pages, sources, library and suites cite."""
 
 import re
 import tomllib
@@ -8,7 +8,7 @@ import armour
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = (*(ROOT / name for name in ("configs", "docs", "scenarios", "suites", "tests")), Path(armour.__file__).parent)
-SOURCES = tomllib.loads((ROOT / "docs" / "references.toml").read_text(encoding="utf-8"))
+SOURCES = tomllib.loads((ROOT / "configs" / "references.toml").read_text(encoding="utf-8"))
 
 
 def cited() -> set[str]:

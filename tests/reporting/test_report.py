@@ -1,6 +1,6 @@
 import pytest
 
-from armour.reporting.report import Report, Section, markdown_report, markdown_table, markdown_text
+from armour.reporting.report import Report, Section, markdown_report, markdown_table, markdown_text, reference_notes
 from armour.reporting.table import Column, Table
 
 
@@ -39,7 +39,7 @@ def test_lines_of_names_and_notes_stay_in_their_place():
     name = "a\n\n# heading\n| b |\u2028```\x1b"
     table = Table((Column(name),), ((name,),), name)
     report = Report(
-        name, name, (Section(name, (name,), name, "toml", (table,), ((name, name),)),), (), warnings=(name,)
+        name, name, (Section(name, (name,), name, "toml", (), (table,), ((name, name),)),), warnings=(name,)
     )
     lines = markdown_report(report).splitlines()
     headings = [number for number, line in enumerate(lines) if line.startswith("#")]
@@ -49,3 +49,16 @@ def test_lines_of_names_and_notes_stay_in_their_place():
     assert [number for number in headings if number not in code] == [0, 6]
     assert [line.count("|") - line.count("\\|") for line in rows if line != "| b |\\u2028```\\x1b"] == [2, 2, 2]
     assert all(line.isprintable() for line in lines)
+
+
+def test_tables_have_their_titles_where_there_are_several():
+    tables = (Table((Column("a"),), (("1",),), "one"), Table((Column("b"),), (("2",),), "two"))
+    page = markdown_report(Report("T", "", (Section("S", tables=tables), Section("R", tables=tables[:1]))))
+    assert [line for line in page.splitlines() if line.startswith("#")] == ["# T", "## S", "### one", "### two", "## R"]
+
+
+def test_references_are_those_cited_in_the_order_of_the_texts():
+    found = dict(reference_notes(("[Wilkins] and [Paper]", "[Ryan2023], as [Paper] [none]")))
+    assert [*found] == ["Wilkins", "Paper", "Ryan2023"]
+    assert found["Ryan2023"].startswith("S. Ryan, ")
+    assert found["Ryan2023"].endswith("2023, doi 10.17632/4f92y6jzzh.2")

@@ -6,20 +6,21 @@ from functools import cache
 import pytest
 
 from armour import __version__
-from armour.analysis.ballistic_limit import ConfidenceResult, ballistic_limit, confidence
+from armour.analysis.ballistic_limit import ConfidenceResult, ballistic_limit
+from armour.design.check import CheckedThreat, check
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import Note
 from armour.reporting.charts import Chart
-from armour.reporting.report import Report, markdown_report
-from armour.reporting.scenario_report import AgainstThreat, Contents, contents_of, scenario_report
+from armour.reporting.report import Report, Section, markdown_report
+from armour.reporting.scenario_report import Contents, contents_of, scenario_report
 from armour.reporting.views import design as design_view
 from armour.reporting.views.confidence import SAMPLED_ALONE
 from armour.reporting.views.design import frontier_table
-from armour.scenario.evidence import NO_TEST, ModelError
+from armour.scenario.evidence import NO_TEST
 from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
-from tests.helpers.cases import RANGE, SCENARIOS, THREATS, scenario
-from tests.helpers.results import OTHER, THREAT, best_design, design_result, uncertainty_result
+from tests.helpers.cases import RANGE, SCENARIOS, scenario
+from tests.helpers.results import OTHER, THREAT, design_result, uncertainty_result
 
 pytestmark = pytest.mark.slow
 
@@ -30,7 +31,7 @@ def contents(name: str) -> Contents:
 
 
 @pytest.mark.parametrize("name", ["paper/optimum_7.62mm_AP", "catalogue"])
-def test_the_answer_is_the_best_design_against_the_governing_threat(name: str):
+def test_the_armour_is_the_best_design_against_the_threat_that_most_likely_perforates_it(name: str):
     found = contents(name)
     best = optimise(found.scenario).best
     answer = found.answer
@@ -38,11 +39,12 @@ def test_the_answer_is_the_best_design_against_the_governing_threat(name: str):
     assert answer.armour.backing == best.backing
     assert answer.armour.ceramic_thickness_mm == best.ceramic_thickness_mm
     assert answer.armour.backing_thickness_mm == best.backing_thickness_mm
-    assert f"{answer.impact.projectile} at {answer.impact.velocity_m_s:g} m/s" == best.governing
+    least = min(best.probabilities_of_defeat, key=lambda threat: best.probabilities_of_defeat[threat] or 0.0)
+    assert found.threat.threat == f"{answer.impact.projectile} at {answer.impact.velocity_m_s:g} m/s" == least
     assert found.limit == ballistic_limit(answer)
-    assert found.limit is not None
-    margin = found.limit.ballistic_limit_m_s - answer.impact.velocity_m_s
-    assert margin == pytest.approx(best.margins_m_s[best.governing], abs=0.03)
+    for threat in found.threats:
+        assert threat.margin_m_s == pytest.approx(best.margins_m_s[threat.threat], abs=0.03)
+        assert threat.probability_of_defeat == pytest.approx(best.probabilities_of_defeat[threat.threat], abs=1e-3)
 
 
 def test_the_answer_of_a_bare_plate_has_no_ceramic():
@@ -56,28 +58,38 @@ def test_the_answer_of_a_bare_plate_has_no_ceramic():
     assert found.answer.armour.backing_thickness_mm == found.design.best.backing_thickness_mm
 
 
-def test_the_own_armour_faces_every_threat():
-    found = contents_of(load_scenario(SCENARIOS / "catalogue.toml"), as_is=True)
+def test_the_own_armour_is_reported_as_a_check_finds_it():
+    own = load_scenario(SCENARIOS / "catalogue.toml", {"design.confidence": 0.6})
+    found = contents_of(own, as_is=True)
     assert found.design is None
-    assert found.answer.armour == found.scenario.armour
-    for threat, against in zip(found.scenario.threat, found.threats, strict=True):
-        impact = {"impact.projectile": threat.projectile, "impact.velocity_m_s": threat.velocity_m_s}
-        sure = confidence(found.scenario.replaced(impact))
-        assert sure.ballistic_limit_m_s == pytest.approx(threat.velocity_m_s + (against.margin_m_s or 0.0))
-        assert (against.threat, against.required_margin_m_s) == (threat.title, threat.margin_m_s)
-        assert against.probability_of_defeat == sure.probability_of_defeat
-    # Its margin falls short of the required one by more.
-    assert found.governing == "7.62 mm APM2 at 830 m/s"
-    assert found.answer.impact.projectile == "7.62 mm APM2"
+    assert found.answer.armour == own.armour
+    assert found.check == check(own)
+    assert found.threats == found.check.threats
+    assert found.threat.threat == "7.62 mm AP at 850 m/s"
+    assert found.answer.impact.projectile == "7.62 mm AP"
 
 
-def test_a_limit_outside_the_range_governs_where_the_armour_is_perforated():
+def test_an_unknown_probability_is_reported_before_a_low_one():
+    """Nothing was tested with a ceramic at an angle."""
+    threats = [{"projectile": "7.62 mm AP", "velocity_m_s": 900.0}, {"projectile": "7.62 mm AP", "velocity_m_s": 300.0}]
+    threats[1]["obliquity_deg"] = 20.0
+    found = contents_of(scenario(threat=threats), as_is=True)
+    assert found.threat == found.threats[1]
+    assert statements(found)["Probability of stopping the projectile"][0] == "unknown"
+
+
+def test_a_limit_outside_the_range_is_reported_where_the_armour_is_perforated():
     threats = [{"projectile": "7.62 mm AP", "velocity_m_s": velocity} for velocity in (30.0, 900.0)]
-    for high, governing in ((100.0, 1), (1000.0, 1)):
+    for high in (100.0, 1000.0):
         search = {"velocity_max_m_s": high}
         found = contents_of(scenario(threat=threats, ballistic_limit=search), as_is=True)
-        assert found.governing == found.threats[governing].threat
-        assert [against.defeated for against in found.threats] == [True, False]
+        assert found.threat == found.threats[1]
+        assert [against.passed for against in found.threats] == [True, False]
+
+
+def test_a_confidence_asks_for_no_design():
+    own = scenario(design={"confidence": 0.9}, threat=[{"projectile": "7.62 mm AP", "velocity_m_s": 600.0}])
+    assert contents_of(own).design is None
 
 
 def test_a_density_on_offer_is_the_answers():
@@ -113,18 +125,21 @@ def test_distributions_count_for_every_threat():
     found = uncertain()
     assert found.uncertainty is not None
     slow, fast = found.threats
-    assert found.governing == fast.threat
+    assert found.threat == fast
     assert fast.probability_of_defeat == 1.0 - found.uncertainty.probability_of_perforation.value
     alone = uncertainty(found.scenario.replaced({"impact.velocity_m_s": 680.0})).probability_of_perforation
     assert slow.probability_of_defeat == 1.0 - alone.value
-    assert slow.sampled
-    assert fast.sampled
+    assert found.sampled == (slow.threat, fast.threat)
+    assert not any("taken as exact" in warning for warning in found.warnings)
 
 
 def test_a_threat_that_a_distribution_does_not_fit_keeps_exact_inputs():
     found = uncertain(max=700.0)
-    assert [against.sampled for against in found.threats] == [False, False]
+    assert found.sampled == ()
+    assert found.threats == found.check.threats
     assert sum("no sampled probability of perforation" in warning for warning in found.warnings) == 2
+    mixed = section(replace(found, sampled=(found.threats[0].threat,)), "Threats").tables[0]
+    assert [row[mixed.headings().index("inputs")] for row in mixed.texts()] == ["distributions", "exact"]
 
 
 SAMPLED = {
@@ -144,206 +159,195 @@ def without_map(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(design_view, "map_chart", lambda result: Chart(f"map of {result.best.ceramic}", ()))
 
 
+def asked(*given: tuple[float | None, float | None]) -> Contents:
+    """The contents for threats with probabilities, found and required."""
+    [own] = wilkins().threats
+    threats: list[CheckedThreat] = []
+    for name, (found, required) in zip((THREAT, OTHER), given, strict=False):
+        passed = required is None or (found is not None and found >= required)
+        of = replace(own, threat=name, probability_of_defeat=found)
+        threats.append(replace(of, required_probability=required, passed=passed))
+    result = replace(wilkins().check, threats=tuple(threats))
+    faced = [{"projectile": "7.62 mm AP", "velocity_m_s": 800.0}, {**OTHER_THREAT}][: len(threats)]
+    facing = wilkins().scenario.replaced({"threat": faced})
+    return replace(wilkins(), scenario=facing, check=result, threats=tuple(threats), threat=threats[0])
+
+
+OTHER_THREAT = {"projectile": "7.62 mm APM2", "velocity_m_s": 840.0, "name": OTHER}
+
+
 def designed(result: DesignResult) -> Contents:
     """The contents for a best design."""
-    best = result.best
-    threats = (AgainstThreat(name, True, 20.0, 10.0 * n, 0.6 + 0.1 * n) for n, name in enumerate(result.threats))
-    return replace(wilkins(), design=result, threats=tuple(threats), governing=best.governing)
+    return replace(asked((0.61, None), (0.7, None)), design=result)
 
 
-def report(contents: Contents, command: str = "armour report x.toml") -> Report:
-    return scenario_report(contents, command)
+def report(contents: Contents, command: str = "armour report x.toml", map_command: str = "") -> Report:
+    return scenario_report(contents, command, map_command)
 
 
 def statements(contents: Contents) -> dict[str, tuple[str, str]]:
     return {card.subject: (card.statement, card.detail) for card in report(contents).cards}
 
 
+def section(contents: Contents, heading: str) -> Section:
+    return next(section for section in report(contents).sections if section.heading == heading)
+
+
 def test_the_title_is_the_armour_reported_with_the_scenarios_beside_it():
     found = report(wilkins())
     assert found.title == "6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s"
     assert found.byline[0] == ("scenario", "A title")
-    designed = contents_of(load_scenario("catalogue"))
     threats = "7.62 mm AP at 850 m/s and 7.62 mm APM2 at 830 m/s"
-    assert report(designed).title == f"8 mm AD85 on 8 mm 7075-T6 against {threats}"
+    assert report(contents("catalogue")).title == f"8 mm AD85 on 8 mm 7075-T6 against {threats}"
 
 
-def test_questions():
-    impact = wilkins().scenario.impact
-    assert report(wilkins()).lead == f"Does this armour defeat the 7.62 mm AP at {impact.velocity_m_s:g} m/s?"
-    one = report(designed(design_result())).lead
-    assert one == "Which AD85 on 6061-T6 is the lightest that defeats the 7.62 mm AP at 800 m/s?"
-    several = report(designed(design_result(threats=(THREAT, OTHER), pareto=True))).lead
-    assert several == "Which available armour is the lightest that defeats the 7.62 mm AP at 800 m/s and the M2?"
-    bare = report(designed(design_result(ceramic=""))).lead
-    assert bare.startswith("Which 6061-T6 is the lightest that defeats")
+@pytest.mark.parametrize(
+    ("given", "passed", "lead"),
+    [
+        ([(0.07, None)], None, ""),
+        ([(0.96, 0.95)], True, "Meets what was asked for."),
+        ([(0.96, 0.95), (0.97, 0.95)], True, "Meets what was asked for, against every threat."),
+        ([(0.5, 0.95), (0.97, 0.95)], False, f"Does not meet what was asked for, against {THREAT}."),
+        ([(None, 0.95), (0.97, 0.95)], False, f"Not known to meet what was asked for, against {THREAT}."),
+        ([(None, None)], None, ""),
+    ],
+)
+def test_the_verdict_follows_what_was_asked_for(
+    given: list[tuple[float | None, float | None]], passed: bool | None, lead: str
+):
+    found = report(asked(*given))
+    assert (found.passed, found.lead) == (passed, lead)
+    table = section(asked(*given), "Threats").tables[0]
+    if passed is not None:
+        results = [row[table.headings().index("result")] for row in table.texts()]
+        assert [result == "unknown" for result in results] == [probability is None for probability, _ in given]
 
 
 def test_the_answer_without_a_design():
     found = statements(wilkins())
-    assert found["Armour"] == ("6.35 mm AD85 on 6.35 mm 6061-T6", "12.7 mm thick")
-    assert found["Areal density"] == (f"{wilkins().impact.areal_density_kg_m2:.2f} kg/m²", "")
-    outcome = {"defeated": "projectile defeated", "perforated": "armour perforated"}[wilkins().impact.outcome]
-    assert found["Outcome"][0] == outcome
-    assert "ballistic limit 723.77 m/s, margin " in found["Outcome"][1]
-    statement, detail = found["Probability of defeating the threat"]
+    assert [*found] == ["Probability of stopping the projectile", "Armour", "Asked for"]
+    assert found["Armour"][0] == "6.35 mm AD85 on 6.35 mm 6061-T6"
+    assert found["Armour"][1] == f"{wilkins().impact.areal_density_kg_m2:.2f} kg/m², 12.7 mm thick"
+    assert found["Asked for"] == ("no probability", "--confidence 0.95 asks for a probability of 95 %")
+    statement, detail = found["Probability of stopping the projectile"]
     assert statement == "7 %"
     assert "95 % interval -15.2 to +15.9 %, from 13 tests of AD85 on 6061-T6" in detail
+    assert statements(asked((0.96, 0.95)))["Asked for"] == ("at least 95 %", "")
+
+
+def test_every_threat_has_its_velocity_and_angle():
+    table = section(asked((0.5, 0.95), (0.97, 0.9)), "Threats").tables[0]
+    assert table.headings()[:4] == ["threat", "projectile", "velocity, m/s", "obliquity, °"]
+    assert [row[:1] for row in table.texts()] == [[""], [OTHER]]
+    found = [[*zip(table.headings(), row, strict=True)] for row in table.texts()]
+    assert {("velocity, m/s", "800"), ("obliquity, °", "0"), ("required", "at least 95 %")} <= {*found[0]}
 
 
 def test_no_figure_where_nothing_was_tested():
-    found = statements(contents_of(scenario(ceramic="SiC", backing="Ti-6Al-4V")))
-    statement, detail = found["Probability of defeating the threat"]
+    found = statements(contents_of(scenario(ceramic="SiC", uncertainty=SAMPLED)))
+    statement, detail = found["Probability of stopping the projectile"]
     assert statement == "unknown"
     assert "no test of such an armour" in detail
-    uncertain = contents_of(scenario(ceramic="SiC", uncertainty=SAMPLED))
-    assert statements(uncertain)["Probability of defeating the threat"][1].endswith(SAMPLED_ALONE)
+    assert detail.endswith(SAMPLED_ALONE)
     assert not any("±" in text for card in found.values() for text in card)
 
 
 def test_the_answer_with_a_design():
     one = statements(designed(design_result()))
-    assert "Best design" in one
-    assert one["Areal density"] == ("43.60 kg/m²", "cost 100.00 per m²")
     # The table's digits.
     _, best, _ = frontier_table(design_result()).texts()
-    assert one["Areal density"][0] == f"{best[2]} kg/m²"
-    several = statements(designed(design_result(threats=(THREAT, OTHER))))
-    statement, detail = several["Defeats"]
-    assert statement == f"{THREAT} and {OTHER}"
-    assert f"{THREAT}: margin +20.0 m/s, probability of defeat 60 %" in detail
-    assert f"{OTHER}: margin +20.0 m/s (+10.0 m/s required, met), probability of defeat 70 %" in detail
-    assert f"Probability of defeating the threat that governs, {THREAT}" in several
+    assert one["Lightest design"][1].startswith(f"{best[2]} kg/m², ")
+    assert one["Lightest design"][1].endswith(", cost 100.00 per m²")
+    detail = one["Probability of stopping the projectile"][1]
+    assert detail.startswith(f"against {THREAT}, the most likely of 2 threats to perforate; ")
+    asks = statements(contents("catalogue"))["Asked for"]
+    assert asks[0] == "margin of 20 m/s"
+    assert asks[1].startswith("--confidence 0.95 asks for a probability of 95 %; thickness of at most 20 mm; ")
 
 
-def test_a_design_without_a_margin_is_told():
-    best = replace(best_design(), model_error=ModelError(0.0, 7.0, 12.0, "13 tests"))
-    ask = "50 %; design.confidence = 0.95 in the scenario designs for a probability of 95 %"
-    told = report(designed(replace(design_result(), best=best))).warnings[-1]
-    assert told == f"a design without a margin is perforated with a probability of {ask}"
-    assert not any(
-        "without a margin" in warning
-        for warning in report(designed(replace(design_result(), best=replace(best, model_error=None)))).warnings
-    )
-
-
-def test_a_required_margin_that_is_missed_is_told():
-    found = AgainstThreat("M2", True, 2.4, 20.0, None)
-    contents = replace(wilkins(), threats=(found, found._replace(threat="M3", margin_m_s=30.0)), governing="M2")
-    assert "+2.4 m/s (+20.0 m/s required, not met)" in statements(contents)["Defeats"][1]
-    [table] = next(s.tables for s in report(contents).sections if s.heading == "Margins against the threats")
-    assert [row[table.headings().index("requirement")] for row in table.texts()] == ["not met", "met"]
+def test_the_report_names_the_command_of_the_map():
+    command = "armour optimise x.toml --map map.html"
+    [found] = [part for part in report(designed(design_result()), "", command).sections if part.code == command]
+    assert found.heading == "map of AD85"
+    assert not any(part.code == command for part in report(wilkins(), "", command).sections)
 
 
 def test_warnings_name_inputs_in_words():
     warnings = (
         Note("high", "backing.flow_stress_GPa"),
         Note("other", "uncertainty.armour.ceramic_thickness_mm"),
+        Note("far", "threat[0].projectile"),
+        Note("new", "armour.ceramic"),
         Note("no", "threat"),
     )
-    assert report(replace(wilkins(), warnings=warnings)).warnings[:3] == (
+    assert report(replace(wilkins(), warnings=warnings)).warnings[:5] == (
         "back plate flow stress, GPa: high",
         "distribution of the ceramic thickness, mm: other",
+        "7.62 mm AP at 800 m/s: far",
+        "ceramic: new",
         "threat: no",
-    )
-
-
-def test_the_armour_is_said_to_be_the_best_design_or_the_scenarios_own():
-    assert report(wilkins()).remarks == ()
-    [remark] = report(designed(design_result())).remarks
-    assert remark == (
-        "The armour is the best design found. "
-        "With --as-is, the report is on the scenario's own, 6.35 mm AD85 on 6.35 mm 6061-T6."
     )
 
 
 def test_the_answer_with_distributions():
     sampled = uncertainty_result().of(scenario=scenario())
     error = wilkins().confidence.model_error
-    found = statements(replace(wilkins(), uncertainty=replace(sampled, model_error=error).of(scenario=scenario())))
-    statement, detail = found["Probability of defeating the threat"]
-    assert statement == "79 %"
-    with_error = "95 % interval 78.0 to 80.0 %, from the given distributions and the error of the model; "
-    assert detail.startswith(f"{with_error}error of the model: -1.2 %, 95 % interval")
-    # Without an error of the model the distributions alone tell no probability of defeat, unless the scenario says so.
-    unknown = ConfidenceResult(None, 700.0, None, NO_TEST)
-    found = statements(replace(wilkins(), uncertainty=sampled, confidence=unknown))
-    assert found["Probability of defeating the threat"][0] == "unknown"
-    left_out = scenario(uncertainty={"model": {"included": False}})
-    found = statements(replace(wilkins(), uncertainty=sampled, scenario=left_out))
-    without = "95 % interval 78.0 to 80.0 %, from the given distributions, without the error of the model"
-    assert found["Probability of defeating the threat"] == ("79 %", without)
+    with_error = replace(sampled, model_error=error).of(scenario=scenario())
+    given = replace(wilkins(), uncertainty=with_error, sampled=(wilkins().threat.threat,))
+    detail = statements(given)["Probability of stopping the projectile"][1]
+    found = "95 % interval 78.0 to 80.0 % by sampling, from the given distributions and the model error: "
+    assert detail.startswith(f"{found}-1.2 %, 95 % interval")
+    # Without a model error the distributions alone tell no probability, unless the scenario says so.
+    unknown = replace(wilkins(), uncertainty=sampled, confidence=ConfidenceResult(None, 700.0, None, NO_TEST))
+    assert statements(unknown)["Probability of stopping the projectile"][1].endswith(SAMPLED_ALONE)
+    left_out = replace(unknown, sampled=(unknown.threat.threat,))
+    without = "95 % interval 78.0 to 80.0 % by sampling, from the given distributions, without the model error"
+    assert statements(left_out)["Probability of stopping the projectile"][1] == without
 
 
-def test_sections_follow_the_results():
-    def headings(contents: Contents) -> list[str]:
-        return [section.heading for section in report(contents).sections]
+def test_sections_are_the_answer_and_what_explains_it():
+    def headings(contents: Contents, *, folded: bool) -> list[str]:
+        return [section.heading for section in report(contents).sections if section.folded == folded]
 
-    entries = ["Projectile: 7.62 mm AP", "Ceramic: AD85", "Metal: 6061-T6"]
-    assert headings(wilkins()) == [
-        "Energy balance of the projectile",
-        "Stages of the impact",
-        "Sensitivity to the inputs",
-        *entries,
-        "Scenario",
-        "Origin",
-    ]
+    assert headings(wilkins(), folded=False) == ["Threats", "What if", "Assumptions and limits", "References"]
+    evidence = ["The impact, stage by stage", "Sensitivity to the inputs", "Values and their sources"]
+    assert headings(wilkins(), folded=True) == [*evidence, "Scenario", "Command and versions"]
     full = replace(
-        wilkins(),
-        design=design_result(threats=(THREAT, OTHER), pareto=True),
+        designed(design_result(threats=(THREAT, OTHER), pareto=True)),
         uncertainty=uncertainty_result().of(scenario=scenario()),
     )
-    assert headings(full)[1:5] == ["Best design", "Margins against the threats", "Pairs of materials", "Pareto front"]
-    assert "Results under uncertain inputs" in headings(full)
-    assert "Required ceramic for each back plate" in headings(replace(wilkins(), design=design_result()))
+    folded = headings(full, folded=True)
+    assert folded[:3] == ["What if, against the other threats", "Pairs of materials", "Results under uncertain inputs"]
+    assert [table.title for table in section(full, "Pairs of materials").tables] == [
+        "pairs of materials",
+        "Pareto front",
+    ]
+    assert "Required ceramic for each back plate" in headings(designed(design_result()), folded=True)
 
 
-@cache
-def as_is(velocity: float) -> Contents:
-    """An armour of one's own against two threats, of a scenario that asks for a design."""
-    grid = {"ceramic_thickness_mm": RANGE, "backing_thickness_mm": RANGE}
-    threats = [{**threat, "velocity_m_s": velocity} for threat in THREATS]
-    return contents_of(scenario(ceramic_mm=8.0, threat=threats, optimise=grid), as_is=True)
+def test_the_references_are_those_of_the_tests_and_values_used():
+    assert [name for name, _ in section(wilkins(), "References").notes][:2] == ["Paper", "Wilkins"]
+    known = [name for name, _ in section(contents_of(scenario(ceramic="SiC")), "References").notes]
+    assert "Ryan2023" not in known
 
 
-def test_the_scenarios_own_armour_where_a_design_is_asked_for():
-    found = report(as_is(780.0))
-    assert found.lead == "Does this armour defeat the 7.62 mm AP at 780 m/s and the M2?"
-    assert found.remarks == ("The armour is the scenario's own. Without --as-is, the report is on the best design.",)
-    cards = statements(as_is(780.0))
-    assert cards["Armour"][0] == "8 mm AD85 on 6.35 mm 6061-T6"
-    [table] = next(section.tables for section in found.sections if section.heading == "Margins against the threats")
-    assert [row[0] for row in table.texts()] == ["7.62 mm AP at 780 m/s", "M2"]
-    assert [column.label for column in table.columns][:4] == ["threat", "outcome", "margin", "required margin"]
-    assert [row[-1] for row in table.texts()].count("governs") == 1
+def test_the_armour_is_said_to_be_the_best_design_or_the_scenarios_own():
+    def words(contents: Contents) -> str:
+        return section(contents, "Command and versions").paragraphs[0]
 
-
-def test_threats_that_perforate_are_named_alone():
-    statement, detail = statements(as_is(830.0))["Perforated by"]
-    perforating = [found.threat for found in as_is(830.0).threats if not found.defeated]
-    assert statement == " and ".join(perforating)
-    assert all(f"{name}: perforates; margin -" in detail for name in perforating)
-    assert all(found.threat in detail for found in as_is(830.0).threats)
+    assert words(wilkins()) == "Made by:"
+    assert words(designed(design_result())) == (
+        "The armour is the design found. "
+        "With --as-is, the report is on the scenario's own, 6.35 mm AD85 on 6.35 mm 6061-T6."
+    )
+    grid = {"optimise": {"ceramic_thickness_mm": RANGE, "backing_thickness_mm": RANGE}}
+    own = replace(wilkins(), scenario=wilkins().scenario.replaced(grid))
+    assert words(own) == "The armour is the scenario's own. Without --as-is, the report is on the best design."
 
 
 def test_author_project_and_date_are_shown_where_given():
-    assert report(wilkins()).byline == (("scenario", "A title"), ("revision", f"armour {__version__}"))
+    assert report(wilkins()).byline == (("scenario", "A title"), ("program version", f"armour {__version__}"))
     keys = {"author": "A. Smith", "date": "2026-01-31", "project": "Door"}
     named = report(replace(wilkins(), scenario=wilkins().scenario.replaced(keys)))
     assert named.byline[1:4] == (("project", "Door"), ("author", "A. Smith"), ("date", "2026-01-31"))
-    assert "project: Door, author: A. Smith, date: 2026-01-31, revision: armour " in markdown_report(named)
-
-
-def test_a_probability_with_exact_inputs_is_said_to_be_one_where_another_is_sampled():
-    threats = tuple(AgainstThreat(name, True, 20.0, 0.0, 0.6, sampled=name == OTHER) for name in (THREAT, OTHER))
-    _, detail = statements(replace(wilkins(), threats=threats))["Defeats"]
-    assert detail == (
-        f"{THREAT}: margin +20.0 m/s, probability of defeat 60 % with exact inputs; "
-        f"{OTHER}: margin +20.0 m/s, probability of defeat 60 %"
-    )
-
-
-def test_a_threat_whose_limit_is_outside_the_range_has_no_margin():
-    threats = tuple(AgainstThreat(name, True, None, 0.0, None) for name in (THREAT, OTHER))
-    _, detail = statements(replace(wilkins(), threats=threats))["Defeats"]
-    assert f"{OTHER}: limit outside the range searched, probability of defeat" in detail
+    assert "project: Door, author: A. Smith, date: 2026-01-31, program version: armour " in markdown_report(named)

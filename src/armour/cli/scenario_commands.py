@@ -23,6 +23,7 @@ from armour.cli.question import (
     PlotFile,
     ScenarioFile,
     argument,
+    number,
     option,
     question,
 )
@@ -34,10 +35,13 @@ from armour.scenario.inputs import SHOT
 if TYPE_CHECKING:
     from armour.analysis.results import OnProgress
     from armour.reporting.report import Report
+    from armour.reporting.scenario_report import Contents
     from armour.scenario.scenario import Scenario
     from armour.sweeps.cases import Grid
     from armour.sweeps.sweep import Effort
 
+# What a check and a report require: the key, and the help of the option.
+CONFIDENCE = ("design.confidence", "Probability of stopping each threat that is required, such as 0.95.")
 # Keys of a design that a check reads.
 CHECK = ("design.confidence", "design.thickness_tolerance_mm")
 # What a ballistic limit depends on, see `armour.scenario.reach`.
@@ -90,7 +94,7 @@ def compare(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     what="the check",
     first="searching",
     of_threats=True,
-    confidence=("design.confidence", "Probability of stopping each threat that is required, such as 0.95."),
+    confidence=CONFIDENCE,
 )
 def check(
     scenario: "Scenario",
@@ -297,7 +301,8 @@ def _approve(effort: "Effort", yes: bool) -> None:
 
 # What a report reads: keys that it shows, and what the results for the scenario's own armour depend on.
 BYLINE = ("author", "project", "date")
-AS_IS = ("impact", "threat", "ballistic_limit", "uncertainty", "optimise")
+TEXTS = re.compile(r"\s*(author|project|date|armour\.\w+_thickness_mm)\b")
+AS_IS = ("impact", "threat", *CHECK, "ballistic_limit", "uncertainty", "optimise")
 
 
 def report(
@@ -315,6 +320,7 @@ def report(
     as_is: Annotated[
         bool, option("Report on the scenario's own armour, also where the scenario asks for a design.", "--as-is")
     ] = False,
+    confidence: Annotated[str | None, option(CONFIDENCE[1], metavar="NUMBER", parser=number)] = None,
     force: Force = False,
     changes: Changes = None,
 ) -> None:
@@ -322,33 +328,42 @@ def report(
 
     One self-contained file with the answer, its uncertainty, charts (in HTML) and the sources of all values.
     """
+    from armour.reporting.scenario_report import scenario_report
     from armour.reporting.show import REPORT_ENDINGS, report_text
     from armour.scenario.scenario import scenario_file
 
     check_outputs(output, force=force)
     refuse(wrong_ending(output, REPORT_ENDINGS))
-    options = ["--as-is"] * as_is + [word for change in changes or () for word in ("--set", change)]
-    command = shlex.join(["armour", "report", str(source), "--output", str(output), *options])
+    asked = [] if confidence is None else ["--confidence", str(confidence)]
+    sets = [word for change in changes or () for word in ("--set", change)]
+    command = shlex.join(
+        ["armour", "report", str(source), "--output", str(output), *["--as-is"] * as_is, *asked, *sets]
+    )
+    # What optimise does not read is left out.
+    needed = [word for change in changes or () if not TEXTS.match(change) for word in ("--set", change)]
+    map_command = shlex.join(["armour", "optimise", str(source), *asked, *needed, "--map", "map.html"])
     if str(source) != "-":
         source = scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
-    if is_suite and as_is:
-        raise wrong_option("--as-is", "must be given with a scenario, found a suite")
+    for name, given in (("--as-is", as_is), ("--confidence", asked)):
+        if is_suite and given:
+            raise wrong_option(name, "must be given with a scenario, found a suite")
     if is_suite:
         made = _suite_report(source, changes or [], command)
     else:
-        made = _scenario_report(source, changes or [], command, as_is=as_is)
+        contents = _contents(source, changes or [], confidence, as_is=as_is)
+        made = scenario_report(contents, command, map_command)
     write({output: report_text(made, output)})
 
 
-def _scenario_report(source: Path, changes: list[str], command: str, *, as_is: bool) -> "Report":
-    from armour.reporting.scenario_report import contents_of, scenario_report
+def _contents(source: Path, changes: list[str], confidence: Any, *, as_is: bool) -> "Contents":
+    from armour.reporting.scenario_report import contents_of
 
-    loaded = read_scenario(source, changes, (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS)), what="the report")
+    reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
+    loaded = read_scenario(source, changes, reads, {"--confidence": (CONFIDENCE[0], confidence)}, what="the report")
     say_if_compiling()
     with progress("armours") as count:
-        contents = contents_of(loaded, count, as_is=as_is)
-    return scenario_report(contents, command)
+        return contents_of(loaded, count, as_is=as_is)
 
 
 def _suite_report(source: Path, changes: list[str], command: str) -> "Report":

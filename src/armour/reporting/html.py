@@ -6,9 +6,8 @@ The charts have the page's colours, and show the values of points on hover, focu
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from itertools import product
+from itertools import count
 from math import dist, inf, isfinite
-from operator import mul
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
@@ -24,8 +23,6 @@ from armour.reporting.text import printable_lines, unbroken, wrapped
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Heights of a heading and of a character of a note, in the points of a chart.
-HEADING_POINTS, NOTE_POINTS = 40.0, 0.2
 # Options of the command line, and names with a number, such as "6061-T6", at whose hyphens no line may end.
 OPTION = re.compile(r"(?<![\w-])--[a-z]+(-[a-z]+)*(?![\w-])")
 NAME = re.compile(r"(?<![\w-])(?=[\w-]*\d)\w+(-\w+)+(?![\w-])")
@@ -43,8 +40,12 @@ CHARACTER, LINE_CHARACTERS = 5.0, 54
 
 def html_report(report: Report) -> str:
     """Format a report as HTML."""
-    drawn = [_drawn(chart, number) for number, chart in enumerate(report.charts, start=1) if chart.panels]
-    return _rendered("report.html", report=report, columns=_columns(drawn))
+    numbers = count(1)
+
+    def svg(chart: Chart) -> Markup:
+        return Markup(inline_svg(chart, f"chart{next(numbers)}"))
+
+    return _rendered("report.html", report=report, svg=svg)
 
 
 def html_tables(tables: Iterable[Table | str]) -> str:
@@ -70,21 +71,6 @@ def _whole(text: str) -> Markup:
     """Return a text with marks on options and names, so that no line ends within one."""
     marked = NAME.sub(r"<span>\g<0></span>", str(escape(printable_lines(text))))
     return Markup(OPTION.sub(r"<code>\g<0></code>", marked))
-
-
-def _drawn(chart: Chart, number: int) -> dict[str, Any]:
-    """Return a chart as the template shows it, with its height in points."""
-    svg = inline_svg(chart, f"chart{number}")
-    *_, height = svg.partition('viewBox="')[2].partition('"')[0].split()
-    points = HEADING_POINTS + NOTE_POINTS * len(chart.note) + float(height)
-    return {"number": number, "chart": chart, "svg": Markup(svg), "height": points}
-
-
-def _columns(drawn: list[dict[str, Any]]) -> list[list[dict[str, Any]]]:
-    """Share charts between two columns of as nearly the same height as possible."""
-    heights = [chart["height"] for chart in drawn]
-    signs = min(product((1, -1), repeat=len(drawn)), key=lambda signs: abs(sum(map(mul, signs, heights))))
-    return [[chart for chart, own in zip(drawn, signs, strict=True) if own == sign] for sign in (1, -1)]
 
 
 def inline_svg(chart: Chart, name: str) -> str:

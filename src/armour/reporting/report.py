@@ -2,21 +2,18 @@
 
 import re
 import sys
+from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import NamedTuple
 
 from armour import MODEL_VERSION, __version__
-from armour.files import printable
+from armour.files import printable, read_toml, shipped
 from armour.reporting.charts import Chart
 from armour.reporting.table import Column, Table
 from armour.reporting.text import printable_lines
 from armour.scenario.scenario import Scenario
 
-ORIGIN = (
-    "The model is that of the published paper “Modeling penetration of ceramic/metal lightweight armours by small and "
-    "medium caliber projectiles”. Do not rely on this report alone for anyone's protection."
-)
 # Packages whose versions the results can depend on.
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite")
 
@@ -31,38 +28,56 @@ class Card(NamedTuple):
 
 @dataclass(frozen=True)
 class Section:
-    """A heading with paragraphs, the text of a file or a command, tables, and notes on named things, in this order."""
+    """A heading with paragraphs, text of a file or a command, charts, tables, and notes on named things, in this order.
+
+    Tables have their titles where there are several.  HTML has the charts, and folds what only explains the answer.
+    """
 
     heading: str
     paragraphs: tuple[str, ...] = ()
     code: str = ""
     language: str = ""
+    charts: tuple[Chart, ...] = ()
     tables: tuple[Table, ...] = ()
     notes: tuple[tuple[str, str], ...] = ()
+    folded: bool = False
+    drawn: bool = False  # whether the charts show what is in the tables, which HTML then leaves out
 
 
 @dataclass(frozen=True)
 class Report:
-    """A report: a question or a verdict, the answer, and sections; cross-section and charts are in HTML only."""
+    """A report: a verdict, the answer, and sections; cross-section and charts are in HTML only."""
 
     title: str
-    lead: str  # the question or the verdict
+    lead: str  # the verdict, if there is one
     sections: tuple[Section, ...]
-    charts: tuple[Chart, ...]
     cards: tuple[Card, ...] = ()
     warnings: tuple[str, ...] = ()
     cross_section: Scenario | None = None  # of the armour that is drawn to scale
-    passed: bool | None = None  # of a suite
+    passed: bool | None = None  # None where nothing was asked for
     byline: tuple[tuple[str, str], ...] = ()  # such as the author: what it is, and its text
-    remarks: tuple[str, ...] = ()  # on the armour that is reported, after the lead
+    text: str = ""  # after the verdict
 
 
-def origin_section(command: str) -> Section:
+def origin_section(command: str, words: str = "") -> Section:
     """Return the section on the command that makes a report and the programs that its results depend on."""
     versions = [("armour", __version__), ("model", MODEL_VERSION), ("Python", sys.version.split()[0])]
     versions += [(name, version(name)) for name in PACKAGES]
     table = Table((Column("program"), Column("version")), tuple(versions))
-    return Section("Origin", (ORIGIN, "Made by:"), command, "console", (table,))
+    paragraphs = (*filter(None, (words,)), "Made by:")
+    return Section("Command and versions", paragraphs, command, "console", tables=(table,), folded=True)
+
+
+def reference_notes(texts: Iterable[str]) -> tuple[tuple[str, str], ...]:
+    """Return the sources of the bibliography that texts cite by their keys in brackets, in this order."""
+    known = read_toml(shipped("configs") / "references.toml")
+    keys = dict.fromkeys(key for text in texts for key in re.findall(r"\[(\w+)\]", text) if key in known)
+    return tuple((key, _cited(known[key])) for key in keys)
+
+
+def _cited(source: dict[str, str]) -> str:
+    parts = [source[part] for part in ("authors", "title", "where", "year") if part in source]
+    return ", ".join(parts) + (f", doi {source['doi']}" if "doi" in source else "")
 
 
 def markdown_table(table: Table) -> str:
@@ -87,7 +102,6 @@ def markdown_report(report: Report) -> str:
     parts = [f"# {markdown_text(report.title)}"]
     if report.byline:
         parts.append(", ".join(markdown_text(f"{name}: {text}") for name, text in report.byline))
-    parts += (markdown_text(words) for words in (report.lead, *report.remarks))
     if report.cards:
         cards = ([markdown_text(text) for text in card] for card in report.cards)
         parts.append(
@@ -95,6 +109,7 @@ def markdown_report(report: Report) -> str:
                 f"* {subject}: **{words}**" + (f"; {detail}" if detail else "") for subject, words, detail in cards
             )
         )
+    parts += (markdown_text(words) for words in (report.lead, report.text) if words)
     parts += (f"Warning: {markdown_text(warning)}" for warning in report.warnings)
     for section in report.sections:
         parts += _section(section)
@@ -105,10 +120,13 @@ def _section(section: Section) -> list[str]:
     parts = [f"## {markdown_text(section.heading)}", *(markdown_text(words) for words in section.paragraphs)]
     if section.code:
         parts.append(_fenced(section.code, section.language))
-    parts += (markdown_table(table) for table in section.tables)
+    for table in section.tables:
+        if len(section.tables) > 1 and table.title:
+            parts.append(f"### {markdown_text(table.title)}")
+        parts.append(markdown_table(table))
     if section.notes:
         parts.append("\n".join(f"* {markdown_text(name)}: {markdown_text(note)}." for name, note in section.notes))
-    return parts
+    return parts if len(parts) > 1 else []
 
 
 def _fenced(text: str, language: str) -> str:

@@ -1,9 +1,9 @@
 """Report on a scenario: its answer, and the results that explain it and say how reliable it is."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import inf
-from typing import NamedTuple
 
 from armour import __version__
 from armour.analysis.ballistic_limit import (
@@ -17,45 +17,54 @@ from armour.analysis.ballistic_limit import (
 from armour.analysis.impact import EnergyBalance, ImpactResult, energy_balance, simulate
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.samples import own_errors
+from armour.design.check import CheckedThreat, CheckResult, check
 from armour.design.optimise import OBJECTIVES, DesignResult, optimise
 from armour.errors import NoLimitError, Note
 from armour.reporting.charts import Chart
-from armour.reporting.report import Card, Report, Section, origin_section
-from armour.reporting.table import Column, Table, in_words, listing
+from armour.reporting.report import Card, Report, Section, origin_section, reference_notes
+from armour.reporting.table import Column, Table, column_of, in_words, listing
+from armour.reporting.text import interval, percent
+from armour.reporting.views import check as check_view
 from armour.reporting.views import design as design_view
 from armour.reporting.views import impact as impact_view
 from armour.reporting.views import sensitivity as sensitivity_view
 from armour.reporting.views import uncertainty as uncertainty_view
 from armour.reporting.views.confidence import DEFEAT, SAMPLED_ALONE, chance, extrapolation, from_tests
-from armour.reporting.views.design import AREAL_DENSITY, BALLISTIC_LIMIT, COST, MARGIN, REQUIRED, required_margins
+from armour.reporting.views.design import AREAL_DENSITY, COST
 from armour.reporting.views.library import entry_table
-from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, ROLES
+from armour.scenario.evidence import closest
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, ROLES
 from armour.scenario.scenario import Scenario, title_beside
-from armour.scenario.schema import Threat, shot
+from armour.scenario.schema import DesignSection
 from armour.statistics.sensitivity import SensitivityResult, sensitivity
 from armour.statistics.uncertainty import UncertaintyResult, probability_of_perforation, uncertainty
 
-
-class AgainstThreat(NamedTuple):
-    """The armour of a report against one threat."""
-
-    threat: str  # projectile and velocity, or its name
-    defeated: bool
-    margin_m_s: float | None  # None where the ballistic limit is outside the range searched
-    required_margin_m_s: float
-    probability_of_defeat: float | None  # None where it is not known
-    sampled: bool = False  # whether it is that of the scenario's distributions
+# Keys of [design] that ask something of any armour, not for a design.
+OF_ANY_ARMOUR = {"confidence", "thickness_tolerance_mm"}
+# What the model leaves out, see docs/limits.md.
+ASSUMPTIONS = (
+    ("Penetrator", "a flat-ended cylinder of one material; jacket, tip, sabot and fracture of the core are left out"),
+    ("Flight", "straight; an angle counts by the thickness along the line of fire, without ricochet or yaw"),
+    ("Armour", "layers in contact; adhesive, covers and spall liners do not resist"),
+    ("Hits", "a single one, far from the edges and joints of an unconfined tile or plate"),
+    ("Back plate", "resists by its strength and fails by a plug; dishing, petalling, tearing and cracks are left out"),
+    ("Stopped", "no perforation; deformation behind the armour and spall are not assessed"),
+    ("Probability", "rests on the errors that the model had on tests; materials have the values listed here"),
+    ("Use", "does not replace firing tests: do not rely on this report alone for anyone's protection"),
+)
 
 
 @dataclass(frozen=True)
 class Contents:
-    """Results of a scenario as it was read, and of its answer: the armour against the threat that governs it."""
+    """Results of a scenario as it was read, and of the armour that is reported: the best design, or its own."""
 
     scenario: Scenario
-    answer: Scenario
     design: DesignResult | None  # None for the scenario's own armour
-    threats: tuple[AgainstThreat, ...]
-    governing: str  # threat that the margin exceeds the least
+    check: CheckResult  # of the armour, with exact inputs
+    threats: tuple[CheckedThreat, ...]  # the same, with the scenario's distributions where these apply
+    sampled: tuple[str, ...]  # threats that they apply to
+    threat: CheckedThreat  # that most likely perforates the armour
+    answer: Scenario  # the armour against it
     impact: ImpactResult  # with its history
     limit: LimitResult | None  # None where it is outside the range searched
     confidence: ConfidenceResult
@@ -67,7 +76,8 @@ class Contents:
 
 def asks_for_design(scenario: Scenario) -> bool:
     """Return whether a scenario asks for the best design."""
-    return scenario.optimise is not None or scenario.design is not None or bool(scenario.threat)
+    section = scenario.design
+    return scenario.optimise is not None or (section is not None and not section.model_fields_set <= OF_ANY_ARMOUR)
 
 
 def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *, as_is: bool = False) -> Contents:
@@ -80,39 +90,41 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         on_progress(done, None)
 
     design = optimise(scenario, on_progress=on_part) if asks_for_design(scenario) and not as_is else None
-    faced = _faced(scenario if design is None else _with_best(scenario, design))
-    threats = [_against(*each, design) for each in faced]
-    sampled = scenario.uncertainty is not None and bool(scenario.uncertainty.inputs())
-    misplaced = [_misplaced(scenario, against) for against, _ in faced]
-    if sampled:
-        threats = [
-            found if wrong else _sampled(found, against, on_part)
-            for found, (against, _), wrong in zip(threats, faced, misplaced, strict=True)
-        ]
-    if design is None:
-        place = min(range(len(threats)), key=lambda index: _excess(threats[index]))
-    else:
-        place = [found.threat for found in threats].index(design.best.governing)
+    armour = scenario if design is None else _with_best(scenario, design)
+    checked = check(armour, on_progress=on_part)
+    faced = [armour.against(threat) for threat in armour.threats()]
+    distributed = scenario.uncertainty is not None and bool(scenario.uncertainty.inputs())
+    misplaced = [_misplaced(scenario, against) for against in faced]
+    threats, sampled = list(checked.threats), []
+    for place, against in enumerate(faced):
+        if distributed and not misplaced[place] and (against.excludes_error() or own_errors(against).known.all()):
+            threats[place] = _sampled(threats[place], against, on_part)
+            sampled.append(threats[place].threat)
+    worst = min(range(len(threats)), key=lambda place: _standing(threats[place]))
+    answer = faced[worst]
+    if design is not None:
         probabilities = {found.threat: found.probability_of_defeat for found in threats}
         best = replace(design.best, probabilities_of_defeat=probabilities)
         design = replace(design, best=best).of(**design.question)
-    answer = faced[place][0]
     impact = simulate(answer, history=True)
     limit, sure = _limit(answer)
+    unused = scenario.unused_distributions() if distributed else ()
     return Contents(
         scenario=scenario,
-        answer=answer,
         design=design,
+        check=checked,
         threats=tuple(threats),
-        governing=threats[place].threat,
+        sampled=tuple(sampled),
+        threat=threats[worst],
+        answer=answer,
         impact=impact,
         limit=limit,
         confidence=sure,
         energy=energy_balance(answer, impact),
         sensitivity=sensitivity(answer, on_progress=on_part),
-        uncertainty=uncertainty(answer, on_progress=on_part) if sampled and not misplaced[place] else None,
+        uncertainty=uncertainty(answer, on_progress=on_part) if distributed and not misplaced[worst] else None,
         warnings=(
-            *(impact.warnings if design is None else design.warnings),
+            *(warning for warning in (checked if design is None else design).warnings if warning not in unused),
             *(() if limit is None else not_monotonic(limit)),
             *dict.fromkeys(warning for found in misplaced for warning in found),
         ),
@@ -129,36 +141,21 @@ def _limit(scenario: Scenario) -> tuple[LimitResult | None, ConfidenceResult]:
     return limit, of_limit(scenario, limit.ballistic_limit_m_s, scenario.impact.velocity_m_s)
 
 
-def _faced(scenario: Scenario) -> list[tuple[Scenario, Threat]]:
-    """Return every threat, with the scenario of its impact."""
-    return [(scenario.against(threat), threat) for threat in scenario.threats()]
-
-
-def _against(scenario: Scenario, threat: Threat, design: DesignResult | None) -> AgainstThreat:
-    """Return the scenario's own armour, or else the best design, against a threat."""
-    name, required = threat.title, threat.margin_m_s
-    if design is not None:
-        best = design.best
-        return AgainstThreat(name, True, best.margins_m_s[name], required, best.probabilities_of_defeat[name])
-    limit, sure = _limit(scenario)
-    margin = None if limit is None else limit.ballistic_limit_m_s - threat.velocity_m_s
-    defeated = simulate(scenario).outcome == "defeated"
-    return AgainstThreat(name, defeated, margin, required, sure.probability_of_defeat)
-
-
-def _excess(found: AgainstThreat) -> float:
-    """Return by how much the margin against a threat exceeds the one required, m/s."""
+def _standing(found: CheckedThreat) -> tuple[bool, float]:
+    """Return by what threats are ordered, those that most likely perforate first, an unknown probability before all."""
+    if found.probability_of_defeat is not None:
+        return True, found.probability_of_defeat
     if found.margin_m_s is None:
-        return inf if found.defeated else -inf
-    return found.margin_m_s - found.required_margin_m_s
+        return False, inf if found.passed else -inf
+    return False, found.margin_m_s - found.required_margin_m_s
 
 
-def _sampled(found: AgainstThreat, scenario: Scenario, on_part: OnProgress) -> AgainstThreat:
-    """Return an armour against a threat with the probability of the distributions, if the model's error is in them."""
-    if not (scenario.excludes_error() or own_errors(scenario).known.all()):
-        return found
-    perforation = probability_of_perforation(scenario, on_progress=on_part)
-    return found._replace(probability_of_defeat=1.0 - perforation.value, sampled=True)
+def _sampled(found: CheckedThreat, scenario: Scenario, on_part: OnProgress) -> CheckedThreat:
+    """Return an armour against a threat with the probability that the distributions give."""
+    probability = 1.0 - probability_of_perforation(scenario, on_progress=on_part).value
+    required = found.required_probability
+    passed = found.passed if required is None else probability >= required
+    return replace(found, probability_of_defeat=probability, passed=passed)
 
 
 def _with_best(scenario: Scenario, result: DesignResult) -> Scenario:
@@ -196,22 +193,16 @@ def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:
     )
 
 
-def scenario_report(contents: Contents, command: str) -> Report:
-    """Report the results of a scenario; the command is the one that makes the report."""
-    scenario = contents.scenario
+def scenario_report(contents: Contents, command: str, map_command: str = "") -> Report:
+    """Report the results of a scenario; the commands are those that make the report and a map of the designs."""
+    passed, lead = _verdict(contents)
     return Report(
         title=_subject(contents),
-        lead=_question(contents),
+        lead=lead,
+        passed=passed,
         byline=_byline(contents),
-        remarks=_remarks(contents),
-        sections=(
-            _energy(contents),
-            *(Section(heading, tables=(table,)) for heading, table in _tables(contents)),
-            Section("Scenario", code=scenario.to_toml(), language="toml"),
-            origin_section(command),
-        ),
-        charts=tuple(_charts(contents)),
-        cards=(*_armour(contents), _outcome(contents), _reliability(contents)),
+        sections=tuple(_sections(contents, command, map_command)),
+        cards=tuple(_cards(contents)),
         warnings=tuple(_warnings(contents)),
         cross_section=contents.answer,
     )
@@ -220,18 +211,6 @@ def scenario_report(contents: Contents, command: str) -> Report:
 def _subject(contents: Contents) -> str:
     """Return the armour that is reported, with its threats."""
     return contents.answer.subject(threats=contents.scenario.threat)
-
-
-def _question(contents: Contents) -> str:
-    """Return the question that the scenario asks."""
-    design = contents.design
-    threats = " and ".join(f"the {found.threat.removeprefix('the ')}" for found in contents.threats)
-    if design is None:
-        return f"Does this armour defeat {threats}?"
-    armour, best = "available armour", design.best
-    if len(design.pairs) == 1:
-        armour = f"{best.ceramic} on {best.backing}" if best.ceramic else best.backing
-    return f"Which {armour} is the {OBJECTIVES[design.minimised].least} that defeats {threats}?"
 
 
 def _byline(contents: Contents) -> tuple[tuple[str, str], ...]:
@@ -243,169 +222,208 @@ def _byline(contents: Contents) -> tuple[tuple[str, str], ...]:
         ("author", scenario.author),
         ("date", scenario.date),
     )
-    return (*((name, text) for name, text in given if text), ("revision", f"armour {__version__}"))
+    return (*((name, text) for name, text in given if text), ("program version", f"armour {__version__}"))
 
 
-def _remarks(contents: Contents) -> tuple[str, ...]:
-    """Return which armour is reported where the scenario asks for a design, and how to get the other."""
-    if contents.design is not None:
-        own = contents.scenario.armour_words()
-        return (f"The armour is the best design found. With --as-is, the report is on the scenario's own, {own}.",)
-    if asks_for_design(contents.scenario):
-        return ("The armour is the scenario's own. Without --as-is, the report is on the best design.",)
-    return ()
+def _is_asked(contents: Contents) -> bool:
+    """Return whether a probability or a margin is asked for."""
+    return any(of.required_probability is not None or of.required_margin_m_s for of in contents.threats)
 
 
-def _armour(contents: Contents) -> tuple[Card, Card]:
-    """Return the armour and its areal density, with the digits of their tables."""
+def _unknown(found: CheckedThreat) -> bool:
+    """Return whether it is not known if a threat is stopped with the probability asked for."""
+    return found.required_probability is not None and found.probability_of_defeat is None
+
+
+def _verdict(contents: Contents) -> tuple[bool | None, str]:
+    """Return whether the armour does what was asked for, None where nothing was, and this in words."""
+    threats = contents.threats
+    if not _is_asked(contents):
+        return None, ""
+    if failed := [of.threat for of in threats if not of.passed and not _unknown(of)]:
+        return False, f"Does not meet what was asked for, against {' and '.join(failed)}."
+    if unknown := [of.threat for of in threats if _unknown(of)]:
+        return False, f"Not known to meet what was asked for, against {' and '.join(unknown)}."
+    return True, f"Meets what was asked for{', against every threat' if len(threats) > 1 else ''}."
+
+
+def _cards(contents: Contents) -> Iterator[Card]:
+    """Give the probability, the armour and what was asked for."""
+    least, against = contents.threat, ""
+    if len(contents.threats) > 1:
+        against = f"against {least.threat}, the most likely of {len(contents.threats)} threats to perforate; "
+    yield Card(DEFEAT.label.capitalize(), chance(least.probability_of_defeat), against + _basis(contents))
+    yield _armour(contents)
+    yield _asked(contents)
+
+
+def _basis(contents: Contents) -> str:
+    """Return what the probability rests on, or why it is not known."""
+    sure, sampled = contents.confidence, contents.uncertainty
+    error = from_tests(sure.model_error) if sure.model_error else ""
+    if sampled is None or contents.threat.threat not in contents.sampled:
+        alone = f"; {SAMPLED_ALONE}" if sampled is not None and sure.probability_of_defeat is None else ""
+        return f"{sure.reason or error}{alone}"
+    p = sampled.probability_of_perforation
+    given = f" and the {error}" if sampled.model_error is not None else ", without the model error"
+    interval = f"95 % interval {100.0 * (1.0 - p.high):.1f} to {100.0 * (1.0 - p.low):.1f} %"
+    return f"{interval} by sampling, from the given distributions{given}"
+
+
+def _armour(contents: Contents) -> Card:
+    """Return the armour with thickness, areal density and cost, with the digits of their tables."""
     armour, design = contents.answer.armour, contents.design
     subject, cost = "Armour", ""
     areal_density = contents.impact.areal_density_kg_m2
     thickness = armour.ceramic_thickness_mm + armour.backing_thickness_mm
     if design is not None:
-        subject = "Best design"
+        subject = f"{OBJECTIVES[design.minimised].least.capitalize()} design"
         areal_density, thickness = design.best.areal_density_kg_m2, design.best.thickness_mm
-        cost = f"cost {COST.text(design.best.cost_per_m2)} per m²" if design.best.cost_per_m2 else ""
-    card = Card(subject, contents.answer.armour_words(), f"{round(thickness, 3):g} mm thick")
-    return card, Card("Areal density", f"{AREAL_DENSITY.text(areal_density)} kg/m²", cost)
+        cost = f", cost {COST.text(design.best.cost_per_m2)} per m²" if design.best.cost_per_m2 else ""
+    words = f"{AREAL_DENSITY.text(areal_density)} kg/m², {round(thickness, 3):g} mm thick{cost}"
+    return Card(subject, contents.answer.armour_words(), words)
 
 
-def _outcome(contents: Contents) -> Card:
-    impact, design = contents.answer.impact, contents.design
-    if len(contents.threats) > 1:
-        perforating = [found for found in contents.threats if not found.defeated]
-        subject = "Perforated by" if perforating else "Defeats"
-        named = (found.threat for found in perforating or contents.threats)
-        distributed = any(found.sampled for found in contents.threats)
-        details = (_against_words(found, exact=distributed and not found.sampled) for found in contents.threats)
-        return Card(subject, " and ".join(named), "; ".join(details))
-    against = shot(impact)
-    limit = "ballistic limit outside the range searched"
-    if contents.limit is not None:
-        found = contents.limit.ballistic_limit_m_s
-        margin = MARGIN.text(found - impact.velocity_m_s)
-        limit = f"ballistic limit {BALLISTIC_LIMIT.text(found)} m/s, margin {margin} m/s"
-    if design is None:
-        outcome = {"defeated": "projectile defeated", "perforated": "armour perforated"}[contents.impact.outcome]
-        return Card("Outcome", outcome, f"{against}; {limit}")
-    return Card("Defeats", against, limit)
-
-
-def _against_words(found: AgainstThreat, *, exact: bool) -> str:
-    """Return the outcome against one of several threats, with its margin and probability."""
-    outcome = "" if found.defeated else "perforates; "
-    margin = "limit outside the range searched"
-    if found.margin_m_s is not None:
-        margin = f"margin {MARGIN.text(found.margin_m_s)} m/s"
-    if found.required_margin_m_s:
-        margin = f"{margin} ({MARGIN.text(found.required_margin_m_s)} m/s required, {_requirement(found)})"
-    probability = f"probability of defeat {chance(found.probability_of_defeat)}"
-    if exact and found.probability_of_defeat is not None:
-        probability += " with exact inputs"
-    return f"{found.threat}: {outcome}{margin}, {probability}"
-
-
-def _reliability(contents: Contents) -> Card:
-    """Return the probability of defeating the threat, and what it rests on; none without the error of the model.
-
-    If a scenario says not to include that, the probability is that of its distributions.
-    """
-    subject, sure, sampled = DEFEAT.label.capitalize(), contents.confidence, contents.uncertainty
-    if len(contents.threats) > 1:
-        subject = f"{subject} that governs, {contents.governing}"
-    if sampled is None or (sampled.model_error is None and not contents.scenario.excludes_error()):
-        note = sure.reason or (from_tests(sure.model_error) if sure.model_error else "")
-        if sampled is not None and sure.probability_of_defeat is None:
-            note = f"{note}; {SAMPLED_ALONE}"
-        return Card(subject, chance(sure.probability_of_defeat), note)
-    p = sampled.probability_of_perforation
-    given = ", without the error of the model"
-    if sampled.model_error is not None:
-        given = f" and the error of the model; {from_tests(sampled.model_error)}"
-    interval = f"95 % interval {100.0 * (1.0 - p.high):.1f} to {100.0 * (1.0 - p.low):.1f} %"
-    return Card(subject, chance(1.0 - p.value), f"{interval}, from the given distributions{given}")
+def _asked(contents: Contents) -> Card:
+    """Return the probabilities that were asked for, and the bounds of a design."""
+    bounds = sorted({of.required_probability for of in contents.threats if of.required_probability is not None})
+    margins = sorted({of.required_margin_m_s for of in contents.threats} - {0.0})
+    asked = [f"at least {' or '.join(map(percent, bounds))}"] if bounds else []
+    asked += [f"margin of {' or '.join(f'{margin:g}' for margin in margins)} m/s"] if margins else []
+    details = [] if bounds else ["--confidence 0.95 asks for a probability of 95 %"]
+    if contents.design is not None:
+        section = contents.scenario.design or DesignSection()
+        for objective, name in zip(OBJECTIVES.values(), ("areal density", "thickness", "cost"), strict=True):
+            most = getattr(section, objective.bound)
+            details += [f"{name} of at most {most:g}{objective.unit}"] if most is not None else []
+        added = ((section.added_thickness_mm, "mm"), (section.added_areal_density_kg_m2, "kg/m²"))
+        if given := [f"{value:g} {unit}" for value, unit in added if value]:
+            details.append(f"{' and '.join(given)} added for adhesive or cover")
+    return Card("Asked for", ", ".join(asked) or "no probability", "; ".join(details))
 
 
 def _warnings(contents: Contents) -> Iterator[str]:
-    """Give all warnings, with the words of the inputs that they are about in place of their keys."""
+    """Give all warnings, with words in place of the keys that they are about."""
     for warning in contents.warnings:
-        name = warning.key.removeprefix("uncertainty.") if isinstance(warning, Note) else ""
-        if isinstance(warning, Note) and name in INPUTS:
-            words = in_words(name)
-            yield Note(warning.text, words if name == warning.key else f"distribution of the {words}")
-        else:
+        if not isinstance(warning, Note):
             yield warning
+            continue
+        name = warning.key.removeprefix("uncertainty.")
+        words = warning.key
+        if of_threat := re.match(r"threat\[(\d+)\]", warning.key):
+            words = contents.threats[int(of_threat[1])].threat
+        elif name in INPUTS or name in NAMES.values():
+            words = in_words(name) if name == warning.key else f"distribution of the {in_words(name)}"
+        yield Note(warning.text, words)
     if error := contents.confidence.model_error:
-        yield from (f"the error of the model is {text}" for text in extrapolation(error))
-    if contents.design is not None:
-        ask = "design.confidence = 0.95 in the scenario designs for a probability of 95 %"
-        yield from design_view.margin_notes(contents.design.best, ask)
+        yield from (f"the model error is {text}" for text in extrapolation(error))
 
 
-def _energy(contents: Contents) -> Section:
-    energy = contents.energy
-    words = (
-        f"The projectile has {energy.before:.2f} J at impact and {energy.left:.2f} J at the end.",
-        "The losses are the powers integrated along the run, apart from the motion: "
-        f"the balance closes to {abs(energy.difference):.1g} J.",
-    )
-    return Section("Energy balance of the projectile", words, tables=(impact_view.energy_table(energy),))
-
-
-def _tables(contents: Contents) -> Iterator[tuple[str, Table]]:
-    """Give tables with their headings: designs, stages, uncertainty, sensitivity, and materials with their sources."""
-    design = contents.design
+def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Section]:
+    """Give the sections: first the answer, then, folded, what explains it."""
+    design, scenario, answer = contents.design, contents.scenario, contents.answer
+    what_ifs = [part for part in check_view.tables(contents.check) if isinstance(part, Table)][1:]
+    first = what_ifs.pop([of.threat for of in contents.threats].index(contents.threat.threat))
+    exact = "With exact inputs." if contents.sampled else ""
+    several = f"Against {contents.threat.threat}." if what_ifs else ""
+    yield Section("Threats", tables=(_threats(contents),))
+    yield Section("What if", tuple(filter(None, (several, exact))), tables=(first,))
     if design is not None:
-        required = required_margins(contents.scenario)
-        yield "Best design", design_view.best_table(design, required)
-        if len(design.threats) > 1 or design.best.probabilities:
-            yield "Margins against the threats", design_view.margin_table(design, required)
-        if len(design.pairs) > 1:
-            yield "Pairs of materials", design_view.pair_table(design)
-        else:
-            yield "Required ceramic for each back plate", design_view.frontier_table(design)
-        if design.pareto:
-            yield "Pareto front", design_view.pareto_table(design)
-    elif len(contents.threats) > 1:
-        yield "Margins against the threats", _margins(contents)
-    yield "Stages of the impact", impact_view.stage_table(contents.impact)
+        hint = ("A page of all designs, to be read with the pointer:",) if map_command else ()
+        chart = design_view.map_chart(design)
+        yield Section(chart.title, hint, map_command, "console", charts=(replace(chart, title=""),))
+    yield Section("Assumptions and limits", notes=ASSUMPTIONS)
+    entries = list(filter(None, map(answer.entry_of, ROLES)))
+    evidence = closest(answer.core_armour())
+    error = contents.confidence.model_error
+    used = evidence.source if error is not None and error.source == evidence.title else ""
+    cited = [value.source for entry in entries for value in entry.values.values()]
+    yield Section("References", notes=reference_notes(("[Paper]", used, *cited)))
+    if what_ifs:
+        yield Section("What if, against the other threats", tables=tuple(what_ifs), folded=True)
+    if design is not None:
+        yield _search(design)
     if contents.uncertainty is not None:
-        yield "Results under uncertain inputs", uncertainty_view.estimate_table(contents.uncertainty)
-    yield "Sensitivity to the inputs", sensitivity_view.elasticity_table(contents.sensitivity)
-    for entry in filter(None, map(contents.answer.entry_of, ROLES)):
-        yield f"{entry.kind.capitalize()}: {entry.name}", entry_table(entry, Column("quantity", prose=True), in_words)
+        chart, table = (
+            uncertainty_view.chart(contents.uncertainty),
+            uncertainty_view.estimate_table(contents.uncertainty),
+        )
+        yield Section("Results under uncertain inputs", charts=(chart,), tables=(table,), folded=True)
+    yield _impact(contents)
+    elasticities = sensitivity_view.elasticity_table(contents.sensitivity)
+    chart = replace(sensitivity_view.chart(contents.sensitivity), title="")
+    yield Section("Sensitivity to the inputs", charts=(chart,), tables=(elasticities,), folded=True, drawn=True)
+    values = Column("quantity", prose=True)
+    tables = (
+        replace(entry_table(entry, values, in_words), title=f"{entry.kind.capitalize()}: {entry.name}")
+        for entry in entries
+    )
+    yield Section("Values and their sources", tables=tuple(tables), folded=True)
+    yield Section("Scenario", code=scenario.to_toml(), language="toml", folded=True)
+    yield origin_section(command, _which_armour(contents))
 
 
-def _margins(contents: Contents) -> Table:
-    """Return the margins of the scenario's own armour."""
+def _threats(contents: Contents) -> Table:
+    """Return every threat, with what was asked for and what was found."""
+    named = {threat.title: threat.name or threat.threat for threat in contents.scenario.threats()}
+    asked = _is_asked(contents)
+    inputs = {of.threat: "distributions" if of.threat in contents.sampled else "exact" for of in contents.threats}
+    mixed = len(set(inputs.values())) > 1
     return listing(
         contents.threats,
-        (Column("threat", prose=True), lambda found: found.threat),
-        (Column("outcome"), lambda found: "defeated" if found.defeated else "perforates"),
-        MARGIN,
-        (REQUIRED, lambda found: found.required_margin_m_s or None),
-        (Column("requirement"), _requirement),
-        (DEFEAT, lambda found: chance(found.probability_of_defeat)),
-        (Column("note"), lambda found: "governs" if found.threat == contents.governing else ""),
+        (Column("threat", prose=True), lambda of: named[of.threat]),
+        column_of("projectile", prose=True),
+        column_of("velocity_m_s", "g", "velocity"),
+        column_of("obliquity_deg", "g", "obliquity"),
+        (check_view.PROBABILITY, lambda of: chance(of.probability_of_defeat)),
+        (Column("inputs"), lambda of: inputs[of.threat] if mixed else ""),
+        (Column("required", prose=True), lambda of: check_view.required(of) if asked else ""),
+        (Column("result"), lambda of: ("unknown" if _unknown(of) else check_view.verdict(of)) if asked else ""),
+        column_of("ballistic_limit_m_s", ".0f", "ballistic limit"),
+        (check_view.INTERVAL, lambda of: interval(of.interval_m_s, ".0f")),
+        column_of("margin_m_s", "+.0f"),
     )
 
 
-def _requirement(found: AgainstThreat) -> str:
-    """Return whether an armour has the margin that a threat requires; "" where none is required."""
-    if not found.required_margin_m_s:
-        return ""
-    has = found.defeated if found.margin_m_s is None else found.margin_m_s >= found.required_margin_m_s
-    return "met" if has else "not met"
+def _search(design: DesignResult) -> Section:
+    """Return how the best design compares with others."""
+    tables = [design_view.pair_table(design) if len(design.pairs) > 1 else design_view.frontier_table(design)]
+    charts: tuple[Chart, ...] = ()
+    heading = "Pairs of materials" if len(design.pairs) > 1 else "Required ceramic for each back plate"
+    if design.pareto:
+        charts = (design_view.pareto_chart(design),)
+        tables.append(design_view.pareto_table(design))
+    return Section(heading, charts=charts, tables=tuple(tables), folded=True)
 
 
-def _charts(contents: Contents) -> Iterator[Chart]:
+def _impact(contents: Contents) -> Section:
+    """Return the impact stage by stage, with where the projectile's energy goes."""
+    energy = contents.energy
+    words = (
+        f"Against {contents.threat.threat}, by the model. The projectile has {energy.before:.2f} J at impact and "
+        f"{energy.left:.2f} J at the end; the losses, integrated along the run, balance to "
+        f"{abs(energy.difference):.1g} J."
+    )
+    table = listing(
+        zip(contents.impact.stages, energy.rows, strict=True),
+        (Column("stage", prose=True), lambda of: f"{of[0].stage}: {impact_view.STAGES[of[0].stage]}"),
+        (column_of("start_us", ".1f"), lambda of: of[0].start_us),
+        (column_of("end_us", ".1f"), lambda of: of[0].end_us),
+        (column_of("velocity_lost_m_s", ".1f"), lambda of: of[0].velocity_lost_m_s),
+        (column_of("length_lost_mm", ".2f"), lambda of: of[0].length_lost_mm),
+        (Column("energy carried by eroded material", "J", ".1f"), lambda of: of[1].eroded),
+        (Column("energy lost in braking the rod", "J", ".1f"), lambda of: of[1].braked),
+    )
+    # The table has the stages in words.
+    chart = replace(impact_view.chart(contents.impact), note="")
+    return Section("The impact, stage by stage", (words,), charts=(chart,), tables=(table,), folded=True)
+
+
+def _which_armour(contents: Contents) -> str:
+    """Return which armour is reported where the scenario asks for a design, and how to get the other."""
     if contents.design is not None:
-        yield design_view.map_chart(contents.design)
-        if contents.design.pareto:
-            yield design_view.pareto_chart(contents.design)
-    if contents.uncertainty is not None:
-        yield uncertainty_view.chart(contents.uncertainty)
-    yield sensitivity_view.chart(contents.sensitivity)
-    # The low chart before the high one, so that the first printed page has room for it.
-    yield impact_view.energy_chart(contents.energy)
-    yield impact_view.chart(contents.impact)
+        own = contents.scenario.armour_words()
+        return f"The armour is the design found. With --as-is, the report is on the scenario's own, {own}."
+    if asks_for_design(contents.scenario):
+        return "The armour is the scenario's own. Without --as-is, the report is on the best design."
+    return ""

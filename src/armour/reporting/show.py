@@ -114,6 +114,7 @@ def report(
     path: str | PathLike[str],
     *,
     as_is: bool = False,
+    confidence: float | None = None,
     on_progress: OnProgress = ignore_progress,
 ) -> None:
     """Write a report on a scenario, or on the result of a suite.
@@ -126,6 +127,8 @@ def report(
         File to write: one self-contained .html file with charts, or .md for Markdown without them.
     as_is : bool, default False
         Whether to report on the scenario's own armour, also where the scenario asks for a design.
+    confidence : float, optional
+        Probability of stopping each threat that is required, in place of ``design.confidence`` of the scenario.
     on_progress : callable, optional
         Called with the number of armours computed since the last call, and None, as their total is not known.
 
@@ -142,9 +145,10 @@ def report(
     path = Path(path)
     refuse(wrong_ending(path, REPORT_ENDINGS) or unwritable(path))
     if isinstance(subject, Scenario):
-        option = ", as_is=True" if as_is else ""
-        contents = contents_of(subject, on_progress, as_is=as_is)
-        made = scenario_report(contents, f'armour.report(scenario, "{path}"{option})')
+        options = (", as_is=True" if as_is else "") + (f", {confidence=}" if confidence is not None else "")
+        asked = subject if confidence is None else subject.replaced({"design.confidence": confidence})
+        contents = contents_of(asked, on_progress, as_is=as_is)
+        made = scenario_report(contents, f'armour.report(scenario, "{path}"{options})')
     else:
         made = suite.report(subject, f'armour.report(result, "{path}")')
     write_files({path: report_text(made, path).encode(errors="backslashreplace")})

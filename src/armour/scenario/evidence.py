@@ -183,6 +183,7 @@ class Evidence(NamedTuple):
     """
 
     title: str
+    source: str  # its key of the bibliography is in brackets
     bare: bool  # whether the armours are plates without a ceramic
     laws: tuple[tuple[DataRange, ...], ...]  # of the ceramic's flow stress, one of which an armour has
     kind: tuple[DataRange, ...]  # of armour and penetrator, the ceramic included
@@ -267,6 +268,7 @@ def shipped_evidence() -> tuple[Evidence, ...]:
         found.append(
             Evidence(
                 title=data["title"],
+                source=data["source"],
                 bare=tested is None,
                 laws=tuple(_ranges(laws[fit]) for fit in data["fits"] if fit in laws),
                 kind=(*ceramic, *_ranges(kind)),

@@ -1,19 +1,23 @@
 """Tables, report and JUnit XML of a suite."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import pytest
+
 from armour.reporting.table import csv_text
 from armour.reporting.views import suite as suite_view
 from armour.reporting.views.suite import (
+    allowance_percent,
     check_table,
     figure_table,
     junit,
 )
 from armour.validation.figures import Figure, FigureSection
-from tests.helpers.suites import TABLE, case, result
+from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
 
 
 def test_checks_of_several_quantities_have_units_of_their_own(folder: Path):
@@ -39,8 +43,33 @@ def test_curves_as_a_file():
 
 def test_a_table_has_its_source(folder: Path):
     sourced = result(folder, TABLE + 'source = "table 3"\nreason = "as printed"\n')
-    table, *_ = suite_view.report(sourced).sections
+    _, table, *_ = suite_view.report(sourced).sections
     assert (table.heading, table.paragraphs) == ("T", ("Table 3; band: as printed.",))
+
+
+def test_unchanged_is_not_usable(folder: Path):
+    """Both rows of the table are within wide bands, and far from the tests, as the report says apart."""
+    wide = TABLE.replace("band = 10.0\nrms_band = 5.0", "band_percent = 50.0\nrms_band_percent = 50.0")
+    far = wide.replace("720.0", "600.0").replace("730.0, 730.0", "650.0, 650.0")
+    report = suite_view.report(result(folder, far))
+    assert report.lead == "Unchanged: 3 of 3 within their bands."
+    usable, *others = report.sections
+    assert usable.heading == "Usable"
+    assert not any(section.heading == "Usable" for section in others)
+    found = dict(zip(usable.tables[0].headings(), usable.tables[0].rows[0], strict=True))
+    errors = [100.0 * (WILKINS_LIMIT / expected - 1.0) for expected in (600.0, 650.0)]
+    assert (found["tests"], found["number"]) == ("t", 2)
+    assert found["mean error, %"] == pytest.approx(sum(errors) / 2, abs=0.01)
+    # Both tests reach the computed limit less the allowance.
+    assert found["allowance, %"] == pytest.approx(100.0 * (1.0 - 600.0 / WILKINS_LIMIT), abs=0.01)
+    assert suite_view.report(result(folder, TABLE)).lead.startswith("Changed: ")
+
+
+def test_an_allowance_leaves_out_one_test_of_twenty(folder: Path):
+    [check, _] = result(folder, TABLE).checks
+    checks = [replace(check, computed=720.0 * factor) for factor in (2.0, 1.25, *[1.0] * 18)]
+    assert allowance_percent(checks) == pytest.approx(20.0)
+    assert allowance_percent(checks[2:]) == 0.0
 
 
 def test_every_case_and_table_is_a_test_case(folder: Path):

@@ -13,6 +13,7 @@ from armour.reporting.report import Report, Section, origin_section
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import Verdict, number
 from armour.scenario.sections import TINY
+from armour.statistics.measured import LIMIT
 from armour.validation.figures import Figure
 from armour.validation.rivals import Error
 from armour.validation.suite import Case
@@ -257,25 +258,70 @@ def chart(result: SuiteResult) -> charts.Chart:
     return charts.Chart("", tuple(panels), note, width=charts.COLUMN_INCHES)
 
 
+# Part of the tests whose limits an allowance covers.
+COVERED = 0.95
+USABLE = (
+    "Within its band means that a result is what it was when the band was set, not that it is close to the tests. How "
+    "usable computed limits are, tests tell: of 20 measured limits, 19 reach the computed one less the allowance. A "
+    "probability of stopping the projectile includes the model error, and needs no further allowance."
+)
+
+
+def usable_table(result: SuiteResult) -> Table:
+    """Return the relative errors of computed limits on the tests of each table, and what they mean for use."""
+    groups = check_groups(result)
+    measured = [
+        summary
+        for summary in result.summaries
+        if not summary.group
+        and (summary.unit, groups[summary.name][0].case.quantity) == ("%", LIMIT)
+        and summary.status != "not scored"
+        and any(check.case.cells or check.case.rivals for check in groups[summary.name])
+    ]
+    return listing(
+        measured,
+        column_of("name", label="tests", prose=True),
+        column_of("count", "d", "number"),
+        (Column("mean error", "%", "+.1f"), lambda summary: summary.mean),
+        (Column("RMS error", "%", ".1f"), lambda summary: summary.rms),
+        (Column("allowance", "%", ".0f"), lambda summary: allowance_percent(groups[summary.name])),
+    )
+
+
+def allowance_percent(checks: Sequence[Check]) -> float:
+    """Return by how much computed limits are to be lowered, %, so that 95 % of the measured ones reach them."""
+    errors = sorted((check.deviation_percent for check in checks if check.deviation_percent is not None), reverse=True)
+    error = errors[int((1.0 - COVERED) * len(errors))]
+    return max(0.0, 100.0 * error / (100.0 + error))
+
+
 def report(result: SuiteResult, command: str = "") -> Report:
-    """Report the outcome of a suite: verdict, tables, and the reasons for the bands; with a command, its origin."""
+    """Report the outcome of a suite: whether it is unchanged, how usable the model is, and what both rest on.
+
+    With a command, also the origin.
+    """
     sources = {name: _source(checks) for name, checks in check_groups(result).items()}
-    sections = [
-        Section(table.title[:1].upper() + table.title[1:], sources.get(table.title, ()), tables=(table,))
+    sections = []
+    if (usable := usable_table(result)).rows:
+        sections.append(Section("Usable", (USABLE,), tables=(usable,)))
+    sections.append(Section("Computed and expected values", charts=(chart(result),)))
+    sections += [
+        Section(table.title[:1].upper() + table.title[1:], sources.get(table.title, ()), tables=(table,), folded=True)
         for table in suite_tables(result)
     ]
     own = [check for check in result.checks if check.status != "not scored" and not check.case.group]
     unscored = [check for check in result.checks if check.status == "not scored" and not check.in_group]
     for heading, checks in (("Reasons for the bands", own), ("Shown but not scored", unscored)):
         if notes := note_rows(checks):
-            sections.append(Section(heading, notes=tuple(notes)))
+            sections.append(Section(heading, notes=tuple(notes), folded=True))
     if command:
         sections.append(origin_section(command))
     return Report(
         title=result.title or result.file,
-        lead=f"armour {__version__}: {verdict(result)}. {result.description}".strip(),
+        lead=f"{'Unchanged' if result.passed else 'Changed'}: {verdict(result)}.",
+        text=result.description,
+        byline=(("program version", f"armour {__version__}"),),
         sections=tuple(sections),
-        charts=(replace(chart(result), title="Computed and expected values"),),
         passed=result.passed,
     )
 
