@@ -322,7 +322,7 @@ def _warnings(contents: Contents) -> Iterator[str]:
 def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Section]:
     """Give the sections: first the answer, then, folded, what explains it."""
     design, scenario, answer = contents.design, contents.scenario, contents.answer
-    what_ifs = [part for part in check_view.tables(contents.check) if isinstance(part, Table)][1:]
+    what_ifs = [check_view.what_if_table(of, of.threat) for of in contents.check.threats]
     first = what_ifs.pop([of.threat for of in contents.threats].index(contents.threat.threat))
     exact = "With exact inputs." if contents.sampled else ""
     several = f"Against {contents.threat.threat}." if what_ifs else ""

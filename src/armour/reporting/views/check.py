@@ -36,6 +36,18 @@ def finding(threat: CheckedThreat) -> str:
     return f"{found}, required {required(threat)}"
 
 
+def what_if_table(threat: CheckedThreat, title: str) -> Table:
+    """Return an armour as it is and with each change against a threat."""
+    return listing(
+        (threat.as_given(), *threat.what_ifs),
+        (Column("if", prose=True), lambda of: of.change),
+        LIMIT,
+        (INTERVAL, lambda of: interval(of.interval_m_s, ".0f")),
+        (PROBABILITY, lambda of: chance(of.probability_of_defeat)),
+        title=title,
+    )
+
+
 def tables(result: CheckResult) -> list[Table | str]:
     """Return the verdict, and for each threat a table of the armour as it is and with each change."""
     several = len(result.threats) > 1
@@ -47,16 +59,8 @@ def tables(result: CheckResult) -> list[Table | str]:
         words = f"FAILS against {' and '.join(threat.threat for threat in failed)}"
     found: list[Table | str] = [Verdict.of(words, good=not failed)]
     for threat in result.threats:
-        found.append(
-            listing(
-                (threat.as_given(), *threat.what_ifs),
-                (Column("if", prose=True), lambda of: of.change),
-                LIMIT,
-                (INTERVAL, lambda of: interval(of.interval_m_s, ".0f")),
-                (PROBABILITY, lambda of: chance(of.probability_of_defeat)),
-                title=f"{threat.threat}: {verdict(threat)}, {finding(threat)}" if several else "",
-            )
-        )
+        title = f"{threat.threat}: {verdict(threat)}, {finding(threat)}" if several else ""
+        found.append(what_if_table(threat, title))
     found.append("limit: by the model; its interval includes the model error; probability: of stopping the projectile")
     reasons = dict.fromkeys(threat.reason for threat in result.threats if threat.reason)
     return [*found, *(f"{DEFEAT.label}: unknown, {reason}" for reason in reasons)]
