@@ -14,8 +14,8 @@ from armour.reporting.charts import Chart
 from armour.reporting.report import Report, Section, markdown_report
 from armour.reporting.scenario_report import Contents, contents_of, scenario_report
 from armour.reporting.views import design as design_view
-from armour.reporting.views.confidence import SAMPLED_ALONE
-from armour.reporting.views.design import frontier_table
+from armour.reporting.views.confidence import SAMPLED_ALONE, from_tests
+from armour.reporting.views.design import AREAL_DENSITY, COST, frontier_table
 from armour.scenario.evidence import NO_TEST
 from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
@@ -227,11 +227,14 @@ def test_the_answer_without_a_design():
     found = statements(wilkins())
     assert [*found] == ["Probability of stopping the projectile", "Armour", "Asked for"]
     assert found["Armour"][0] == "6.35 mm AD85 on 6.35 mm 6061-T6"
-    assert found["Armour"][1] == f"{wilkins().impact.areal_density_kg_m2:.1f} kg/m², 12.7 mm thick"
+    density = AREAL_DENSITY.text(wilkins().impact.areal_density_kg_m2)
+    assert found["Armour"][1] == f"{density} kg/m², 12.7 mm thick"
     assert found["Asked for"] == ("no probability", "--confidence 0.95 asks for a probability of 95 %")
     statement, detail = found["Probability of stopping the projectile"]
     assert statement == "7 %"
-    assert "model error: -1 % (-15 to +16 %), from 13 tests of AD85 on 6061-T6" in detail
+    error = wilkins().confidence.model_error
+    assert error is not None
+    assert detail == from_tests(error)
     assert statements(asked((0.96, 0.95)))["Asked for"] == ("at least 95 %", "")
 
 
@@ -257,7 +260,7 @@ def test_the_answer_with_a_design():
     # The table's digits.
     _, best, _ = frontier_table(design_result()).texts()
     assert one["Lightest design"][1].startswith(f"{best[2]} kg/m², ")
-    assert one["Lightest design"][1].endswith(", cost 100 per m²")
+    assert one["Lightest design"][1].endswith(f", cost {COST.text(100.0)} per m²")
     detail = one["Probability of stopping the projectile"][1]
     assert detail.startswith(f"against {THREAT}, the most likely of 2 threats to perforate; ")
     asks = statements(contents("catalogue"))["Asked for"]
@@ -296,7 +299,8 @@ def test_the_answer_with_distributions():
     given = replace(wilkins(), uncertainty=with_error, sampled=(wilkins().threat.threat,))
     detail = statements(given)["Probability of stopping the projectile"][1]
     found = "95 % interval 78.0 to 80.0 % by sampling, from the given distributions and the model error: "
-    assert detail.startswith(f"{found}-1 % (-15 to +16 %), from ")
+    assert error is not None
+    assert detail == f"{found}{from_tests(error).removeprefix('model error: ')}"
     # Without a model error the distributions alone tell no probability, unless the scenario says so.
     unknown = replace(wilkins(), uncertainty=sampled, confidence=ConfidenceResult(None, 700.0, None, NO_TEST))
     assert statements(unknown)["Probability of stopping the projectile"][1].endswith(SAMPLED_ALONE)

@@ -316,13 +316,15 @@ def report(result: SuiteResult, command: str = "") -> Report:
             sections.append(Section(heading, notes=tuple(notes), folded=True))
     if command:
         sections.append(origin_section(command))
+    scored = result.count("within", *FAILED) > 0
+    lead = f"{'Unchanged' if result.passed else 'Changed'}: {verdict(result)}."
     return Report(
         title=result.title or result.file,
-        lead=f"{'Unchanged' if result.passed else 'Changed'}: {verdict(result)}.",
+        lead=lead if scored else "No case has a band to be within.",
         text=result.description,
         byline=(("program version", f"armour {__version__}"),),
         sections=tuple(sections),
-        passed=result.passed,
+        passed=result.passed if scored else None,
     )
 
 
