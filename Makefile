@@ -49,8 +49,6 @@ docs: $(VENV)/developing
 	$(BIN)/python -m tests.cli.test_docs
 	$(BIN)/armour figures docs/figures --force
 	rm docs/figures/*.csv
-	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine --plot docs/images/optimum.png --force
-	$(BIN)/armour simulate scenarios/wilkins.toml --plot docs/images/wilkins.png --force
 
 # Run the benchmarks and write docs/performance.md: some minutes, on an otherwise idle machine.
 bench: $(VENV)/developing
