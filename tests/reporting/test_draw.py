@@ -3,13 +3,14 @@ from dataclasses import replace
 from itertools import combinations
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.contour import ContourSet
 from matplotlib.transforms import Bbox
 
 from armour.design.optimise import optimise
-from armour.reporting.charts import Axis, Bars, Chart, Contours, Line, Map, Panel, printable_chart
+from armour.reporting.charts import Axis, Bars, Chart, Contours, Line, Map, Panel, Points, printable_chart
 from armour.reporting.draw import METADATA, draw, rendered
 from armour.reporting.views import design as design_view
 from armour.reporting.views import impact as impact_view
@@ -35,8 +36,8 @@ CHARTS = {
     "uncertainty": lambda: uncertainty_view.chart(uncertainty_result().of(scenario=scenario(velocity=700.0))),
     "map": lambda: one(Map(*GRID, VALUES, "speed, m/s"), Contours(*GRID, VALUES)),
     "bars": lambda: one(
-        Bars([0.0, 0.0], [1.0, None], slot=0, slots=2, label="one"),
-        Bars([0.0, 0.0], [2.0, -1.0], slot=1, slots=2, label="two"),
+        Bars([0.0, 0.0], [1.0, None], label="one"),
+        Bars([1.0, 0.0], [2.0, -1.0], label="two"),
         y=Axis(categories=("first", "second with a name that takes two lines")),
     ),
 }
@@ -81,20 +82,54 @@ def test_categories_are_rows_of_bars_with_the_first_on_top():
     ]
     assert axes.get_ylim()[0] > axes.get_ylim()[1]
     centres = [patch.get_y() + 0.5 * patch.get_height() for patch in axes.patches]  # type: ignore[attr-defined]
-    assert centres == pytest.approx([-0.2, 0.8, 0.2, 1.2])
+    assert centres == pytest.approx([0.0, 1.0, 0.0, 1.0])
 
 
-def stage_names(axes: Axes) -> list[str]:
-    return [text.get_text() for text in axes.texts]
+def stage_names(axes: Axes) -> list[list[str]]:
+    codes = [stage.stage for stage in impact().stages]
+    lines = [text.get_text().splitlines() for text in axes.texts]
+    return [words for words in lines if words and words[0] in codes]
 
 
 def test_stages_are_named_where_there_is_room():
     chart = impact_view.chart(impact())
     wide = stage_names(draw(chart).axes[1])
-    assert [name.partition(":")[0] for name in wide] == [stage.stage for stage in impact().stages]
-    assert any(":" in name for name in wide)
+    assert [code for code, *_ in wide] == [stage.stage for stage in impact().stages]
+    assert ["ii.1", "fragmented ceramic"] in wide
     narrow = stage_names(draw(chart, 1.5).axes[1])
     assert 0 < len(narrow) < len(impact().stages)
+
+
+@pytest.mark.parametrize("width", [3.5, 5.2])
+def test_names_stand_beside_their_lines_and_on_no_other(width: float):
+    x = [0.0, 1.0, 2.0, 3.0]
+    steep, flat = Line(x, [0.0, 3.0, 6.0, 9.0], label="steep"), Line(x, [4.0, 4.0, 4.0, 4.0], "--", label="flat")
+    few, near = Points([1.0], [8.0], label="few"), Line(x, [4.05, 4.05, 4.05, 4.05], label="near")
+    figure = draw(one(steep, flat, few), width)
+    [axes] = figure.axes
+    assert not figure.legends
+    assert {text.get_text() for text in axes.texts} == {"steep", "flat", "few"}
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert not [pair for pair in combinations(boxes, 2) if Bbox.intersection(*pair) is not None]
+    for box in boxes:
+        assert axes.bbox.contains(box.x0, box.y0)
+        assert axes.bbox.contains(box.x1, box.y1)
+        for line in (steep, flat):
+            across = np.linspace(0.0, 3.0, 99)
+            curve = np.column_stack([across, np.interp(across, x, np.array(line.y, float))])
+            assert not box.count_contains(axes.transData.transform(curve))
+    # Lines that cannot be told apart by a place have a legend.
+    [legend] = draw(one(steep, flat, near), width).legends
+    assert "near" in [text.get_text() for text in legend.get_texts()]
+
+
+def test_the_title_is_the_answer_above_what_it_is_about():
+    chart = replace(CHARTS["bars"](), title="answer").about(["armour and round", "scenario"])
+    figure = draw(chart)
+    assert figure.get_suptitle().strip() == "answer"
+    assert "armour and round" in [text.get_text() for text in figure.texts]
+    assert draw(replace(chart, title="", subject="").about(["armour"])).get_suptitle() == "armour"
 
 
 def test_no_text_is_markup():

@@ -156,7 +156,7 @@ def respond(
     def drawn() -> bytes | None:
         from armour.reporting import draw
 
-        return None if plot is None or chart is None else draw.rendered(chart().headed(of), plot.suffix.lower())
+        return None if plot is None or chart is None else draw.rendered(chart().about(of), plot.suffix.lower())
 
     contents: dict[Path, bytes] = {}
     failed: ArmourError | None = None

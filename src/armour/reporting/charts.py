@@ -24,7 +24,7 @@ PALETTE = {
     "orange": "#e69f00",
     "purple": "#cc79a7",
     "ink": "#16191c",
-    "soft": "#80868c",
+    "soft": "#6a7178",
     "paper": "#ffffff",
     "ceramic": "#d9c48f",
     "metal": "#a9b8c6",
@@ -101,17 +101,10 @@ class Points(Series):
 
 @dataclass(frozen=True)
 class Bars(Series):
-    """Horizontal bars, one for each category of the y axis; ``slot`` of ``slots`` bars that share a row."""
+    """Horizontal bars, one for each category of the y axis."""
 
     starts: Numbers
     ends: Numbers
-    slot: int = 0
-    slots: int = 1
-
-    @property
-    def places(self) -> list[float]:
-        """Where the bars are on the y axis, on which categories are 1 apart."""
-        return [index + 0.8 * ((self.slot + 0.5) / self.slots - 0.5) for index in range(len(self.ends))]
 
 
 @dataclass(frozen=True)
@@ -134,7 +127,10 @@ class Rule(Series):
 
 @dataclass(frozen=True)
 class Spans(Series):
-    """Ranges of an x axis with limits, shaded in turn and named where there is room, or by what precedes a colon."""
+    """Ranges of an x axis with limits, shaded in turn.
+
+    They are named where there is room, or by what precedes a colon.
+    """
 
     starts: Sequence[float]
     ends: Sequence[float]
@@ -151,11 +147,13 @@ class Boxes(Series):
 
 @dataclass(frozen=True)
 class Words(Series):
-    """Words at places, below which they hang or, in several lines, on which they stand."""
+    """Words at places, on which they stand, or below which they hang, and how they are aligned with them."""
 
     x: Sequence[float]
     y: Sequence[float]
-    words: tuple[str, ...] = ()
+    words: tuple[str, ...]
+    align: str = "center"
+    above: bool = True
 
 
 @dataclass(frozen=True)
@@ -209,16 +207,22 @@ class Panel:
 
 @dataclass(frozen=True)
 class Chart:
-    """A chart: panels below each other, with one legend, and a note such as the meaning of names in it."""
+    """A chart: panels below each other, a title that is the answer, what it is about, and a note.
+
+    Names of series stand beside them where there is room, and else in a legend.
+    """
 
     title: str
     panels: tuple[Panel, ...]
     note: str = ""
     width: float = 5.2  # of a file, inches
+    subject: str = ""
+    beside: bool = False  # the panels stand side by side and share their rows
 
-    def headed(self, lines: Sequence[str]) -> "Chart":
-        """Return the chart with lines above its title."""
-        return replace(self, title="\n".join(filter(None, (*lines, self.title))))
+    def about(self, heading: Sequence[str]) -> "Chart":
+        """Return the chart with its subject, the first line of a heading."""
+        subject = "".join(heading[:1])
+        return replace(self, subject=subject) if self.title else replace(self, title=subject)
 
 
 def printable_chart(chart: Any) -> Any:
@@ -239,7 +243,7 @@ def quantity_axis(name: str, **options: Any) -> Axis:
 
 
 def velocity_rule(label: str, velocity: float, colour: str, style: Style = "-") -> Rule:
-    """Return a line at a velocity, with its value in the legend."""
+    """Return a line at a velocity, with its value in its name."""
     return Rule(velocity, style, label=f"{label} {velocity:.1f} m/s", colour=colour)
 
 
@@ -287,10 +291,10 @@ def agreement_panel(
     return Panel(x, y, tuple(series), square=True)
 
 
-def widened(values: Iterable[float]) -> tuple[float, float]:
-    """Return the range of values, a little wider than it is."""
+def widened(values: Iterable[float], part: float = 0.05) -> tuple[float, float]:
+    """Return the range of values, wider by a part of it at each end."""
     found = list(values)
-    margin = 0.05 * (max(found) - min(found)) or 0.05 * abs(found[0]) or 1.0
+    margin = part * (max(found) - min(found)) or 0.05 * abs(found[0]) or 1.0
     return min(found) - margin, max(found) + margin
 
 
@@ -302,14 +306,21 @@ def grouped(items: Iterable[Any], key: Callable[[Any], str]) -> dict[str, list[A
     return groups
 
 
-def bars_panel(
-    x: Axis, names: tuple[str, ...], values: Mapping[str, Sequence[float | None]], title: str = "", start: float = 0.0
+def rows_panel(
+    x: Axis,
+    names: tuple[str, ...],
+    values: Mapping[str, Sequence[float | None]],
+    title: str = "",
+    start: float | None = None,
 ) -> Panel:
-    """Describe several values of each name as bars side by side; from a start other than zero, in one row."""
-    series: list[Series] = [Rule(start, colour="ink")]
-    for slot, (label, ends) in enumerate(values.items()):
-        place = (slot, len(values)) if start == 0.0 else (0, 1)
-        series.append(Bars([start] * len(ends), ends, *place, label=label, colour=COLOURS[slot % len(COLOURS)]))
+    """Describe values of each name as marks in its row, from a start on with stems."""
+    series: list[Series] = [] if start is None else [Rule(start, colour="ink")]
+    for index, (label, found) in enumerate(values.items()):
+        known = [(float(place), value) for place, value in enumerate(found) if value is not None and np.isfinite(value)]
+        ends = () if start is None else tuple((min(start, value), max(start, value)) for _, value in known)
+        text = tuple(f"{names[int(place)]}\n{label}: {x.label} {x.text(value)}" for place, value in known)
+        marks: dict[str, Any] = {"filled": not index, "x_ends": ends, "label": label, "text": text}
+        series.append(Points([value for _, value in known], [place for place, _ in known], **marks, **look_of(index)))
     return Panel(x, Axis(categories=names), tuple(series), title)
 
 
@@ -319,14 +330,6 @@ def on_grid(x: Any, y: Any, values: Any) -> tuple[Any, Any, Any]:
     z = np.full((len(ys), len(xs)), np.nan)
     z[np.searchsorted(ys, y), np.searchsorted(xs, x)] = values
     return xs, ys, z
-
-
-def map_series(x: Any, y: Any, z: Any, heading: str, label: str, levels: int) -> list[Series]:
-    """Describe values over a grid as colours, with labelled lines of equal value where they differ."""
-    series: list[Series] = [Map(x, y, z, heading)]
-    if min(z.shape) > 1 and np.isfinite(z).any() and np.nanmin(z) < np.nanmax(z):
-        series.append(Contours(x, y, z, levels=levels, label=label, colour="ink"))
-    return series
 
 
 def needed(result: Result, key: str) -> Any:

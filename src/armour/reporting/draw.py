@@ -9,9 +9,11 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.text import Annotation
 from matplotlib.ticker import MaxNLocator
@@ -21,7 +23,7 @@ from armour.reporting.text import wrapped
 
 # Formats of files, with what keeps two files of a chart the same.
 METADATA: dict[str, Any] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-FONT, TITLE = 9.0, 10.0
+FONT, TITLE, NAME, SMALL = 9.0, 10.5, 8.0, 7.0
 INK, SOFT = charts.PALETTE["ink"], charts.PALETTE["soft"]
 STYLE: Any = {
     "axes.axisbelow": True,
@@ -44,14 +46,22 @@ STYLE: Any = {
     "xtick.color": INK,
     "ytick.color": INK,
 }
-# Heights, inches: an ordinary panel, a row of bars and a bar in it, axis labels, a line of text and of a legend.
-PANEL_INCHES, ROW_INCHES, BAR_INCHES, LABELS_INCHES, LINE_INCHES, LEGEND_INCHES = 2.6, 0.08, 0.15, 0.5, 0.16, 0.19
-# Widths of a character, as a part of the font's size, and characters in a line of a category.
-CHARACTER, CATEGORY_CHARACTERS = 0.56, 22
+# Heights, inches: an ordinary panel, a row, axis labels, a line of text and of a legend.
+PANEL_INCHES, ROW_INCHES, LABELS_INCHES, LINE_INCHES, LEGEND_INCHES = 2.6, 0.21, 0.5, 0.16, 0.19
+# Widths of a character and of a bold one, as a part of the font's size, and characters in a line of a category.
+CHARACTER, BOLD, CATEGORY_CHARACTERS = 0.56, 0.64, 22
+# Distance of titles from the edges of a figure, and of a line of them from the next, as a part of the font's size.
+EDGE_INCHES, LEADING = 0.05, 1.25
+# Names beside lines: characters in a line, at best and at least; the distance of a name from its own line and at least
+# from others, beyond which more is no better, and that of the places that are tried, points; markers of a series at
+# most that has its name beside one of them.
+NAME_CHARACTERS, GAP, APART, FAR, STEP, FEW = (26, 13), 3.0, 6.0, 20.0, 6.0, 6
 # Width that axis labels take beside a panel, inches.
 SIDE_INCHES = 0.8
 # Weight of the distance between labels of contours, which are longer than lines are wide; points of a contour compared.
 LABEL_WEIGHT, CONTOUR_POINTS = 0.4, 200
+# Distance from an edge within which a label would be cut, as a part of the axes.
+EDGE = 0.06
 # Tint of a region, and what is behind names; part of the width that a name takes.
 TINT, SIDE = 0.14, 0.33
 BEHIND: Any = {"facecolor": charts.PALETTE["paper"], "alpha": 0.6, "linewidth": 0, "pad": 0.5}
@@ -72,56 +82,81 @@ def draw(chart: charts.Chart, width: float | None = None) -> Figure:
     """Draw a chart in its own or another width, inches; the first axes are those of the panels, in their order."""
     chart = charts.printable_chart(chart)
     width = width or chart.width
-    labels = [item.label for panel in chart.panels for item in panel.series if item.label]
-    columns = _legend_columns(labels, width)
-    title = "\n".join(line for part in chart.title.splitlines() for line in wrapped(part, _characters(width, TITLE)))
-    note = "\n".join(wrapped(chart.note, _characters(width - SIDE_INCHES, 8.0)))
+    title = _wrapped(chart.title, _characters(width - 2.0 * EDGE_INCHES, TITLE, BOLD))
+    subject = _wrapped(chart.subject, _characters(width - 2.0 * EDGE_INCHES, FONT))
+    note = "\n".join(_wrapped(chart.note, _characters(width - 2.0 * EDGE_INCHES, NAME)))
     heights = [_height(panel, width) for panel in chart.panels]
-    texts = title.count("\n") + note.count("\n") + 2 * bool(title) + bool(note)
-    legend = -(-len(labels) // columns)
+    if chart.beside:
+        heights = [max(heights) + LINE_INCHES * 2]
+    head = LEADING / 72.0 * (TITLE * len(title) + FONT * len(subject))
     with mpl.rc_context(STYLE):
-        figure = NotebookFigure(figsize=(width, sum(heights) + LINE_INCHES * texts + LEGEND_INCHES * legend))
-        panels = figure.subplots(len(chart.panels), 1, squeeze=False, height_ratios=heights)[:, 0].tolist()
+        figure = NotebookFigure(figsize=(width, sum(heights) + head + LINE_INCHES * (note.count("\n") + bool(note))))
+        shape = (1, len(chart.panels)) if chart.beside else (len(chart.panels), 1)
+        grid = figure.subplots(*shape, squeeze=False, sharey=chart.beside, height_ratios=heights)
+        panels: list[Axes] = grid.ravel().tolist()
         for index, (axes, panel) in enumerate(zip(panels, chart.panels, strict=True)):
             if panel.shares_x:
                 axes.sharex(panels[index - 1])
                 panels[index - 1].tick_params(labelbottom=False)
                 panels[index - 1].set_xlabel("")
-            _draw_panel(axes, panel)
+            own = "\n".join(wrapped(panel.title, _characters(width / len(panels), FONT) - 5 if chart.beside else 1000))
+            _draw_panel(axes, replace(panel, title=own))
         if note:
-            place: Any = {"xy": (0.0, 0.0), "xytext": (0.0, -34.0), "textcoords": "offset points"}
-            panels[-1].annotate(note, **place, xycoords="axes fraction", va="top", fontsize=8.0, annotation_clip=False)
-        if labels:
-            figure.legend(loc="outside lower center", ncols=columns)
-        if title:
-            figure.suptitle(title, fontsize=TITLE)
+            figure.supxlabel(note, fontsize=NAME, x=EDGE_INCHES / width, ha="left")
+        _write_titles(figure, title, subject)
+        figure.draw_without_rendering()  # places the panels
+        shown = [(axes, panel) for axes, panel in zip(panels, chart.panels, strict=True) if not panel.to_scale]
+        if handles := [h for axes, panel in shown for h in _name_in_place(axes, rows=bool(panel.y.categories))]:
+            columns = _legend_columns([str(handle.get_label()) for handle in handles], width)
+            height = figure.get_figheight() + LEGEND_INCHES * -(-len(handles) // columns)
+            figure.set_figheight(height)
+            figure.supxlabel("")  # the legend has the note, as both have their place below the panels
+            title_of: Any = {"title": note or None, "title_fontsize": NAME, "alignment": "left"}
+            figure.legend(handles=handles, loc="outside lower center", ncols=columns, **title_of)
     return figure
 
 
-def _characters(width: float, size: float) -> int:
+def _wrapped(text: str, width: int) -> list[str]:
+    return [line for part in text.splitlines() for line in wrapped(part, width)]
+
+
+def _write_titles(figure: Figure, title: Sequence[str], subject: Sequence[str]) -> None:
+    """Write the title, bold, and beneath it what it is about, at the left edge."""
+    lines = [*title, *([""] * len(subject))]
+    look: Any = {"x": EDGE_INCHES / figure.get_figwidth(), "ha": "left", "linespacing": LEADING}
+    if lines:
+        figure.suptitle("\n".join(lines), fontsize=TITLE, fontweight="bold", **look)
+    if subject:
+        down = EDGE_INCHES + LEADING * TITLE * len(title) / 72.0
+        figure.text(y=1.0 - down / figure.get_figheight(), s="\n".join(subject), va="top", **look)
+
+
+def _characters(width: float, size: float, character: float = CHARACTER) -> int:
     """Return the number of characters of a size that fit into a width in inches."""
-    return max(10, int(72.0 * width / (CHARACTER * size)))
+    return max(10, int(72.0 * width / (character * size)))
 
 
 def _legend_columns(labels: Sequence[str], width: float) -> int:
     """Return the number of columns of a legend that fit side by side."""
     longest = max((len(label) for label in labels), default=0) + 8
-    return max(1, min(3, len(labels), _characters(width, 8.0) // longest))
+    return max(1, min(3, len(labels), _characters(width, NAME) // longest))
 
 
 def _height(panel: charts.Panel, width: float) -> float:
     """Return the height of a panel, inches."""
     if panel.square:
         return width - SIDE_INCHES + LABELS_INCHES
+    heading = LINE_INCHES if panel.title else 0.0
     if panel.to_scale:
         [across], [up] = (np.diff(axis.limits or (0.0, 1.0)) for axis in (panel.x, panel.y))
-        return float((width - SIDE_INCHES) * up / across)
+        words = [text for item in panel.series if isinstance(item, charts.Words) for text in item.words]
+        lines = max((text.count("\n") + 1 for text in words), default=0)
+        return float((width - 0.1) * up / across) + 1.3 * SMALL / 72.0 * lines
     if panel.y.categories:
-        slots = max((item.slots for item in panel.series if isinstance(item, charts.Bars)), default=1)
         lines = max(_category(name).count("\n") + 1 for name in panel.y.categories)
-        row = max(BAR_INCHES * slots + ROW_INCHES, LINE_INCHES * lines)
-        return LABELS_INCHES + row * len(panel.y.categories)
-    return PANEL_INCHES * panel.height
+        row = max(ROW_INCHES, LINE_INCHES * lines)
+        return heading + LABELS_INCHES + row * len(panel.y.categories)
+    return heading + PANEL_INCHES * panel.height
 
 
 def _category(name: str) -> str:
@@ -147,6 +182,7 @@ def _draw_panel(axes: Axes, panel: charts.Panel) -> None:
         axes.set_ylim(len(panel.y.categories) - 0.5, -0.5)
         axes.grid(visible=False, axis="y")
         axes.tick_params(axis="y", length=0.0)
+        axes.margins(x=0.08)
     if panel.square or panel.to_scale:
         axes.set_aspect("equal")
     if panel.to_scale:
@@ -176,7 +212,7 @@ def _(item: charts.Points, axes: Axes) -> None:
         (y, axes.get_ylim(), axes.get_autoscaley_on()),
     ):
         if not free:
-            values[(values < limits[0]) | (values > limits[1])] = np.nan
+            values[(values < min(limits)) | (values > max(limits))] = np.nan
     for ends, values, axis in ((item.x_ends, x, "xerr"), (item.y_ends, y, "yerr")):
         if ends:
             low, high = np.array(ends).T
@@ -195,7 +231,7 @@ def _(item: charts.Points, axes: Axes) -> None:
         right = part < (1.0 - SIDE if item.filled else SIDE)
         offset = (6.0 if right else -6.0, 5.0 if item.filled else -5.0)
         beside: Any = {"xytext": offset, "textcoords": "offset points", "ha": "left" if right else "right"}
-        beside |= {"va": "bottom" if item.filled else "top", "color": item.colour, "zorder": 5, "fontsize": 8.0}
+        beside |= {"va": "bottom" if item.filled else "top", "zorder": 5, "fontsize": NAME}
         axes.annotate(name, (across, up), bbox=BEHIND, **beside)
 
 
@@ -208,8 +244,8 @@ def _(item: charts.Band, axes: Axes) -> None:
 @_draw_series.register
 def _(item: charts.Bars, axes: Axes) -> None:
     starts, ends = np.array(item.starts, float), np.array(item.ends, float)
-    style: Any = {"height": 0.8 / item.slots, "color": item.colour, "label": item.label or None}
-    axes.barh(item.places, ends - starts, left=starts, **style)
+    style: Any = {"height": 0.7, "color": item.colour, "label": item.label or None}
+    axes.barh(range(len(ends)), ends - starts, left=starts, **style)
 
 
 @_draw_series.register
@@ -223,7 +259,8 @@ def _(item: charts.Boxes, axes: Axes) -> None:
 @_draw_series.register
 def _(item: charts.Words, axes: Axes) -> None:
     for x, y, words in zip(item.x, item.y, item.words, strict=True):
-        axes.text(x, y, words, color=item.colour, ha="center", va="bottom", fontsize=7.0)
+        look: Any = {"ha": item.align, "va": "bottom" if item.above else "top", "fontsize": SMALL}
+        axes.text(x, y, words, **look)
 
 
 @_draw_series.register
@@ -239,11 +276,12 @@ def _(item: charts.Spans, axes: Axes) -> None:
     low, high = axes.get_xlim()
     points_per_unit = 72.0 / axes.figure.dpi * axes.bbox.width / (high - low)
     for start, end, name in zip(item.starts, item.ends, item.names, strict=False):
-        room = (end - start) * points_per_unit / (CHARACTER * 8.0)
-        fitting = [words for words in (name, name.partition(":")[0]) if len(words) < room]
-        if fitting:
-            place = 0.5 * (start + end), 1.01
-            axes.text(*place, fitting[0], transform=axes.get_xaxis_transform(), ha="center", va="bottom", fontsize=8.0)
+        room = int((end - start) * points_per_unit / (CHARACTER * SMALL))
+        code, _, words = name.partition(": ")
+        fits = max(map(len, name.split()), default=0) <= room
+        lines = [code, *wrapped(words, room)] if fits else [code] * (len(code) <= room)
+        place: Any = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "bottom", "fontsize": SMALL}
+        axes.text(0.5 * (start + end), 1.01, "\n".join(lines), **place)
 
 
 @_draw_series.register
@@ -292,6 +330,7 @@ def _label_contours(axes: Axes) -> None:
         for curve in filter(len, own):
             others = [np.empty((0, 2)), *(other for found in curves for other in found if other is not curve)]
             edges = np.minimum(curve, 1.0 - curve).min(axis=1)
+            edges = np.where(edges < EDGE, 0.1 * edges, 1.0)
             apart = LABEL_WEIGHT * _distances(curve, labels)
             room = np.min([edges, apart, _distances(curve, np.concatenate(others))], axis=0)
             labels = np.append(labels, curve[[room.argmax()]], axis=0)
@@ -320,6 +359,95 @@ def _thinned(points: Any) -> Any:
 def _distances(points: Any, others: Any) -> Any:
     """Return the distance of each point from the nearest of others, as a part of the axes."""
     return np.linalg.norm(points[:, None] - others, axis=2).min(axis=1, initial=np.inf)
+
+
+def _name_in_place(axes: Axes, *, rows: bool) -> list[Any]:
+    """Write the name of each line, and of few points, beside it where there is room; return what needs a legend."""
+    handles, labels = axes.get_legend_handles_labels()
+    if rows:
+        return list(handles)
+    seen = {handle: _seen(handle, axes) for handle in axes.lines}
+    segments = [
+        part for lines in axes.collections if isinstance(lines, LineCollection) for part in lines.get_segments()
+    ]
+    contours = [lines for lines in axes.collections if isinstance(lines, ContourSet) and not lines.filled]
+    segments += [np.array(path.vertices, float) for lines in contours for path in lines.get_paths()]
+    scale = 72.0 / axes.figure.dpi
+    fixed = [np.empty((0, 2)), *(_filled(scale * axes.transData.transform(part)) for part in segments)]
+    fixed += [_inside(scale * np.array(text.get_window_extent().extents)) for text in axes.texts]
+    rest = []
+    for handle, label in zip(handles, labels, strict=True):
+        own = seen[handle] if isinstance(handle, Line2D) else fixed[0]
+        others = np.concatenate([*fixed, *(points for line, points in seen.items() if line is not handle)])
+        alone = isinstance(handle, Line2D) and handle.get_linestyle() == "None"
+        names = dict.fromkeys("\n".join(wrapped(label, characters)) for characters in NAME_CHARACTERS)
+        tried = ((name, _place(axes, name, own, others, alone=alone)) for name in names)
+        name, place = next((item for item in tried if item[1]), ("", None))
+        if place is None or (alone and len(own) > FEW):
+            rest.append(handle)
+            continue
+        anchor, offset, box = place
+        [at] = axes.transData.inverted().transform([anchor / scale]).tolist()
+        beside: Any = {"xytext": offset, "textcoords": "offset points", "ha": "left", "va": "bottom"}
+        axes.annotate(name, at, fontsize=NAME, linespacing=1.1, zorder=5, annotation_clip=False, **beside)
+        fixed.append(_inside(box))
+    return rest
+
+
+def _seen(line: Line2D, axes: Axes) -> Any:
+    """Return points of a line within its axes that are near each other, or its markers, in points of 1/72 inch."""
+    points = 72.0 / axes.figure.dpi * line.get_transform().transform(line.get_xydata())
+    points = points.reshape(-1, 2)[np.isfinite(points).reshape(-1, 2).all(axis=1)]
+    return points if line.get_linestyle() == "None" else _filled(points)
+
+
+def _filled(points: Any) -> Any:
+    """Return points along a polyline, half a step apart."""
+    points = np.reshape(points, (-1, 2))
+    along = np.append(0.0, np.linalg.norm(np.diff(points, axis=0), axis=1).cumsum())
+    at = np.linspace(0.0, along[-1], 1 + int(min(along[-1], 1e4) / (0.5 * STEP)))
+    return np.column_stack([np.interp(at, along, part) for part in points.T]) if len(points) else points
+
+
+def _inside(box: Any) -> Any:
+    """Return points of a grid over a box: left, bottom, right and top."""
+    left, bottom, right, top = box
+    x, y = np.meshgrid(np.arange(left, right + STEP, STEP), np.arange(bottom, top + STEP, STEP))
+    return np.column_stack([x.clip(max=right).ravel(), y.clip(max=top).ravel()])
+
+
+def _place(axes: Axes, name: str, own: Any, others: Any, *, alone: bool) -> Any:
+    """Return where a name is nearest to its line and farthest from others: a point of it, the offset, and the box."""
+    scale = 72.0 / axes.figure.dpi
+    left, bottom, right, top = scale * np.array(axes.bbox.extents)
+    lines = name.split("\n")
+    size = np.array([CHARACTER * NAME * max(map(len, lines)), 1.15 * NAME * len(lines)])
+    gap = GAP + (3.0 if alone else 0.0)
+    sides = [(x, y) for x in (0.0, -0.5, -1.0) for y in (0.0, -1.0)] + [(0.0, -0.5), (-1.0, -0.5)]
+    shifts = np.array([(x * size[0] + (2 * x + 1) * gap, y * size[1] + (2 * y + 1) * gap) for x, y in sides])
+    anchors = own[:: 1 if alone else 2]
+    anchors = anchors[((anchors >= [left, bottom]) & (anchors <= [right, top])).all(axis=1)]
+    corners = (anchors[:, None] + shifts).reshape(-1, 2)
+    within = ((corners >= [left + 1.0, bottom + 1.0]) & (corners + size <= [right, top])).all(axis=1)
+    corners, from_points = corners[within], np.repeat(anchors, len(shifts), axis=0)[within]
+    if not len(corners):
+        return None
+    near, far = (_from_boxes(corners, size, points) for points in (own, others))
+    room = np.where(near >= (0.5 * GAP), far.clip(max=FAR), 0.0)
+    best = int(room.argmax())
+    if room[best] < APART:
+        return None
+    return (
+        from_points[best],
+        (corners[best] - from_points[best]).tolist(),
+        np.append(corners[best], corners[best] + size),
+    )
+
+
+def _from_boxes(corners: Any, size: Any, points: Any) -> Any:
+    """Return the distance of each of several boxes, of lower left corners and a size, from the nearest of points."""
+    beyond = np.maximum(corners[:, None] - points, points - (corners + size)[:, None]).clip(min=0.0)
+    return np.linalg.norm(beyond, axis=2).min(axis=1, initial=np.inf)
 
 
 def saved(figure: Figure, suffix: str, **options: Any) -> bytes:

@@ -140,10 +140,10 @@ def _values(panel: Panel, item: Series) -> Iterator[tuple[float, float, str]]:
                 values = f"{item.label or panel.y.label}: {panel.y.text(y)}\n{panel.x.label} {panel.x.text(x)}"
                 yield x, y, item.text[index] if item.text else values
     elif isinstance(item, Bars):
-        for index, (start, end, place) in enumerate(zip(item.starts, item.ends, item.places, strict=True)):
+        for index, (start, end) in enumerate(zip(item.starts, item.ends, strict=True)):
             if start is not None and end is not None and start != end:
                 values = f"{panel.y.categories[index]}\n{item.label}: {panel.x.label} {panel.x.text(end)}"
-                yield 0.5 * (start + end), place, item.text[index] if item.text else values
+                yield 0.5 * (start + end), float(index), item.text[index] if item.text else values
     elif isinstance(item, Spans):
         for start, end, words in zip(item.starts, item.ends, item.text, strict=False):
             yield 0.5 * (start + end), 0.0, words

@@ -86,7 +86,7 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
     given: dict[str, Any] = {"scenario": scenario, "shots": shots}
     result = copy(result).of(**{key: value for key, value in given.items() if value is not None})
     chart = view.chart(result)
-    return draw(chart.headed(result.heading()) if title is None else replace(chart, title=title))
+    return draw(chart.about(result.heading()) if title is None else replace(chart, title=title))
 
 
 def _same(scenario: Scenario, other: Scenario) -> bool:

@@ -285,7 +285,7 @@ def calibrate(
                 results[-1] = replace(results[-1], evidence=evidence.model_dump(), limit_error_percent=error)
             results = results[-1:]
             break
-    return results[0].of(subject_of(tests), scenario=scenario)
+    return results[0].of(subject_of(tests), scenario=scenario, tests=tests)
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:

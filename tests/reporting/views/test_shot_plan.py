@@ -45,7 +45,8 @@ FIVE = Shots((700.0, 720.0, 760.0, 710.0, 740.0), (False, True, True, False, Fal
 def test_prior_posterior_shots_and_the_next_velocity():
     plan = plan_shots(scenario(), FIVE)
     drawn = chart(plan)
-    assert drawn.title == "V50 firing, bayesian: 5 shots in f.csv"
+    assert drawn.title.startswith(f"Next shot at {plan.next_velocity_m_s:.1f} m/s; after 5 shots V50 ")
+    assert "95 % interval" in drawn.title
     density, response = drawn.panels
     prior, posterior = (series for series in density.series if isinstance(series, Line))
     assert max(value for value in posterior.y if value) > max(value for value in prior.y if value)
@@ -57,7 +58,6 @@ def test_prior_posterior_shots_and_the_next_velocity():
     for panel in drawn.panels:
         [rule] = (series for series in panel.series if isinstance(series, Rule))
         assert rule.at == plan.next_velocity_m_s
-    assert "95 % interval" in drawn.note
 
 
 def test_a_requirement_is_drawn_with_its_operating_characteristic_before_the_first_shot():

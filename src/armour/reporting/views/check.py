@@ -48,16 +48,18 @@ def what_if_table(threat: CheckedThreat, title: str) -> Table:
     )
 
 
+def outcome(result: CheckResult) -> str:
+    """Return whether an armour passes against all threats, or why or against which it fails."""
+    failed = [threat.threat for threat in result.threats if not threat.passed]
+    if len(result.threats) == 1:
+        return f"{verdict(result.threats[0])}: {finding(result.threats[0])}"
+    return f"FAILS against {' and '.join(failed)}" if failed else "passes against every threat"
+
+
 def tables(result: CheckResult) -> list[Table | str]:
     """Return the verdict, and for each threat a table of the armour as it is and with each change."""
     several = len(result.threats) > 1
-    failed = [threat for threat in result.threats if not threat.passed]
-    words = "passes against every threat"
-    if not several:
-        words = f"{verdict(result.threats[0])}: {finding(result.threats[0])}"
-    elif failed:
-        words = f"FAILS against {' and '.join(threat.threat for threat in failed)}"
-    found: list[Table | str] = [Verdict.of(words, good=not failed)]
+    found: list[Table | str] = [Verdict.of(outcome(result), good=all(threat.passed for threat in result.threats))]
     for threat in result.threats:
         title = f"{threat.threat}: {verdict(threat)}, {finding(threat)}" if several else ""
         found.append(what_if_table(threat, title))
@@ -69,7 +71,7 @@ def tables(result: CheckResult) -> list[Table | str]:
 def chart(result: CheckResult) -> charts.Chart:
     """Describe the ballistic limits with their intervals, change by change, beside the velocity of each threat."""
     panels = tuple(_panel(threat, named=not place) for place, threat in enumerate(result.threats))
-    return charts.Chart("", panels, "Percentages: probability that the armour stops the projectile.")
+    return charts.Chart(outcome(result), panels, "Percentages: probability that the armour stops the projectile.")
 
 
 def _panel(threat: CheckedThreat, *, named: bool) -> charts.Panel:

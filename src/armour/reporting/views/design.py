@@ -290,8 +290,18 @@ def map_chart(result: DesignResult) -> charts.Chart:
     probabilities = {1.0 - USUAL, 0.5, USUAL, *(c for c in asked if c is not None)}
     grid = design_map(catalogue, pair, ceramic_mm, backing_mm, tuple(probabilities))
     drawn = _MapDrawing(result, catalogue, grid, asked)
-    title = f"{_pair(result.best)}: designs that stop the threat{'s' if len(result.threats) > 1 else ''}"
-    return charts.Chart(title, (drawn.panel(),), drawn.note())
+    return charts.Chart(_title(result), (drawn.panel(),), drawn.note())
+
+
+def _title(result: DesignResult) -> str:
+    """Return the best design, and how surely it stops the threats."""
+    best, axis = result.best, CRITERIA[result.minimised]
+    layers = [(best.ceramic_thickness_mm, best.ceramic), (best.backing_thickness_mm, best.backing)]
+    armour = " on ".join(f"{thickness:.4g} mm {name}" for thickness, name in layers if name)
+    chances = [found for found in best.probabilities_of_defeat.values() if found is not None]
+    stops = f", stops with {chance(min(chances))}" if len(chances) == len(result.threats) else ""
+    value = axis.text(getattr(best, result.minimised))
+    return f"{OBJECTIVES[result.minimised].least.capitalize()}: {armour}, {value}{stops}"
 
 
 @dataclass(frozen=True)
@@ -378,14 +388,13 @@ class _MapDrawing:
         for design, words, look in self.marked():
             value = getattr(design, self.result.minimised)
             colour = look["colour"]
-            line = charts.Contours(
-                *self.at(objective), "dotted", at=(value,), words=number(value, axis.spec), colour=colour
-            )
+            if words:
+                line: dict[str, Any] = {"at": (value,), "words": number(value, axis.spec), "colour": colour}
+                series.append(charts.Contours(*self.at(objective), "dotted", **line))
             place = [design.backing_thickness_mm], [design.ceramic_thickness_mm]
-            series += [
-                line,
-                charts.Points(*place, names=(words,) if words else (), text=(words or look["label"],), **look),
-            ]
+            series.append(
+                charts.Points(*place, names=(words,) if words else (), text=(words or look["label"],), **look)
+            )
         x = charts.quantity_axis("armour.backing_thickness_mm")
         y = charts.quantity_axis("armour.ceramic_thickness_mm")
         return charts.Panel(x, y, tuple(series), height=1.6)

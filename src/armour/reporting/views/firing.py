@@ -134,11 +134,10 @@ def chart(result: FiringResult) -> charts.Chart:
     if after is not None:
         low, high = min(low, after.v50_interval_m_s[0] - margin), max(high, after.v50_interval_m_s[1] + margin)
     x = np.linspace(low, high, 400).tolist()
-    label = f"{fit.curve}, {fit.method}: V50 {fit.v50_m_s:.1f} m/s"
+    label = f"{fit.curve}, {fit.method}"
     if fit is result.recommended:
         band = penalised_band(shots.of(complete=False), shots.of(complete=True), fit.curve, x, result.confidence)
         series.insert(0, charts.Band(x, *(edge.tolist() for edge in band)))
-        label += f", with its {percent(result.confidence)} band"
     series.append(charts.Line(x, [fit.probability(v) for v in x], label=label))
     if low <= fit.v50_m_s <= high:
         start, end = (edge if e is None else e for e, edge in zip(fit.v50_interval_m_s, (low, high), strict=True))
@@ -146,20 +145,20 @@ def chart(result: FiringResult) -> charts.Chart:
         bar = ((start, end),) if bounded else ()
         series.append(charts.Points([fit.v50_m_s], [0.5], x_ends=bar, text=words))
     if after is not None:
-        name, bar = f"posterior with the model as prior: V50 {after.v50_m_s:.1f} m/s", (after.v50_interval_m_s,)
+        name, bar = f"posterior, V50 {after.v50_m_s:.1f} m/s", (after.v50_interval_m_s,)
         look: Any = {"marker": "D", "colour": "purple", "label": name, "text": (name,)}
         series.append(charts.Points([after.v50_m_s], [POSTERIOR], x_ends=bar, **look))
     if mean is not None:
         name = "mean of shots" if mean.rule == "no usual rule" else "MIL-STD-662F"
-        series.append(charts.velocity_rule(f"{name}: V50", mean.v50_m_s, "soft"))
-    bar_is = "The bar at one half is the {} of V50, {}." if bounded else "The {} of V50 is {}."
-    notes = [bar_is.format(between, between_ends)]
+        series.append(charts.velocity_rule(f"{name}", mean.v50_m_s, "soft"))
+    notes = [f"The band is the {percent(result.confidence)} band of the curve."] if fit is result.recommended else []
     if after is not None:
-        notes.append(f"The bar with a diamond is that of the posterior, {interval(after.v50_interval_m_s, '.1f')} m/s.")
+        notes.append(f"The posterior has the model as prior: {between} {interval(after.v50_interval_m_s, '.1f')} m/s.")
     if model is not None and low <= model <= high:
-        series.append(charts.velocity_rule("this model: ballistic limit", model, "ink", ":"))
+        series.append(charts.velocity_rule("limit by this model", model, "ink", ":"))
     elif model is not None:
         notes.append(f"The model's ballistic limit, {model:.1f} m/s, is outside the axis.")
     velocity = charts.quantity_axis(VELOCITY, limits=(low, high))
     probability = charts.Axis("probability of complete penetration", limits=(-0.02, 1.02))
-    return charts.Chart("", (charts.Panel(velocity, probability, tuple(series), height=1.1),), " ".join(notes))
+    title = f"V50 {fit.v50_m_s:.1f} m/s, {between} {between_ends}"
+    return charts.Chart(title, (charts.Panel(velocity, probability, tuple(series), height=1.1),), " ".join(notes))

@@ -1,7 +1,10 @@
 """An impact: its result, stages, history and energy."""
 
+from collections.abc import Iterator
 from dataclasses import fields, replace
+from itertools import pairwise
 from math import inf
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,35 +14,30 @@ from armour.analysis.quantities import OUTCOMES
 from armour.errors import InputError, Problem
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
-from armour.reporting.text import Verdict
+from armour.reporting.text import Verdict, wrapped
 from armour.reporting.views.confidence import SAMPLED_ALONE
 from armour.reporting.views.confidence import tables as confidence_tables
 from armour.units import MM
 
+
+class StageWords(NamedTuple):
+    """A stage in words: what it begins with, its name, and what it is."""
+
+    begins: str
+    name: str
+    words: str
+
+
 STAGES = {
-    "i": "intact ceramic, penetrated; rod erodes",
-    "ii.1": "fragmented ceramic, penetrated; rod erodes",
-    "ii.2": "ceramic carried along or held (dwell); rod erodes",
-    "ii.3": "ceramic, penetrated; rod rigid",
-    "iii.1": "plate, penetrated; rod erodes",
-    "iii.2": "plate carried along or held (dwell); rod erodes",
-    "iii.3": "plate, penetrated; rod rigid",
-    "iii.4": "plate carried along; rod rigid",
-    "iii.5": "fragmented ceramic carried along; rod rigid",
-}
-
-
-# Words of the stages above their bands, where there is room.
-SHORT = {
-    "i": "intact ceramic",
-    "ii.1": "fragmented ceramic",
-    "ii.2": "ceramic carried or held",
-    "ii.3": "ceramic, rod rigid",
-    "iii.1": "plate, rod erodes",
-    "iii.2": "plate carried or held",
-    "iii.3": "plate, rod rigid",
-    "iii.4": "plug carried along",
-    "iii.5": "ceramic carried along",
+    "i": StageWords("impact", "intact ceramic", "intact ceramic, penetrated; rod erodes"),
+    "ii.1": StageWords("ceramic fragments", "fragmented ceramic", "fragmented ceramic, penetrated; rod erodes"),
+    "ii.2": StageWords("front held", "ceramic carried or held", "ceramic carried along or held (dwell); rod erodes"),
+    "ii.3": StageWords("rod is rigid", "ceramic, rod rigid", "ceramic, penetrated; rod rigid"),
+    "iii.1": StageWords("rod erodes", "plate, rod erodes", "plate, penetrated; rod erodes"),
+    "iii.2": StageWords("front held", "plate carried or held", "plate carried along or held (dwell); rod erodes"),
+    "iii.3": StageWords("rod is rigid", "plate, rod rigid", "plate, penetrated; rod rigid"),
+    "iii.4": StageWords("plug moves along", "plug carried along", "plate carried along; rod rigid"),
+    "iii.5": StageWords("ceramic moves along", "ceramic carried along", "fragmented ceramic carried along; rod rigid"),
 }
 
 
@@ -80,7 +78,7 @@ def stage_table(result: ImpactResult) -> Table:
     return listing(
         result.stages,
         column_of("stage"),
-        (Column("description", prose=True), lambda record: STAGES[record.stage]),
+        (Column("description", prose=True), lambda record: STAGES[record.stage].words),
         column_of("start_us", ".1f"),
         column_of("end_us", ".1f"),
         column_of("velocity_lost_m_s", ".0f"),
@@ -103,7 +101,7 @@ def csv(result: ImpactResult) -> str | None:
 
 def energy_table(energy: EnergyBalance) -> Table:
     """Return the projectile's loss of kinetic energy, stage by stage; the last row is the sum."""
-    found = [(f"{row.stage}: {STAGES[row.stage]}", row.eroded, row.braked) for row in energy.rows]
+    found = [(f"{row.stage}: {STAGES[row.stage].words}", row.eroded, row.braked) for row in energy.rows]
     found.append(("all stages", sum(row.eroded for row in energy.rows), sum(row.braked for row in energy.rows)))
     percent = 100.0 / energy.before if energy.before else 0.0
     columns = (
@@ -118,7 +116,7 @@ def energy_table(energy: EnergyBalance) -> Table:
 
 
 def chart(result: ImpactResult) -> charts.Chart:
-    """Describe an impact over time, from its history: velocities, rod length, depth and bulge, with its stages."""
+    """Describe an impact: armour and rod at the ends of its stages, and velocities, rod length and depths over time."""
     history = result.history
     if history is None:
         raise InputError([Problem("plot", "result", "must have its history: simulate(scenario, history=True)")])
@@ -126,101 +124,131 @@ def chart(result: ImpactResult) -> charts.Chart:
     slow = history.time_us[history.velocity_m_s <= 0.05 * result.impact_velocity_m_s]
     shown = min(result.duration_us, 1.5 * float(slow[0])) if slow.size else result.duration_us
     seen = history.time_us <= shown
-    time = history.time_us[seen].tolist()
-    velocities = {
-        "projectile V": history.velocity_m_s,
-        "penetration U": history.penetration_velocity_m_s,
-        "target W": history.target_velocity_m_s,
-    }
-    depths = {"depth Z": history.depth_mm, "bulge h": history.bulge_height_mm}
     x = charts.Axis("time since impact", "µs", limits=(0.0, max(shown, 1e-9)), spec=".2f")
-    stages = [stage for stage in result.stages if stage.start_us < shown]
-    words = (f"stage {s.stage}: {STAGES[s.stage]}\n{s.start_us:.4g} to {s.end_us:.4g} µs" for s in stages)
-    ends = [min(stage.end_us, shown) for stage in stages]
-    names = tuple(f"{stage.stage}: {SHORT[stage.stage]}" for stage in stages)
-    spans = charts.Spans([stage.start_us for stage in stages], ends, names, text=tuple(words))
     panels: list[charts.Panel] = []
+    spans = _spans(result, shown)
     colours = iter(("blue", "orange", "green", "ink", "purple", "vermilion"))
     for y, height, curves in (
-        (charts.Axis("velocity", "m/s", spec=".1f"), 1.1, velocities),
-        (charts.Axis("rod length", "mm", from_zero=True, spec=".2f"), 0.65, {"rod length L": history.length_mm}),
-        (charts.Axis("depth, bulge", "mm", spec=".2f"), 0.75, depths),
+        (
+            charts.Axis("velocity", "m/s", spec=".1f"),
+            1.1,
+            {
+                "projectile V": history.velocity_m_s,
+                "penetration U": history.penetration_velocity_m_s,
+                "target W": history.target_velocity_m_s,
+            },
+        ),
+        (charts.Axis("rod length L", "mm", from_zero=True, spec=".2f"), 0.65, {"": history.length_mm}),
+        (
+            charts.Axis("depth, bulge", "mm", spec=".2f"),
+            0.75,
+            {"depth Z": history.depth_mm, "bulge h": history.bulge_height_mm},
+        ),
     ):
         lines = (
-            charts.Line(time, values[seen].tolist(), style, label=label, colour=next(colours))
-            for (label, values), style in zip(curves.items(), charts.STYLES, strict=False)
+            charts.Line(history.time_us[seen].tolist(), values[seen].tolist(), style, label=name, colour=next(colours))
+            for (name, values), style in zip(curves.items(), charts.STYLES, strict=False)
         )
         panels.append(charts.Panel(x, y, (spans, *lines), height=height, shares_x=bool(panels)))
         # The first panel alone names the stages.
         spans = replace(spans, names=(), text=())
     scene = () if result.question.get("scenario") is None else (_scene(result, history),)
-    outcome = f"Impact: {OUTCOMES[result.outcome]} at {result.impact_velocity_m_s:g} m/s"
+    title = f"Stopped at a depth of {result.penetration_depth_mm:.3g} mm"
     if result.outcome == "perforated":
-        outcome += f", residual velocity {result.residual_velocity_m_s:.1f} m/s"
-    # The caption names every stage: some are too narrow for a name above the panel, or start after the time shown.
-    parts = (f"{s.stage} from {s.start_us:.3g} µs, {_stage_words(s.stage)}" for s in result.stages)
-    caption = f"Stages: {'; '.join(parts)}."
-    if shown < result.duration_us:
-        caption = f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs. {caption}"
-    return charts.Chart(outcome, (*scene, *panels), caption, width=6.0)
+        title = f"Perforated: residual velocity {result.residual_velocity_m_s:.0f} m/s"
+    note = f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs." if shown < result.duration_us else ""
+    return charts.Chart(title, (*scene, *panels), note, width=6.0)
 
 
-# Pictures of an impact at most, and the height of armour that they show, diameters of the rod.
-PICTURES, SHOWN_DIAMETERS = 6, 5.0
+def _spans(result: ImpactResult, shown: float) -> charts.Spans:
+    """Describe the stages up to a time, µs."""
+    stages = [stage for stage in result.stages if stage.start_us < shown]
+    return charts.Spans(
+        [stage.start_us for stage in stages],
+        [min(stage.end_us, shown) for stage in stages],
+        tuple(f"{stage.stage}: {STAGES[stage.stage].name}" for stage in stages),
+        text=tuple(f"stage {s.stage}: {STAGES[s.stage].words}\n{s.start_us:.4g} to {s.end_us:.4g} µs" for s in stages),
+    )
+
+
+# Pictures of an impact at most, the least height of armour that they show, in diameters of the rod and as a part of
+# their length, and the scale drawn, mm.
+PICTURES, SHOWN_DIAMETERS, SHOWN_PART, SCALE_MM = 6, 3.6, 0.6, 10.0
+# Characters in a line of words above a picture.
+EVENT_CHARACTERS = 12
 
 
 def _scene(result: ImpactResult, history: History) -> charts.Panel:
     """Draw armour and rod to scale along the line of fire, at the start and at the end of each stage."""
     p = result.question["scenario"].core_armour()
     length, diameter, ceramic, backing = (value / MM for value in (p.L0, p.D0, p.Hc0, p.Hb))
-    ends = [stage.end_us for stage in result.stages]
-    moments = [0.0, *ends[: PICTURES - 2], *ends[PICTURES - 2 :][-1:]]
-    bulge = max(0.5 * diameter, float(history.bulge_height_mm.max()))
-    high, step = 0.5 * SHOWN_DIAMETERS * diameter, 1.25 * (length + ceramic + backing + bulge)
+    moments = [(0.0, "impact"), *_events(result)]
+    moments = [*moments[: PICTURES - 1], *moments[PICTURES - 1 :][-1:]]
     fragmented = min((s.start_us for s in result.stages if s.stage[:3] == "iii" or s.stage == "ii.1"), default=inf)
+    high = 0.5 * max(SHOWN_DIAMETERS * diameter, SHOWN_PART * (length + ceramic + backing))
+    depths, rods, bulges, velocities = (
+        np.interp([moment for moment, _ in moments], history.time_us, values)
+        for values in (history.depth_mm, history.length_mm, history.bulge_height_mm, history.velocity_m_s)
+    )
+    # Pictures are side by side, in slots of their widths but for those too narrow for words.
+    left, right = np.minimum(depths - rods, 0.0), ceramic + backing + bulges
+    widths = (right - left).clip(min=0.85 * np.mean(right - left)) + 0.15 * np.mean(right - left)
+    middles = np.cumsum(widths) - 0.5 * widths
+    starts = middles - 0.5 * (left + right)
     boxes: dict[tuple[str, bool], list[tuple[float, float, float, float]]] = {}
-    words = []
-    for place, moment in enumerate(moments):
-        at = {
-            name: float(np.interp(moment, history.time_us, getattr(history, name)))
-            for name in ("depth_mm", "length_mm", "bulge_height_mm", "velocity_m_s")
-        }
-        front, moved = at["depth_mm"], at["bulge_height_mm"]
-        broken = 0.0 < moment >= fragmented
-        start, half = place * step, 0.5 * diameter
-        layers = (("ceramic", broken, 0.0, ceramic), ("metal", False, ceramic, ceramic + backing))
-        for name, hatched, near, far in layers:
-            if far > near:
-                for bottom in (-high, half):  # beside the path of the rod
-                    boxes.setdefault((name, hatched), []).append((start + near, bottom, far - near, high - half))
-                ahead = max(near + (moved if near else 0.0), front)
-                if far + moved > ahead:  # what is left ahead of the rod
-                    boxes.setdefault((name, hatched), []).append((start + ahead, -half, far + moved - ahead, diameter))
-        if at["length_mm"] > 0.0:
-            boxes.setdefault(("rod", False), []).append(
-                (start + front - at["length_mm"], -half, at["length_mm"], diameter)
-            )
-        words.append(f"{moment:.3g} µs\n{at['velocity_m_s']:.0f} m/s")
-    middles = [place * step + 0.5 * (ceramic + backing) for place in range(len(moments))]
-    names = {"ceramic": "ceramic", "metal": "back plate", "rod": "rod"}
+    for (moment, _), start, *state in zip(moments, starts.tolist(), depths, rods, bulges, strict=True):
+        for name, near, far, bottom, top in _picture(diameter, high, (ceramic, backing), *map(float, state)):
+            broken = name == "ceramic" and 0.0 < moment >= fragmented
+            boxes.setdefault((name, broken), []).append((start + near, bottom, far - near, top - bottom))
+    boxes["ink", False] = [(0.0, -1.6 * high, SCALE_MM, 0.02 * high)]
+    first, *others = starts.tolist()
+    names = (("ceramic ", "right"), (" plate", "left")) if ceramic else ((" plate", "left"),)
+    above = (
+        f"{moment:.3g} µs\n{velocity:.0f} m/s\n" + "\n".join(wrapped(event, EVENT_CHARACTERS))
+        for (moment, event), velocity in zip(moments, velocities, strict=True)
+    )
+    below = tuple(f"rod {rod:.3g} mm" for rod in rods)
+    behind = [start + ceramic for start in others]
+    hanging: Any = {"above": False}
     series = [
-        charts.Boxes(places, hatched, label=f"{names[name]}{', fragmented' if hatched else ''}", colour=name)
-        for (name, hatched), places in boxes.items()
+        *(charts.Boxes(places, broken, colour=name) for (name, broken), places in boxes.items()),
+        charts.Words(middles.tolist(), [high] * len(moments), tuple(above)),
+        charts.Words([0.5 * SCALE_MM], [-1.6 * high], (f"{SCALE_MM:g} mm",)),
+        charts.Words([first - 0.5 * length], [-0.5 * diameter], below[:1], **hanging),
+        *(charts.Words([first + ceramic], [-high], (name,), align, **hanging) for name, align in names),
+        charts.Words(behind, [-high] * len(behind), below[1:], **hanging),
     ]
-    x = charts.Axis(limits=(-1.1 * length, (len(moments) - 1) * step + 1.1 * (ceramic + backing + bulge)))
-    y = charts.Axis(limits=(-1.05 * high, 1.05 * high + 2.4 * diameter))
-    above = charts.Words(middles, [1.05 * high] * len(moments), tuple(words), colour="ink")
-    return charts.Panel(x, y, (*series, above), to_scale=True)
+    x, y = charts.Axis(limits=(0.0, float(widths.sum()))), charts.Axis(limits=(-1.65 * high, high))
+    return charts.Panel(x, y, tuple(series), to_scale=True)
 
 
-def _stage_words(stage: str) -> str:
-    """Return what a stage is, as a part of a list."""
-    return STAGES[stage].replace(";", ",")
+def _events(result: ImpactResult) -> Iterator[tuple[float, str]]:
+    """Give the times at which stages end, µs, and what happens then."""
+    for stage, after in pairwise(result.stages):
+        enters_plate = after.stage in ("iii.1", "iii.2", "iii.3") and stage.stage[:3] != "iii"
+        yield stage.end_us, "rod through ceramic" if enters_plate else STAGES[after.stage].begins
+    yield result.duration_us, OUTCOMES[result.outcome]
+
+
+def _picture(
+    diameter: float, high: float, layers: tuple[float, float], front: float, rod: float, bulge: float
+) -> Iterator[tuple[str, float, float, float, float]]:
+    """Give colour, left, right, bottom and top of the parts of layers and rod that are seen, mm."""
+    half, ceramic = 0.5 * diameter, layers[0]
+    for name, near, far in (("ceramic", 0.0, ceramic), ("metal", ceramic, sum(layers))):
+        ahead = max(near + (bulge if near else 0.0), front)
+        if far > near:
+            yield name, near, far, -high, -half  # beside the path of the rod
+            yield name, near, far, half, high
+            if far + bulge > ahead:  # what is left ahead of the rod
+                yield name, ahead, far + bulge, -half, half
+    if rod > 0.0:
+        yield "rod", front - rod, front, -half, half
 
 
 def energy_chart(energy: EnergyBalance) -> charts.Chart:
     """Describe the projectile's loss of kinetic energy, stage by stage."""
-    categories = (*(f"{index}. stage {row.stage}" for index, row in enumerate(energy.rows, start=1)), "remaining")
+    categories = (*(f"{row.stage}: {STAGES[row.stage].name}" for row in energy.rows), "remaining")
     _, eroded, braked, *_ = (column.label for column in energy_table(energy).columns)
     looks = ((eroded, "orange"), (braked, "blue"), ("remaining in the projectile", "soft"))
     parts = np.array([*((row.eroded, row.braked, 0.0) for row in energy.rows), (0.0, 0.0, energy.left)])
@@ -232,5 +260,6 @@ def energy_chart(energy: EnergyBalance) -> charts.Chart:
         series.append(charts.Bars((ends - values).tolist(), ends.tolist(), label=label, colour=colour, text=text))
     x = charts.Axis("kinetic energy", "J", from_zero=True)
     panel = charts.Panel(x, charts.Axis(categories=categories), tuple(series))
-    codes = dict.fromkeys(f"{row.stage}, {_stage_words(row.stage)}" for row in energy.rows)
-    return charts.Chart("Where the projectile's energy went", (panel,), f"Stages: {'; '.join(codes)}.")
+    of = parts.sum(axis=0) * share
+    title = f"Of {energy.before:.0f} J, {of[0]:.0f} % went with eroded material, {of[1]:.0f} % into braking the rod"
+    return charts.Chart(title, (panel,))

@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -135,6 +136,10 @@ GAINS = "Gains of one more test for its cost are relative to the mean of the pla
 MAX_LISTED = 6
 
 
+# Candidates up to which each has its gain as a number.
+MAX_NUMBERS = 60
+
+
 # Markers of candidates that are tested once, twice, and so on; those tested more often have the last.
 MARKERS = "os^D*"
 
@@ -164,7 +169,7 @@ def chart(result: PlannedTests) -> charts.Chart:
         points: list[tuple[Any, ...]] = [(place[0], where[float(place[0])]) for place in places]
     else:
         order = np.argsort(gains, kind="stable")  # the greatest is written last
-        series = _map(*charts.on_grid(columns[0][order], columns[1][order], gains[order]))
+        series = _candidates(*charts.on_grid(columns[0][order], columns[1][order], gains[order]))
         points = places
     outcomes = result.planned[1:] if result.measure == "outcome" else ()
     velocities = [float(step.inputs[VELOCITY]) for step in outcomes]
@@ -181,7 +186,17 @@ def chart(result: PlannedTests) -> charts.Chart:
     note = GAINS if result.sensitivities else "The planned tests do not determine the inputs, so that no gain is shown."
     if velocities:
         note += f" The planned shots are at {velocities_in_words(velocities)}."
-    return charts.Chart("", (charts.Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
+    number = len(result.planned) - 1
+    last = result.planned[-1]
+    known = [
+        f"{label_and_unit(name)[0]} ± {half:.2g} {label_and_unit(name)[1]}".rstrip()
+        for name, half in last.half_widths.items()
+        if half is not None
+    ]
+    title = f"Planned: {number} test{'s' if number > 1 else ''}" + (f", after which {known[0]}" if known else "")
+    if len(keys) > 1:
+        axes = [replace(axis, limits=charts.widened(of, 0.15)) for axis, of in zip(axes, columns, strict=True)]
+    return charts.Chart(title, (charts.Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
 
 
 def velocities_in_words(velocities: Iterable[float]) -> str:
@@ -192,10 +207,12 @@ def velocities_in_words(velocities: Iterable[float]) -> str:
     return f"{', '.join([*found[:-2], ' and '.join(found[-2:])])} m/s"
 
 
-def _map(x: Any, y: Any, z: Any) -> list[charts.Series]:
-    """Describe gains over a full grid as colours with contours, and those of other candidates as points."""
-    if np.isfinite(z).all() and min(z.shape) > 1:
-        return charts.map_series(x, y, z, GAIN, "lines of equal gain", levels=6)
+def _candidates(x: Any, y: Any, z: Any) -> list[charts.Series]:
+    """Describe the gains of candidates: numbers beside points or, where they are many and a grid, colours."""
+    if len(x) * len(y) > MAX_NUMBERS and np.isfinite(z).all():
+        return [charts.Map(x, y, z, GAIN)]
     js, i = np.nonzero(np.isfinite(z)) if np.isfinite(z).any() else np.nonzero(np.isnan(z))
-    words = tuple(f"gain {value:.2f}" for value in z[js, i])
-    return [charts.Points(x[i].tolist(), y[js].tolist(), label="candidates", filled=False, text=words)]
+    words = tuple(f"{value:.2f}" if np.isfinite(value) else "" for value in z[js, i])
+    places = x[i].tolist(), y[js].tolist()
+    few = words if len(words) <= MAX_NUMBERS else ()
+    return [charts.Points(*places, label=GAIN, filled=False, colour="soft", names=few, text=words)]

@@ -1,7 +1,5 @@
 """A sensitivity analysis."""
 
-import numpy as np
-
 from armour.analysis.quantities import QUANTITIES, label_and_unit
 from armour.reporting import charts
 from armour.reporting.table import Column, Source, Table, column_of, in_words, listing, record
@@ -42,14 +40,26 @@ def tables(result: SensitivityResult) -> list[Table | str]:
 
 
 def chart(result: SensitivityResult) -> charts.Chart:
-    """Describe the elasticities of every answer as bars, the inputs of the largest on top."""
+    """Describe the elasticities of every answer, side by side, the inputs of the largest of the first on top.
+
+    The first is the ballistic limit, where there is one.
+    """
     answers = [name for name, value in result.answers.items() if value is not None]
-    largest = [max((abs(item.elasticities[name] or 0.0) for name in answers), default=0.0) for item in result.inputs]
-    inputs = [result.inputs[index] for index in np.argsort(-np.array(largest), kind="stable")]
-    # Without an elasticity an input, such as the velocity for the ballistic limit, has no row.
-    inputs = [item for item in inputs if any(item.elasticities[answer] is not None for answer in answers)]
+    # Without an elasticity an input, such as the velocity for the ballistic limit, is below those with one.
+    inputs = sorted(
+        (item for item in result.inputs if any(item.elasticities[answer] is not None for answer in answers)),
+        key=lambda item: [-abs(item.elasticities[answer] or 0.0) for answer in answers],
+    )
     names = tuple(charts.quantity_axis(item.input).label for item in inputs)
-    values = {charts.quantity_axis(answer).label: [item.elasticities[answer] for item in inputs] for answer in answers}
-    x = charts.Axis("change per % of the input", "%", spec="+.3f")
-    note = "Inputs are in the order of their longest bars."
-    return charts.Chart("Sensitivity to the inputs", (charts.bars_panel(x, names, values),), note)
+    panels = []
+    for answer in answers:
+        values = {"": [item.elasticities[answer] for item in inputs]}
+        panels.append(
+            charts.rows_panel(charts.Axis(spec="+.3f"), names, values, charts.quantity_axis(answer).label, 0.0)
+        )
+    title, note = "", "Change in % when the input grows by 1 %."
+    if inputs:
+        most = inputs[0].elasticities[answers[0]] or 0.0
+        what = charts.quantity_axis(answers[0]).label
+        title = f"The {what} depends most on the {names[0]}: {most:+.2f} % for 1 % more"
+    return charts.Chart(title, tuple(panels), note, beside=True)

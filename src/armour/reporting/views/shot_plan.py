@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from itertools import zip_longest
-from pathlib import Path
 
 import numpy as np
 
@@ -168,7 +167,10 @@ def chart(plan: ShotPlan) -> charts.Chart:
     limits = (x[0], x[-1])
     shots: list[charts.Series] = [*shot_points(plan.fired)]
     if plan.curve:
-        shots.insert(0, charts.Line(x, plan.curve.probability, label="probability by the posterior"))
+        shots.insert(
+            0,
+            charts.Line(x, plan.curve.probability, label="by the posterior" if plan.fired.complete else "by the prior"),
+        )
     elif plan.recommended:
         fit = plan.recommended
         shots.insert(0, charts.Line(x, [fit.probability(v) for v in x], label=f"{fit.curve}, {fit.method}"))
@@ -181,19 +183,24 @@ def chart(plan: ShotPlan) -> charts.Chart:
     notes = [f"{plan.stopped}."] if plan.stopped else []
     if plan.curve and plan.posterior:
         v50: list[charts.Series] = [
-            charts.Line(x, plan.curve.prior, label="prior: the model with its error", colour="purple", style="--"),
-            charts.Line(x, plan.curve.posterior, label="posterior: with the shots"),
+            charts.Line(x, plan.curve.prior, label="prior, the model with its error", colour="purple", style="--"),
+            *([charts.Line(x, plan.curve.posterior, label="posterior, with the shots")] if plan.fired.complete else []),
             *_rules(plan, limits, label=True),
         ]
         density = charts.Axis("probability density of V50", "s/m", from_zero=True)
         panels.insert(0, charts.Panel(velocity, density, tuple(v50)))
-        ends = interval(plan.posterior.v50_interval_m_s, ".1f")
-        words = f"V50 {plan.posterior.v50_m_s:.1f} m/s, {percent(plan.confidence)} interval {ends} m/s"
-        notes.insert(0, f"Posterior: {words}.")
+    return charts.Chart(_title(plan), tuple(panels), " ".join(notes))
+
+
+def _title(plan: ShotPlan) -> str:
+    """Return what is next, and what is known after the shots so far."""
     fired = len(plan.fired.complete)
-    file = f" in {Path(plan.fired.file).name}" if fired and plan.fired.file != "shots" else ""
-    title = f"V50 firing, {plan.procedure}: {fired} shots{file}"
-    return charts.Chart(title, tuple(panels), " ".join(notes))
+    following = "Firing ended" if plan.next_velocity_m_s is None else f"Next shot at {plan.next_velocity_m_s:.1f} m/s"
+    known = f"after {fired} shot{'' if fired == 1 else 's'}" if fired else "by the prior"
+    if plan.posterior is not None:
+        ends = interval(plan.posterior.v50_interval_m_s, ".0f")
+        known += f" V50 {plan.posterior.v50_m_s:.0f} m/s, {percent(plan.confidence)} interval {ends} m/s"
+    return f"{following}; {known}"
 
 
 def _operating_panel(plan: ShotPlan) -> charts.Panel:

@@ -13,6 +13,8 @@ from armour.scenario.scenario import Scenario
 from armour.sweeps.sweep import SweepResult
 from armour.units import MM
 
+# Quantities that are zero where the projectile is stopped, and lines of equal value on a map, about.
+RESIDUALS, CONTOURS = ("residual_velocity_m_s", "residual_mass_g"), 10
 # Rows of a sweep that are shown.
 SWEEP_ROWS = 20
 
@@ -52,9 +54,11 @@ def sweep_chart(table: Mapping[str, Any], keys: Sequence[str], name: str, scenar
     Over a key of names there is a bar for each name, and over such a key and numbers a curve for each.
     """
     axes = [charts.quantity_axis(key) for key in keys]
-    answer = charts.quantity_axis(name)
-    title = _sweep_title(answer.label, *(axis.label for axis in axes))
+    answer = charts.quantity_axis(name, spec=".4g")
     found = table[name]
+    title = _sweep_title(answer.label, *(axis.label for axis in axes))
+    if np.nanmin(found) < np.nanmax(found):
+        title += f": {answer.text(np.nanmin(found)).removesuffix(answer.unit)}to {answer.text(np.nanmax(found))}"
     missing = np.count_nonzero(np.isnan(found))
     note = f"{missing} of {len(found)} rows have no {answer.label}." if missing else ""
     named = [key for key in keys if table[key].dtype.kind not in "iuf"]
@@ -66,7 +70,7 @@ def sweep_chart(table: Mapping[str, Any], keys: Sequence[str], name: str, scenar
             ]
             for label, own in _by_name(table, named[1:])
         }
-        return charts.Chart(title, (charts.bars_panel(answer, names, values),), note)
+        return charts.Chart(title, (charts.rows_panel(answer, names, values),), note)
     if len(keys) == 1 or named:
         [key] = [key for key in keys if key not in named]
         # The axis reaches rows without an answer too, and a single row has a point.
@@ -84,7 +88,13 @@ def sweep_chart(table: Mapping[str, Any], keys: Sequence[str], name: str, scenar
             curves.append(charts.Line(table[key][order].tolist(), found[order].tolist(), label=label, **look))
         return charts.Chart(title, (charts.Panel(across, answer, tuple(curves), height=1.1),), note)
     x, y, z = charts.on_grid(table[keys[0]], table[keys[1]], found)
-    series = charts.map_series(x, y, z, answer.heading, f"lines of equal {answer.heading}", levels=8)
+    # A residual velocity of zero is no level of the perforated ones: contours towards it would follow the cells.
+    some: Any = np.where(z > 0.0, z, np.nan) if name in RESIDUALS else z
+    series: list[charts.Series] = [charts.Map(x, y, some, answer.heading)]
+    if min(z.shape) > 1 and np.isfinite(some).any() and np.nanmin(some) < np.nanmax(some):
+        series.append(charts.Contours(x, y, some, levels=CONTOURS, colour="ink"))
+    if (stopped := np.count_nonzero(z == 0.0)) and name in RESIDUALS:
+        note = f"{note} White: {stopped} cases that are stopped.".strip()
     if set(keys) == {CERAMIC, BACKING} and min(z.shape) > 1:
         ceramic, backing = np.meshgrid(x, y) if keys[0] == CERAMIC else np.meshgrid(x, y)[::-1]
         armour = scenario.core_armour()

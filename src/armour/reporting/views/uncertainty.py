@@ -83,13 +83,11 @@ def chart(result: UncertaintyResult) -> charts.Chart:
         f"perforated in {100.0 * value:.1f} % at {velocity:.1f} m/s\n{level} interval {low:.3f} to {high:.3f}"
         for velocity, value, low, high in points
     )
-    label = f"at {at:g} m/s: {p.value:.3f}, {p.low:.3f} to {p.high:.3f} by sampling"
+    label = f"{p.value:.3f} at {at:g} m/s"
     quantiles = {name: result.ballistic_limit_m_s[name].value for name in ("V05", "V50", "V95")}
     series: list[charts.Series] = [
         charts.Band(curve.velocity_m_s, curve.low, curve.high),
-        charts.Line(
-            curve.velocity_m_s, curve.probability, label=f"probability, with its {level} band by sampling", text=text
-        ),
+        charts.Line(curve.velocity_m_s, curve.probability, text=text),
         charts.velocity_rule("nominal ballistic limit", found, "ink", ":"),
         *(
             charts.velocity_rule(*item, "soft", style)
@@ -111,6 +109,10 @@ def chart(result: UncertaintyResult) -> charts.Chart:
             for side, quantile in enumerate(("5 %", "95 %"))
         }
         title = "Ballistic limit with one input changed"
-        swings = charts.bars_panel(x, names, values, title, found)
+        swings = charts.rows_panel(x, names, values, title, found)
         panels.append(replace(swings, shares_x=True))
-    return charts.Chart("Probability of perforation", tuple(panels))
+    title = f"Perforated with a probability of {100.0 * p.value:.0f} % at {at:g} m/s"
+    note = (
+        f"By sampling, {level} intervals: {p.low:.3f} to {p.high:.3f} at {at:g} m/s; those of the curve are its band."
+    )
+    return charts.Chart(title, tuple(panels), note)
