@@ -37,6 +37,9 @@ Style = str | tuple[int, tuple[int, ...]]
 STYLES: tuple[Style, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
 MARKERS = ("o", "s", "^", "D", "v", "P")
 
+# Points of a panel up to which their marks are large.
+MANY = 100
+
 Numbers = Sequence[float | None]
 # Width of a column of a two-column page, inches.
 COLUMN_INCHES = 3.45
@@ -269,6 +272,7 @@ def agreement_panel(
     """
     axis = quantity_axis(quantity)
     series: list[Series] = []
+    size = 5.0 if sum(map(len, groups.values())) <= MANY else 3.0
     for index, (group, points) in enumerate(groups.items()):
         text = tuple(
             f"{n}\n{w} {axis.text(k)}{f' ± {axis.text(s)}' if s else ''}, computed {axis.text(c)}"
@@ -276,7 +280,8 @@ def agreement_panel(
         )
         known, computed = [point[2] for point in points], [point[3] for point in points]
         ends = tuple((k - s, k + s) for *_, k, _, s in points) if any(point[4] for point in points) else ()
-        series.append(Points(known, computed, filled=False, x_ends=ends, label=group, text=text, **look_of(index)))
+        marks: dict[str, Any] = {"filled": False, "size": size, "x_ends": ends, "label": group, "text": text}
+        series.append(Points(known, computed, **marks, **look_of(index)))
     span = widened(end for points in groups.values() for *_, k, c, s in points for end in (k - s, k + s, c))
     lines = [(1.0, "agreement", "-")]
     if part:

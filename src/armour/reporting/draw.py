@@ -55,7 +55,7 @@ EDGE_INCHES, LEADING = 0.05, 1.25
 # Names beside lines: characters in a line, at best and at least; the distance of a name from its own line and at least
 # from others, beyond which more is no better, and that of the places that are tried, points; markers of a series at
 # most that has its name beside one of them.
-NAME_CHARACTERS, GAP, APART, FAR, STEP, FEW = (26, 13), 3.0, 6.0, 20.0, 6.0, 6
+NAME_CHARACTERS, GAP, APART, FAR, STEP, FEW = (26, 13), 3.0, 4.0, 20.0, 6.0, 6
 # Width that axis labels take beside a panel, inches.
 SIDE_INCHES = 0.8
 # Weight of the distance between labels of contours, which are longer than lines are wide; points of a contour compared.
@@ -258,8 +258,12 @@ def _(item: charts.Boxes, axes: Axes) -> None:
 
 @_draw_series.register
 def _(item: charts.Words, axes: Axes) -> None:
+    low, high = axes.get_xlim()
+    room = np.diff(item.x).min(initial=high - low) * 72.0 / axes.figure.dpi * axes.bbox.width / (high - low)
+    longest = max(len(line) for words in item.words for line in words.splitlines())
+    look: Any = {"ha": item.align, "va": "bottom" if item.above else "top"}
+    look["fontsize"] = min(SMALL, room / (CHARACTER * longest))
     for x, y, words in zip(item.x, item.y, item.words, strict=True):
-        look: Any = {"ha": item.align, "va": "bottom" if item.above else "top", "fontsize": SMALL}
         axes.text(x, y, words, **look)
 
 

@@ -207,14 +207,14 @@ def _scene(result: ImpactResult, history: History) -> charts.Panel:
         f"{moment:.3g} µs\n{velocity:.0f} m/s\n" + "\n".join(wrapped(event, EVENT_CHARACTERS))
         for (moment, event), velocity in zip(moments, velocities, strict=True)
     )
-    below = tuple(f"rod {rod:.3g} mm" for rod in rods)
+    below = tuple(f"{rod:.3g} mm" for rod in rods)
     behind = [start + ceramic for start in others]
     hanging: Any = {"above": False}
     series = [
         *(charts.Boxes(places, broken, colour=name) for (name, broken), places in boxes.items()),
         charts.Words(middles.tolist(), [high] * len(moments), tuple(above)),
         charts.Words([0.5 * SCALE_MM], [-1.6 * high], (f"{SCALE_MM:g} mm",)),
-        charts.Words([first - 0.5 * length], [-0.5 * diameter], below[:1], **hanging),
+        charts.Words([first - 0.5 * length], [-0.5 * diameter], (f"rod {below[0]}",), **hanging),
         *(charts.Words([first + ceramic], [-high], (name,), align, **hanging) for name, align in names),
         charts.Words(behind, [-high] * len(behind), below[1:], **hanging),
     ]

@@ -217,7 +217,7 @@ def _operating_panel(plan: ShotPlan) -> charts.Panel:
     if v50[0] <= (plan.requirement_m_s or 0.0) <= v50[-1]:
         lines += [charts.Rule(plan.requirement_m_s or 0.0, "-.", colour="soft")]
     fraction = charts.Axis("fraction of firings", limits=(-0.05, 1.05))
-    title = f"operating characteristic at a scatter of {points[0].scatter_m_s:.1f} m/s"
+    title = f"operating characteristic at a scatter of {points[0].scatter_m_s:.0f} m/s"
     return charts.Panel(charts.Axis("V50 of the armour", "m/s"), fraction, tuple(lines), title)
 
 

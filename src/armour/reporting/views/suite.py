@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import floor, log10
+from math import floor, log10, sqrt
 from xml.etree import ElementTree
 
 from armour import __version__
@@ -255,7 +255,11 @@ def chart(result: SuiteResult) -> charts.Chart:
         panels.append(charts.agreement_panel(quantity, "expected", groups, part or 0.1))
     left_out = len(result.checks) - len(checks)
     note = f"{left_out} of {len(result.checks)} cases are not shown: those {LEFT_OUT}." if left_out else ""
-    return charts.Chart("", tuple(panels), note, width=charts.COLUMN_INCHES)
+    title = "Computed and expected values"
+    if relative := [check.deviation_percent for check in checks if check.deviation_percent is not None]:
+        rms = sqrt(sum(part * part for part in relative) / len(relative))
+        title = f"{len(relative)} computed values deviate by {rms:.1f} % (RMS) from those expected"
+    return charts.Chart(title, tuple(panels), note, width=charts.COLUMN_INCHES)
 
 
 # Part of the tests whose limits an allowance covers.
