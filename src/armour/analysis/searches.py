@@ -82,9 +82,10 @@ def limits_by_law(variants: Variants, own: Floats, threads: int | None = None) -
         where = np.flatnonzero(errors.used(law) & ~np.isnan(own))
         rows = variants.by_law(law, errors)
         for ends in ((section.velocity_min_m_s, section.velocity_max_m_s), (SLOWEST_M_S, FASTEST_M_S)):
-            found = limit_brackets(rows.at(where), *ends, section.tolerance_m_s, threads)
-            limits[law, where] = found.perforated.clip(*ends)
-            where = where[~found.bounded]
+            if len(where):
+                found = limit_brackets(rows.at(where), *ends, section.tolerance_m_s, threads)
+                limits[law, where] = found.perforated.clip(*ends)
+                where = where[~found.bounded]
     return limits
 
 

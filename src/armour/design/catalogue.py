@@ -142,7 +142,8 @@ class Catalogue:
         """
         rows, required, bounds = self.against_each(candidates, range(len(self.threats)))
         where = np.flatnonzero(bounds < 1.0)
-        required[where] = np.maximum(required[where], self.bounded_m_s(rows.at(where), bounds[where]))
+        if len(where):
+            required[where] = np.maximum(required[where], self.bounded_m_s(rows.at(where), bounds[where]))
         return required.reshape(-1, len(self.threats))
 
     def bounded_m_s(self, rows: Variants, bounds: Floats) -> Floats:

@@ -53,7 +53,8 @@ class Requirement:
                 rows, required, bounds = self.catalogue.against_each(candidates.at(left), some)
                 stopped = self._stopped(rows._replace(velocities=required))
                 bounded = np.flatnonzero(stopped & (bounds < 1.0))
-                stopped[bounded] = self._within_bounds(rows.at(bounded), bounds[bounded])
+                if len(bounded):
+                    stopped[bounded] = self._within_bounds(rows.at(bounded), bounds[bounded])
                 defeated[left] = stopped.reshape(-1, len(some)).all(axis=1)
                 left = left[defeated[left]]
         return defeated
@@ -89,6 +90,8 @@ class Requirement:
             among = among.copy()
             for law in laws:
                 where = np.flatnonzero(among & errors.used(law))
+                if not len(where):
+                    continue
                 some = errors.at(where)
                 parts = some.weights[law].sum(axis=0) if alone else 1.0
                 least = least_of_law(rows.velocities[where], some, law, bounds[where] / parts)
@@ -100,8 +103,9 @@ class Requirement:
         kept = keeping(kept, range(len(errors.weights)), alone=True)
         certain = keeping(kept & several, range(len(errors.weights)), alone=False)
         rest = np.flatnonzero(kept & several & ~certain)
-        required = self.catalogue.bounded_m_s(rows.at(rest), bounds[rest])
-        kept[rest] = self._stopped(rows.at(rest)._replace(velocities=required))
+        if len(rest):
+            required = self.catalogue.bounded_m_s(rows.at(rest), bounds[rest])
+            kept[rest] = self._stopped(rows.at(rest)._replace(velocities=required))
         return kept
 
     def _count(self, runs: int) -> None:

@@ -204,8 +204,10 @@ def errors_of(armour: Any, tensile_MPa: Any, cosines: Any) -> Errors:
     """
     found = Errors.unknown(len(armour.Hc0), max(len(evidence.laws) for evidence in shipped_evidence()))
     for evidence in shipped_evidence():
-        kind = (evidence.differences(armour) == 0) & (evidence.fails_angle(cosines) ^ True)
-        where = np.flatnonzero(kind & (outside(evidence, armour) <= farthest(evidence)))
+        where = np.flatnonzero((evidence.differences(armour) == 0) & (evidence.fails_angle(cosines) ^ True))
+        if len(where):
+            near = outside(evidence, Parameters(*(values[where] for values in armour))) <= farthest(evidence)
+            where = where[near]
         if not len(where):
             continue
         some = Parameters(*(values[where] for values in armour))
