@@ -262,7 +262,7 @@ def calibrate(
     fits: list[tuple[Fit, CalibrationResult]] = []
     for each in LAWS if law == "all" else (law,):
         try:
-            fits.append(_fitted(tests, fit, each, on_progress, prior=prior, assumes=law != "all"))
+            fits.append(fit_by_law(tests, fit, each, on_progress, prior=prior, assumes=law != "all"))
         except InputError:
             # Some laws have more coefficients than there are tests for.
             if not fits:
@@ -303,8 +303,14 @@ def with_scatter(tests: Tests) -> Tests:
     return tests._replace(measurements=measurements, weighted=True)
 
 
-def _fitted(
-    tests: Tests, inputs: Sequence[str], law: Law | None, on_progress: OnProgress, *, prior: bool, assumes: bool
+def fit_by_law(
+    tests: Tests,
+    inputs: Sequence[str],
+    law: Law | None,
+    on_progress: OnProgress = ignore_progress,
+    *,
+    prior: bool = False,
+    assumes: bool = True,
 ) -> tuple[Fit, CalibrationResult]:
     """Return a fit with one law, and its result without the coefficients, whose intervals take long.
 

@@ -82,7 +82,8 @@ def _fitted_before(case: Case) -> str:
 def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
     """Yield the errors of this model with a flow stress of the ceramic that is fitted to measured limits."""
     # Imported here for scipy, which a suite without rivals does not need.
-    from armour.statistics.calibration import calibrate
+    from armour.statistics.calibration import FLOW_STRESS, fit_by_law
+    from armour.statistics.likelihood import intervals
 
     name, scenario = cases[0].scenario.name_of("ceramic"), cases[0].scenario
     if name is None:
@@ -103,8 +104,8 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
         scenario=scenario,
         places=tuple(case.name for case in cases),
     )
-    result = calibrate(tests, scenario)
-    [stress] = result.coefficients
+    done, result = fit_by_law(tests, [FLOW_STRESS], None)
+    [stress] = intervals(done)
     if stress.estimate is None:
         return
     computed = np.array([[residual.computed, residual.left_out] for residual in result.residuals], dtype=np.float64).T
