@@ -1,4 +1,7 @@
-"""Curves of plain and penalised likelihood against closed forms, likelihoods point by point, and simulated firings."""
+"""Curves of plain and penalised likelihood against closed forms and likelihoods point by point.
+
+How often their intervals hold the truth, `tools.campaigns.coverage` counts.
+"""
 
 from math import log
 
@@ -8,8 +11,7 @@ from scipy.special import log_expit, log_ndtr
 from scipy.stats import chi2
 
 from armour.errors import NoAnswerError
-from armour.statistics.curves import CDFS, Z95, FittedCurve, Likelihood, Link, fit_curve, penalised_band
-from tools.campaigns.coverage import simulate
+from armour.statistics.curves import CDFS, Z95, FittedCurve, Link, fit_curve, penalised_band
 
 pytestmark = pytest.mark.slow
 
@@ -194,22 +196,3 @@ def test_the_band_at_one_half_is_the_interval_of_v50(link: Link):
     for end, edge in ((low, 1), (high, 0)):
         velocities = np.linspace((end or 0.0) - 5.0, (end or 0.0) + 5.0, 3).tolist()
         assert penalised_band(*APART, link, velocities)[edge][1] == pytest.approx(0.5, abs=1e-5)
-
-
-def test_plain_intervals_hold_what_they_say():
-    """Coverage of 95 %, within the scatter of 100 firings of 60 shots."""
-    rng, inside = np.random.default_rng(11), 0
-    for _ in range(100):
-        velocities = rng.uniform(690.0, 750.0, 60)
-        complete = rng.normal(720.0, 10.0, 60) < velocities
-        shots = Likelihood(velocities[~complete].tolist(), velocities[complete].tolist(), "probit")
-        low, high = shots.quantile_interval(0.0)
-        inside += low <= (720.0 - shots.mean) / shots.deviation <= high
-    assert 88 <= inside <= 99
-
-
-def test_penalised_intervals_of_few_shots_hold_what_they_say():
-    """In 20 firings of 10 shots at least 90 %, which those of maximum likelihood do not reach."""
-    found = simulate("up and down", 10, 20, seed=3)
-    assert min(found[f"penalised likelihood: {name}"] for name in ("V50", "scale", "V05", "V95")) >= 18
-    assert found["maximum likelihood: scale"] < 18
