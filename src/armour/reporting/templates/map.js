@@ -717,7 +717,7 @@ function drawNotes(pair) {
     "Probabilities are those of one shot and of the error of the model, as the evidence gives it; they are no probability of survival.",
     `${pair.onOffer.length.toLocaleString("en")} designs of this pair are ${pair.free.some(Boolean) ? "shown" : "on offer, and exact"}; lines between them are interpolated.${pair.coarser ? " To keep the page small, they are coarser than they could be." : ""}`,
     pair.known && pair.unknown.includes(1) && "Grey: the probability is unknown, as such thicknesses are too unlike the tests.",
-    ...DATA.notes, `armour ${DATA.version}${DATA.title ? `; ${DATA.title}` : ""}`,
+    ...DATA.notes, `armour ${DATA.version}${DATA.title ? `; scenario: ${DATA.title}` : ""}`,
   ];
   $("notes").replaceChildren(...said.filter(Boolean).map(each => html("p", {}, each)));
 }
