@@ -33,7 +33,7 @@ DOCS = Path(__file__).parents[1] / "docs"
 OUTSIDE = {"contributing.md": "CONTRIBUTING.md", "changes.md": "CHANGELOG.md"}
 # Weight in the search, by folder or page: pages that answer a question come before those that list names, and those on
 # the project itself last.
-WEIGHTS = {"howto": 10.0, "learn": 5.0, "tutorials": 5.0, "reference": 0.1, "reference/api": 0.02}
+WEIGHTS = {"howto": 10.0, "learn": 1.0, "tutorials": 3.0, "reference": 0.1, "reference/api": 0.02}
 WEIGHTS |= dict.fromkeys(["changes.md", "contributing.md", "design.md", "performance.md", "study.ipynb"], 0.02)
 
 
@@ -241,8 +241,11 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
     return "\n".join([text, "", *(f"[{key}]: {up}references.md#{key}" for key in sources())])
 
 
-def on_page_content(html: str, **_: Any) -> str:
+def on_page_content(html: str, page: Any = None, **_: Any) -> str:
     """Return the page with its formulas as MathML and its drawings inline, in the colours of the page."""
+    if page and page.file.src_uri == "gallery.md":
+        html = re.sub(r"<h3.+?(?=<h[23])|<h3.+$", r'<section class="card">\g<0></section>', html, flags=re.DOTALL)
+        html = re.sub(r"(<section.+?</section>)(?=<h2|$)", r'<div class="columns">\g<0></div>', html, flags=re.DOTALL)
     html = re.sub(r'<(span|div) class="arithmatex">\\[\[(](.+?)\\[\])]</\1>', _formula, html, flags=re.DOTALL)
     html = re.sub(r'<img alt="([^"]+)" src="[./]*images/([\w-]+\.svg)" ?/?>', _drawing, html)
     # A reference to the bibliography keeps its brackets.
