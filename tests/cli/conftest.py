@@ -1,17 +1,17 @@
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner, Result
+from typer.testing import Result
 
-from armour.cli.app import app
 from armour.engine.cache import kernel
+from tests.helpers.commands import invoke
 
 
 class Cli:
     """Runs commands in this process and keeps stdout and stderr apart."""
 
     def __call__(self, *args: object, stdin: str | bytes | None = None) -> Result:
-        return CliRunner().invoke(app, [str(arg) for arg in args], input=stdin)
+        return invoke([str(arg) for arg in args], stdin)
 
     def fails(self, code: int, *args: object) -> list[str]:
         """Run a command that must end with the exit code, without a traceback; the lines on stderr."""

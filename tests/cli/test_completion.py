@@ -11,10 +11,10 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 from armour.cli.app import app
 from armour.cli.completion import for_bash
+from tests.helpers.commands import invoke
 
 pytestmark = pytest.mark.slow
 
@@ -26,7 +26,7 @@ def offered(line: str) -> list[str]:
         "_TYPER_COMPLETE_FISH_ACTION": "get-args",
         "_TYPER_COMPLETE_ARGS": f"armour {line}",
     }
-    return CliRunner().invoke(app, [], prog_name="armour", env=asked).stdout.strip().splitlines()
+    return invoke([], env=asked).stdout.strip().splitlines()
 
 
 @pytest.mark.parametrize(

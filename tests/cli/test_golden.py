@@ -14,10 +14,9 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from armour.cli.app import app
 from armour.files import shipped
+from tests.helpers.commands import invoke
 
 GOLDEN = Path(__file__).parent / "golden"
 SLOW = ("ballistic-limit", "calibrate", "plan-shots", "v50", "validate")
@@ -38,7 +37,7 @@ def played(session: str) -> str:
         if command.startswith("cat "):
             lines += Path(command.removeprefix("cat ")).read_text().splitlines()
             continue
-        done = CliRunner(env=TERMINAL).invoke(app, shlex.split(command)[1:], prog_name="armour")
+        done = invoke(shlex.split(command)[1:], env=TERMINAL)
         lines += [*done.stdout.splitlines(), *(f"! {line}" for line in done.stderr.splitlines())]
         lines += [f"exit code {done.exit_code}"] if done.exit_code else []
     return "".join(f"{line}\n" for line in lines)

@@ -13,10 +13,9 @@ import pytest
 import tomli_w
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from typer.testing import CliRunner
 
-from armour.cli.app import app
 from tests.helpers.cases import SCENARIOS
+from tests.helpers.commands import invoke
 
 pytestmark = pytest.mark.slow
 
@@ -129,7 +128,7 @@ def test_any_input_ends_in_an_answer_or_in_messages(command: str):
                 (folder / file).write_bytes(content)
             words = [str(folder / word) if "." in word else word for word in command.split()]
             flags = ["--json"] if as_json and "report" not in command else []
-            result = CliRunner().invoke(app, [*words, *flags])
+            result = invoke([*words, *flags])
             assert result.exception is None or isinstance(result.exception, SystemExit)
             assert result.exit_code in (0, 1, 2, 3)
             made = {path.name: path.read_text() for path in folder.iterdir() if path.name not in contents}
