@@ -271,7 +271,7 @@ def test_the_answer_with_a_design():
 def test_the_report_names_the_command_of_the_map():
     command = "armour optimise x.toml --map map.html"
     [found] = [part for part in report(designed(design_result()), "", command).sections if part.code == command]
-    assert found.heading == "map of AD85"
+    assert found.heading == "Map of the designs"
     assert not any(part.code == command for part in report(wilkins(), "", command).sections)
 
 
@@ -321,12 +321,19 @@ def test_sections_are_the_answer_and_what_explains_it():
         uncertainty=uncertainty_result().of(scenario=scenario()),
     )
     folded = headings(full, folded=True)
-    assert folded[:3] == ["What if, against the other threats", "Pairs of materials", "Results under uncertain inputs"]
+    assert folded[:3] == [f"What if, against {OTHER}", "Pairs of materials", "Results under uncertain inputs"]
     assert [table.title for table in section(full, "Pairs of materials").tables] == [
         "pairs of materials",
         "Pareto front",
     ]
     assert "Required ceramic for each back plate" in headings(designed(design_result()), folded=True)
+
+
+def test_stages_are_named_in_words():
+    table = section(wilkins(), "The impact, stage by stage").tables[0]
+    assert table.texts()[0][0] == "i: intact ceramic, penetrated; rod erodes"
+    energies = [sum(cell for cell in row[-2:] if isinstance(cell, float)) for row in table.rows]
+    assert sum(energies) == pytest.approx(wilkins().energy.before - wilkins().energy.left, rel=1e-3)
 
 
 def test_the_references_are_those_of_the_tests_and_values_used():

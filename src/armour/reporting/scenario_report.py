@@ -330,8 +330,9 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Se
     yield Section("What if", tuple(filter(None, (several, exact))), tables=(first,))
     if design is not None:
         hint = ("A page of all designs, to be read with the pointer:",) if map_command else ()
-        chart = design_view.map_chart(design)
-        yield Section(chart.title, hint, map_command, "console", charts=(replace(chart, title=""),))
+        # The title of the map is the answer, which the report begins with.
+        chart = replace(design_view.map_chart(design), title="")
+        yield Section("Map of the designs", hint, map_command, "console", charts=(chart,))
     yield Section("Assumptions and limits", notes=ASSUMPTIONS)
     entries = list(filter(None, map(answer.entry_of, ROLES)))
     evidence = closest(answer.core_armour())
@@ -340,7 +341,8 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Se
     cited = [value.source for entry in entries for value in entry.values.values()]
     yield Section("References", notes=reference_notes(("[Paper]", used, *cited)))
     if what_ifs:
-        yield Section("What if, against the other threats", tables=tuple(what_ifs), folded=True)
+        others = what_ifs[0].title if len(what_ifs) == 1 else "the other threats"
+        yield Section(f"What if, against {others}", tables=tuple(what_ifs), folded=True)
     if design is not None:
         yield _search(design)
     if contents.uncertainty is not None:
@@ -377,12 +379,17 @@ def _threats(contents: Contents) -> Table:
         column_of("obliquity_deg", "g", "obliquity"),
         (check_view.PROBABILITY, lambda of: chance(of.probability_of_defeat)),
         (Column("inputs"), lambda of: inputs[of.threat] if mixed else ""),
-        (Column("required", prose=True), lambda of: check_view.required(of) if asked else ""),
+        (Column("required", prose=True), lambda of: _required(of) if asked else ""),
         (Column("result"), lambda of: ("unknown" if _unknown(of) else check_view.verdict(of)) if asked else ""),
         column_of("ballistic_limit_m_s", ".0f", "ballistic limit"),
         (check_view.INTERVAL, lambda of: interval(of.interval_m_s, ".0f")),
         column_of("margin_m_s", "+.0f"),
     )
+
+
+def _required(found: CheckedThreat) -> str:
+    words = check_view.required(found)
+    return words if found.required_probability is not None else f"limit above {words}"
 
 
 def _search(design: DesignResult) -> Section:
@@ -406,7 +413,7 @@ def _impact(contents: Contents) -> Section:
     )
     table = listing(
         zip(contents.impact.stages, energy.rows, strict=True),
-        (Column("stage", prose=True), lambda of: f"{of[0].stage}: {impact_view.STAGES[of[0].stage]}"),
+        (Column("stage", prose=True), lambda of: f"{of[0].stage}: {impact_view.STAGES[of[0].stage].words}"),
         (column_of("start_us", ".1f"), lambda of: of[0].start_us),
         (column_of("end_us", ".1f"), lambda of: of[0].end_us),
         (column_of("velocity_lost_m_s", ".1f"), lambda of: of[0].velocity_lost_m_s),

@@ -1,10 +1,7 @@
-from types import SimpleNamespace
-from typing import Any
-
 from armour.analysis.ballistic_limit import Crossing, LimitResult
 from armour.core.stages import stage_name
 from armour.core.state import Medium, Stage
-from armour.reporting.views.impact import STAGES, energy_table
+from armour.reporting.views.impact import STAGES
 from armour.reporting.views.limit import crossing_table, tables
 
 
@@ -16,22 +13,6 @@ def test_every_stage_is_described():
         for penetrated in (False, True)
     }
     assert names == set(STAGES)
-
-
-def energy(before: float, *rows: tuple[str, float, float]) -> Any:
-    """An energy balance: stages with the energy of what eroded and of what braked the rod."""
-    stages = [SimpleNamespace(stage=stage, eroded=eroded, braked=braked) for stage, eroded, braked in rows]
-    return SimpleNamespace(before=before, rows=stages)
-
-
-def test_energies_end_in_their_sum():
-    table = energy_table(energy(200.0, ("i", 30.0, 20.0), ("iii.3", 0.0, 50.0)))
-    assert [row[1:] for row in table.rows] == [
-        (30.0, 20.0, 50.0, 25.0),
-        (0.0, 50.0, 50.0, 25.0),
-        (30.0, 70.0, 100.0, 50.0),
-    ]
-    assert energy_table(energy(0.0)).rows[-1][1:] == (0, 0, 0, 0.0)
 
 
 ONE = (Crossing((700.0, 700.01), "perforated"),)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armour.analysis.history import History
-from armour.analysis.impact import EnergyBalance, ImpactResult
+from armour.analysis.impact import ImpactResult
 from armour.analysis.quantities import OUTCOMES
 from armour.errors import InputError, Problem
 from armour.reporting import charts
@@ -97,22 +97,6 @@ def history_table(history: History) -> Table:
 def csv(result: ImpactResult) -> str | None:
     """Return the run over time as CSV; None where it was not kept."""
     return None if result.history is None else csv_text(history_table(result.history))
-
-
-def energy_table(energy: EnergyBalance) -> Table:
-    """Return the projectile's loss of kinetic energy, stage by stage; the last row is the sum."""
-    found = [(f"{row.stage}: {STAGES[row.stage].words}", row.eroded, row.braked) for row in energy.rows]
-    found.append(("all stages", sum(row.eroded for row in energy.rows), sum(row.braked for row in energy.rows)))
-    percent = 100.0 / energy.before if energy.before else 0.0
-    columns = (
-        Column("stage", prose=True),
-        Column("carried by eroded material", "J", ".0f"),
-        Column("lost in braking the rod", "J", ".0f"),
-        Column("sum", "J", ".0f"),
-        Column("share of the impact energy", "%", ".1f"),
-    )
-    rows = ((name, eroded, braked, eroded + braked, percent * (eroded + braked)) for name, eroded, braked in found)
-    return Table(columns, tuple(rows))
 
 
 def chart(result: ImpactResult) -> charts.Chart:
@@ -244,22 +228,3 @@ def _picture(
                 yield name, ahead, far + bulge, -half, half
     if rod > 0.0:
         yield "rod", front - rod, front, -half, half
-
-
-def energy_chart(energy: EnergyBalance) -> charts.Chart:
-    """Describe the projectile's loss of kinetic energy, stage by stage."""
-    categories = (*(f"{row.stage}: {STAGES[row.stage].name}" for row in energy.rows), "remaining")
-    _, eroded, braked, *_ = (column.label for column in energy_table(energy).columns)
-    looks = ((eroded, "orange"), (braked, "blue"), ("remaining in the projectile", "soft"))
-    parts = np.array([*((row.eroded, row.braked, 0.0) for row in energy.rows), (0.0, 0.0, energy.left)])
-    share = 100.0 / energy.before if energy.before > 0.0 else 0.0
-    series = []
-    for (label, colour), values, ends in zip(looks, parts.T, parts.cumsum(axis=1).T, strict=True):
-        shown = zip(categories, values, strict=True)
-        text = tuple(f"{name}: {label}\n{value:.2f} J, {share * value:.1f} %" for name, value in shown)
-        series.append(charts.Bars((ends - values).tolist(), ends.tolist(), label=label, colour=colour, text=text))
-    x = charts.Axis("kinetic energy", "J", from_zero=True)
-    panel = charts.Panel(x, charts.Axis(categories=categories), tuple(series))
-    of = parts.sum(axis=0) * share
-    title = f"Of {energy.before:.0f} J, {of[0]:.0f} % went with eroded material, {of[1]:.0f} % into braking the rod"
-    return charts.Chart(title, (panel,))
