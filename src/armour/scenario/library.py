@@ -413,6 +413,8 @@ class Library:
 
     def entry(self, kind: Kind, name: str) -> LibraryEntry:
         """Return an entry; if there is none, an InputError suggests the closest name."""
+        if name in self.entries.get(kind, ()):
+            return self.entries[kind][name]
         known = self.known(kind)
         if name not in known:
             words = f"must name a {kind} of the library, found {describe(name)}"
