@@ -33,16 +33,16 @@ def page(results: dict[str, Any]) -> str:
     cores = os.cpu_count()
     return f"""# Performance
 
-Written by `make bench` from one run on a machine with {cores} cores. All methods compute the same random designs for
-both projectiles of the paper, with settings for which their errors are of the same size. The error is the largest
+Measured by `make bench` in one run on a machine with {cores} cores. All methods compute the same random designs for
+both projectiles of the paper, with settings for which their errors are similar. The error is the largest
 difference of a ballistic limit from that of plain Python with time steps 20 times shorter.
 
 ## An impact, 5 % above the ballistic limit
 
 {_compared(of["impact"], engine["impact"])}
 
-`solve_ivp` needs a short longest step. Without it, at any tolerance, it misses plates that move for less than a step,
-and its limits are off by up to 10 m/s.
+Without a limit on the step, `solve_ivp` misses plates that move for less than a step, at any tolerance, and its
+ballistic limits are off by up to 10 m/s.
 
 ## A ballistic limit
 
@@ -92,16 +92,16 @@ def _cost(rows: list[Row]) -> str:
             measured.append(f"| `{command}` | {unit} | {row['each']:,} | {times} |")
     return f"""## What a command costs
 
-The time of a whole process on all cores is a fixed part and a part that grows with what is asked. A sweep of 500,000
-ballistic limits takes {example}. The last column is the largest error of such a prediction over the three decades that
-were measured.
+The time of a whole process on all cores consists of a fixed part and a part proportional to the work. A sweep of
+500,000 ballistic limits takes {example}. The last column is the largest error of such a prediction over the three
+decades measured.
 
 | command | for each | fixed, s | each | error |
 |---|---|---:|---:|---:|
 {_lines(summary)}
 
-Designs are those of all pairs of materials, times the threats. `uncertainty` finds a ballistic limit for each sample
-and, for a quarter of the samples, one more for each input and one. `sensitivity` does not grow.
+The number of designs is that of all pairs of materials, times the threats. `uncertainty` computes a ballistic limit for
+each sample and, for a quarter of the samples, one for each input and one more. The cost of `sensitivity` is constant.
 
 | command | for each | number | seconds | predicted | peak MiB |
 |---|---|---:|---:|---:|---:|
@@ -124,24 +124,23 @@ def _scheduler(workers: list[Row], tasks: Row, clients: list[Row]) -> str:
     there, here = _client(clients, cluster=True), _client(clients, cluster=False)
     steps = (
         ("an empty task, submitted and answered", tasks["seconds"] / tasks["each"], None),
-        ("a chunk that is not computed, hashed and written", here["chunk"], here["row"]),
-        ("the same with its way to a worker and back", there["chunk"], there["row"]),
+        ("a chunk, hashed and written but not computed", here["chunk"], here["row"]),
+        ("the same, including transfer to a worker and back", there["chunk"], there["row"]),
         ("joining at the end", there["join_chunk"], there["join_row"]),
     )
     each = (f"| {name} | {_short(chunk)} | {'' if row is None else _short(row)} |" for name, chunk, row in steps)
     return f"""## Sweeps on a Dask cluster
 
-`armour sweep --scheduler` on this machine, with one thread a worker; the workers have loaded the compiled code. Client
-and scheduler share the {os.cpu_count()} cores with the workers, so that more workers than cores gain nothing.
+`armour sweep --scheduler` on this machine, with one thread per worker and the compiled code already loaded. Client and
+scheduler share the {os.cpu_count()} cores with the workers, so more workers than cores give no speedup.
 
 | rows | computed by | chunks | seconds | rows/s |
 |---|---|---:|---:|---:|
 {_lines(lines)}
 
-What a chunk costs besides its computation, as a time for each chunk and one for each of its rows, from chunks of 10 and
-of 100,000 rows on two workers:
+Overhead of a chunk, as a time per chunk and a time per row, from chunks of 10 and of 100,000 rows on two workers:
 
-| step | a chunk | a row |
+| step | per chunk | per row |
 |---|---:|---:|
 {_lines(each)}"""
 
@@ -173,42 +172,41 @@ def _beyond(workers: list[Row], tasks: Row, clients: list[Row]) -> str:
             "client": chunks * client["chunk"] + MANY_ROWS * client["row"],
         }
         slowest = max([*stages], key=lambda stage: stages[stage])
-        first.append(f"for {name} that of the {slowest}, at {work / stages[slowest]:,.0f} cores")
+        first.append(f"for {name}, the {slowest} at {work / stages[slowest]:,.0f} cores")
         sent = CHUNKS_AHEAD * MANY_CORES * chunk_rows * SENT_BYTES
         cells = {
             "a row on one core": _short(row_s),
             "computing": duration(work / MANY_CORES),
-            "chunks, and files of them": f"{chunks:,.0f}",
+            "chunks, one file each": f"{chunks:,.0f}",
             "chunks per second": f"{chunks / (work / MANY_CORES):,.0f}",
-            "the client, checking the rows before": duration(MANY_ROWS * client["check"]),
+            "the client, checking the rows first": duration(MANY_ROWS * client["check"]),
             "the scheduler, a task for each chunk": duration(stages["scheduler"]),
             "the client, sending and writing": duration(stages["client"]),
-            "the client, joining after": duration(chunks * client["join_chunk"] + MANY_ROWS * client["join_row"]),
+            "the client, joining at the end": duration(chunks * client["join_chunk"] + MANY_ROWS * client["join_row"]),
             "disk": f"{2 * MANY_ROWS * client['bytes'] / 1e9:,.1f} GB",
-            "rows under way, in the scheduler": f"{sent / 1e9:,.1f} GB",
+            "rows in transit, in the scheduler": f"{sent / 1e9:,.1f} GB",
             **{f"cores that the {stage} keeps busy": f"{work / s:,.0f}" for stage, s in stages.items()},
         }
         for key, cell in cells.items():
             table.setdefault(key, []).append(cell)
     return f"""## Beyond a machine
 
-What a sweep of 10^9 rows, of two keys and one quantity, to CSV takes on {MANY_CORES:,} cores. It is not measured but
-computed from the times above, as if client and scheduler were as fast as here, where they share cores with workers. The
-documentation of Dask gives about {_short(DASK_TASK_S)} a task for its scheduler; the longer of the two times counts.
+Cost of a sweep of 10^9 rows, with two keys and one quantity, to CSV on {MANY_CORES:,} cores: not measured but computed
+from the times above, with client and scheduler as fast as here, where they share cores with workers. The documentation
+of Dask gives about {_short(DASK_TASK_S)} per task for its scheduler; the longer of the two times is used.
 
 | what | limits | impacts |
 |---|---:|---:|
 {_lines(f"| {key} | {' | '.join(cells)} |" for key, cells in table.items())}
 
-The limit that is met first is
-{" and ".join(first)}.
-With more cores some of them wait.
+First bottleneck: {"; ".join(first)}.
+Any further cores wait.
 
-* **The client** sends each row and writes it; workers group, compute and encode the rows. Several sweeps move this
-  limit, each of a part of the values to a file of its own: their clients share nothing.
-* **The scheduler** takes one task a chunk. Longer chunks move its limit; a kill then costs more.
-* **Joining** starts when all is computed and uses one core. The disk holds the chunks and the table at the same time.
-* **Files** of chunks lie in one folder, which is listed a few times; 100,000 of them cost seconds."""
+* **The client** sends and writes each row; workers group, compute and encode the rows. To use more cores, split the
+  values over several sweeps with separate output files, whose clients share nothing.
+* **The scheduler** handles one task per chunk. Longer chunks raise its limit; a kill then loses more work.
+* **Joining** starts when all rows are computed and uses one core. The disk must hold both the chunks and the table.
+* **Chunk files** are in one folder, which is listed a few times; for 100,000 files this takes seconds."""
 
 
 def _compared(rows: list[Row], engine: Row) -> str:
