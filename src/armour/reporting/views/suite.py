@@ -265,9 +265,9 @@ def chart(result: SuiteResult) -> charts.Chart:
 # Part of the tests whose limits an allowance covers.
 COVERED = 0.95
 USABLE = (
-    "Within its band means that a result is what it was when the band was set, not that it is close to the tests. How "
-    "usable computed limits are, tests tell: of 20 measured limits, 19 reach the computed one less the allowance. A "
-    "probability of stopping the projectile includes the model error, and needs no further allowance."
+    "A result within its band has not changed since the band was set; it need not be close to the tests. The allowance "
+    "shows how usable computed limits are: 95 % of the measured limits exceed the computed ones lowered by it. A "
+    "probability of stopping the projectile already includes the model error."
 )
 
 
