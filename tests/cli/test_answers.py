@@ -149,7 +149,7 @@ QUESTIONS = {
     ("optimise", "wilkins", *GRID): "Lightest SiC on 6061-T6 against 7.62 mm AP at 800 m/s",
     ("sensitivity", "wilkins"): f"{ARMOUR} at 800 m/s",
     ("uncertainty", "uncertain", "--samples", "128"): f"{ARMOUR} at 700 m/s",
-    ("calibrate", "wilkins.csv", "wilkins"): "Tests of SiC on 6061-T6 against 7.62 mm AP",
+    ("calibrate", "few.csv", "wilkins"): "Tests of SiC on 6061-T6 against 7.62 mm AP",
     ("v50", "shots.csv", "wilkins"): f"V50 of the shots in shots.csv: {ARMOUR}",
     ("plan", "shots", "wilkins", "--procedure", "up-and-down"): ARMOUR,
     ("plan", "tests", "wilkins", "--scatter-percent", "3", "--candidates", *THICKNESSES): (
@@ -165,6 +165,7 @@ def texts(chart: Path) -> str:
 
 @pytest.mark.parametrize("question", QUESTIONS, ids=" ".join)
 def test_answers_and_charts_name_what_was_computed(cli, folder: Path, question: tuple[str, ...]):
+    (folder / "few.csv").write_text("\n".join(TESTS.read_text().splitlines()[:4]))
     done = cli(*question, *SIC, "--plot", "chart.svg")
     assert done.exit_code == 0, done.stderr
     first, second, *_ = done.stdout.splitlines()
