@@ -155,12 +155,13 @@ def _version(asked: bool) -> None:
 def _armour(
     version: Annotated[bool, option("Show the version.", "--version", callback=_version, is_eager=True)] = False,
 ) -> None:
-    """Predict whether a ceramic/metal light armour stops a projectile, and find the lightest that does.
+    """Predict whether a light ceramic/metal armour stops a projectile, and find the lightest armour that does.
 
-    First step: `armour init mine.toml` writes a scenario with every key explained; `armour check mine.toml` answers.
+    First steps: `armour init mine.toml` writes a scenario with every key explained; `armour check mine.toml` checks
+    its armour.
 
-    Exit codes: 0 success; 1 the question has no answer in the given range; 2 invalid input; 3 a check failed, of
-    `check` or `validate`; 130 interrupted.
+    Exit codes: 0 success; 1 the question has no answer in the given range; 2 invalid input; 3 `check` or `validate`
+    failed; 130 interrupted.
     """
 
 

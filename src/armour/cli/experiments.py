@@ -42,7 +42,7 @@ def v50(
 ) -> Answer:
     """Estimate V50 from firing results.
 
-    With the scenario of the same armour, the ballistic limit by the model is shown too.
+    If a scenario with the same armour is given, its ballistic limit by the model is shown too.
     """
     fired = armour.read_shots(table_file(shots), one_kind=options["prior"])
     return Answer(armour.v50(fired, scenario, on_progress=on_progress, **options))
@@ -55,8 +55,8 @@ def calibrate(
         Path,
         argument(
             "TESTS",
-            "CSV file of tests. Its columns are test (a name); armour.ceramic and other names and inputs that differ; "
-            "and ballistic_limit_m_s, residual_velocity_m_s, residual_mass_g or outcome. "
+            "CSV file of tests. Its columns are test (a name); keys and inputs that differ, such as armour.ceramic; "
+            "and measurements: ballistic_limit_m_s, residual_velocity_m_s, residual_mass_g or outcome. "
             "`armour init FILE.csv --from wilkins.csv` writes an example.",
             autocompletion=completion.tables,
         ),
@@ -105,15 +105,14 @@ def plan_shots(
     earlier: Annotated[
         list[Path] | None,
         option(
-            "CSV file of an earlier firing at such an armour, whose scatter is pooled with the expected one; may be "
-            "given several times.",
+            "CSV file of an earlier firing at similar armour; its scatter is pooled with the expected one; repeatable.",
             metavar="SHOTS",
             autocompletion=completion.tables,
         ),
     ] = None,
     result: Annotated[
         Literal["partial", "complete", "P", "C", "PP", "CP"] | None,
-        option("Result of the shot just fired, which is added to SHOTS.", case_sensitive=False),
+        option("Result of the shot just fired; it is appended to SHOTS.", case_sensitive=False),
     ] = None,
     velocity_m_s: Annotated[
         float | None, option("Measured velocity of this shot, m/s; by default the planned one.")
@@ -192,32 +191,32 @@ def plan_tests(
     candidates: Annotated[
         list[str],
         option(
-            "Armours that can be tested: a key and its values, as MIN:MAX:STEP or V,V,..., repeated to span a grid; or "
-            "a CSV file whose header names keys and, where targets differ in it, cost.",
+            "Armours available for testing: KEY=MIN:MAX:STEP or KEY=V,V,..., repeated to span a grid; or a CSV file "
+            "whose header names keys and, if targets differ in cost, cost.",
             metavar="KEY=VALUES|FILE",
             autocompletion=completion.numbers,
         ),
     ],
     tests: Annotated[
         Path | None,
-        option("CSV file of tests made before.", metavar="FILE", autocompletion=completion.tables),
+        option("CSV file of earlier tests.", metavar="FILE", autocompletion=completion.tables),
     ] = None,
     design: Annotated[
         list[Path] | None,
         option(
-            "Scenario of a design in question; may be given several times. By default SCENARIO.",
+            "Scenario of the intended design, repeatable; by default SCENARIO.",
             metavar="SCENARIO",
             autocompletion=completion.scenarios,
         ),
     ] = None,
     csv: Annotated[
         Path | None,
-        option("Write the tests made before and the planned ones, to fill in, as CSV.", metavar="FILE"),
+        option("Write the earlier tests and the planned ones, to be filled in, as CSV.", metavar="FILE"),
         Output.FILE,
     ] = None,
     **options: Any,
 ) -> Answer:
-    """Choose the armours whose tests tell most of model inputs, or of the limit of a design."""
+    """Choose the armours to test that best determine model inputs, or the ballistic limit of a design."""
     from armour.reporting.table import csv_text
     from armour.reporting.views.planned_tests import form_table
 

@@ -15,7 +15,7 @@ from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipp
 
 # What the library lists, each by a command of its own, in the plural.
 KINDS = ("projectile", "ceramic", "metal", "threat")
-Tested = Annotated[bool, option("List only entries with tests by which the model error is known.", "--tested")]
+Tested = Annotated[bool, option("List only entries for which tests provide a model error.", "--tested")]
 
 
 def list_library(ctx: typer.Context, tested: Tested = False, as_json: AsJson = False) -> None:
@@ -124,7 +124,7 @@ def init(
 def schema() -> None:
     """Print the JSON Schema of a scenario.
 
-    Editors complete and check scenario files with it.
+    Editors use it to complete and check scenario files.
     """
     from armour.scenario.scenario import scenario_schema
 

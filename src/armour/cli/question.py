@@ -106,20 +106,20 @@ ScenarioFile = Annotated[
     Path,
     argument(
         "SCENARIO",
-        "Scenario file (TOML), or name of a shipped scenario; - for standard input.",
+        "Scenario file (TOML), or name of a shipped scenario; - reads standard input.",
         autocompletion=completion.scenarios,
     ),
 ]
 Changes = Annotated[
     list[str] | None,
     option(
-        "Change a value of the scenario; may be given several times.",
+        "Change a value of the scenario; repeatable.",
         "--set",
         metavar="KEY=VALUE",
         autocompletion=completion.assignments,
     ),
 ]
-PlotFile = Annotated[Path | None, option("Draw to a .png, .svg or .pdf file.", "--plot", metavar="FILE")]
+PlotFile = Annotated[Path | None, option("Draw the result to a .png, .svg or .pdf file.", "--plot", metavar="FILE")]
 Force = Annotated[bool, option("Replace existing files.", "--force")]
 AsJson = Annotated[bool, option("Print one JSON object and nothing else.", "--json")]
 

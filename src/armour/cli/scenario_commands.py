@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from armour.sweeps.sweep import Effort
 
 # What a check and a report require: the key, and the help of the option.
-CONFIDENCE = ("design.confidence", "Probability of stopping each threat that is required, such as 0.95.")
+CONFIDENCE = ("design.confidence", "Required probability of stopping each threat, such as 0.95.")
 # Keys of a design that a check reads.
 CHECK = ("design.confidence", "design.thickness_tolerance_mm")
 # What a ballistic limit depends on, see `armour.scenario.reach`.
@@ -52,12 +52,12 @@ LIMIT_READS = (*SHOT, "ballistic_limit", "uncertainty.model")
     ("impact", "armour", "ballistic_limit", "uncertainty.model"),
     what="the simulated impact",
     first="computing",
-    velocity=("impact.velocity_m_s", "Impact velocity in place of the scenario's, m/s."),
+    velocity=("impact.velocity_m_s", "Impact velocity, m/s; by default the scenario's."),
 )
 def simulate(
     scenario: "Scenario",
     on_progress: "OnProgress",
-    history: Annotated[Path | None, option("Write the run over time as CSV.", metavar="FILE"), Output.TABLE] = None,
+    history: Annotated[Path | None, option("Write the state over time as CSV.", metavar="FILE"), Output.TABLE] = None,
     plot: PlotFile = None,
 ) -> Answer:
     """Simulate one impact."""
@@ -101,10 +101,10 @@ def check(
     on_progress: "OnProgress",
     junit: Annotated[Path | None, option("Write the result as JUnit XML.", metavar="FILE"), Output.FILE] = None,
 ) -> Answer:
-    """Check an armour against its threats, and if it is thinner, the round faster or at an angle.
+    """Check an armour against its threats, and with thinner layers, a faster round or at an angle.
 
-    Exits with 3 where a threat is stopped with less than the probability required, or where that is unknown; where none
-    is required, where the ballistic limit is below the velocity plus the margin.
+    The exit code is 3 if the probability of stopping a threat is below the required one, or unknown; if no probability
+    is required, it is 3 if the ballistic limit is below the velocity plus the margin.
     """
     from armour.reporting.views import check as view
 
@@ -115,20 +115,21 @@ def check(
 @question(
     DESIGNS,
     what="the design",
-    csv="Write the Pareto front or, where none is asked for, the frontier as CSV.",
+    csv="Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate.",
     of_threats=True,
-    confidence=("design.confidence", "Probability of stopping each threat to design for, such as 0.95."),
+    confidence=("design.confidence", "Required probability of stopping each threat, such as 0.95."),
 )
 def optimise(
     scenario: "Scenario",
     on_progress: "OnProgress",
     source: str,
     every_row: Annotated[
-        bool, option("Show the frontier on every back plate, not only around the best.", "--all")
+        bool,
+        option("Show the thinnest ceramic for every back plate, not only for those near the lightest design.", "--all"),
     ] = False,
     page: Annotated[
         Path | None,
-        option("Write a map of all designs as an interactive page, .html.", "--map", metavar="FILE"),
+        option("Write an interactive map of all designs, .html.", "--map", metavar="FILE"),
         Output.FILE,
     ] = None,
     changes: Changes = None,
@@ -136,7 +137,7 @@ def optimise(
 ) -> Answer:
     """Find the lightest armour that stops the threat.
 
-    The scenario may have several threats, a catalogue of materials, and another quantity to minimise.
+    The scenario may define several threats, a catalogue of materials, and another quantity to minimise than weight.
     """
     drawn = ""
     if page is not None:
@@ -169,7 +170,7 @@ def sensitivity(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
 @question(
     ("impact", "armour", "ballistic_limit", "uncertainty"),
     unit="samples",
-    samples=("uncertainty.samples", "Number of samples in place of the scenario's, at least 128."),
+    samples=("uncertainty.samples", "Number of samples, at least 128; by default the scenario's."),
 )
 def uncertainty(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     """Propagate input uncertainty to the outcome and the ballistic limit."""
@@ -186,7 +187,7 @@ def sweep(
     over: Annotated[
         list[str] | None,
         option(
-            "Key of the scenario and its values, as MIN:MAX:STEP or V,V,...; repeat it to span a grid.",
+            "Key and its values, as MIN:MAX:STEP or V,V,...; repeat to span a grid.",
             metavar="KEY=VALUES",
             autocompletion=completion.numbers,
         ),
@@ -194,15 +195,15 @@ def sweep(
     cases: Annotated[
         Path | None,
         option(
-            "CSV file of cases, instead of --over; its header names the keys, such as "
-            "armour.ceramic, and each row gives their values, such as SiC.",
+            "CSV file of cases, in place of --over: the header names the keys, such as armour.ceramic, and each row "
+            "gives their values, such as SiC.",
             metavar="FILE",
         ),
     ] = None,
     quantities: Annotated[
         str,
         option(
-            "Quantities to compute, of those listed below; ballistic limit by default.",
+            "Quantities to compute, from the list below; by default the ballistic limit.",
             metavar="NAME,...",
             autocompletion=completion.quantities,
         ),
@@ -216,7 +217,9 @@ def sweep(
     scheduler: Annotated[
         str, option('Compute on the Dask cluster at this address; "local" starts one.', metavar="ADDRESS")
     ] = "",
-    yes: Annotated[bool, option("Go on where a sweep takes hours, or more space than is free.", "--yes")] = False,
+    yes: Annotated[
+        bool, option("Run a sweep even if it takes hours or more disk space than is free.", "--yes")
+    ] = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
@@ -310,7 +313,7 @@ def report(
         Path,
         argument(
             "SCENARIO|SUITE",
-            "Scenario or suite file (TOML), or name of a shipped one; - for a scenario on standard input.",
+            "Scenario or suite file (TOML), or name of a shipped one; - reads a scenario from standard input.",
             autocompletion=completion.scenarios_and_suites,
         ),
     ],
@@ -318,7 +321,7 @@ def report(
         "report.html"
     ),
     as_is: Annotated[
-        bool, option("Report on the scenario's own armour, also where the scenario asks for a design.", "--as-is")
+        bool, option("Report on the scenario's own armour even if the scenario asks for a design.", "--as-is")
     ] = False,
     confidence: Annotated[str | None, option(CONFIDENCE[1], metavar="NUMBER", parser=number)] = None,
     force: Force = False,
@@ -326,7 +329,7 @@ def report(
 ) -> None:
     """Write a report.
 
-    One self-contained file with the answer, its uncertainty, charts (in HTML) and the sources of all values.
+    The report is one self-contained file with the answer, its uncertainty, charts (HTML) and the sources of all values.
     """
     from armour.reporting.scenario_report import scenario_report
     from armour.reporting.show import REPORT_ENDINGS, report_text

@@ -26,16 +26,14 @@ def validate(
         Path | None,
         argument(
             "SUITE",
-            "Suite file (TOML), or a shipped suite: paper, the default, or plates. A [[case]] has name, scenario, "
+            "Suite file (TOML), or a shipped suite: paper (the default) or plates. A [[case]] has name, scenario, "
             "quantity, expected, and band or band_percent. `armour init FILE.toml --from paper` writes an example.",
             autocompletion=completion.suites,
         ),
     ] = None,
     only: Annotated[str, option("Check only cases whose name contains the text.", metavar="TEXT")] = "",
     changes: Changes = None,
-    update: Annotated[
-        bool, option("Write the computed values in place of the suite's regression values.", "--update")
-    ] = False,
+    update: Annotated[bool, option("Replace the suite's regression values by the computed ones.", "--update")] = False,
     verbose: Annotated[bool, option("Show every case, and why some are not scored.", "--verbose", "-v")] = False,
     markdown: Annotated[Path | None, option("Write the result as Markdown.", "--markdown", metavar="FILE")] = None,
     junit: Annotated[Path | None, option("Write the result as JUnit XML.", "--junit", metavar="FILE")] = None,
@@ -44,7 +42,7 @@ def validate(
 ) -> None:
     """Check the model against a suite of cases.
 
-    Exits with 3 where a value lies outside its band; with --update only values that it keeps count.
+    The exit code is 3 if a value lies outside its band; with --update, only values that are not updated are judged.
     """
     from armour.reporting.report import markdown_report
     from armour.reporting.views import suite as view
@@ -118,14 +116,14 @@ def _updated(suite: Path, result: "SuiteResult") -> bytes | None:
 
 
 def figures(
-    folder: Annotated[Path, argument("DIR", "Folder to draw to.")],
+    folder: Annotated[Path, argument("DIR", "Folder to write to.")],
     only: Annotated[str, option("Draw only figures whose name contains the text.", metavar="TEXT")] = "",
     image: Annotated[Literal["png", "svg"], typer.Option("--format", help="Format of the figures.")] = "png",
     force: Force = False,
 ) -> None:
     """Draw the paper's figures.
 
-    These are figs. 3 to 14 and the parity of table 3 and of bare plates; the values are written as CSV beside each.
+    These are figs. 3 to 14, and parity plots of table 3 and of bare plates. The values of each are also written as CSV.
     """
     from armour.reporting import draw
     from armour.reporting.table import csv_text

@@ -222,26 +222,26 @@ def plan_shots(
         Shots so far, which may all be of one kind.
     procedure : {"bayesian", "neyer", "langlie", "up-and-down"}
         Rule for the next velocity: bayesian, neyer, langlie or up-and-down.  Without a requirement, the Bayesian rule
-        needs the model error: that of tests of such armours or of ``uncertainty.model``.
+        needs a model error, from tests of similar armours or from ``uncertainty.model``.
     half_width_m_s : float, optional
-        Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15, but the
-        up-and-down rule then ends as MIL-STD-662F does, with three shots of each kind within 27.4 m/s.
+        Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15, or, for the
+        up-and-down rule, the end by MIL-STD-662F: three shots of each kind within 27.4 m/s.
     confidence : float
         Confidence level of the interval, and of the requirement, 0.5 to 0.9999.
     requirement_m_s : float, optional
-        Required velocity, m/s.  The Bayesian procedure then ends when the shots show that the requirement is met, or
-        not met, where both the consumer's and the producer's risk are at most 1 less the confidence; the up-and-down
-        rule starts above it.
+        Required velocity, m/s.  The Bayesian procedure then ends when the shots show that the requirement is met or not
+        met, with the consumer's and the producer's risk each at most 1 minus the confidence; the up-and-down rule
+        starts above it.
     requirement_fraction : float
-        Fraction of shots that may perforate at the required velocity, 0.001 to 0.999: 0.5 requires it of V50.
+        Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on V50.
     prior : bool
-        Whether to count the model's limit in the decision on the requirement, which then is that of the posterior and
+        Whether to include the model's prediction in the decision on the requirement, which then uses the posterior and
         has no stated risks.
     scatter_percent : float
-        Scatter that is expected, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its
-        prior, and the guess of Neyer's procedure.
+        Expected scatter, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its prior,
+        and the initial guess of Neyer's procedure.
     scatter_factor : float
-        Factor by which the scatter may differ from it, 1.01 to 10: one standard deviation of its logarithm.
+        Factor by which the scatter may differ from this, 1.01 to 10: one standard deviation of its logarithm.
     earlier : sequence of Shots
         Earlier firings at armours of the kind, each with penetrations of both kinds.  Their scatters, pooled with the
         expected one, take its place.
@@ -249,11 +249,11 @@ def plan_shots(
         Limits of V50 that Langlie's and Neyer's procedures start from, m/s; by default the interval of the model's
         limit with a probability of 99 %.
     simulate : bool
-        Whether to simulate the shots until the firing ends, 100 at most.
+        Whether to simulate the rest of the firing, 100 shots at most.
     true_v50_m_s : float, optional
-        V50 to simulate shots with, m/s; by default it and the scatter are drawn from the posterior.
+        True V50 of the simulated shots, m/s; by default V50 and the scatter are drawn from the posterior.
     true_scatter_m_s : float, optional
-        Scatter to simulate them with, m/s.
+        True scatter of the simulated shots, m/s.
     seed : int
         Seed of the simulation, at least 0.
     on_progress : callable, optional

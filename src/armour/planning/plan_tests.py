@@ -204,23 +204,23 @@ def plan_tests(
     fit : str or sequence of str, default "ceramic.flow_stress_GPa"
         Input to determine, or several; by default the ceramic's flow stress.
     law : {"constant", "ceramic", "backing", "product", "linear"}, optional
-        Law of the ceramic's flow stress, whose coefficients are determined too, one of those of calibrate.
+        Law of the ceramic's flow stress, as in calibrate, whose coefficients are determined too.
     number : int, default 4
         Number of tests to plan, 1 to 200.  A candidate may be tested several times.
     tests : Tests, optional
         Tests made before.
     criterion : {"D", "I"}
-        "D" makes the confidence region of the inputs smallest, "I" the mean variance of the limits of the designs.
+        "D" minimises the joint confidence region of the inputs, "I" the mean variance of the designs' ballistic limits.
     designs : Scenario or sequence of Scenario, optional
         Designs in question; by default the scenario's own armour.
     measure : {"limit", "outcome"}
         What a test measures: the ballistic limit, or whether one shot at ``impact.velocity_m_s`` perforates.
     scatter_percent : float, optional
-        Standard deviation of a test, % of the ballistic limit, 0.01 to 50; by default that of the tests made before.
+        Standard deviation of a test, % of the ballistic limit, 0.01 to 50; by default that of the earlier tests.
     cost : float, optional
-        Cost of a test beside that of its target.
+        Cost of a test without its target.
     prior : bool, default False
-        Whether to count the scenario's distributions of the fitted inputs as prior knowledge.
+        Whether to use the scenario's distributions of the fitted inputs as priors.
     on_progress : callable, optional
         Called with the number of armours computed since the last call, and None.
 

@@ -229,12 +229,13 @@ def calibrate(
     fit : str or sequence of str, default "ceramic.flow_stress_GPa"
         Input to fit, or several; by default the ceramic's flow stress.
     law : {"constant", "ceramic", "backing", "product", "linear", "all"}, optional
-        Law of the ceramic's flow stress: constant, ceramic (linear in its thickness), backing (a power of the back
-        plate's), product (a power of both) or linear (in both), whose coefficients are fitted too; or all, to compare
-        them, which gives the law with the least leave-one-out error.  By default that of the scenario.
+        Law of the ceramic's flow stress, whose coefficients are fitted too: constant, ceramic (linear in its
+        thickness), backing (a power of the back plate's thickness), product (a power of the product of both) or linear
+        (in both); or all, to compare them and keep the one with the smallest leave-one-out error.  By default the
+        scenario's law.
     prior : bool, default False
-        Whether to count the scenario's distributions of the fitted inputs, normal or lognormal with their correlations,
-        as prior knowledge.  Estimates and intervals are then those of the posterior: the product of the likelihood and
+        Whether to use the scenario's distributions of the fitted inputs as priors, normal or lognormal, with their
+        correlations.  Estimates and intervals are then those of the posterior: the product of the likelihood and
         the density of the inputs or, if lognormal, of their logarithms.  One test with its uncertainty is then enough.
     on_progress : callable, optional
         Called with the number of tests computed since the last call, and None, as their total is not known.

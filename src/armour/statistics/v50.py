@@ -232,15 +232,15 @@ def v50(
     scenario : Scenario, optional
         Scenario with the same armour and projectile, for its ballistic limit.
     pairs : int, optional
-        Number of shots of each kind in the mean, at least 1; by default the greatest of 5, 3 and 2 whose span is
-        allowed.
+        Number of shots of each kind in the MIL-STD-662F mean, at least 1; by default the greatest of 5, 3 and 2 whose
+        span is allowed.
     span_m_s : float, optional
-        Greatest span of their velocities, m/s, at most 10,000; by default the one usual with 5, 3 or 2 shots of each
-        kind: 38.1, 27.4 or 18.3 (125, 90 or 60 ft/s).  Other numbers of shots need it.
+        Greatest span of their velocities, m/s, at most 10,000; by default the usual one for 5, 3 or 2 shots of each
+        kind: 38.1, 27.4 or 18.3 (125, 90 or 60 ft/s).  Required for other numbers of shots.
     confidence : float
         Confidence level of the intervals, 0.5 to 0.9999.
     prior : bool
-        Whether to add the posterior of V50 whose prior is the scenario's ballistic limit with the model error.
+        Whether to add the posterior of V50 with the scenario's ballistic limit, with its model error, as the prior.
     on_progress : callable, optional
         Called with the number of impacts computed since the last call, and None, as their total is not known.
 
