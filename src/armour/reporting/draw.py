@@ -17,6 +17,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.text import Annotation
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import offset_copy
 
 from armour.reporting import charts
 from armour.reporting.text import wrapped
@@ -127,8 +128,10 @@ def _write_titles(figure: Figure, title: Sequence[str], subject: Sequence[str]) 
     if lines:
         figure.suptitle("\n".join(lines), fontsize=TITLE, fontweight="bold", **look)
     if subject:
+        # At a distance from the edge: a legend makes the figure higher.
         down = EDGE_INCHES + LEADING * TITLE * len(title) / 72.0
-        figure.text(y=1.0 - down / figure.get_figheight(), s="\n".join(subject), va="top", **look)
+        place = offset_copy(figure.transFigure, figure, y=-down, units="inches")
+        figure.text(y=1.0, s="\n".join(subject), va="top", transform=place, **look)
 
 
 def _characters(width: float, size: float, character: float = CHARACTER) -> int:
