@@ -265,7 +265,7 @@ def _(item: charts.Words, axes: Axes) -> None:
     room = np.diff(item.x).min(initial=high - low) * 72.0 / axes.figure.dpi * axes.bbox.width / (high - low)
     longest = max(len(line) for words in item.words for line in words.splitlines())
     look: Any = {"ha": item.align, "va": "bottom" if item.above else "top"}
-    look["fontsize"] = min(SMALL, room / (CHARACTER * longest))
+    look["fontsize"] = min(SMALL, room / (CHARACTER * (longest + 1)))
     for x, y, words in zip(item.x, item.y, item.words, strict=True):
         axes.text(x, y, words, **look)
 
@@ -328,11 +328,12 @@ def _(item: charts.Region, axes: Axes) -> None:
 
 def _label_contours(axes: Axes) -> None:
     """Label every contour where it is farthest from edges, other contours and labels."""
-    contours = [lines for lines in axes.collections if isinstance(lines, ContourSet) and lines.get_label() != "_"]
-    contours = [lines for lines in contours if not lines.filled]
+    contours = [lines for lines in axes.collections if isinstance(lines, ContourSet) and not lines.filled]
     curves = [[axes.transLimits.transform(_thinned(path.vertices)) for path in lines.get_paths()] for lines in contours]
     labels = _names_of_points(axes)
     for lines, own in zip(contours, curves, strict=True):
+        if not (words := str(lines.get_label()).removeprefix("_")):
+            continue
         first = len(labels)
         for curve in filter(len, own):
             others = [np.empty((0, 2)), *(other for found in curves for other in found if other is not curve)]
@@ -342,7 +343,6 @@ def _label_contours(axes: Axes) -> None:
             room = np.min([edges, apart, _distances(curve, np.concatenate(others))], axis=0)
             labels = np.append(labels, curve[[room.argmax()]], axis=0)
         places = axes.transLimits.inverted().transform(labels[first:])
-        words = str(lines.get_label()).removeprefix("_")
         axes.clabel(
             lines, fontsize=7.0, fmt=VALUE if words == VALUE else lambda _, words=words: words, manual=places.tolist()
         )
