@@ -27,11 +27,11 @@ class Problem(NamedTuple):
     Attributes
     ----------
     file : str
-        File that holds the mistake.
+        File that contains the mistake.
     key : str
-        Dotted key that holds the mistake; empty if the mistake concerns the whole file.
+        Dotted key of the mistake; empty if the mistake concerns the whole file.
     message : str
-        What must hold and what was found.
+        The condition and what was found instead.
     """
 
     file: str

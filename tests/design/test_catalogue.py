@@ -205,8 +205,8 @@ def test_the_rows_of_pairs_and_threats_are_those_of_their_scenarios(ceramic: str
 @pytest.mark.parametrize(
     ("most", "message"),
     [
-        ({"MAX_PAIRS": 3}, "design: must hold at most 3 pairs of materials, found 4"),
-        ({"MAX_DESIGNS": 143}, "design: must hold at most 143 designs, found 144"),
+        ({"MAX_PAIRS": 3}, "design: must contain at most 3 pairs of materials, found 4"),
+        ({"MAX_DESIGNS": 143}, "design: must contain at most 143 designs, found 144"),
         ({"MAX_IMPACTS": 200}, "threat: must list at most 1 threats for 144 designs, found 2"),
     ],
 )

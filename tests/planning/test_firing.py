@@ -109,7 +109,9 @@ def test_the_scatter_of_earlier_firings():
 
 
 def test_a_stated_error_is_a_prior_and_an_unknown_one_none():
-    with pytest.raises(InputError, match=r"uncertainty.model: must give scale_percent for a prior: the model was comp"):
+    with pytest.raises(
+        InputError, match=r"uncertainty.model: must give scale_percent for a prior: no test of such an armour"
+    ):
         plan_shots(scenario(**UNKNOWN))
     with pytest.raises(InputError, match="limits_m_s: must be given: the model error"):
         plan_shots(scenario(**UNKNOWN), procedure="langlie")
@@ -124,7 +126,7 @@ def test_a_stated_error_is_a_prior_and_an_unknown_one_none():
         plan_shots(scenario(**UNKNOWN), SHOTS, requirement_m_s=700.0, prior=True)
     stated = scenario(**UNKNOWN, uncertainty={"model": {"scale_percent": 10.0}})
     assert plan_shots(stated).prior is not None
-    with pytest.raises(InputError, match="says not to include the error"):
+    with pytest.raises(InputError, match="excludes the model error"):
         plan_shots(scenario(uncertainty={"model": {"included": False}}))
 
 

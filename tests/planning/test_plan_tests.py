@@ -110,7 +110,7 @@ def test_residual_velocities_do_not_tell_how_limits_scatter(wilkins: Scenario):
         {CERAMIC: c, VELOCITY: 900.0, "residual_velocity_m_s": v, "residual_velocity_uncertainty_m_s": 20.0}
         for c, v in ((6.0, 500.0), (7.0, 440.0))
     ]
-    with pytest.raises(InputError, match="scatter_percent: is missing and must be given: too few tests tell"):
+    with pytest.raises(InputError, match="scatter_percent: is missing and must be given: there are too few tests"):
         plan_tests(wilkins, GRID, tests=read_tests(shots, wilkins), number=1)
 
 
@@ -229,7 +229,7 @@ def test_wrong_candidates(wilkins: Scenario, tmp_path: Path, rows: tuple[str, ..
     ("settings", "words"),
     [
         ({"number": 0}, "number: must be at least 1"),
-        ({"scatter_percent": None}, "too few tests tell how measurements scatter"),
+        ({"scatter_percent": None}, "there are too few tests to estimate it from"),
         ({"fit": ()}, "fit: must name at least one input"),
         ({"law": "backin"}, 'did you mean "backing"'),
         ({"law": "backing", "fit": "backing.shear_strength_MPa"}, f"law: must not be given where {FLOW_STRESS} is not"),
@@ -240,7 +240,7 @@ def test_wrong_candidates(wilkins: Scenario, tmp_path: Path, rows: tuple[str, ..
         ({"candidates": [5.0]}, "candidates: must be a mapping or a path"),
         ({"designs": "wilkins"}, 'designs: must be a Scenario, found the text "wilkins"'),
         ({"prior": True}, "must be given for a prior"),
-        ({"measure": "outcome", "candidates": {VELOCITY: [20.0]}}, "must tell something of"),
+        ({"measure": "outcome", "candidates": {VELOCITY: [20.0]}}, "must depend on"),
     ],
 )
 def test_wrong_settings(wilkins: Scenario, settings: dict[str, object], words: str):

@@ -318,9 +318,7 @@ def test_an_output_that_comes_during_the_sweep_stays(output: Path):
 def test_a_mark_that_cannot_be_read(output: Path, mark: bytes):
     filled(output, (0,))
     output.with_name(output.name + ".parts").joinpath("job").write_bytes(mark)
-    with pytest.raises(
-        InputError, match="job: does not say which sweep it belongs to; choose another output, or remove"
-    ):
+    with pytest.raises(InputError, match="job: does not identify its sweep; choose another output, or remove"):
         Store(output, JOB).__enter__()
 
 

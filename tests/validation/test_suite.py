@@ -171,8 +171,8 @@ IN_ROW = "table[0].rows[0]: must be a valid scenario: wilkins.toml: "
             "730.0]",
             "table[0]: every row must have the 3 numbers of the columns, found 2 in row",
         ),
-        (TABLE, '"expected"', '"found"', "table[0]: columns must hold expected"),
-        (TABLE, '"they"]\n', '"those"]\n', "table[0]: columns must hold they"),
+        (TABLE, '"expected"', '"found"', "table[0]: columns must include expected"),
+        (TABLE, '"they"]\n', '"those"]\n', "table[0]: columns must include they"),
         (TABLE, '"they"]\n', '"expected"]\n', "table[0]: columns must differ from each other"),
         (
             TABLE,

@@ -90,12 +90,12 @@ class LimitResult(Result):
 
 @checked
 def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> LimitResult:
-    """Compute the ballistic limit of a scenario's armour: the lowest change of the outcome that a scan sees.
+    """Compute the ballistic limit of a scenario's armour: the lowest change of the outcome that a scan finds.
 
-    The scan has 33 velocities, evenly spaced on a logarithmic scale, or 1,025 where the armour is far from all that the
-    model was compared with; those at which the projectile lacks the energy to perforate are not computed.  Between two
-    of them, changes of the outcome are searched for at a maximum of the penetration depth of defeated projectiles, at a
-    minimum of the residual velocity, and where projectiles stop at one and are used up at the next.
+    The scan has 33 velocities, evenly spaced on a logarithmic scale, or 1,025 if the armour is far from all tests that
+    the model was compared with; those at which the projectile lacks the energy to perforate are not computed.  Between
+    two of them, changes of the outcome are searched for at a maximum of the penetration depth of stopped projectiles,
+    at a minimum of the residual velocity, and where projectiles come to rest at one and are eroded away at the next.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
     Raises
     ------
     NoLimitError
-        If no velocity of the range is seen to perforate, or if its lowest velocity does.
+        If no velocity of the range is found to perforate, or if its lowest velocity does.
     InputError
         If a run does not end within the maximum number of steps.
     """
@@ -302,7 +302,7 @@ def _listed(crossings: tuple[Crossing, ...]) -> str:
 
 # Probability above which a lower bound is given as the probability.
 SURE = 0.995
-EXCLUDED = "uncertainty.model says not to include the model error"
+EXCLUDED = "uncertainty.model excludes the model error"
 
 
 @dataclass(frozen=True, repr=False)
@@ -319,7 +319,7 @@ class ConfidenceResult(Result):
     model_error : ModelError or None
         Relative error of the ballistic limit by the model.
     reason : str
-        Why the probability is not known.
+        Reason why the probability is not known.
     warnings : tuple of str
         Ways in which the scenario is unlike what the model was compared with.
     median_m_s : float or None

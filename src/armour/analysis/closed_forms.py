@@ -190,7 +190,7 @@ TENSILE = ("ultimate_tensile_strength_MPa", "strain_to_fracture")
 
 @dataclass(frozen=True)
 class FlorenceResult:
-    """Florence's limit of an armour, and the best armour of the same areal density according to this formula.
+    """Florence's limit of an armour, and the armour of the same areal density with the highest limit by this formula.
 
     Attributes
     ----------

@@ -343,9 +343,9 @@ def _too_much(file: str, section: DesignSection, threats: int) -> list[Problem]:
     designs = ceramics * backings
     found = []
     if pairs > MAX_PAIRS:
-        found.append(Problem(file, "design", f"must hold at most {MAX_PAIRS} pairs of materials, found {pairs}"))
+        found.append(Problem(file, "design", f"must contain at most {MAX_PAIRS} pairs of materials, found {pairs}"))
     if designs > MAX_DESIGNS:
-        found.append(Problem(file, "design", f"must hold at most {MAX_DESIGNS} designs, found {designs}"))
+        found.append(Problem(file, "design", f"must contain at most {MAX_DESIGNS} designs, found {designs}"))
     elif designs * threats > MAX_IMPACTS:
         message = f"must list at most {MAX_IMPACTS // designs} threats for {designs} designs, found {threats}"
         found.append(Problem(file, "threat", message))

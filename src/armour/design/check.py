@@ -55,12 +55,11 @@ class CheckedThreat:
     interval_m_s : tuple of float or None
         95 % interval of the ballistic limit with the model error, m/s; None where that is not known.
     margin_m_s, required_margin_m_s : float
-        Excess of the ballistic limit over the velocity, m/s, which may be None, and the one that is required.
+        Excess of the ballistic limit over the velocity, m/s, which may be None, and the required excess.
     probability_of_defeat, required_probability : float or None
-        Probability that the armour stops the projectile, None where it is not known, and the one that is required, None
-        where none is.
+        Probability that the armour stops the projectile, None if unknown, and the required one, None if there is none.
     reason : str
-        Why the probability is not known.
+        Reason why the probability is not known.
     passed : bool
         Whether the armour stops the threat with the probability required or, where none is, with the margin required.
     what_ifs : tuple of WhatIf
@@ -117,8 +116,8 @@ class CheckResult(TableResult):
 def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> CheckResult:
     """Check the armour of a scenario against every threat, and against small changes of each.
 
-    Without threats, the impact is the threat.  The changes are those that people ask about: each layer thinner by its
-    tolerance, ``design.thickness_tolerance_mm``; the round 5 % faster; the other angle of 0 and 30 degrees.
+    Without threats, the impact is the threat.  The changes are: each layer thinner by its tolerance,
+    ``design.thickness_tolerance_mm``; the round 5 % faster; the other angle of 0 and 30 degrees.
 
     Parameters
     ----------

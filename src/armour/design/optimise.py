@@ -63,7 +63,7 @@ class Design:
     cost_per_m2 : float or None
         The same, in the unit of the costs given; None where none is given.
     margin_m_s : float or None
-        Least ballistic limit less the velocity of a threat, over the threats; None where it is not computed.
+        Smallest difference between ballistic limit and velocity over the threats; None if not computed.
     """
 
     ceramic: str
@@ -86,11 +86,11 @@ class BestDesign(Design):
         Against the governing threat; None where it lies outside the range of the section ``ballistic_limit``.
     ceramic_density_kg_m3, backing_density_kg_m3 : float
     margins_m_s : dict of str to float
-        By threat: the lowest ballistic limit, at most 10,000 m/s, less the velocity of the threat.
+        By threat: the lowest ballistic limit, at most 10,000 m/s, minus the velocity of the threat.
     governing : str
-        Threat whose required velocity the ballistic limit exceeds by the least.
+        Threat whose required velocity the ballistic limit exceeds by the smallest amount.
     probabilities : dict of str to Estimate
-        Probabilities of perforation, by threat that bounds it, where uncertain inputs are sampled.
+        Probabilities of perforation by threat, for threats that bound it, if uncertain inputs are sampled.
     probabilities_of_defeat : dict of str to float or None
         By threat; None where the model error is not known.
     model_error : ModelError or None
@@ -118,7 +118,7 @@ class Pair:
     excess_percent : float or None
         Excess of the objective over that of the best of all.
     reason : str
-        Why its best design is not the best of all, or why it has none.
+        Reason why its best design is not the best of all, or why it has none.
     """
 
     ceramic: str

@@ -88,9 +88,9 @@ class ShotPlan(Result):
     next_velocity_m_s : float or None
         Velocity of the next shot, m/s; None where the firing has ended.
     reason : str
-        Why it has this velocity.
+        Reason for this velocity.
     stopped : str
-        Why the firing has ended; empty where it goes on.
+        Reason why the firing has ended; empty while it continues.
     expected_shots : float or None
         Median number of further shots in simulated continuations by the Bayesian procedure; None where it exceeds 100,
         and for the other procedures.
@@ -110,12 +110,13 @@ class ShotPlan(Result):
         Whether the requirement is met; empty without one, and where the shots do not yet decide it.
     consumers_risk, producers_risk : float or None
         Greatest probability that armour which does not meet the requirement is accepted, and that armour which meets it
-        is rejected: 1 less the confidence.  None without a requirement, and where the prior takes part in the decision.
+        is rejected: 1 minus the confidence.  None without a requirement, and where the prior takes part in the
+        decision.
     evidence_met, evidence_not_met : float or None
         Likelihood of the shots averaged over curves that meet the requirement, or do not, divided by the greatest one
         of a curve of the other side.  The decision is made where one reaches the inverse of the risk.
     operating_characteristic : tuple of OperatingPoint
-        What becomes of simulated firings at armours around the requirement, of a V50 ``v50_m_s`` and a scatter
+        Outcomes of simulated firings at armours around the requirement, with a V50 ``v50_m_s`` and a scatter
         ``scatter_m_s``, m/s: the fractions that end with it ``met`` and ``not_met``, and the median of ``shots``, None
         above 100.  Empty once a shot has been fired.
     earlier : int
@@ -127,7 +128,7 @@ class ShotPlan(Result):
     prior, posterior : FiringEstimate or None
         V50 and the scatter without and with the shots; None where the model error is not known.
     prior_share : float or None
-        Variance of V50 by the posterior over that by the prior: the part of the precision that is the prior's.
+        Posterior over prior variance of V50: the share of the prior in the precision.
     recommended : FittedCurve or None
         Curve that `armour.v50` recommends, from the shots alone, where they have one; None for the Bayesian procedure.
     mean : MeanV50 or None

@@ -189,10 +189,10 @@ def plan_tests(
     prior: bool = False,
     on_progress: OnProgress = ignore_progress,
 ) -> PlannedTests:
-    """Choose the tests that make fitted inputs, or the ballistic limit of designs, most certain.
+    """Choose the tests that best determine fitted inputs or the ballistic limits of designs.
 
-    The information that a test gives is that of the likelihood of `armour.calibrate`, linearised at the fit to the
-    tests made before or else at the scenario's values.
+    The information of a test is that of the likelihood of `armour.calibrate`, linearised at the fit to earlier tests or
+    else at the scenario's values.
 
     Parameters
     ----------
@@ -232,7 +232,7 @@ def plan_tests(
     ------
     InputError
         If a setting is out of its range, a candidate is no valid armour or has no ballistic limit in the range of the
-        search, the candidates tell nothing of the inputs, or the scatter is not known.
+        search, the candidates do not depend on the inputs, or the scatter is not known.
     """
     questions = (designs,) if isinstance(designs, Scenario) else tuple(designs) or (scenario,)
     fit = tuple(fit)
@@ -260,7 +260,7 @@ def plan_tests(
         z = (velocities - limits[:count]) / (known.scatter * velocities)
         informing *= (limits[:count] / velocities * np.sqrt(hazard(z) * hazard(-z)))[:, None]
     if (informing**2).sum(axis=1).max() < NOTHING:
-        message = f"must tell something of {', '.join(names)}, found none that does"
+        message = f"must depend on {', '.join(names)}, found none that does"
         raise InputError([Problem(rows.file, "", message)])
     basis = optimal_design.identified(known.base, informing)
     inputs = _determined(np.eye(len(basis)), basis)
@@ -436,7 +436,7 @@ def _knowledge(
             fit = fit_inputs(tests, names, on_progress, prior=prior)
         scatter = scatter or (fit.spread if fit and not tests.weighted else _given_scatter(tests))
     if scatter is None:
-        message = "is missing and must be given: too few tests tell how measurements scatter"
+        message = "is missing and must be given: there are too few tests to estimate it from"
         raise InputError([Problem("plan_tests", "scatter_percent", message)])
     if fit is not None:
         return _fitted(fit, scatter)
@@ -459,7 +459,7 @@ def _fitted(fit: Fit, scatter: float) -> _Knowledge:
     if fit.widened_by > 1.0:
         warnings.append(
             f"the tests in {tests.file} deviate more than their scatter explains, p = {fit.p_value:.2g}; "
-            f"what they tell is less by a factor of {fit.widened_by:.2f}"
+            f"their standard deviations are multiplied by {fit.widened_by:.2f}"
         )
     lower, upper = fit.likelihood.lower, fit.likelihood.upper
     # The search comes close to an end and does not reach it.

@@ -278,7 +278,7 @@ def next_bayesian(shots: Shots, settings: ShotSettings) -> Aim:
         best = float(velocities[np.argmax(gained)])
         velocities = np.clip(np.linspace(best - step, best + step, 21), MIN_VELOCITY_M_S, MAX_VELOCITY_M_S)
     if settings.requirement_m_s is not None:
-        return Aim(best, "expected to tell most about whether the requirement is met")
+        return Aim(best, "expected to be most informative about whether the requirement is met")
     before = known.variance(wanted)
     after = max(before - float(gained.max()), 0.0)
     change = f"from {before**0.5:.1f} to {after**0.5:.1f} m/s"
@@ -450,7 +450,7 @@ def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, 
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """What becomes of firings at an armour, in simulation.
+    """Outcome of simulated firings at an armour.
 
     Attributes
     ----------

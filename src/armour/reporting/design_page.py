@@ -129,11 +129,11 @@ def _notes(catalogue: Catalogue) -> Iterator[str]:
         yield "The Pareto front of the scenario is not shown; armour optimise lists it."
     if catalogue.scenario.uncertainty is not None and catalogue.scenario.uncertainty.inputs():
         yield (
-            "The distributions of the inputs are not included: probabilities include the error of the model alone. "
+            "The distributions of the inputs are not included: probabilities include the model error alone. "
             "The design that armour optimise finds for a confidence may be heavier."
         )
     if catalogue.scenario.excludes_error():
-        yield "The error of the model is left out, as uncertainty.model says, so that no probability is known."
+        yield "The model error is excluded by uncertainty.model, so no probability is known."
     limits = {"thickness": section.thickness_max_mm, "cost": section.cost_max_per_m2}
     if given := [name for name, most in limits.items() if most is not None]:
         yield f"Designs beyond the greatest {' or '.join(given)} of the scenario are drawn, but not chosen."

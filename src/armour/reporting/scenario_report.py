@@ -44,7 +44,7 @@ OF_ANY_ARMOUR = {"confidence", "thickness_tolerance_mm"}
 # What the model leaves out, see docs/limits.md.
 ASSUMPTIONS = (
     ("Penetrator", "a flat-ended cylinder of one material; jacket, tip, sabot and fracture of the core are left out"),
-    ("Flight", "straight; an angle counts by the thickness along the line of fire, without ricochet or yaw"),
+    ("Flight", "straight, without ricochet or yaw; an angle acts through the thickness along the line of fire"),
     ("Armour", "layers in contact; adhesive, covers and spall liners do not resist"),
     ("Hits", "a single one, far from the edges and joints of an unconfined tile or plate"),
     ("Back plate", "resists by its strength and fails by a plug; dishing, petalling, tearing and cracks are left out"),

@@ -25,7 +25,7 @@ MOST = 1000
 
 @dataclass(frozen=True)
 class ModelError:
-    """Relative error of the ballistic limit: that of the armour over that of the model, less 1, per cent.
+    """Relative error of the ballistic limit: actual limit divided by computed limit, minus 1, per cent.
 
     Attributes
     ----------

@@ -189,7 +189,7 @@ class Steps(Section):
     @model_validator(mode="after")
     def _countable(self) -> Self:
         if self.count() > MAX_VALUES:
-            raise ValueError(f"must hold at most {MAX_VALUES} values, found {self.count():.7g}; widen the step")
+            raise ValueError(f"must contain at most {MAX_VALUES} values, found {self.count():.7g}; widen the step")
         return self
 
     def count(self) -> float:
@@ -235,7 +235,7 @@ class Optimise(Section):
     def _not_absurd(self) -> "Optimise":
         designs = self.ceramic_thickness_mm.count() * self.backing_thickness_mm.count()
         if designs > MAX_DESIGNS:
-            raise ValueError(f"must hold at most {MAX_DESIGNS} designs, found {designs:.3g}; widen the steps")
+            raise ValueError(f"must contain at most {MAX_DESIGNS} designs, found {designs:.3g}; widen the steps")
         return self
 
 

@@ -142,12 +142,12 @@ class CalibrationResult(TableResult):
     mean_error_percent, left_out_error_percent : float or None
         Mean absolute deviations, in sample and leave-one-out, bounds excluded, %; None where there are none.
     degrees_of_freedom : float
-        Of the scatter or, where uncertainties are given, of chi-squared: with measured values alone, their number less
+        Of the scatter or, if uncertainties are given, of chi-squared: with measured values alone, their number minus
         that of the coefficients.
     chi_squared : float
         Sum of the squared deviations of measured values, divided by their uncertainties or by the values.
     starts, starts_agreeing : int
-        Number of starting points of the fit, and of those that led to the same end.
+        Number of starting points of the fit, and of those that converged to the same solution.
     confidence : float
         Confidence level of the intervals.
     p_value : float or None
@@ -156,16 +156,16 @@ class CalibrationResult(TableResult):
         Factor of the intervals, more than 1 where the p value is less than 0.05: the Birge ratio, the square root of
         chi-squared over the degrees of freedom.
     aicc : float or None
-        Akaike's information criterion, corrected for the number of tests; less is better.  None for too few tests, and
+        Akaike's information criterion, corrected for the number of tests; lower is better.  None for too few tests, and
         with a prior.
     laws : tuple of LawFit
         The laws that were compared.
     evidence : mapping or None
-        Where the tests put the ballistic limits of such armours, which the fitted entry holds: what its key
-        ``evidence`` has in a library file.  None where no ballistic limit was measured or shot at, and for several
-        inputs, or an input that is not identified.
+        Distribution of the ballistic limits of such armours given the tests: the key ``evidence`` of the fitted entry
+        in a library file.  None where no ballistic limit was measured or shot at, and for several inputs, or an input
+        that is not identified.
     limit_error_percent : tuple of float or None
-        95 % interval of the ballistic limit of an armour like the tests over that of the fitted model, less 1, %.
+        95 % interval of the ballistic limit of an armour like the tests over that of the fitted model, minus 1, %.
     warnings : tuple of str
         A bad fit, tests that do not follow the others, and ways in which tests are unlike what the model was
         compared with before.
@@ -215,10 +215,11 @@ def calibrate(
 ) -> CalibrationResult:
     """Fit inputs of a scenario to tests by maximum likelihood, with profile-likelihood intervals.
 
-    A measured value is normal about the model's value, with its uncertainty or, where none are given, with a standard
-    deviation that is one unknown fraction of the measured values.  The residual velocity of a test that the model
-    defeats is negative: the impact velocity less the ballistic limit.  A test with an outcome alone has the probability
-    that a ballistic limit of that distribution is above, or below, the impact velocity.
+    A measured value is normally distributed about the model's value, with its uncertainty or, if none are given, with a
+    standard deviation that is an unknown fraction, common to all, of the measured value.  If the model stops the
+    projectile of a test, its residual velocity is negative: the impact velocity minus the ballistic limit.  A test with
+    an outcome alone has the probability that a ballistic limit of that distribution is above, or below, the impact
+    velocity.
 
     Parameters
     ----------

@@ -120,11 +120,11 @@ class Coefficient:
     interval : tuple of float or None, or None
         Profile-likelihood interval; None for an end that is open.
     reason : str
-        Why it is not identified.
+        Reason why it is not identified.
     standard_error : float or None
         Of the model linearised at the estimate.
     prior_share : float or None
-        Part of its precision that the prior has, 0 to 1; None without a prior of it.
+        Share of the prior in its precision, 0 to 1; None without a prior of it.
     """
 
     name: str

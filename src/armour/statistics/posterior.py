@@ -51,11 +51,11 @@ class FiringEstimate:
     v50_m_s : float
         Median.
     v50_interval_m_s : tuple of float
-        Interval with equal probabilities beyond its ends, m/s.
+        Equal-tailed interval, m/s.
     standard_deviation_m_s : float
-        Of V50: how well it is known.
+        Of the distribution of V50, m/s.
     scatter_m_s : float
-        Median of the standard deviation of the response curve: how much shots vary.
+        Median of the standard deviation of the response curve, m/s.
     scatter_interval_m_s : tuple of float
         Its interval.
     """

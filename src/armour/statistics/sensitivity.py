@@ -77,8 +77,8 @@ class SensitivityResult(TableResult):
 def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> SensitivityResult:
     """Compute the elasticities of a scenario's answers.
 
-    Each is the change of the logarithm of an answer over that of an input, between half a per cent below and above its
-    value.  The strengths of a metal that are derived from its yield strength change with it.
+    Each is the change of the logarithm of an answer over that of an input, from 0.5 % below to 0.5 % above its value.
+    The strengths of a metal that are derived from its yield strength change with it.
 
     Parameters
     ----------

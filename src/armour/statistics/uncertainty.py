@@ -129,8 +129,8 @@ class Influence:
     input : str
         Name of the input, such as ``"ceramic.flow_stress_GPa"``.
     first : Estimate or None
-        First-order Sobol' index: the share of the variance of the ballistic limit, 0 to 1, that the input causes by
-        itself. None where the ballistic limit does not vary.
+        First-order Sobol' index: the share of the variance of the ballistic limit, 0 to 1, explained by the input
+        alone. None where the ballistic limit does not vary.
     total : Estimate or None
         Total Sobol' index, interactions included. None where the ballistic limit does not vary, and where inputs are
         correlated.

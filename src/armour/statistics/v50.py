@@ -95,7 +95,7 @@ class FiringResult(TableResult):
     """V50 estimated from firing results.
 
     With few shots the intervals of maximum likelihood are too short, and separated shots have no curve; those of the
-    penalised likelihood hold the true values about as often as they say.
+    penalised likelihood have close to their nominal coverage.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class FiringResult(TableResult):
     highest_partial_m_s, lowest_complete_m_s : float or None
         Highest velocity of a partial and lowest velocity of a complete penetration, m/s; None where there is none.
     zone_of_mixed_results_m_s : float or None
-        Width of the zone of mixed results, m/s: the highest partial less the lowest complete penetration, 0 where all
+        Width of the zone of mixed results, m/s: the highest partial minus the lowest complete penetration, 0 where all
         complete penetrations were faster; None where one kind is missing.
     separated : bool
         Whether every complete penetration was faster than every partial one.
@@ -128,7 +128,7 @@ class FiringResult(TableResult):
     prior, posterior : FiringEstimate or None
         V50 and the scatter by the model with its error, without and with the shots; None unless asked for.
     prior_share : float or None
-        Variance of V50 by the posterior over that by the prior: the part of the precision that is the prior's.
+        Posterior over prior variance of V50: the share of the prior in the precision.
     """
 
     shots: int

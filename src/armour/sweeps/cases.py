@@ -169,7 +169,7 @@ def source_of(over: Mapping[str, object] | str | PathLike[str]) -> Grid | Cases:
     if not isinstance(over, Mapping):
         return Cases(Path(over))
     if not over:
-        raise InputError([Problem("sweep", "over", "must hold at least one key with its values, found none")])
+        raise InputError([Problem("sweep", "over", "must contain at least one key with its values, found none")])
     return Grid(tuple(axis(key, values) for key, values in over.items()))
 
 

@@ -157,7 +157,7 @@ class Store:
         if others and self.starts():
             message = (
                 f"holds chunks of another sweep, which differs in {' and '.join(others)}; "
-                "finish that with its own command and program, or remove the folder to start anew"
+                "finish that with its own command and program, or remove the folder to start again"
             )
             raise _problem(self.folder, message)
         self._check_output()
@@ -173,7 +173,7 @@ class Store:
             return None
         except (ValueError, KeyError, TypeError, AttributeError):
             pass
-        message = "does not say which sweep it belongs to; choose another output, or remove the folder to start anew"
+        message = "does not identify its sweep; choose another output, or remove the folder to start again"
         raise _problem(self.folder / _JOB, message)
 
     def _write(self, path: Path, content: bytes) -> None:

@@ -171,7 +171,7 @@ class TableSection(_Expectation):
         if len(set(self.columns)) != len(self.columns):
             raise ValueError("columns must differ from each other")
         if missing := [name for name in (EXPECTED, *self.rivals) if name not in self.columns]:
-            raise ValueError(f"columns must hold {', '.join(missing)}")
+            raise ValueError(f"columns must include {', '.join(missing)}")
         for index, row in enumerate(self.rows):
             if len(row) != len(self.columns):
                 must = f"every row must have the {len(self.columns)} numbers of the columns"

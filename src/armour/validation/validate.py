@@ -140,7 +140,7 @@ class SuiteResult(TableResult):
         errors, ``mean_percent`` and ``largest_percent``, and, where something is ``fitted`` to the table, which it
         says, ``left_out_percent``, the mean with each test left out of the fit that predicts it, or None.
     description : str
-        What the suite says of itself.
+        Description of the suite, from its file.
     """
 
     title: str

@@ -76,7 +76,7 @@ def test_the_note_on_the_error_says_whether_it_is_not_known_or_not_included():
     given: list[tuple[dict[str, Any], str]] = [
         ({}, ", or not included"),
         ({"scenario": scenario()}, " or [uncertainty.model] can give it"),
-        ({"scenario": scenario(uncertainty={"model": {"included": False}})}, "uncertainty.model says"),
+        ({"scenario": scenario(uncertainty={"model": {"included": False}})}, "uncertainty.model"),
     ]
     for question, ending in given:
         found = replace(design_result(), best=replace(best_design(), model_error=None)).of(**question)

@@ -29,14 +29,14 @@ def test_what_ended_the_firing_is_shown():
 
 
 def test_parts_of_the_prior():
-    assert share_note(0.0159).startswith("1.6 % of")
-    assert share_note(0.4).startswith("40 % of")
+    assert "contributes 1.6 % of" in share_note(0.0159)
+    assert "contributes 40 % of" in share_note(0.4)
     assert share_note(1.0) == "the shots do not narrow V50: its posterior is no narrower than its prior"
 
 
 def test_no_part_is_given_where_the_shots_contradict_the_prior():
     found = tables(plan_shots(scenario(), Shots((300.0, 1500.0), (True, False))))
-    assert not any("of the precision of V50" in item for item in found if isinstance(item, str))
+    assert not any("of the precision" in item for item in found if isinstance(item, str))
 
 
 FIVE = Shots((700.0, 720.0, 760.0, 710.0, 740.0), (False, True, True, False, False), "f.csv")

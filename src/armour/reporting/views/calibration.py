@@ -62,8 +62,8 @@ def coefficient_table(result: CalibrationResult) -> Table:
 
 
 PRIOR_NOTE = (
-    "part of the prior: of the precision, 1 over the variance; at 0 % the tests alone give the estimate, at 100 % they "
-    "add nothing"
+    "part of the prior: its share of the precision (inverse variance); at 0 % the tests alone determine the estimate, "
+    "at 100 % they add nothing"
 )
 
 
@@ -151,7 +151,7 @@ def chart(result: CalibrationResult) -> charts.Chart:
         if "" in by_bound:
             panels.append(_deviation_panel(quantity, by_bound[""], names))
     given = any(residual.uncertainty for residual in result.residuals)
-    note = "Error bars are one standard deviation of the measured value to either side." if given else ""
+    note = "Error bars: ± one standard deviation of the measured value." if given else ""
     title = f"Calibration to {len(names)} tests"
     if result.mean_error_percent is not None:
         title += f": mean error {result.mean_error_percent:.1f} %"

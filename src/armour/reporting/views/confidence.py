@@ -12,7 +12,7 @@ DEFEAT = Column("probability of stopping the projectile", prose=True)
 UNKNOWN = "model error: unknown for such an armour"
 
 
-EXCLUDED = "model error: not included, as uncertainty.model says"
+EXCLUDED = "model error: excluded by uncertainty.model"
 
 
 # What distributions tell where the model error is not known.

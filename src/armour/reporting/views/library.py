@@ -77,8 +77,7 @@ def shipped_tables() -> list[Table | str]:
     shown["table of tests"] = TESTS
     shown["notebook"] = {"study.ipynb": "A study in Python, for Jupyter"}
     return [
-        Table((Column(kind), Column("what it holds", prose=True)), tuple(words.items()))
-        for kind, words in shown.items()
+        Table((Column(kind), Column("contents", prose=True)), tuple(words.items())) for kind, words in shown.items()
     ]
 
 

@@ -183,7 +183,7 @@ def chart(result: PlannedTests) -> charts.Chart:
         shots = [[v for place, v in zip(points, velocities, strict=False) if place == point] for point in some]
         text = tuple(f"at {velocities_in_words(of_point)}" for of_point in shots) if velocities else ()
         series.append(charts.Points(xs, ys, label=label, colour="vermilion", text=text, **look))
-    note = GAINS if result.sensitivities else "The planned tests do not determine the inputs, so that no gain is shown."
+    note = GAINS if result.sensitivities else "The planned tests do not determine the inputs, so no gain is shown."
     if velocities:
         note += f" The planned shots are at {velocities_in_words(velocities)}."
     number = len(result.planned) - 1

@@ -57,7 +57,7 @@ def chart(result: SensitivityResult) -> charts.Chart:
         panels.append(
             charts.rows_panel(charts.Axis(spec="+.3f"), names, values, charts.quantity_axis(answer).label, 0.0)
         )
-    title, note = "", "Change in % when the input grows by 1 %."
+    title, note = "", "Change in % for a 1 % increase of the input."
     if inputs:
         most = inputs[0].elasticities[answers[0]] or 0.0
         what = charts.quantity_axis(answers[0]).label

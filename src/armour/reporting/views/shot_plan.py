@@ -138,9 +138,7 @@ def share_note(share: float) -> str:
     if share >= 1.0:
         return "the shots do not narrow V50: its posterior is no narrower than its prior"
     part = f"{100.0 * share:.{0 if share > 0.095 else 1}f} %"
-    return (
-        f"{part} of the precision of V50, the inverse of its variance, is that of the prior, and the rest of the shots"
-    )
+    return f"the prior contributes {part} of the precision (inverse variance) of V50, and the shots contribute the rest"
 
 
 def _shot_table(plan: ShotPlan) -> Table:

@@ -12,7 +12,7 @@ from armour.statistics.uncertainty import UncertaintyResult
 SAMPLING_NOTE = "the intervals are of the estimates, by sampling alone; the ballistic limit spreads from V05 to V95"
 
 
-INDEX_NOTE = "indices are from 0 to 1; estimates of small and large ones, and their intervals, may fall outside"
+INDEX_NOTE = "true indices lie between 0 and 1; sampling error can push estimates and intervals slightly outside"
 
 
 def uncertainty_table(result: UncertaintyResult) -> Table:
