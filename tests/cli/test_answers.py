@@ -31,7 +31,7 @@ def plain(data: object) -> Any:
 
 @pytest.mark.parametrize(
     ("name", "scenario"),
-    [("ballistic_limit", "wilkins"), ("compare", "bare_plate"), ("optimise", "wilkins"), ("sensitivity", "bare_plate")],
+    [("ballistic_limit", "wilkins"), ("compare", "wilkins"), ("optimise", "wilkins"), ("sensitivity", "bare_plate")],
 )
 def test_json_is_the_same_as_from_python(cli, name: str, scenario: str):
     data = json.loads(cli(name.replace("_", "-"), scenario, "--json").stdout)
