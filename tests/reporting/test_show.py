@@ -136,6 +136,7 @@ def test_rows_are_columns_of_equal_lengths(results, monkeypatch: pytest.MonkeyPa
         "CalibrationResult",
         "PlannedTests",
         "Comparison",
+        "DesignResult",
         "FiringResult",
         "ImpactResult",
         "SensitivityResult",
