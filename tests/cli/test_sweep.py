@@ -51,7 +51,7 @@ def test_interrupted_it_says_how_to_resume(cli, folder: Path, monkeypatch: pytes
     chunk = folder / "t.csv.parts" / "0000000000002.npz"
     chunk.write_bytes(b"")
     result = cli(*command)
-    damaged = f"{chunk.relative_to(folder)}: damaged, computed anew"
+    damaged = f"{chunk.relative_to(folder)}: damaged, computed again"
     assert (result.exit_code, result.stderr.splitlines()) == (0, [damaged, "wrote t.csv: 5 rows"])
     assert (folder / "t.csv").read_text().count("\n") == 6
 

@@ -69,7 +69,9 @@ def test_armour_unlike_the_tests_has_no_error_and_says_why():
     case = calibrated("constant")
     thick = confidence(case.replaced({C: 16.0}))
     assert thick.probability_of_defeat is None
-    assert thick.reason.startswith("the armour is unlike the 13 own tests in wilkins.csv that AD85, calibrated is")
+    assert thick.reason.startswith(
+        "the armour differs from the 13 own tests in wilkins.csv to which AD85, calibrated is"
+    )
     assert "ceramics 0.8923 to 1.208 penetrator diameters thick" in thick.reason
     for changes in ({"impact.projectile": "25 mm APDS"}, {"armour.backing": "Ti-6Al-4V"}):
         assert confidence(case.replaced(changes)).probability_of_defeat is None
@@ -98,7 +100,7 @@ def test_tests_of_a_plate_are_not_those_of_another_plate_or_round():
     assert own.model_error.source == "5 own tests in rows"
     other = confidence(case.replaced({"impact.projectile": "14.5 mm BS41", B: 50.0}))
     assert other.probability_of_defeat is None
-    assert "unlike the 5 own tests in rows" in other.reason
+    assert "differs from the 5 own tests in rows" in other.reason
     shipped = confidence(case.replaced({"armour.backing": "6061-T6"}))
     assert shipped.model_error is None or "own tests" not in shipped.model_error.source
 

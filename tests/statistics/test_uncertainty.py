@@ -238,7 +238,7 @@ def test_one_input_has_all_of_the_variance_and_no_variance_no_index():
     assert [(index.first, index.total) for index in found] == [(None, None)] * 2
 
 
-OTHER = "is given for another value than the scenario's 6.35"
+OTHER = "does not contain the scenario's value, 6.35"
 
 
 @pytest.mark.parametrize(

@@ -212,7 +212,7 @@ def test_existing_files_are_not_overwritten(output: Path):
     folder = output.with_name("b.csv.parts")
     folder.mkdir()
     (folder / "mine").touch()
-    with pytest.raises(InputError, match=r"b\.csv\.parts: holds files of something else, mine for one"):
+    with pytest.raises(InputError, match=r"b\.csv\.parts: contains other files, such as mine"):
         Store(output.with_name("b.csv"), JOB).__enter__()
     assert [path.name for path in folder.iterdir()] == ["mine"]
 
@@ -271,7 +271,7 @@ def test_what_another_user_may_have_planted_is_not_used(
     planted = {path.name for path in folder.iterdir()}
     assert folder.stat().st_mode & 0o777 == 0o700
     how(folder, monkeypatch)
-    with pytest.raises(InputError, match=r"parts: must be a folder of yours that no other user can write"):
+    with pytest.raises(InputError, match=r"parts: must belong to you and be writable by no other user"):
         finished(output)
     assert not output.exists()
     assert victim.read_text() == "mine"

@@ -95,7 +95,7 @@ def test_a_chunk_of_other_values_is_computed_anew(tmp_path: Path):
         store.save(0, Chunk(columns, {}))
     told: list[str] = []
     write_sweep(case, source, ["outcome"], output, tell=told.append)
-    assert told[0].endswith("0000000000000.npz: damaged, computed anew")
+    assert told[0].endswith("0000000000000.npz: damaged, computed again")
     write_sweep(case, source, ["outcome"], tmp_path / "b.csv")
     assert output.read_bytes() == (tmp_path / "b.csv").read_bytes()
 

@@ -64,7 +64,7 @@ class OwnTests(NamedTuple):
         """Return why the model error is not known for an armour of the entry."""
         angle = f"obliquities up to {self.evidence.steepest_deg:g}°"
         ranges = ", ".join(self.extrapolated(armour)) or angle
-        return f"the armour is unlike the {self.evidence.source} that {self.entry.name} is calibrated to: {ranges}"
+        return f"the armour differs from the {self.evidence.source} to which {self.entry.name} is calibrated: {ranges}"
 
 
 ROLE_OF = {kind: role for role, kind in ROLES.items()}

@@ -394,7 +394,7 @@ def _strange(tests: Tests, residuals: Sequence[Residual], coefficients: int) -> 
         name = "" if r.test == tests.places[m.test] else f" ({r.test})"
         yield (
             f"{tests.places[m.test]}{name}: {r.quantity} is out of line with the other tests: measured "
-            f"{r.measured:g}, where a fit to the others gives {r.left_out:.4g}; chance alone makes one such test in "
+            f"{r.measured:g}, but a fit to the others gives {r.left_out:.4g}; chance alone makes one such test in "
             f"{100.0 * FALSE_ALARMS:g} % of tables"
         )
 

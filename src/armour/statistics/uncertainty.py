@@ -294,7 +294,7 @@ def _misplaced(section: Uncertainty, own: Mapping[str, float]) -> Iterator[Note]
     for name, distribution in section.inputs().items():
         if name in own:
             if not distribution.contains(own[name]):
-                yield Note(f"is given for another value than the scenario's {own[name]:g}", f"uncertainty.{name}")
+                yield Note(f"does not contain the scenario's value, {own[name]:g}", f"uncertainty.{name}")
             moved = moved_mean(distribution, own[name])
             if moved:
                 yield Note(f"truncation moves its mean from {moved[0]:g} to {moved[1]:.4g}", f"uncertainty.{name}")

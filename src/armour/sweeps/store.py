@@ -135,14 +135,12 @@ class Store:
         while True:
             with suppress(FileNotFoundError):  # another process has just finished and removed it
                 if not make_private(self.folder):
-                    message = (
-                        "must be a folder of yours that no other user can write; choose another output, or move it"
-                    )
+                    message = "must belong to you and be writable by no other user; choose another output, or move it"
                     raise _problem(self.folder, message)
                 names = [path.name for path in self.folder.glob("*")]
                 others = [name for name in names if name != _LOCK and not _PART.fullmatch(name)]
                 if others and self._known() is None:
-                    message = f"holds files of something else, {others[0]} for one; choose another output, or move them"
+                    message = f"contains other files, such as {others[0]}; choose another output, or move them"
                     raise _problem(self.folder, message)
                 self._lock.acquire()
                 if (self.folder / _LOCK).exists():

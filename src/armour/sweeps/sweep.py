@@ -321,7 +321,7 @@ def stored(
     for start, rows in blocks:
         chunk = store.load(start, rows)
         if chunk is None:
-            tell(f"{store.path(start)}: damaged, computed anew")
+            tell(f"{store.path(start)}: damaged, computed again")
             chunk = compute(rows)
         warnings.update(chunk.warnings)
         yield chunk.columns
