@@ -116,7 +116,7 @@ def stage(x: float, y: float, medium: str, erodes: bool, penetrates: bool) -> st
     front, joint, back = x + 45, x + 65, x + 80
     tip = joint + 6 if medium == "plate" else front + 9 if penetrates else front
     moves = not penetrates and medium != "intact ceramic"
-    bulge = 9 if moves else 0
+    bulge = 9 if moves else 4 if medium == "plate" else 0
     parts = [box(front, y + 8, joint - front, 78, CERAMIC)]
     if medium != "intact ceramic":
         parts.append(f'<rect x="{front}" y="{y + 8}" width="{joint - front}" height="78" fill="url(#stages-cracks)"/>')

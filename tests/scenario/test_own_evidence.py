@@ -77,7 +77,7 @@ def test_armour_unlike_the_tests_has_no_error_and_says_why():
         assert confidence(case.replaced(changes)).probability_of_defeat is None
     wide = confidence(case.replaced({C: 10.0})).model_error
     assert wide is not None
-    assert wide.source == "13 own tests in wilkins.csv"
+    assert wide.source == "13 own tests in wilkins.csv, of armour of the tested lots"
     assert wide.extrapolated == ("ceramics 0.8923 to 1.208 penetrator diameters thick",)
 
 
@@ -97,7 +97,7 @@ def test_tests_of_a_plate_are_not_those_of_another_plate_or_round():
     case = parse_scenario(tomllib.loads(made), file="made.toml")
     own = confidence(case)
     assert own.model_error is not None
-    assert own.model_error.source == "5 own tests in rows"
+    assert own.model_error.source == "5 own tests in rows, of armour of the tested lots"
     other = confidence(case.replaced({"impact.projectile": "14.5 mm BS41", B: 50.0}))
     assert other.probability_of_defeat is None
     assert "differs from the 5 own tests in rows" in other.reason

@@ -8,6 +8,7 @@ from armour.analysis.impact import simulate
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.errors import Note
 from armour.scenario.checked import checked
+from armour.scenario.evidence import ModelError
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import DesignSection, Threat
@@ -60,6 +61,8 @@ class CheckedThreat:
         Probability that the armour stops the projectile, None if unknown, and the required one, None if there is none.
     reason : str
         Reason why the probability is not known.
+    model_error : ModelError or None
+        What the probability rests on; None if it is not known.
     passed : bool
         Whether the armour stops the threat with the probability required or, where none is, with the margin required.
     what_ifs : tuple of WhatIf
@@ -76,6 +79,7 @@ class CheckedThreat:
     probability_of_defeat: float | None
     required_probability: float | None
     reason: str
+    model_error: ModelError | None
     passed: bool
     what_ifs: tuple[WhatIf, ...]
 
@@ -182,6 +186,7 @@ def _checked(
         probability_of_defeat=probability,
         required_probability=required,
         reason=result.reason,
+        model_error=result.model_error,
         passed=passed,
         what_ifs=tuple(what_ifs),
     )

@@ -88,7 +88,9 @@ def error_of_armour(ratio: Mixture, tests: Iterable[OwnTests], armour: Parameter
     """Return the model error on own tests, or else on the shipped ones, given the distribution of the ratio."""
     own = own_tests_of(tests, armour)
     if own is not None:
-        return ModelError.of_ratio(ratio, own.evidence.source, own.extrapolated(armour))
+        return ModelError.of_ratio(
+            ratio, f"{own.evidence.source}, of armour of the tested lots", own.extrapolated(armour)
+        )
     evidence = closest(armour)
     return ModelError.of_ratio(ratio, evidence.title, evidence.extrapolated(armour))
 

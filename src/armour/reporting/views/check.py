@@ -7,7 +7,7 @@ from armour.files import printable
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import Verdict, interval, percent
-from armour.reporting.views.confidence import DEFEAT, chance
+from armour.reporting.views.confidence import DEFEAT, chance, error_note
 
 PROBABILITY = Column("probability", prose=True)
 INTERVAL = Column("95 % interval", "m/s", prose=True)
@@ -63,9 +63,13 @@ def tables(result: CheckResult) -> list[Table | str]:
     for threat in result.threats:
         title = f"{threat.threat}: {verdict(threat)}, {finding(threat)}" if several else ""
         found.append(what_if_table(threat, title))
-    found.append("limit: by the model; its interval includes the model error; probability: of stopping the projectile")
-    reasons = dict.fromkeys(threat.reason for threat in result.threats if threat.reason)
-    return [*found, *(f"{DEFEAT.label}: unknown, {reason}" for reason in reasons)]
+    found += dict.fromkeys(
+        f"{DEFEAT.label}: unknown, {threat.reason}"
+        if threat.model_error is None
+        else error_note(result, threat.model_error)
+        for threat in result.threats
+    )
+    return found
 
 
 def chart(result: CheckResult) -> charts.Chart:

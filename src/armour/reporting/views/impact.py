@@ -184,25 +184,23 @@ def _scene(result: ImpactResult, history: History) -> charts.Panel:
         for name, near, far, bottom, top in _picture(diameter, high, (ceramic, backing), *map(float, state)):
             broken = name == "ceramic" and 0.0 < moment >= fragmented
             boxes.setdefault((name, broken), []).append((start + near, bottom, far - near, top - bottom))
-    boxes["ink", False] = [(0.0, -1.6 * high, SCALE_MM, 0.02 * high)]
-    first, *others = starts.tolist()
-    names = (("ceramic ", "right"), (" plate", "left")) if ceramic else ((" plate", "left"),)
+    boxes["ink", False] = [(0.0, -3.0 * high, SCALE_MM, 0.02 * high)]
+    layers = "ceramic, plate" if ceramic else "plate"
     above = (
         f"{moment:.3g} µs\n{velocity:.0f} m/s\n" + "\n".join(wrapped(event, EVENT_CHARACTERS))
         for (moment, event), velocity in zip(moments, velocities, strict=True)
     )
-    below = tuple(f"{rod:.3g} mm" for rod in rods)
-    behind = [start + ceramic for start in others]
+    below = tuple(f"rod\n{rod:.3g} mm" for rod in rods)
+    first = starts[0]
     hanging: Any = {"above": False}
     series = [
         *(charts.Boxes(places, broken, colour=name) for (name, broken), places in boxes.items()),
         charts.Words(middles.tolist(), [high] * len(moments), tuple(above)),
-        charts.Words([0.5 * SCALE_MM], [-1.6 * high], (f"{SCALE_MM:g} mm",)),
-        charts.Words([first - 0.5 * length], [-0.5 * diameter], (f"rod {below[0]}",), **hanging),
-        *(charts.Words([first + ceramic], [-high], (name,), align, **hanging) for name, align in names),
-        charts.Words(behind, [-high] * len(behind), below[1:], **hanging),
+        charts.Words([0.5 * SCALE_MM], [-3.0 * high], (f"{SCALE_MM:g} mm",)),
+        charts.Words([first - 0.5 * length, *middles[1:]], [-1.05 * high] * len(below), below, **hanging),
+        charts.Words([first + 0.5 * (ceramic + backing)], [-2.0 * high], (layers,), **hanging),
     ]
-    x, y = charts.Axis(limits=(0.0, float(widths.sum()))), charts.Axis(limits=(-1.65 * high, high))
+    x, y = charts.Axis(limits=(0.0, float(widths.sum()))), charts.Axis(limits=(-3.05 * high, high))
     return charts.Panel(x, y, tuple(series), to_scale=True)
 
 
@@ -210,7 +208,11 @@ def _events(result: ImpactResult) -> Iterator[tuple[float, str]]:
     """Give the times at which stages end, µs, and what happens then."""
     for stage, after in pairwise(result.stages):
         enters_plate = after.stage in ("iii.1", "iii.2", "iii.3") and stage.stage[:3] != "iii"
-        yield stage.end_us, "rod through ceramic" if enters_plate else STAGES[after.stage].begins
+        dwelt = (stage.stage, after.stage) == ("ii.2", "ii.1")
+        yield (
+            stage.end_us,
+            "rod through ceramic" if enters_plate else "dwell ends" if dwelt else STAGES[after.stage].begins,
+        )
     yield result.duration_us, OUTCOMES[result.outcome]
 
 
