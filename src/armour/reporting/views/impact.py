@@ -184,7 +184,7 @@ def _scene(result: ImpactResult, history: History) -> charts.Panel:
         for name, near, far, bottom, top in _picture(diameter, high, (ceramic, backing), *map(float, state)):
             broken = name == "ceramic" and 0.0 < moment >= fragmented
             boxes.setdefault((name, broken), []).append((start + near, bottom, far - near, top - bottom))
-    boxes["ink", False] = [(0.0, -3.0 * high, SCALE_MM, 0.02 * high)]
+    boxes["ink", False] = [(0.0, -2.6 * high, SCALE_MM, 0.02 * high)]
     layers = "ceramic, plate" if ceramic else "plate"
     above = (
         f"{moment:.3g} µs\n{velocity:.0f} m/s\n" + "\n".join(wrapped(event, EVENT_CHARACTERS))
@@ -196,11 +196,11 @@ def _scene(result: ImpactResult, history: History) -> charts.Panel:
     series = [
         *(charts.Boxes(places, broken, colour=name) for (name, broken), places in boxes.items()),
         charts.Words(middles.tolist(), [high] * len(moments), tuple(above)),
-        charts.Words([0.5 * SCALE_MM], [-3.0 * high], (f"{SCALE_MM:g} mm",)),
+        charts.Words([0.5 * SCALE_MM], [-2.6 * high], (f"{SCALE_MM:g} mm",)),
         charts.Words([first - 0.5 * length, *middles[1:]], [-1.05 * high] * len(below), below, **hanging),
-        charts.Words([first + 0.5 * (ceramic + backing)], [-2.0 * high], (layers,), **hanging),
+        charts.Words([first + 0.5 * (ceramic + backing)], [-1.8 * high], (layers,), **hanging),
     ]
-    x, y = charts.Axis(limits=(0.0, float(widths.sum()))), charts.Axis(limits=(-3.05 * high, high))
+    x, y = charts.Axis(limits=(0.0, float(widths.sum()))), charts.Axis(limits=(-2.65 * high, high))
     return charts.Panel(x, y, tuple(series), to_scale=True)
 
 
