@@ -61,7 +61,7 @@ def test_warnings_in_json_are_those_printed(cli):
     result = cli("simulate", WILKINS, "--set", "armour.ceramic=SiC", "--set", "armour.backing=Ti-6Al-4V", "--json")
     data = json.loads(result.stdout)
     assert result.stderr.splitlines() == [f"warning: {WILKINS}: {warning}" for warning in data["warnings"]]
-    assert len(data["warnings"]) == 4
+    assert len(data["warnings"]) == 5
 
 
 def test_the_history_of_an_impact(cli, folder: Path):
@@ -75,7 +75,7 @@ def test_all_crossings_are_shown(cli, folder: Path):
     (folder / "changing.toml").write_text(changing_designs()["defeated again"].to_toml())
     result = cli("ballistic-limit", "changing.toml")
     assert "not monotonic" in result.stderr
-    assert [line.split()[-1] for line in result.stdout.splitlines()[-3:-1]] == ["perforated", "stopped"]
+    assert [line.split()[-1] for line in result.stdout.splitlines()[-2:]] == ["perforated", "stopped"]
 
 
 def test_a_frontier_and_a_front_as_csv(cli, folder: Path):
@@ -138,7 +138,8 @@ def test_the_form_of_planned_tests_is_the_table_of_the_next(cli, folder: Path):
 
 
 SIC = ("--set", "armour.ceramic=SiC")
-OTHER = "scenario: 6.35 mm AD85 on 6.35 mm 6061-T6, 7.62 mm AP"
+# The title of the scenario, which the change makes wrong.
+OTHER = "6.35 mm AD85"
 ARMOUR = "6.35 mm SiC on 6.35 mm 6061-T6 against 7.62 mm AP"
 GRID = ("--set", "optimise.backing_thickness_mm={min = 5, max = 6, step = 1}")
 THICKNESSES = ("armour.ceramic_thickness_mm=6,8",)
@@ -168,20 +169,24 @@ def test_answers_and_charts_name_what_was_computed(cli, folder: Path, question: 
     (folder / "few.csv").write_text("\n".join(TESTS.read_text().splitlines()[:4]))
     done = cli(*question, *SIC, "--plot", "chart.svg")
     assert done.exit_code == 0, done.stderr
-    first, second, *_ = done.stdout.splitlines()
+    first, *_ = done.stdout.splitlines()
     assert first == QUESTIONS[question]
-    assert second.startswith(OTHER)
-    assert f"{first} {OTHER}" in texts(folder / "chart.svg")
+    assert OTHER not in done.stdout
+    chart = texts(folder / "chart.svg")
+    assert first in chart
+    assert OTHER not in chart
 
 
 def test_the_chart_of_a_sweep_names_what_was_computed(cli, folder: Path):
     done = cli("sweep", "wilkins", "--over", THICKNESSES[0], *SIC, "-o", "s.csv", "--plot", "s.svg")
     assert (done.exit_code, done.stdout) == (0, "")
-    assert f"SiC on 6.35 mm 6061-T6 against 7.62 mm AP {OTHER}" in texts(folder / "s.svg")
+    chart = texts(folder / "s.svg")
+    assert "SiC on 6.35 mm 6061-T6 against 7.62 mm AP" in chart
+    assert OTHER not in chart
 
 
 def test_a_report_names_what_was_computed(cli, folder: Path):
     assert cli("report", "wilkins", *SIC, "-o", "r.md").exit_code == 0
-    first, _, byline, *_ = (folder / "r.md").read_text().splitlines()
+    first, *lines = (folder / "r.md").read_text().splitlines()
     assert first == "# 5.8 mm SiC on 5 mm 6061-T6 against 7.62 mm AP at 800 m/s"
-    assert byline.startswith(OTHER)
+    assert not any(line.startswith(f"scenario: {OTHER}") for line in lines)

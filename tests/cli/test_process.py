@@ -146,7 +146,7 @@ def test_an_encoding_without_the_units(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setenv("PYTHONIOENCODING", "ascii")
     done = process("-m", "armour", "simulate", SCENARIOS / "wilkins.toml", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    assert "38.85 \\xb5s" in done.stdout
+    assert "39 \\xb5s" in done.stdout
 
 
 @pytest.mark.parametrize("compiled", [False, True])

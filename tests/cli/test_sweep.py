@@ -119,7 +119,9 @@ def test_materials_and_projectiles_by_name(cli, folder: Path):
         assert ballistic_limit(case).ballistic_limit_m_s == limit
     (folder / "c.csv").write_text("\n".join((header, *rows, "AD85,5.2,6061-T7,7.62 mm AP")))
     [line] = cli.fails(2, "sweep", WILKINS, "--cases", "c.csv", "-o", "u.csv")
-    assert line.startswith('c.csv: line 5: armour.backing: must name a metal of the library, found "6061-T7"; did you')
+    assert line.startswith(
+        'c.csv: line 5: armour.backing: must name a metal of the library, found "6061-T7"; choose from 6061-T6 '
+    )
 
 
 FORMULAS = ["=cmd|' /C calc'!A0", "+1", "@x", "-1", "'=y"]

@@ -145,7 +145,8 @@ def layers(names: st.SearchStrategy[str]) -> st.SearchStrategy[list[dict[str, An
 @settings(max_examples=5)
 def test_designs_of_usual_materials_are_those_of_a_plain_loop(ceramics: Any, metals: Any, threats: Any, minimise: str):
     design = {"ceramic": ceramics, "backing": metals, "minimise": minimise, "pareto": CRITERIA}
-    check(scenario(threat=threats, design=design))
+    # Without the model error no design is ranked behind for want of tests.
+    check(scenario(threat=threats, design=design, uncertainty={"model": {"included": False}}))
 
 
 @pytest.mark.parametrize("seed", [*range(9), *LOWER_LIMITS])
