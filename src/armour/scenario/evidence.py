@@ -164,7 +164,8 @@ class DataRange(NamedTuple):
         return (value < self.low) | (value > self.high)
 
     def __str__(self) -> str:
-        return f"{self.measure.words} {self.low:g} to {self.high:g} {self.measure.unit}"
+        values = " to ".join(dict.fromkeys(f"{end:g}" for end in (self.low, self.high)))
+        return f"{self.measure.words} {values} {self.measure.unit}"
 
 
 class TestedCeramic(NamedTuple):

@@ -66,7 +66,7 @@ def test_pairs_of_materials_with_the_reasons_of_those_that_lose():
     result = replace(design_result(), pairs=pairs)
     table = pair_table(result)
     assert kinds(result) == ["armour", "pairs of materials"]
-    assert [row[-1] for row in table.rows] == ["best", "4 % heavier", "defeats nothing"]
+    assert [row[-1] for row in table.rows] == ["lightest", "4 % heavier", "defeats nothing"]
     assert table.texts()[2][2:-1] == [""] * 5
     assert table.headings()[6] == "cost per m²"
     assert "cost per m²" not in pair_table(replace(result, pairs=pairs[:1])).headings()

@@ -185,7 +185,7 @@ def pair_table(result: DesignResult) -> Table:
         CERAMIC,
         BACKING,
         *((column, lambda pair, key=column.key: getattr(pair.best, key, None)) for column in shown),
-        (Column("result", prose=True), lambda pair: pair.reason or "best"),
+        (Column("result", prose=True), lambda pair: pair.reason or OBJECTIVES[result.minimised].least),
         title="pairs of materials",
         rest="--json",
     )
