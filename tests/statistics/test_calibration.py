@@ -315,7 +315,7 @@ def test_a_mistyped_limit_is_out_of_line(wilkins: Scenario, tmp_path: Path):
     lines = TESTS.read_text().split()
     lines[3] += "0"
     [warning] = calibrate(read_tests(csv_file(tmp_path / "t.csv", *lines), wilkins), wilkins).warnings
-    assert warning.startswith("line 4: ballistic_limit_m_s is out of line with the other tests: measured 7010, where")
+    assert warning.startswith("line 4: ballistic_limit_m_s is out of line with the other tests: measured 7010, but")
 
 
 def test_few_tables_of_sound_tests_have_one_out_of_line():
