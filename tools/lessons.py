@@ -40,6 +40,11 @@ def leader(x1: float, y1: float, x2: float, y2: float) -> str:
     return "\n".join(parts)
 
 
+def caption(x: float, y: float, lines: Sequence[str], side: str = "") -> str:
+    """Return words in several lines."""
+    return "\n".join(text(x, y + 16 * place, words, f"{side} {SMALL}".strip()) for place, words in enumerate(lines))
+
+
 def moment(name: str, velocity: float, time_us: float, words: Sequence[str]) -> str:
     """Return a cross-section of the armour at a time, to the scale of the model, with words."""
     scenario = SCENARIO.replaced({"impact.velocity_m_s": velocity})
@@ -87,11 +92,9 @@ def dwell() -> str:
     """Return the penetrator on the face of the ceramic, before the ceramic has cracked."""
     words = [
         text(60, 110, "penetrator", SMALL),
-        text(62, 215, "eroded steel", SMALL),
-        text(62, 231, "flows aside", SMALL),
+        caption(62, 215, ("eroded steel", "flows aside")),
         leader(104, 210, 140, 187),
-        text(246, 215, "cracks run from", f"{LEFT} {SMALL}"),
-        text(246, 231, "the back face", f"{LEFT} {SMALL}"),
+        caption(246, 215, ("cracks run from", "the back face"), LEFT),
         leader(243, 213, 180, 190),
         text(180, 290, "590 m/s, after 3 µs"),
     ]
@@ -107,12 +110,9 @@ def erosion() -> str:
         text(60, 215, "eroded steel", SMALL),
         text(60, 231, "flows back", SMALL),
         leader(102, 210, 148, 190),
-        text(246, 100, "conoid of frag-", f"{LEFT} {SMALL}"),
-        text(246, 116, "mented ceramic", f"{LEFT} {SMALL}"),
+        caption(246, 100, ("conoid of frag-", "mented ceramic"), LEFT),
         leader(243, 100, 185, 104),
-        text(246, 180, "its base loads", f"{LEFT} {SMALL}"),
-        text(246, 196, "a wide area of", f"{LEFT} {SMALL}"),
-        text(246, 212, "the back plate", f"{LEFT} {SMALL}"),
+        caption(246, 180, ("its base loads", "a wide area of", "the back plate"), LEFT),
         text(180, 290, "800 m/s, after 12 µs"),
     ]
     return moment("erosion", 800.0, 12.0, words)
@@ -122,14 +122,11 @@ def plug() -> str:
     """Return the rigid penetrator that pushes a plug out of the back plate."""
     tip = 'marker-end="url(#plug-tip)" stroke-width="2"'
     words = [
-        text(78, 110, "the rest of the", SMALL),
-        text(78, 126, "penetrator is rigid", SMALL),
+        caption(78, 110, ("the rest of the", "penetrator is rigid")),
         line(250, 150, 278, 150, tip),
-        text(252, 108, "plug, sheared", f"{LEFT} {SMALL}"),
-        text(252, 124, "out of the plate", f"{LEFT} {SMALL}"),
+        caption(252, 108, ("plug, sheared", "out of the plate"), LEFT),
         leader(249, 117, 240, 140),
-        text(252, 200, "bulge: how far it", f"{LEFT} {SMALL}"),
-        text(252, 216, "has moved out", f"{LEFT} {SMALL}"),
+        caption(252, 200, ("bulge: how far it", "has moved out"), LEFT),
         text(180, 290, "800 m/s, after 39 µs: perforated"),
     ]
     return moment("plug", 800.0, 38.85, words)

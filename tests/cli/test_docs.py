@@ -155,8 +155,6 @@ def test_the_hosts_of_external_links():
 
 
 def test_every_command_has_its_page():
-    from armour.cli.app import app
-
     commands = {command.name for command in app.registered_commands} | {group.name for group in app.registered_groups}
     # A page for each command of this group.
     commands = (commands - {"plan"}) | {"plan-shots"}

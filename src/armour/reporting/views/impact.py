@@ -185,7 +185,7 @@ def _scene(result: ImpactResult, history: History) -> charts.Panel:
             broken = name == "ceramic" and 0.0 < moment >= fragmented
             boxes.setdefault((name, broken), []).append((start + near, bottom, far - near, top - bottom))
     boxes["ink", False] = [(0.0, -2.6 * high, SCALE_MM, 0.02 * high)]
-    layers = "ceramic, plate" if ceramic else "plate"
+    names = "ceramic, plate" if ceramic else "plate"
     above = (
         f"{moment:.3g} µs\n{velocity:.0f} m/s\n" + "\n".join(wrapped(event, EVENT_CHARACTERS))
         for (moment, event), velocity in zip(moments, velocities, strict=True)
@@ -198,7 +198,7 @@ def _scene(result: ImpactResult, history: History) -> charts.Panel:
         charts.Words(middles.tolist(), [high] * len(moments), tuple(above)),
         charts.Words([0.5 * SCALE_MM], [-2.6 * high], (f"{SCALE_MM:g} mm",)),
         charts.Words([first - 0.5 * length, *middles[1:]], [-1.05 * high] * len(below), below, **hanging),
-        charts.Words([first + 0.5 * (ceramic + backing)], [-1.8 * high], (layers,), **hanging),
+        charts.Words([first + 0.5 * (ceramic + backing)], [-1.8 * high], (names,), **hanging),
     ]
     x, y = charts.Axis(limits=(0.0, float(widths.sum()))), charts.Axis(limits=(-2.65 * high, high))
     return charts.Panel(x, y, tuple(series), to_scale=True)
@@ -207,12 +207,12 @@ def _scene(result: ImpactResult, history: History) -> charts.Panel:
 def _events(result: ImpactResult) -> Iterator[tuple[float, str]]:
     """Give the times at which stages end, µs, and what happens then."""
     for stage, after in pairwise(result.stages):
-        enters_plate = after.stage in ("iii.1", "iii.2", "iii.3") and stage.stage[:3] != "iii"
-        dwelt = (stage.stage, after.stage) == ("ii.2", "ii.1")
-        yield (
-            stage.end_us,
-            "rod through ceramic" if enters_plate else "dwell ends" if dwelt else STAGES[after.stage].begins,
-        )
+        event = STAGES[after.stage].begins
+        if after.stage in ("iii.1", "iii.2", "iii.3") and stage.stage[:3] != "iii":
+            event = "rod through ceramic"
+        elif (stage.stage, after.stage) == ("ii.2", "ii.1"):
+            event = "dwell ends"
+        yield stage.end_us, event
     yield result.duration_us, OUTCOMES[result.outcome]
 
 
