@@ -5,19 +5,23 @@ The confidence in an armour is the probability that it stops its threat, given t
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import isfinite
 from typing import Literal
+
+import numpy as np
 
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
 from armour.analysis.quantities import OUTCOMES
 from armour.analysis.results import OnProgress, Result, ignore_progress
+from armour.analysis.searches import limit_brackets, limits_by_law
+from armour.analysis.variants import variants_of
 from armour.core import search
 from armour.core.state import Parameters
 from armour.errors import InputError, NoLimitError
 from armour.scenario.checked import checked
 from armour.scenario.evidence import ModelError, is_unusual, why_unknown
+from armour.scenario.mixture import Mixture
+from armour.scenario.own_evidence import error_of_armour, own_tests, own_tests_of
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 
 # Number of intervals above the limit in a plotted curve.
 CURVE_POINTS = 60
@@ -118,11 +122,11 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
     """
     section = scenario.ballistic_limit
     low, high = section.velocity_min_m_s, section.velocity_max_m_s
-    points = scan_points(scenario)
+    points = search.DENSE_SCAN_POINTS if is_unusual(scenario.core_armour()) else search.SCAN_POINTS
     crossings, runs, lowest_perforates = find_crossings(scenario, points, on_progress)
     if lowest_perforates or not crossings:
-        above = not crossings and not lowest_perforates
-        raise NoLimitError(_no_limit(crossings, lowest_perforates, points, low, high), above=above)
+        message = _no_limit(crossings, lowest_perforates, points, low, high)
+        raise NoLimitError(message, above=not lowest_perforates)
     limit = crossings[0].bracket_m_s[1]
     error = model_error(scenario, limit)
     return LimitResult(
@@ -147,55 +151,19 @@ def model_error(scenario: Scenario, limit_m_s: float) -> ModelError | None:
     It is that of the section ``uncertainty.model`` or of tests of such armours.  With a ceramic, these are described by
     several laws of its flow stress; the limits by the others than the scenario's are computed here.
     """
-    given = scenario.given_error()
-    if given is not None or scenario.excludes_error():
-        return None if given is None else ModelError.of_ratio(given.ratio, given.source)
-    # Imported here because only this error needs numpy.
-    import numpy as np
+    variants = variants_of(scenario, {}, 1)
+    limits = limits_by_law(variants, np.array([limit_m_s]))
+    return error_of(scenario, variants.errors.of_limits(limits / limit_m_s).one(), scenario.core_armour())
 
-    from armour.scenario.own_evidence import error_of_armour, own_tests, with_own
-    from armour.scenario.predictive import LAW_FIELDS, errors_of
 
-    armour, cosines = scenario.core_armour(), np.array([scenario.cosine()])
-    one, tests = Parameters._make(np.array([value]) for value in armour), own_tests(scenario.entries)
-    errors = with_own(errors_of(one, np.array([scenario.tensile_strength()]), cosines), tests, one, cosines)
-    if not errors.known.all():
+def error_of(scenario: Scenario, ratio: Mixture, armour: Parameters) -> ModelError | None:
+    """Return the model error with its source, given the distribution of the armour's limit over that by the model."""
+    if np.isnan(ratio.weights).any():
         return None
-    limits = [limit_m_s]
-    for law, flow_stress in enumerate(errors.flow_stress[1:, :, 0].tolist(), start=1):
-        other = armour._replace(**dict(zip(LAW_FIELDS, flow_stress, strict=True)))
-        limits.append(_lowest_limit(scenario, other) if errors.used(law).all() else limit_m_s)
-    ratio = errors.of_limits(np.array(limits)[:, None] / limit_m_s)
-    return error_of_armour(ratio.one(), tests, armour)
-
-
-def _lowest_limit(scenario: Scenario, armour: Parameters) -> float:
-    """Return the ballistic limit of an armour, m/s, as `armour.analysis.searches.limits_by_law` does."""
-    section = scenario.ballistic_limit
-    for low, high in ((section.velocity_min_m_s, section.velocity_max_m_s), (SLOWEST_M_S, FASTEST_M_S)):
-        found = _search(scenario, armour, low, high)
-        if not found.resolved:
-            raise unresolved_error(scenario.solver, scenario.file, found.high)
-        if low < found.high <= high:
-            break
-    return min(max(found.high, low), high)
-
-
-def _search(scenario: Scenario, armour: Parameters, low: float, high: float) -> search.SearchResult:
-    """Search for the ballistic limit of an armour between two velocities, m/s, by the engine where that is quicker."""
-    # Imported here, as the engine below, because a usual armour needs no numpy.
-    from armour.engine import cache
-
-    tolerance, solver = scenario.ballistic_limit.tolerance_m_s, scenario.solver
-    settings = solver.arrest_velocity_m_s, solver.time_step, solver.max_steps
-    points = search.DENSE_SCAN_POINTS if is_unusual(armour) else search.SCAN_POINTS
-    kernel = "ballistic_limits"
-    if not (cache.is_loaded(kernel) or (points == search.DENSE_SCAN_POINTS and cache.is_compiled(kernel))):
-        return search.find_ballistic_limit(armour, search.scan(low, high, points), tolerance, *settings)
-    from armour.engine import batch
-
-    found = batch.ballistic_limits(batch.packed([armour]), low, high, tolerance, batch.SolverOptions(*settings), points)
-    return search.SearchResult(*(column[0].item() for column in found))
+    given = scenario.given_error()
+    if given is not None:
+        return ModelError.of_ratio(ratio, given.source)
+    return error_of_armour(ratio, own_tests(scenario.entries), armour)
 
 
 def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
@@ -203,45 +171,34 @@ def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
     return () if limit.monotonic else (f"the outcome is not monotonic: {_listed(limit.crossings)}",)
 
 
-def scan_points(scenario: Scenario) -> int:
-    """Return the number of velocities that are scanned for the ballistic limit of a scenario."""
-    return search.DENSE_SCAN_POINTS if is_unusual(scenario.core_armour()) else search.SCAN_POINTS
-
-
 def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> tuple[tuple[Crossing, ...], int, bool]:
     """Return the changes of the outcome that the scan sees, the impacts computed, and whether the lowest perforates."""
     section, armour = scenario.ballistic_limit, scenario.core_armour()
     solver = search.Solver(scenario.solver.arrest_velocity_m_s, scenario.solver.time_step, scenario.solver.max_steps)
     velocities = search.scan(section.velocity_min_m_s, section.velocity_max_m_s, points)
+    crossings: list[Crossing] = []
     runs = 0
 
-    def count(more: int) -> None:
+    def count(more: int, last: search.Impact | search.SearchResult, velocity: float) -> None:
         nonlocal runs
         runs += more
         on_progress(more, None)
-
-    def resolved(velocity: float, of: search.Impact | search.SearchResult) -> None:
-        if not of.resolved:
+        if not last.resolved:
             raise unresolved_error(scenario.solver, scenario.file, velocity)
 
     before, start = search.first_impacts(armour, velocities, solver)
-    count(1)
-    resolved(start.V, start)
+    count(1, start, start.V)
     lowest_perforates = start.perforated
-    crossings: list[Crossing] = []
     while True:
         change = search.next_change(armour, before, start, velocities, solver)
-        count(change.runs)
-        resolved(change.above.V, change.above)
+        count(change.runs, change.above, change.above.V)
         if change.above.perforated == start.perforated:
             return tuple(crossings), runs, lowest_perforates
         found = search.narrowed(armour, change, section.tolerance_m_s, solver)
-        count(found.runs)
-        resolved(found.high, found)
+        count(found.runs, found, found.high)
         crossings.append(Crossing((found.low, found.high), "perforated" if change.above.perforated else "defeated"))
         before = start = search.impact(armour, found.high, solver)
-        count(1)
-        resolved(start.V, start)
+        count(1, start, start.V)
 
 
 def residual_velocity_curve(
@@ -370,10 +327,11 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
 def _limit(scenario: Scenario, on_progress: OnProgress) -> float:
     """Return the ballistic limit, m/s."""
     section = scenario.ballistic_limit
-    found = _search(scenario, scenario.core_armour(), section.velocity_min_m_s, section.velocity_max_m_s)
-    on_progress(found.runs, None)
-    if found.resolved and isfinite(found.low) and isfinite(found.high):
-        return found.high
+    ends = section.velocity_min_m_s, section.velocity_max_m_s
+    found = limit_brackets(variants_of(scenario, {}, 1), *ends, section.tolerance_m_s)
+    on_progress(int(found.runs[0]), None)
+    if found.bounded[0]:
+        return float(found.perforated[0])
     # It says why there is none.
     return ballistic_limit(scenario, on_progress=on_progress).ballistic_limit_m_s
 
@@ -405,8 +363,6 @@ def no_error(scenario: Scenario) -> str:
     """Return why the model error is not known, or not included, for a scenario that has none."""
     if scenario.excludes_error():
         return EXCLUDED
-    from armour.scenario.own_evidence import own_tests, own_tests_of
-
     armour = scenario.core_armour()
     own = own_tests_of(own_tests(scenario.entries), armour)
     return why_unknown(armour, scenario.cosine()) if own is None else own.why_unknown(armour)

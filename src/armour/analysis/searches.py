@@ -16,8 +16,9 @@ from armour.analysis.variants import (
     unusual,
     with_thicknesses,
 )
-from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
-from armour.engine import batch
+from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, find_ballistic_limit, scan
+from armour.core.state import Parameters
+from armour.engine import batch, cache
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 from armour.units import MM
 
@@ -61,14 +62,28 @@ def limit_brackets(
 
     It has at least a number of points, and is dense where a row is unusual.
     """
-    options, dense = variants.settings.options(threads), unusual(variants)
-    found = batch.ballistic_limits(variants.parameters[~dense], low, high, tolerance, options, points)
-    if dense.any():
-        other = batch.ballistic_limits(variants.parameters[dense], low, high, tolerance, options, DENSE_SCAN_POINTS)
-        order = np.argsort(np.concatenate([np.flatnonzero(~dense), np.flatnonzero(dense)]))
-        found = batch.Brackets(*(np.concatenate(both)[order] for both in zip(found, other, strict=True)))
-    check_resolved(found.resolved, variants._replace(velocities=found.perforated))
-    return found
+    count, dense = len(variants.velocities), unusual(variants)
+    brackets = batch.Brackets(np.empty(count), np.empty(count), np.empty(count, np.int64), np.empty(count, np.bool_))
+    for rows, some in ((~dense, points), (dense, DENSE_SCAN_POINTS)):
+        if rows.any():
+            found = _searched(variants.parameters[rows], low, high, tolerance, variants.settings.options(threads), some)
+            for into, values in zip(brackets, found, strict=True):
+                into[rows] = values
+    check_resolved(brackets.resolved, variants._replace(velocities=brackets.perforated))
+    return brackets
+
+
+def _searched(
+    rows: Floats, low: float, high: float, tolerance: float, options: batch.SolverOptions, points: int
+) -> batch.Brackets:
+    """Search by the engine or, for a single row, here if that is quicker than to load or compile it: the same bits."""
+    kernel = "ballistic_limits"
+    ready = cache.is_loaded(kernel) or (points == DENSE_SCAN_POINTS and cache.is_compiled(kernel))
+    if ready or len(rows) > 1:
+        return batch.ballistic_limits(rows, low, high, tolerance, options, points)
+    velocities = scan(low, high, points)
+    found = find_ballistic_limit(Parameters(*rows[0].tolist()), velocities, tolerance, *options[:3])
+    return batch.Brackets(*(np.array([value]) for value in found))
 
 
 def limits_by_law(variants: Variants, own: Floats, threads: int | None = None) -> Floats:

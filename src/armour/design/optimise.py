@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
+from armour.analysis.ballistic_limit import error_of
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
 from armour.analysis.variants import Bools, Ints
 from armour.core.state import Parameters
@@ -19,7 +20,6 @@ from armour.scenario.evidence import MEASURES, REMEDY, ModelError, armour_warnin
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, OBLIQUITY, VELOCITY
 from armour.scenario.library import strength_notes
 from armour.scenario.mixture import Mixture
-from armour.scenario.own_evidence import error_of_armour, own_tests
 from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import DesignSection, shot
 
@@ -422,6 +422,7 @@ def _best(search: Search, place: int) -> BestDesign:
     limit = float(limits[governing])
     sampled = search.probabilities(place) or {}
     distributions = catalogue.distributions(search.candidates.at(where), limits)
+    ratio = distributions.one(governing).times(1.0 / limit)
     return BestDesign(
         **asdict(design),
         ballistic_limit_m_s=limit if section.velocity_min_m_s < limit <= section.velocity_max_m_s else None,
@@ -431,7 +432,7 @@ def _best(search: Search, place: int) -> BestDesign:
         governing=catalogue.titles[governing],
         probabilities=sampled,
         probabilities_of_defeat=_of_defeat(catalogue, distributions, sampled),
-        model_error=_model_error(search, place, governing, distributions.one(governing).times(1.0 / limit)),
+        model_error=error_of(catalogue.scenario, ratio, _armour(search, place, governing)),
     )
 
 
@@ -440,17 +441,6 @@ def _of_defeat(catalogue: Catalogue, distributions: Mixture, sampled: "dict[str,
     found = distributions.probability_above(catalogue.velocities_m_s).tolist()
     own = {title: None if isnan(p) else p for title, p in zip(catalogue.titles, found, strict=True)}
     return own | {title: 1.0 - estimate.value for title, estimate in sampled.items()}
-
-
-def _model_error(search: Search, place: int, threat: int, ratio: Mixture) -> ModelError | None:
-    """Return the model error for a design against a threat, given the distribution of the limits' ratio."""
-    if np.isnan(ratio.weights).any():
-        return None
-    scenario = search.catalogue.scenario
-    given = scenario.given_error()
-    if given is not None:
-        return ModelError.of_ratio(ratio, given.source)
-    return error_of_armour(ratio, own_tests(scenario.entries), _armour(search, place, threat))
 
 
 def _armour(search: Search, place: int, threat: int) -> Parameters:
