@@ -46,6 +46,13 @@ def text(x: float, y: float, words: str, more: str = "") -> str:
     return f'<text x="{x}" y="{y}" {more}>{words}</text>'
 
 
+def lip(x: float, y: float, side: int, size: float = 1.0) -> str:
+    """Return eroded material that flows back from the edge of the tip of the penetrator, below it or above."""
+    down = side * size
+    curve = f"q0,{14 * down:g} {-24 * size:g},{16 * down:g} q{12 * size:g},{-5 * down:g} {10 * size:g},{-16 * down:g}z"
+    return f'<path d="M{x:.1f},{y:.1f}{curve}" fill="{ROD}" stroke="currentColor"/>'
+
+
 def symbol(letter: str, below: str = "") -> str:
     """Return a symbol in italics with its index."""
     index = f'<tspan font-size="10" dy="4">{below}</tspan>' if below else ""
@@ -126,12 +133,7 @@ def stage(x: float, y: float, medium: str, erodes: bool, penetrates: bool) -> st
     )
     parts.append(box(x + 4, y + 38, tip - x - 4, 18, ROD))
     if erodes:
-        for side in (-1, 1):
-            middle = y + 47 + side * 9
-            parts.append(
-                f'<path d="M{tip},{middle}q-2,{side * 10} -14,{side * 12}q8,{-side * 3} 8,{-side * 12}z" fill="{ROD}" '
-                'stroke="currentColor"/>'
-            )
+        parts += [lip(tip, y + 47 + side * 9, side, 0.6) for side in (-1, 1)]
     if moves:
         parts.append(line(back + 11, y + 47, back + 20, y + 47, 'stroke-width="2" marker-end="url(#stages-tip)"'))
     return "\n".join(parts)

@@ -8,7 +8,7 @@ import numpy as np
 
 import armour
 from armour.core.equations import crack_velocity, sheared_diameter
-from tools.drawings import CERAMIC, HEAD, IMAGES, PLATE, ROD, box, line, text
+from tools.drawings import CERAMIC, HEAD, IMAGES, PLATE, ROD, box, line, lip, text
 
 SCENARIO = armour.load_scenario("wilkins")
 # Pixels per millimetre; places of both faces and of the axis, and ends of the armour; width of a drawing.
@@ -77,15 +77,9 @@ def moment(name: str, velocity: float, time_us: float, words: Sequence[str]) -> 
     if depth > ceramic:
         parts.append(box(round(tip, 1), low, round(back + bulge - tip, 1), diameter, PLATE))
     if history.penetration_velocity_m_s[index] < history.velocity_m_s[index]:
-        parts += [_lip(tip, AXIS + side * diameter / 2, side) for side in (-1, 1)]
+        parts += [lip(tip, AXIS + side * diameter / 2, side) for side in (-1, 1)]
     parts.append(box(round(tip - length, 1), low, round(length, 1), diameter, ROD))
     return "\n".join([*parts, *words, "</svg>\n"])
-
-
-def _lip(tip: float, edge: float, side: int) -> str:
-    """Return eroded material that flows back from the tip of the penetrator."""
-    curve = f"q0,{14 * side} -24,{16 * side} q12,{-5 * side} 10,{-16 * side}z"
-    return f'<path d="M{tip:.1f},{edge:.1f}{curve}" fill="{ROD}" stroke="currentColor"/>'
 
 
 def dwell() -> str:

@@ -158,7 +158,7 @@ def test_only_a_use_that_compiles_says_so(cli, folder: Path, monkeypatch: pytest
 
 
 def test_where_compiled_code_cannot_be_kept_it_says_so(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(cache, "folder", lambda: None)
+    monkeypatch.setattr(cache, "folder", lambda: (None, "without a user cache directory"))
     result = cli("sweep", SCENARIOS / "wilkins.toml", "--over", "armour.ceramic_thickness_mm=6", "-o", folder / "a.csv")
     assert result.stderr.splitlines() == [
         "compiling the numerical code, which takes about ten seconds at every start: "

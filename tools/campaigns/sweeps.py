@@ -225,7 +225,7 @@ def damages(folder: Path) -> Iterator[str]:
         name = ("a bit flipped", "truncated", "emptied", "exchanged", "deleted")[kind]
         outcome = resumed(output)
         # A bit of what zip does not read, such as a date, does no harm.
-        if kind not in (0, 4) and "damaged, computed anew" not in messages(output):
+        if kind not in (0, 4) and "damaged, computed again" not in messages(output):
             outcome = f"{WRONG}: not noticed"
         yield f"{name}: {outcome}"
 

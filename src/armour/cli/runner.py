@@ -222,5 +222,5 @@ def say_if_compiling() -> None:
     from armour.engine import cache
 
     if not cache.is_compiled():
-        obstacle = cache.obstacle()
+        _, obstacle = cache.folder()
         say(f"{COMPILING} at every start: compiled code cannot be kept {obstacle}" if obstacle else COMPILING)

@@ -8,7 +8,6 @@ import os
 import shutil
 import sys
 from contextlib import suppress
-from functools import cache
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -28,7 +27,7 @@ PACKAGE = Path(__file__).resolve().parent.parent
 OTHERS_KEPT = 4
 
 _lock = Lock()
-_loaded: set[str] = set()
+_kernels: dict[str, "Kernel"] = {}
 
 
 def digest(package: Path = PACKAGE) -> str:
@@ -43,57 +42,50 @@ def digest(package: Path = PACKAGE) -> str:
     return found.hexdigest()
 
 
-def folder() -> Path | None:
-    """Return the folder of the compiled code, or None where the user has no cache folder."""
+def folder() -> tuple[Path | None, str]:
+    """Return the folder of the compiled code, which is made, or None and why compiled code cannot be kept."""
     try:
-        parent = Path(user_cache_dir("armour", appauthor=False))
+        path = Path(user_cache_dir("armour", appauthor=False), f"kernels-{digest()}")
     except (OSError, RuntimeError):  # RuntimeError: no home; older versions of platformdirs return a relative path
-        return None
-    return parent / f"kernels-{digest()}" if parent.is_absolute() else None
-
-
-def obstacle() -> str:
-    """Return why compiled code cannot be kept; "" if it can, in a folder that is made."""
-    path = folder()
-    if path is None:
-        return "without a user cache directory"
-    try:
+        path = Path()
+    if not path.is_absolute():
+        return None, "without a user cache directory"
+    with suppress(OSError):
         path.parent.parent.mkdir(parents=True, exist_ok=True)
         if not (make_private(path.parent) and make_private(path)):
-            return f"in {path.parent}, which other users can change"
-        writable = os.access(path, os.W_OK)
-    except OSError:
-        writable = False
-    return "" if writable else f"in {path.parent}, which cannot be written"
+            return None, f"in {path.parent}, which other users can change"
+        if os.access(path, os.W_OK):
+            return path, ""
+    return None, f"in {path.parent}, which cannot be written"
 
 
 def is_compiled(name: str = "") -> bool:
     """Return whether there is compiled code, or that of a kernel, without importing numba."""
-    path = folder()
-    return path is not None and not obstacle() and any(name in file.name for file in path.glob("*/*.nbi"))
+    path, _ = folder()
+    return path is not None and any(name in file.name for file in path.glob("*/*.nbi"))
 
 
 def kernel(name: str) -> "Kernel":
     """Return a kernel of `armour.engine.kernels`; each is loaded or compiled once in a process."""
     with _lock:
-        found = _kernel(name)
-        _loaded.add(name)
-        return found
+        if name not in _kernels:
+            _kernels[name] = load(name)
+        return _kernels[name]
 
 
 def is_loaded(name: str) -> bool:
     """Return whether this process has a kernel."""
-    return name in _loaded
+    return name in _kernels
 
 
-@cache
-def _kernel(name: str) -> "Kernel":
+def load(name: str) -> "Kernel":
+    """Load a kernel, or compile it and keep it."""
     try:
         from armour.engine.kernels import compiled
     except ImportError as error:
         raise _unusable(f"numba cannot be imported: {error}") from error
-    path = folder()
-    if path is None or obstacle():
+    path, _ = folder()
+    if path is None:
         return compiled(name)
     try:
         found = compiled(name, path)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from types import FunctionType, ModuleType
+from types import FunctionType
 from typing import Any
 
 import numba
@@ -30,49 +30,35 @@ _float, _int = types.float64, types.int64
 _parameters = types.NamedTuple([*[_float] * (len(Parameters._fields) - 1), _int], Parameters)
 _state = types.NamedUniTuple(_float, len(State._fields), State)
 _run = types.NamedTuple([types.IntEnumMember(Outcome, _int), _float, _state, _int], Run)
-# Functions that are compiled once and called by name.  Of the others, numba compiles a copy into every function that
-# calls them, and of this function into those that call it.
-BY_NAME: dict[Callable[..., Any], Any] = {
-    run: _run(_parameters, _float, _float, _float, _int, types.none, types.boolean),
-    stepping.time_step: _float(_parameters, _float, _float),
-}
+# Compiled once and called by name, which takes a third off the time: of any other function, numba compiles a copy into
+# each that calls it.
+RUN = _run(_parameters, _float, _float, _float, _int, types.none, types.boolean)
+RUN_NAME = f"{run.__module__}.{run.__qualname__}"
+
+# Make the functions of the core callable from compiled code.
+for _module in (equations, stages, stepping, rk4, events, bounds, search):
+    for _function in vars(_module).values():
+        if isinstance(_function, FunctionType) and _function.__module__ == _module.__name__:
+            register_jitable(**OPTIONS)(_function)
 
 
-def make_callable(module: ModuleType) -> None:
-    """Make the functions of a module callable from compiled code."""
-    for function in vars(module).values():
-        if isinstance(function, FunctionType) and function.__module__ == module.__name__ and function not in BY_NAME:
-            register_jitable(**OPTIONS)(function)
-
-
-def symbol_of(function: Callable[..., Any]) -> str:
-    """Return the name by which compiled code calls a function."""
-    return f"{function.__module__}.{function.__qualname__}"
-
-
-def make_callable_by_name(function: Callable[..., Any]) -> None:
-    """Make a function of `BY_NAME` callable from compiled code."""
-    returned, given = BY_NAME[function].return_type, BY_NAME[function].args
+@intrinsic
+def run_by_name(_context: Any, _arguments: Any) -> Any:
+    """Call the compiled run."""
 
     def call(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        convention = context.call_conv
-        name, of_types = symbol_of(function), convention.get_function_type(returned, given)
-        callee = cgutils.get_or_insert_function(builder.module, of_types, name)
-        return convention.call_function(builder, callee, returned, given, cgutils.unpack_tuple(builder, *arguments))[1]
+        convention, given = context.call_conv, cgutils.unpack_tuple(builder, *arguments)
+        of_types = convention.get_function_type(RUN.return_type, RUN.args)
+        callee = cgutils.get_or_insert_function(builder.module, of_types, RUN_NAME)
+        return convention.call_function(builder, callee, RUN.return_type, RUN.args, given)[1]
 
-    @intrinsic
-    def by_name(_context: Any, _arguments: Any) -> Any:
-        return returned(types.Tuple(given)), call
-
-    @overload(function, jit_options=OPTIONS, strict=False)
-    def overloaded(*_arguments: Any) -> Any:
-        return lambda *arguments: by_name(arguments)  # type: ignore[call-arg]
+    return RUN.return_type(types.Tuple(RUN.args)), call
 
 
-for _module in (equations, stages, stepping, rk4, events, bounds, search):
-    make_callable(_module)
-for _function in BY_NAME:
-    make_callable_by_name(_function)
+@overload(run, jit_options=OPTIONS, strict=False)
+def overloaded_run(*_arguments: Any) -> Any:
+    """Have compiled code call the compiled run."""
+    return lambda *arguments: run_by_name(arguments)  # type: ignore[call-arg]
 
 
 @overload_method(types.NamedTuple, "_replace")
@@ -146,7 +132,7 @@ def compiled(name: str, folder: Path | None = None) -> Kernel:
     collecting = gc.isenabled()
     gc.disable()
     try:
-        compile_by_name(folder)
+        compile_run(folder)
         return compiled_function(kernel, types.void(*SIGNATURES[name]), folder, nogil=True)
     finally:
         if collecting:
@@ -154,16 +140,12 @@ def compiled(name: str, folder: Path | None = None) -> Kernel:
 
 
 @cache
-def compile_by_name(folder: Path | None) -> list[Any]:
-    """Compile or load the functions of `BY_NAME`; they must not be deleted while compiled code calls them."""
-    made = []
-    for function, signature in BY_NAME.items():
-        dispatcher = compiled_function(function, signature, folder, no_cpython_wrapper=True)
-        [found] = dispatcher.overloads.values()
-        address = found.library.get_pointer_to_function(found.fndesc.llvm_func_name)
-        binding.add_symbol(symbol_of(function), address)
-        made.append(dispatcher)
-    return made
+def compile_run(folder: Path | None) -> Any:
+    """Compile or load the run of an impact; it must not be deleted while compiled code calls it."""
+    dispatcher = compiled_function(run, RUN, folder, no_cpython_wrapper=True)
+    [found] = dispatcher.overloads.values()
+    binding.add_symbol(RUN_NAME, found.library.get_pointer_to_function(found.fndesc.llvm_func_name))
+    return dispatcher
 
 
 def compiled_function(function: Callable[..., Any], signature: Any, folder: Path | None, **options: bool) -> Any:

@@ -56,7 +56,7 @@ OnChunk = Callable[[int, bool], None]
 class Effort(NamedTuple):
     """Work of a sweep."""
 
-    row_s: float  # on one worker
+    row_s: float  # of a chunk, on one worker, by rows that may be slower than the others
     seconds: float
     words: str
     is_large: bool  # whether to ask before such a sweep
@@ -364,27 +364,30 @@ def effort_of(
     threads: int | None = None,
     workers: Workers | None = None,
 ) -> Effort:
-    """Measure some rows of a sweep."""
-    each = bytes_each = 0.0
+    """Measure some rows of a sweep: from all over it, and as many at its start, where they may be slow."""
+    each = slowest = bytes_each = 0.0
     for number in SAMPLES:
         count = min(number, source.count)
-        groups = groups_of(scenario, rows := source.rows(np.linspace(0, source.count - 1, count).astype(np.int64)))
-        start = perf_counter()
-        results, _ = evaluate_groups(groups, quantities, 1 if workers else threads)
+        spread = groups_of(scenario, rows := source.rows(np.linspace(0, source.count - 1, count).astype(np.int64)))
+        begun = perf_counter()
+        results, _ = evaluate_groups(spread, quantities, 1 if workers else threads)
+        evaluated = perf_counter()
         # Rows of a chunk follow each other, and share more scenarios than rows from all over the source.
-        groups_of(scenario, source.rows(np.arange(count)))
-        taken = perf_counter() - start
+        first = groups_of(scenario, source.rows(np.arange(count)))
+        grouped = perf_counter()
+        evaluate_groups(first, quantities, 1 if workers else threads)
         # The first row also loads the compiled code.
-        each = taken / count
+        each, slowest = ((end - start) / count for start, end in ((begun, grouped), (evaluated, perf_counter())))
+        slowest = max(each, slowest)
         bytes_each = len(csv_of({**rows, **results})) / count
-        if count < number or (number > 1 and taken > SAMPLE_S):
+        if count < number or (number > 1 and slowest * count > SAMPLE_S):
             break
     seconds = each * source.count / (workers.number if workers else 1)
     needed, free = 2.0 * bytes_each * source.count, shutil.disk_usage(output.parent).free
     words = f"{source.count:,} rows; about {duration(seconds)}"
     if needed > free:
         words += f"; {needed / 1e9:.3g} GB to write and join, where {free / 1e9:.3g} GB are free"
-    return Effort(each, seconds, words, seconds > LONG_S or source.count > MANY_ROWS or needed > free)
+    return Effort(slowest, seconds, words, seconds > LONG_S or source.count > MANY_ROWS or needed > free)
 
 
 def duration(seconds: float) -> str:
