@@ -53,12 +53,11 @@ def _with_more_margin(requirement: Requirement, pair: int, columns: Sequence[str
     if ranges == [None, None]:
         return []
     ends = (layer.thicknesses() if free is None else (free.max,) for layer, free in zip(layers, ranges, strict=True))
-    ceramics, backings = (values.ravel() for values in np.meshgrid(*ends))
-    thickest = catalogue.candidates(pair, ceramics, backings)
+    thickest = catalogue.combinations(pair, *ends)
     spare = float((requirement.lowest_limits(thickest) - catalogue.required_m_s(thickest)).min(axis=1).max())
     parts = [thickest]
     for margin in np.linspace(0.0, max(spare, 0.0), MARGIN_PARTS + 1)[1:-1].tolist():
-        raised = replace(requirement, catalogue=catalogue.with_more_margin(margin), runs=0)
+        raised = replace(requirement, catalogue=replace(catalogue, more_margin_m_s=margin), runs=0)
         parts.append(_of_pair(raised, pair, columns, refine=False, verify=False))
         requirement.runs += raised.runs
     return parts
@@ -87,7 +86,7 @@ def _of_pair(
         return designs(found.mm, other)
 
     if ceramic is None and backing is None:
-        return of_ceramics(np.repeat(ceramics, len(backings)), np.tile(backings, len(ceramics)))
+        return catalogue.combinations(pair, ceramics, backings)
     if ceramic is None:
         assert backing is not None
         return least("back plate", backing, ceramics)

@@ -1,7 +1,7 @@
 """Catalogue of a scenario: pairs of materials with thicknesses and costs, threats and constraints."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from typing import NamedTuple
@@ -13,7 +13,17 @@ from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, set
 from armour.core.state import Parameters
 from armour.engine import batch
 from armour.errors import Problem, refuse
-from armour.scenario.inputs import INPUTS, OBLIQUITY, ROLES, cosine_of, fields_of, inputs_of_entry
+from armour.scenario.inputs import (
+    BACKING,
+    CERAMIC,
+    INPUTS,
+    OBLIQUITY,
+    ROLES,
+    VELOCITY,
+    cosine_of,
+    fields_of,
+    inputs_of_entry,
+)
 from armour.scenario.library import penetrator_length_mm, tensile_strength
 from armour.scenario.mixture import Mixture
 from armour.scenario.predictive import Errors
@@ -36,6 +46,8 @@ ROUNDING = 1e-12
 COST = "cost_per_m2"
 # A probability of perforation that bounds nothing.
 NO_BOUND = 0.5
+# Words of the layers by their names in keys.
+LAYERS = {"ceramic": "ceramic", "backing": "back plate"}
 # Criterion that is not a column of the candidates.
 MARGIN = "margin_m_s"
 # Back plate thicknesses of the first round of a search in which both layers are free.
@@ -94,7 +106,7 @@ class Catalogue:
     layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, fields)
     tensile_MPa: Floats  # tensile strengths of the back plates, (pairs,); NaN where not given
     projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, fields)
-    values: Mapping[str, frozenset[float | None]]  # of the inputs of materials and threats; None where one has none
+    varying: frozenset[str]  # inputs that differ from design to design or from threat to threat
     more_margin_m_s: float = 0.0  # required of every threat
 
     def against(self, pair: int, threat: int) -> Scenario:
@@ -132,7 +144,12 @@ class Catalogue:
         which = np.array(threats, dtype=np.int64)[places]
         required = np.array([threat.required_m_s for threat in self.threats]) + self.more_margin_m_s
         bounds = np.where((self.bounds < NO_BOUND) & (not self.sampled), self.bounds, 1.0)
-        return self._at_threat(candidates.at(designs), which), required[which], bounds[which]
+        some = candidates.at(designs)
+        parameters = self.layers[some.pair] + self.projectiles[which]
+        tensile, settings = self.tensile_MPa[some.pair], settings_of(self.scenario)
+        rows = Variants(parameters, self.velocities_m_s[which], self.cosines[which], tensile, settings)
+        rows = with_thicknesses(rows, ceramic_mm=some.ceramic_mm, backing_mm=some.backing_mm)
+        return rows, required[which], bounds[which]
 
     def required_m_s(self, candidates: Candidates) -> Floats:
         """Return the velocities that the ballistic limits of designs must reach, (designs, threats).
@@ -152,18 +169,17 @@ class Catalogue:
         found = required_by_law(rows, rows.errors, bounds, limits)
         return np.where(rows.errors.known, found, np.inf) + self.more_margin_m_s
 
-    def _at_threat(self, candidates: Candidates, threat: Ints) -> Variants:
-        """Return designs against a threat each, as rows at its velocity."""
-        parameters = self.layers[candidates.pair] + self.projectiles[threat]
-        velocities, cosines = self.velocities_m_s[threat], self.cosines[threat]
-        tensile = self.tensile_MPa[candidates.pair]
-        rows = Variants(parameters, velocities, cosines, tensile, settings_of(self.scenario))
-        return with_thicknesses(rows, ceramic_mm=candidates.ceramic_mm, backing_mm=candidates.backing_mm)
-
     def distributions(self, candidates: Candidates, limits: Floats) -> Mixture:
         """Return the distributions of the ballistic limits, m/s, of which (designs, threats) are those of the model."""
         rows, *_ = self.against_each(candidates, range(len(self.threats)))
         return rows.errors.of_limits(limits_by_law(rows, limits.ravel()))
+
+    def combinations(
+        self, pair: int, ceramic_mm: Sequence[float] | Floats, backing_mm: Sequence[float] | Floats
+    ) -> Candidates:
+        """Return the designs of a pair with each ceramic thickness in turn on every back plate thickness, mm."""
+        ceramics, backings = np.asarray(ceramic_mm, dtype=np.float64), np.asarray(backing_mm, dtype=np.float64)
+        return self.candidates(pair, np.repeat(ceramics, len(backings)), np.tile(backings, len(ceramics)))
 
     def candidates(self, pair: int, ceramic_mm: Floats, backing_mm: Floats) -> Candidates:
         """Return designs of a pair with their areal density, thickness and cost."""
@@ -202,8 +218,7 @@ class Catalogue:
         """Return key, name and ends, mm, of the ranges of thicknesses of a pair; lists of thicknesses are none."""
         found = []
         places = divmod(pair, len(self.section.backing))
-        roles = ("ceramic", "ceramic"), ("backing", "back plate")
-        for layer, place, (role, name) in zip(self.offers[pair][:2], places, roles, strict=True):
+        for layer, place, (role, name) in zip(self.offers[pair][:2], places, LAYERS.items(), strict=True):
             thickness = layer.thickness_mm
             if not isinstance(thickness, list) and thickness.min < thickness.max:
                 values = layer.thicknesses()
@@ -217,7 +232,7 @@ class Catalogue:
 
     def omissions(self) -> Iterator[str]:
         """Give a warning for each range of thicknesses whose end is no whole number of steps from its start."""
-        for role in ("ceramic", "backing"):
+        for role in LAYERS:
             for place, layer in enumerate(getattr(self.section, role)):
                 thickness = layer.thickness_mm
                 if isinstance(thickness, Range) and (words := thickness.omission()):
@@ -227,10 +242,6 @@ class Catalogue:
         """Return whether a cost is given."""
         layers = [*self.section.ceramic, *self.section.backing]
         return "added_cost_per_m2" in self.section.model_fields_set or any(map(_has_cost, layers))
-
-    def with_more_margin(self, margin_m_s: float) -> "Catalogue":
-        """Return the catalogue with greater margins required, m/s."""
-        return replace(self, more_margin_m_s=self.more_margin_m_s + margin_m_s)
 
 
 def required_by_law(rows: Variants, errors: Errors, bounds: Floats, limits: Floats) -> Floats:
@@ -263,35 +274,32 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     bounded = min(bounds) < NO_BOUND
     uncertain = scenario.uncertainty is not None and scenario.uncertainty.inputs()
     problems = _too_much(scenario.file, section, len(threats))
-    seen: set[str] = set()
     for i, title in enumerate(titles):
-        if title in seen:
+        if title in titles[:i]:
             message = f'must be different for each threat, found "{title}" twice'
             problems.append(Problem(scenario.file, f"threat[{i}].name", message))
-        seen.add(title)
-    for key, layers in (("ceramic", section.ceramic), ("backing", section.backing)):
-        for i, layer in enumerate(layers):
-            if bounded and uncertain and layer.free_range():
-                message = (
-                    "must have a step where a probability is bounded and [uncertainty] has distributions to sample"
-                )
-                problems.append(Problem(scenario.file, f"design.{key}[{i}].thickness_mm", message))
+    costs = COST in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None
+    for key, layer in ((f"design.{role}[{i}]", of) for role in LAYERS for i, of in enumerate(getattr(section, role))):
+        if bounded and uncertain and layer.free_range():
+            message = "must have a step where a probability is bounded and [uncertainty] has distributions to sample"
+            problems.append(Problem(scenario.file, f"{key}.thickness_mm", message))
+        if costs and layer.material and not _has_cost(layer):
+            message = f'must have a cost where [design] asks for costs, found none for "{layer.material}"'
+            problems.append(Problem(scenario.file, key, message))
     if bounded and not uncertain and scenario.excludes_error():
         message = "must be true where a probability is bounded and no input has a distribution, found false"
         problems.append(Problem(scenario.file, "uncertainty.model.included", message))
-    if COST in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None:
-        for key, layers in (("ceramic", section.ceramic), ("backing", section.backing)):
-            for i, layer in enumerate(layers):
-                if layer.material and not _has_cost(layer):
-                    message = f'must have a cost where [design] asks for costs, found none for "{layer.material}"'
-                    problems.append(Problem(scenario.file, f"design.{key}[{i}]", message))
     refuse(problems)
 
     given = {
         "ceramic": [_inputs_of_layer(scenario, "ceramic", layer) for layer in section.ceramic],
         "backing": [_inputs_of_layer(scenario, "backing", layer) for layer in section.backing],
-        "projectile": [inputs_of_entry("projectile", scenario.entry("projectile", t.projectile)) for t in threats],
+        "projectile": [
+            {OBLIQUITY: t.obliquity_deg, **inputs_of_entry("projectile", scenario.entry("projectile", t.projectile))}
+            for t in threats
+        ],
     }
+    varying = {name for many in given.values() for name in INPUTS if len({own.get(name) for own in many}) > 1}
     rows = {role: np.array([_row(inputs) for inputs in many]) for role, many in given.items()}
     layers = (rows["ceramic"][:, None] + rows["backing"][None]).reshape(-1, len(Parameters._fields))
     flying = batch.fields(rows["projectile"])
@@ -313,14 +321,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         layers,
         np.array([tensile_strength(scenario.entry("metal", offer.backing.material)) for offer in offers]),
         rows["projectile"],
-        {
-            OBLIQUITY: frozenset(threat.obliquity_deg for threat in threats),
-            **{
-                name: frozenset(own.get(name) for own in given[role])
-                for name in INPUTS
-                if (role := name.split(".")[0]) in ROLES
-            },
-        },
+        frozenset({VELOCITY, CERAMIC, BACKING} | varying),
     )
 
 

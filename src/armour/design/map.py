@@ -1,9 +1,10 @@
 """Ballistic limits of the designs of a pair of materials over both thicknesses, and how surely they are reached."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.ndimage import map_coordinates
 
 from armour.analysis.results import OnProgress, ignore_progress, portions
 from armour.analysis.variants import Floats
@@ -53,7 +54,7 @@ def design_map(
     """Compute the designs of a pair of materials with all combinations of some thicknesses, mm."""
     ceramics, backings = np.array(ceramic_mm, dtype=np.float64), np.array(backing_mm, dtype=np.float64)
     shape = len(ceramics), len(backings), len(catalogue.threats)
-    candidates = catalogue.candidates(pair, np.repeat(ceramics, len(backings)), np.tile(backings, len(ceramics)))
+    candidates = catalogue.combinations(pair, ceramics, backings)
     limits = _limits(Requirement(catalogue, on_progress), candidates)
     # A velocity that is stopped with a probability is the quantile of the limit at its complement.
     tails = 1.0 - np.array(probabilities)
@@ -82,16 +83,13 @@ def lightest(catalogue: Catalogue, near: DesignMap, probability: float) -> Desig
     layers = catalogue.offers[near.pair][:2]
     if any(layer.free_range() for layer in layers):
         return None
-    ceramics, backings = (layer.thicknesses() for layer in layers)
-    offered = catalogue.candidates(near.pair, np.repeat(ceramics, len(backings)), np.tile(backings, len(ceramics)))
+    offered = catalogue.combinations(near.pair, *(layer.thicknesses() for layer in layers))
     offered = offered.at(catalogue.violations(offered) <= 0.0)
     offered = offered.at(catalogue.objective(offered).argsort(kind="stable"))
     above = (near.stopped_with(probability) - catalogue.velocities_m_s).min(axis=-1)
-    by_backing = np.array([np.interp(offered.backing_mm, near.backing_mm, row) for row in above])
-    places = np.interp(offered.ceramic_mm, near.ceramic_mm, np.arange(len(near.ceramic_mm)))
-    low = places.astype(int).clip(max=max(len(near.ceramic_mm) - 2, 0))
-    part, each = places - low, np.arange(len(places))
-    guess = (1.0 - part) * by_backing[low, each] + part * by_backing[np.minimum(low + 1, len(by_backing) - 1), each]
+    axes = (offered.ceramic_mm, near.ceramic_mm), (offered.backing_mm, near.backing_mm)
+    places = [np.interp(values, nodes, np.arange(len(nodes))) for values, nodes in axes]
+    guess = map_coordinates(above, places, order=1, mode="nearest")
     tried = offered.at(guess > -NEAR_M_S)
     for some in portions(len(tried.pair), TRIED_AT_A_TIME):
         candidates = tried.at(some)
@@ -100,10 +98,8 @@ def lightest(catalogue: Catalogue, near: DesignMap, probability: float) -> Desig
         chances = distributions.probability_above(np.tile(catalogue.velocities_m_s, len(candidates.pair)))
         stopping = np.flatnonzero((chances.reshape(limits.shape) >= probability).all(axis=1))
         if len(stopping):
-            numbers = (float(column[stopping[0]]) for column in candidates[1:])
-            ceramic_mm, backing_mm, areal_density, thickness, cost = numbers
-            names = layers[0].material, layers[1].material
-            return Design(*names, ceramic_mm, backing_mm, areal_density, thickness, cost, margin_m_s=None)
+            numbers: list[Any] = [*(float(column[stopping[0]]) for column in candidates[1:]), None]
+            return Design(layers[0].material, layers[1].material, *numbers)
     return None
 
 

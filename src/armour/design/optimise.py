@@ -3,16 +3,18 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from math import inf, isnan
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from armour.analysis.ballistic_limit import error_of
+from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
 from armour.analysis.variants import Bools, Ints
 from armour.core.state import Parameters
 from armour.design.candidates import candidates_of
 from armour.design.catalogue import MARGIN, NO_BOUND, Candidates, Catalogue, catalogue_of
+from armour.design.reliability import Reliability
 from armour.design.search import Requirement, Search
 from armour.errors import NoDesignError, Note, Problem, refuse
 from armour.scenario.checked import checked
@@ -22,9 +24,6 @@ from armour.scenario.library import strength_notes
 from armour.scenario.mixture import Mixture
 from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import DesignSection, shot
-
-if TYPE_CHECKING:
-    from armour.analysis.estimates import Estimate
 
 # What is said first of a pair of materials of which no test is known, beside others.
 UNTESTED, RUNNER_UP = "no test: ", "runner-up: "
@@ -102,7 +101,7 @@ class BestDesign(Design):
     backing_density_kg_m3: float
     margins_m_s: dict[str, float]
     governing: str
-    probabilities: "dict[str, Estimate]"
+    probabilities: dict[str, Estimate]
     probabilities_of_defeat: dict[str, float | None]
     model_error: ModelError | None
 
@@ -238,27 +237,20 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     catalogue = catalogue_of(scenario)
     problems = []
     if refine and catalogue.sampled:
-        message = (
-            "must be left out where the design is refined, as designs between the given thicknesses are not sampled"
-        )
+        message = "must be left out if the design is refined, as designs between the given thicknesses are not sampled"
         of_threats = any(threat.probability_of_perforation is not None for threat in catalogue.threats)
         key = "threat.probability_of_perforation" if of_threats else "design.confidence"
         problems.append(Problem(scenario.file, key, message))
     if refine and not any(layer.free_range(refine=True) for offer in catalogue.offers for layer in offer[:2]):
         problems.append(Problem(scenario.file, "--refine", "needs a thickness given as a range"))
     refuse(problems)
-    reliability = None
-    if catalogue.sampled:
-        from armour.design.reliability import Reliability  # takes half a second to import scipy.stats
-
-        reliability = Reliability(catalogue, on_progress)
+    reliability = Reliability(catalogue, on_progress) if catalogue.sampled else None
     requirement = Requirement(catalogue, on_progress)
     search = Search(requirement, candidates_of(requirement), reliability)
-    everything = np.arange(len(search.values))
     tested = requirement.tested(search.candidates)
-    first = search.first(everything[tested])
+    first = search.first(np.flatnonzero(tested))
     if first is None:
-        first = search.first(everything[~tested])
+        first = search.first(np.flatnonzero(~tested))
     if first is None:
         raise NoDesignError(_why_none(search, _unconstrained(search), range(len(catalogue.offers))))
 
@@ -436,7 +428,7 @@ def _best(search: Search, place: int) -> BestDesign:
     )
 
 
-def _of_defeat(catalogue: Catalogue, distributions: Mixture, sampled: "dict[str, Estimate]") -> dict[str, float | None]:
+def _of_defeat(catalogue: Catalogue, distributions: Mixture, sampled: dict[str, Estimate]) -> dict[str, float | None]:
     """Return the probabilities that a design defeats each threat: of the samples, else by the model error."""
     found = distributions.probability_above(catalogue.velocities_m_s).tolist()
     own = {title: None if isnan(p) else p for title, p in zip(catalogue.titles, found, strict=True)}

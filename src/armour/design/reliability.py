@@ -12,7 +12,7 @@ from armour.analysis.samples import own_errors, own_values, sampled, section_at,
 from armour.analysis.variants import perforated
 from armour.design.catalogue import NO_BOUND, Candidates, Catalogue
 from armour.errors import Problem, refuse
-from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
+from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.sampling import columns_of, points_of
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import MAX_SAMPLES, Uncertainty
@@ -90,7 +90,7 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
     problems = []
     assert catalogue.scenario.uncertainty is not None
     for name, distribution in catalogue.scenario.uncertainty.inputs().items():
-        if distribution.placed and (name in (VELOCITY, CERAMIC, BACKING) or len(catalogue.values[name]) > 1):
+        if distribution.placed and name in catalogue.varying:
             message = (
                 "must be centred on the value of each design or threat: normal or lognormal, without mean, min and "
                 'max, such as { distribution = "normal", standard_deviation_percent = 1.0 }'
