@@ -74,6 +74,25 @@ def test_no_text_is_cut_and_no_panel_overlaps_another_or_the_legend(chart: Chart
         assert shared is None or min(shared.width, shared.height) < 2.0
 
 
+def test_points_that_are_missing_take_no_room():
+    places = []
+    for missing in ([], [None]):
+        panel = one(Points([1.0, 2.0], [3.0, 4.0]), Points(missing, missing, label="none")).panels[0]
+        figure = draw(Chart("T", (panel, panel)))
+        figure.draw_without_rendering()
+        places.append([axes.get_position().bounds for axes in figure.axes])
+    alone = draw(Chart("T", (replace(panel, series=panel.series[:1]),) * 2))
+    alone.draw_without_rendering()
+    assert places == [[axes.get_position().bounds for axes in alone.axes]] * 2
+
+
+def test_the_name_of_a_point_at_the_lower_edge_is_above_it():
+    axis = Axis("length", "mm", limits=(0.0, 1.0))
+    figure = draw(one(Points([0.5, 0.5], [0.0, 0.9], filled=False, names=("low", "high")), y=axis))
+    [low, high] = figure.axes[0].texts
+    assert (low.get_va(), high.get_va()) == ("bottom", "top")
+
+
 def test_categories_are_rows_of_bars_with_the_first_on_top():
     [axes] = draw(CHARTS["bars"]()).axes
     assert [label.get_text() for label in axes.get_yticklabels()] == [

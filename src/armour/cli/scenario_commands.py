@@ -224,7 +224,7 @@ def sweep(
     as_json: AsJson = False,
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
-    from armour.reporting.views.sweep import sweep_chart
+    from armour.reporting.views.sweep import SWEEP_ROWS, first_rows, sweep_chart
     from armour.scenario.scenario import heading
     from armour.sweeps.cases import Cases
     from armour.sweeps.cluster import connected, workers_of
@@ -262,7 +262,7 @@ def sweep(
     say(f"wrote {output}: {rows} rows", *_notes(names, drawn=plot is not None))
     respond(
         {"rows": rows, "output": str(output)},
-        (),
+        [first_rows(read_table(output))] if rows <= SWEEP_ROWS else (),
         as_json=as_json,
         of=heading(subject_of(loaded, source, names), loaded.title),
         plot=plot,

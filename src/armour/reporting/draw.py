@@ -63,8 +63,8 @@ SIDE_INCHES = 0.8
 LABEL_WEIGHT, CONTOUR_POINTS = 0.4, 200
 # Distance from an edge within which a label would be cut, as a part of the axes.
 EDGE = 0.06
-# Tint of a region, and what is behind names; part of the width that a name takes.
-TINT, SIDE = 0.14, 0.33
+# Tint of a region, and what is behind names; parts of the width and of the height that a name takes.
+TINT, SIDE, DOWN = 0.14, 0.33, 0.1
 BEHIND: Any = {"facecolor": charts.PALETTE["paper"], "alpha": 0.6, "linewidth": 0, "pad": 0.5}
 # Format of the value on a contour.
 VALUE = "%g"
@@ -216,6 +216,8 @@ def _(item: charts.Points, axes: Axes) -> None:
     ):
         if not free:
             values[(values < min(limits)) | (values > max(limits))] = np.nan
+    if not np.isfinite(x + y).any():
+        return  # a line without points takes room at the corner of the figure
     for ends, values, axis in ((item.x_ends, x, "xerr"), (item.y_ends, y, "yerr")):
         if ends:
             low, high = np.array(ends).T
@@ -230,11 +232,12 @@ def _(item: charts.Points, axes: Axes) -> None:
         style |= {"markeredgecolor": INK, "markeredgewidth": 0.6}
     axes.plot(x, y, item.marker, label=item.label, **style)
     for across, up, name in zip(x, y, item.names, strict=False):
-        [(part, _)] = axes.transAxes.inverted().transform(axes.transData.transform([(across, up)])).tolist()
+        [(part, height)] = axes.transAxes.inverted().transform(axes.transData.transform([(across, up)])).tolist()
         right = part < (1.0 - SIDE if item.filled else SIDE)
-        offset = (6.0 if right else -6.0, 5.0 if item.filled else -5.0)
+        above = item.filled or height < DOWN
+        offset = (6.0 if right else -6.0, 5.0 if above else -5.0)
         beside: Any = {"xytext": offset, "textcoords": "offset points", "ha": "left" if right else "right"}
-        beside |= {"va": "bottom" if item.filled else "top", "zorder": 5, "fontsize": NAME}
+        beside |= {"va": "bottom" if above else "top", "zorder": 5, "fontsize": NAME}
         axes.annotate(name, (across, up), bbox=BEHIND, **beside)
 
 

@@ -495,7 +495,7 @@ def pair_chart(result: DesignResult) -> charts.Chart:
         ]
         values = [getattr(design, result.minimised) for _, design in some]
         words = tuple(f"{_pair(design)}\n{_design_text(design, result.minimised)}" for _, design in some)
-        look: dict[str, Any] = {"label": label if some else "", "filled": known, "size": 6.0}
+        look: dict[str, Any] = {"label": label, "filled": known, "size": 6.0}
         series.append(charts.Points(values, [place for place, _ in some], text=words, **look))
     axis = charts.Axis(categories=tuple(map(_pair, shown)))
     note = f"The best {MAX_PAIRS} of {len(found)} pairs of materials are shown." if len(found) > MAX_PAIRS else ""

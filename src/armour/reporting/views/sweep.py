@@ -8,6 +8,7 @@ import numpy as np
 from armour.errors import InputError, Problem
 from armour.reporting import charts
 from armour.reporting.table import Table, column_of
+from armour.reporting.text import number
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario
 from armour.sweeps.sweep import SweepResult
@@ -21,11 +22,15 @@ SWEEP_ROWS = 20
 
 def tables(result: SweepResult) -> list[Table | str]:
     """Return the first rows of a sweep."""
-    columns = result.columns
+    notes = [f"the first {SWEEP_ROWS} of {result.rows:,} rows"] if result.rows > SWEEP_ROWS else []
+    return [first_rows(result.columns), *notes]
+
+
+def first_rows(columns: Mapping[str, Any]) -> Table:
+    """Return the first rows of the columns of a sweep."""
     shown = tuple(zip(*(values[:SWEEP_ROWS].tolist() for values in columns.values()), strict=True))
     headings = [column_of(name, ".6g" if values.dtype.kind in "iuf" else "") for name, values in columns.items()]
-    notes = [f"the first {SWEEP_ROWS} of {result.rows:,} rows"] if result.rows > SWEEP_ROWS else []
-    return [Table(tuple(headings), shown), *notes]
+    return Table(tuple(headings), shown)
 
 
 def chart(result: SweepResult) -> charts.Chart:
@@ -58,7 +63,7 @@ def sweep_chart(table: Mapping[str, Any], keys: Sequence[str], name: str, scenar
     found = table[name]
     title = _sweep_title(answer.label, *(axis.label for axis in axes))
     if np.nanmin(found) < np.nanmax(found):
-        title += f": {answer.text(np.nanmin(found)).removesuffix(answer.unit)}to {answer.text(np.nanmax(found))}"
+        title += f": {number(np.nanmin(found), answer.spec)} to {answer.text(np.nanmax(found))}"
     missing = np.count_nonzero(np.isnan(found))
     note = f"{missing} of {len(found)} rows have no {answer.label}." if missing else ""
     named = [key for key in keys if table[key].dtype.kind not in "iuf"]
