@@ -90,7 +90,7 @@ def test_the_name_of_a_point_at_the_lower_edge_is_above_it():
     axis = Axis("length", "mm", limits=(0.0, 1.0))
     figure = draw(one(Points([0.5, 0.5], [0.0, 0.9], filled=False, names=("low", "high")), y=axis))
     [low, high] = figure.axes[0].texts
-    assert (low.get_va(), high.get_va()) == ("bottom", "top")
+    assert (low.get_verticalalignment(), high.get_verticalalignment()) == ("bottom", "top")
 
 
 def test_categories_are_rows_of_bars_with_the_first_on_top():
