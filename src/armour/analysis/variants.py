@@ -13,8 +13,8 @@ from armour.errors import InputError, Problem
 from armour.scenario.evidence import ModelError, is_unusual, row_limits
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, LAYERS, OBLIQUITY, VELOCITY, YIELD, cosine_of
 from armour.scenario.library import DEFAULTS, ROD, LibraryEntry, length_mm, strength_notes
-from armour.scenario.own_evidence import OwnTests, own_tests, with_own
-from armour.scenario.predictive import LAW_FIELDS, Errors, errors_of
+from armour.scenario.own_evidence import OwnTests, errors_of, own_tests
+from armour.scenario.predictive import LAW_FIELDS, Errors
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import BallisticLimitSection, Optimise, Solver
 from armour.units import MM
@@ -71,9 +71,7 @@ class Variants(NamedTuple):
             return Errors.unknown(count)
         if self.settings.error is not None:
             return Errors.of(self.settings.error.ratio, count)
-        armour = batch.fields(self.parameters)
-        errors = errors_of(armour, self.tensile_MPa, self.cosines)
-        return with_own(errors, self.settings.own, armour, self.cosines)
+        return errors_of(batch.fields(self.parameters), self.tensile_MPa, self.cosines, self.settings.own)
 
     def by_law(self, law: int, errors: Errors) -> "Variants":
         """Return the variants with the flow stress by a law of their errors."""

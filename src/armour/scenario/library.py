@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
-from math import inf, nan, pi
+from math import nan, pi
 from os import PathLike
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
@@ -369,17 +369,10 @@ def length_mm(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
     return mass_g * G / (density_kg_m3 * area) / MM
 
 
-def unit_mass_g(diameter_mm: Any, density_kg_m3: Any) -> Any:
-    """Compute the mass of a cylinder one diameter long, g; float or array."""
-    radius_mm = 0.5 * diameter_mm
-    return density_kg_m3 * pi * radius_mm * radius_mm * diameter_mm * (MM**3 / G)
-
-
 def is_rod(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
-    """Return whether the length of a cylinder lies within SLENDERNESS; float or array."""
-    # Masses are compared, as the mass of a thin cylinder is too small to divide by.
-    unit_g = unit_mass_g(diameter_mm, density_kg_m3)
-    return (SLENDERNESS[0] * unit_g <= mass_g) & (mass_g <= SLENDERNESS[1] * unit_g)
+    """Return whether the length of a cylinder over its diameter lies within SLENDERNESS; float or array."""
+    ratio = length_mm(diameter_mm, mass_g, density_kg_m3) / diameter_mm
+    return (SLENDERNESS[0] <= ratio) & (ratio <= SLENDERNESS[1])
 
 
 @dataclass(frozen=True, repr=False)
@@ -529,12 +522,9 @@ def _mistakes(entry: LibraryEntry) -> dict[str, str]:
         return dict.fromkeys(missing, "is missing and must be given, or based_on an entry that has it")
     if entry.kind != "projectile" or is_rod(*(entry[key] for key in ROD)):
         return {}
-    diameter, mass, density = (entry[key] for key in ROD)
-    unit = unit_mass_g(diameter, density)
-    ratio = mass / unit if unit else inf
     message = (
-        f"must make a rod {SLENDERNESS[0]:g} to {SLENDERNESS[1]:g} diameters long with the "
-        f"diameter and density given, found {ratio:.3g} diameters; is it in g?"
+        f"must make a rod {SLENDERNESS[0]:g} to {SLENDERNESS[1]:g} diameters long with the diameter and density given, "
+        f"found {penetrator_length_mm(entry) / entry[ROD[0]]:.3g} diameters; is it in g?"
     )
     return {"penetrator_mass_g": message}
 

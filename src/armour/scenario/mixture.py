@@ -1,7 +1,7 @@
 """Mixtures of Student's t distributions: where the evidence puts the ballistic limit of an armour."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -38,14 +38,17 @@ class Mixture:
     degrees_of_freedom: Floats
     logarithmic: bool = True
 
+    @property
+    def arrays(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """Weights, locations, scales and degrees of freedom."""
+        return self.weights, self.locations, self.scales, self.degrees_of_freedom
+
     def times(self, limits: ArrayLike) -> "Mixture":
         """Return the distribution of a ratio times numbers: limits by the model, m/s, (k, ...) or one for all."""
         factors = np.asarray(limits, dtype=np.float64)
         if self.logarithmic:
-            return Mixture(self.weights, self.locations + np.log(factors), self.scales, self.degrees_of_freedom)
-        return Mixture(
-            self.weights, self.locations * factors, self.scales * factors, self.degrees_of_freedom, logarithmic=False
-        )
+            return replace(self, locations=self.locations + np.log(factors))
+        return replace(self, locations=self.locations * factors, scales=self.scales * factors)
 
     def one(self, place: int = 0) -> "Mixture":
         """Return the distribution of one of n armours, (k, n) -> (k,)."""
@@ -53,8 +56,7 @@ class Mixture:
 
     def mapped(self, of: Callable[[Floats], Floats]) -> "Mixture":
         """Return the mixture whose arrays are a function of these."""
-        arrays = (self.weights, self.locations, self.scales, self.degrees_of_freedom)
-        weights, locations, scales, freedom = map(of, arrays)
+        weights, locations, scales, freedom = map(of, self.arrays)
         return Mixture(weights, locations, scales, freedom, self.logarithmic)
 
     def probability_above(self, values: ArrayLike) -> Any:
@@ -130,8 +132,7 @@ class Mixture:
 
     def _parts(self, values: Floats) -> list[Floats]:
         """Return weights, locations, scales and degrees of freedom with axes after the first one to broadcast."""
-        arrays = (self.weights, self.locations, self.scales, self.degrees_of_freedom)
-        return [array.reshape(array.shape + (1,) * (values.ndim + 1 - array.ndim)) for array in arrays]
+        return [array.reshape(array.shape + (1,) * (values.ndim + 1 - array.ndim)) for array in self.arrays]
 
 
 def _quantiles(locations: Floats, scales: Floats, freedom: Floats, probabilities: Floats) -> Floats:

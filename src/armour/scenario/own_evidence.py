@@ -7,10 +7,10 @@ import numpy as np
 
 from armour.core.equations import THINNEST_CERAMIC
 from armour.core.state import Parameters
-from armour.scenario.evidence import MEASURES, DataRange, ModelError, closest
+from armour.scenario.evidence import MEASURES, DataRange, ModelError, closest, shipped_evidence
 from armour.scenario.inputs import INPUTS, ROLES, fields_of, inputs_of_entry
 from armour.scenario.library import FLOW_STRESS_LAW, Library, LibraryEntry, OwnEvidence
-from armour.scenario.mixture import Floats, Mixture
+from armour.scenario.mixture import Mixture
 from armour.scenario.predictive import (
     FARTHEST_BARE,
     FARTHEST_CERAMIC,
@@ -18,6 +18,9 @@ from armour.scenario.predictive import (
     THICKNESSES,
     Errors,
     factor_outside,
+    law_of,
+    rows_of,
+    set_shipped,
 )
 from armour.scenario.scenario import NORMAL
 
@@ -95,55 +98,54 @@ def error_of_armour(ratio: Mixture, tests: Iterable[OwnTests], armour: Parameter
     return ModelError.of_ratio(ratio, evidence.title, evidence.extrapolated(armour))
 
 
-def with_own(errors: Errors, tests: Sequence[OwnTests], armour: Parameters, cosines: Any) -> Errors:
-    """Return the errors of n armours by the shipped tests with those of armours that have entries with own tests."""
-    for each in reversed(tests):
-        where = np.flatnonzero(each.matches(armour))
-        if len(where):
-            some = Parameters._make(np.asarray(values)[where] for values in armour)
-            own = errors_of_own(each, some, cosines[where])
-            errors, own = (found.grown(errors.weights.shape, own.weights.shape) for found in (errors, own))
-            for into, values in zip(errors.arrays, own.arrays, strict=True):
-                into[..., where] = values
-    return errors
-
-
-def errors_of_own(tests: OwnTests, armour: Parameters, cosines: Any) -> Errors:
-    """Return the errors of the model for n armours of an entry with own tests.
-
-    They are known where the armours are like the tests, but for thicknesses, which may be outside as far as those of
-    the shipped tests may.
+def errors_of(armour: Parameters, tensile_MPa: Any, cosines: Any, tests: Sequence[OwnTests] = ()) -> Errors:
+    """Return the errors of the model for n armours: on own tests of their entries, or else on the shipped ones.
 
     Parameters
     ----------
-    tests : OwnTests
     armour : Parameters
         Arrays, (n,) each; thicknesses along the line of fire.
+    tensile_MPa : array, (n,)
+        Tensile strengths of the back plates, MPa; NaN if not given.
     cosines : array, (n,)
         Cosines of the obliquities.
+    tests : sequence of OwnTests, optional
     """
-    count = len(cosines)
-    bare = armour.Hc0 == 0.0
+    # The armour's own law may be one that the tests do not weigh.
+    laws = [len(evidence.laws) for evidence in shipped_evidence()] + [len(own.evidence.law) + 1 for own in tests]
+    components = [len(law.components) for own in tests for law in own.evidence.law]
+    found = Errors.unknown(len(cosines), max(laws), max(components, default=1))
+    set_shipped(found, armour, tensile_MPa, cosines)
+    for own in reversed(tests):
+        where = np.flatnonzero(own.matches(armour))
+        if len(where):
+            _set_own(found, own, where, rows_of(armour, where), cosines[where])
+    return found
+
+
+def _set_own(errors: Errors, tests: OwnTests, where: Any, armour: Parameters, cosines: Any) -> None:
+    """Set the errors of those of n armours that have an entry with own tests.
+
+    They are known if the armours are like the tests, but for thicknesses, which may be outside as far as those of the
+    shipped tests may.
+    """
+    bare, own_law = armour.Hc0 == 0.0, law_of(armour)
     farthest = np.where(bare, FARTHEST_BARE, FARTHEST_CERAMIC)
-    known, far = cosines >= np.cos(np.radians(tests.evidence.steepest_deg)) - ROUNDING, np.ones(count)
+    known, far = cosines >= np.cos(np.radians(tests.evidence.steepest_deg)) - ROUNDING, np.ones(len(where))
     for name, limits in tests.ranges():
         factor = factor_outside(limits, armour)
         known &= factor <= (farthest if name in THICKNESSES else ALIKE)
         far = np.maximum(far, factor) if name in THICKNESSES else far
     doubt = np.where(bare, TREND * np.log(np.where(known, far, 1.0)), 0.0)
-    own = [key for key in FLOW_STRESS_LAW if tests.entry.values.get(key) and tests.entry[key]]
-    laws = sorted(tests.evidence.law, key=lambda law: [law.exponent] != (own or [""]))
+    own = [key for key in FLOW_STRESS_LAW if tests.entry.values.get(key) and tests.entry[key]] or [""]
+    laws = sorted(tests.evidence.law, key=lambda law: [law.exponent] != own)
     of_stress = tests.role == "ceramic" and tests.evidence.key == "flow_stress_GPa"
-    # The limit that is shown may be by a law that the tests do not weigh.
-    unlisted = int(of_stress and [laws[0].exponent] != (own or [""]))
-    shape = (len(laws) + unlisted, max(len(law.components) for law in laws), count)
-    found = Errors.unknown(count, *shape[:2])
-    found.weights[:, :, known] = 0.0
-    found.flow_stress[0] = [getattr(armour, name) for name in LAW_FIELDS]
     value = tests.entry[tests.evidence.key]
-    for place, law in enumerate(laws, start=unlisted):
-        rows = np.array(law.components)
-        exponent = np.zeros(count)
+    errors.weights[..., where] = np.where(known, 0.0, np.nan)
+    errors.flow_stress[0][:, where] = own_law
+    # The limit that is shown may be by a law that the tests do not weigh.
+    for place, law in enumerate(laws, start=int(of_stress and [laws[0].exponent] != own)):
+        rows, exponent = np.array(law.components), 0.0
         if law.exponent:
             ceramic = np.maximum(armour.Hc0 / armour.D0, THINNEST_CERAMIC) if law.exponent == PRODUCT else 1.0
             exponent = np.log(ceramic * armour.Hb / armour.D0)
@@ -151,19 +153,15 @@ def errors_of_own(tests: OwnTests, armour: Parameters, cosines: Any) -> Errors:
             rows = np.column_stack([rows, np.zeros((len(rows), 3))])
         weight, error, level, level_error, power, power_error, correlation = rows.T[:, :, None]
         if not place:
-            used, used_power = value, tests.entry[law.exponent] if law.exponent else 0.0
+            strength, used, used_power = own_law, value, tests.entry[law.exponent] if law.exponent else 0.0
         else:
             used, used_power = (float((weight * each).sum() / weight.sum()) for each in (level, power))
-            strength = (armour.Yc0 * used / value, 0.0, 0.0, 0.0, 0.0)
-            for field, values in enumerate(strength):
-                found.flow_stress[place, field] = values
+            strength = np.zeros_like(own_law)
+            strength[0] = own_law[0] * used / value
             if law.exponent:
-                found.flow_stress[place, 1 + (law.exponent == PRODUCT)] = used_power
-        parts = slice(0, len(rows))
-        variance: Floats = level_error**2 + (power_error * exponent) ** 2
+                strength[LAW_FIELDS.index(INPUTS[f"ceramic.{law.exponent}"].field)] = used_power
+        shifts = law.slope * (np.log(level / used) + (power - used_power) * exponent)
+        variance = level_error**2 + (power_error * exponent) ** 2
         variance = variance + 2.0 * correlation * level_error * power_error * exponent
-        found.weights[place, parts, known] = np.broadcast_to(weight[:, 0], (int(known.sum()), len(rows)))
-        found.shifts[place, parts] = law.slope * (np.log(level / used) + (power - used_power) * exponent)
-        found.scales[place, parts] = np.sqrt(error**2 + law.slope**2 * variance + doubt**2)
-        found.degrees_of_freedom[place, parts] = NORMAL
-    return found
+        scales = np.sqrt(error**2 + law.slope**2 * variance + doubt**2)
+        errors.put(place, where, (np.where(known, weight, np.nan), shifts, scales, NORMAL), strength)

@@ -4,6 +4,7 @@ docs/howto/confidence.md derives it.  The distribution is that of a new alloy, a
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -125,48 +126,40 @@ def fits() -> dict[str, Fit]:
 class Errors(NamedTuple):
     """Distributions of the model error for n armours: mixtures over laws of the flow stress of the ceramic.
 
-    Of each law there are several components, (laws, components, n).  The first law is the armour's own.
+    The first law is the armour's own.
     """
 
-    weights: Floats  # 0 where a component is not used; NaN where the error is not known
-    shifts: Floats  # logarithm of the armour's ballistic limit over that of the model by the law
-    scales: Floats
-    degrees_of_freedom: Floats
+    ratio: Mixture  # of the limits, (laws, components, n); weights are 0 if not used, and NaN if the error is not known
     flow_stress: Floats  # parameters of the laws, see `LAW_FIELDS`, (laws, fields, n)
-    logarithmic: bool = True
 
     @classmethod
     def of(cls, ratio: Mixture, count: int) -> "Errors":
         """Return n times the error of which the ratio of both limits has a distribution, (k,)."""
-        arrays = (ratio.weights, ratio.locations, ratio.scales, ratio.degrees_of_freedom)
-        parts = (np.repeat(array[None, :, None], count, axis=2) for array in arrays)
-        return cls._make([*parts, np.zeros((1, len(LAW_FIELDS), count)), ratio.logarithmic])
+        repeated = ratio.mapped(lambda array: np.repeat(array[None, :, None], count, axis=2))
+        return cls(repeated, np.zeros((1, len(LAW_FIELDS), count)))
 
     @classmethod
     def unknown(cls, count: int, laws: int = 1, components: int = 1) -> "Errors":
         """Return n errors that are not known."""
         shape = (laws, components, count)
-        flow_stress = np.zeros((laws, len(LAW_FIELDS), count))
-        return cls(np.full(shape, np.nan), np.zeros(shape), np.ones(shape), np.ones(shape), flow_stress)
+        ratio = Mixture(np.full(shape, np.nan), np.zeros(shape), np.ones(shape), np.ones(shape))
+        return cls(ratio, np.zeros((laws, len(LAW_FIELDS), count)))
 
-    @property
-    def arrays(self) -> list[Floats]:
-        """All arrays, of which the last axis is that of the armours."""
-        return [self.weights, self.shifts, self.scales, self.degrees_of_freedom, self.flow_stress]
-
-    def grown(self, *shapes: tuple[int, ...]) -> "Errors":
-        """Return the errors with as many laws and components as the most of some shapes; further ones are not used."""
-        more = [max(shape[axis] for shape in shapes) - self.weights.shape[axis] for axis in (0, 1)]
-        pads = ((0, more[0]), (0, more[1]), (0, 0))
-        weights, shifts = (np.pad(array, pads) for array in (self.weights, self.shifts))
-        scales, freedom = (np.pad(array, pads, constant_values=1.0) for array in self[2:4])
-        weights[:, :, ~self.known] = np.nan
-        flow_stress = np.pad(self.flow_stress, (pads[0], (0, 0), (0, 0)))
-        return Errors(weights, shifts, scales, freedom, flow_stress, self.logarithmic)
+    def put(self, law: int, where: Any, components: Sequence[Any], flow_stress: Any) -> None:
+        """Set a law of some armours: arrays of its mixture, (components, n) each, and its parameters, (fields, n)."""
+        count = len(components[1])
+        for array, values in zip(self.ratio.arrays, components, strict=True):
+            array[law, :count][:, where] = values
+        self.flow_stress[law][:, where] = flow_stress
 
     def at(self, where: Any) -> "Errors":
         """Return the errors of some armours."""
-        return Errors._make([*(array[..., where] for array in self.arrays), self.logarithmic])
+        return Errors(self.ratio.mapped(lambda array: array[..., where]), self.flow_stress[..., where])
+
+    @property
+    def weights(self) -> Floats:
+        """Probabilities of the components, (laws, components, n)."""
+        return self.ratio.weights
 
     @property
     def known(self) -> Any:
@@ -179,38 +172,24 @@ class Errors(NamedTuple):
 
     def of_law(self, law: int) -> Mixture:
         """Return the distributions of the ratio by a law alone, (components, n)."""
+        alone = self.ratio.mapped(lambda array: array[law])
         with np.errstate(invalid="ignore"):
-            weights = self.weights[law] / self.weights[law].sum(axis=0)
-        return Mixture(weights, self.shifts[law], self.scales[law], self.degrees_of_freedom[law], self.logarithmic)
+            return replace(alone, weights=alone.weights / alone.weights.sum(axis=0))
 
     def of_limits(self, limits: Any) -> Mixture:
         """Return the distributions of ballistic limits, given those by each law, (laws, n)."""
         _, components, count = self.weights.shape
-        ratio = Mixture(self.weights, self.shifts, self.scales, self.degrees_of_freedom, self.logarithmic)
-        return ratio.mapped(lambda array: array.reshape(-1, count)).times(np.repeat(limits, components, axis=0))
+        return self.ratio.mapped(lambda array: array.reshape(-1, count)).times(np.repeat(limits, components, axis=0))
 
 
-def errors_of(armour: Any, tensile_MPa: Any, cosines: Any) -> Errors:
-    """Return the errors of the model on tests of such armours, for n armours.
-
-    Parameters
-    ----------
-    armour : Parameters
-        Arrays, (n,) each; thicknesses along the line of fire.
-    tensile_MPa : array, (n,)
-        Tensile strengths of the back plates, MPa; NaN where not given.
-    cosines : array, (n,)
-        Cosines of the obliquities.
-    """
-    found = Errors.unknown(len(armour.Hc0), max(len(evidence.laws) for evidence in shipped_evidence()))
+def set_shipped(errors: Errors, armour: Parameters, tensile_MPa: Any, cosines: Any) -> None:
+    """Set the errors of those of n armours that the shipped tests are of; see `errors_of`."""
     for evidence in shipped_evidence():
         where = np.flatnonzero((evidence.differences(armour) == 0) & (evidence.fails_angle(cosines) ^ True))
-        if len(where):
-            near = outside(evidence, Parameters(*(values[where] for values in armour))) <= farthest(evidence)
-            where = where[near]
-        if not len(where):
-            continue
-        some = Parameters(*(values[where] for values in armour))
+        where = where[
+            _factor(evidence, rows_of(armour, where)) <= (FARTHEST_BARE if evidence.bare else FARTHEST_CERAMIC)
+        ]
+        some = rows_of(armour, where)
         conditions = Conditions(
             some.Hc0 / some.D0,
             some.Hb / some.D0,
@@ -219,19 +198,19 @@ def errors_of(armour: Any, tensile_MPa: Any, cosines: Any) -> Errors:
             MEASURES["rod_mass_ratio"].of(some),
             1.0 / cosines[where],
         )
+        errors.weights[..., where] = 0.0
         if evidence.bare:
-            _set_bare(found, evidence, where, conditions)
+            _set_bare(errors, evidence, where, conditions)
         else:
-            _set_by_law(found, evidence, where, conditions, some)
-    return found
+            _set_by_law(errors, evidence, where, conditions, some)
 
 
-def farthest(evidence: Evidence) -> float:
-    """Return the factor outside the ranges of tests beyond which the error is not known."""
-    return FARTHEST_BARE if evidence.bare else FARTHEST_CERAMIC
+def rows_of(armour: Parameters, where: Any) -> Parameters:
+    """Return some of n armours."""
+    return Parameters._make(np.asarray(values)[where] for values in armour)
 
 
-def outside(evidence: Evidence, armour: Parameters) -> Any:
+def _factor(evidence: Evidence, armour: Parameters) -> Any:
     """Return the greatest factor by which n armours are outside the ranges of tests that the error depends on."""
     measures = [MEASURES[name] for name in (DOUBTED if evidence.bare else THICKNESSES)]
     factors = [factor_outside(limits, armour) for limits in evidence.measured if limits.measure in measures]
@@ -246,7 +225,7 @@ def factor_outside(limits: DataRange, armour: Parameters) -> Any:
     return np.where((value >= limits.low) & (value <= limits.high), 1.0, np.maximum(factor, 1.0))
 
 
-def _set_bare(found: Errors, evidence: Evidence, where: Any, conditions: Conditions) -> None:
+def _set_bare(errors: Errors, evidence: Evidence, where: Any, conditions: Conditions) -> None:
     """Set the errors of bare plates: of the last fit whose terms are given and were tested."""
     measured = {limits.measure: limits for limits in evidence.measured}
     ranges = {
@@ -255,44 +234,36 @@ def _set_bare(found: Errors, evidence: Evidence, where: Any, conditions: Conditi
         if (limits := measured.get(MEASURES[name])) is not None
     }
     for fit in map(fits().__getitem__, evidence.fits):
-        if fit.tensile is None:
-            rows = np.arange(len(where))
-        else:
+        rows = np.arange(len(where))
+        if fit.tensile is not None:
             ratio = conditions.tensile / conditions.strength
             rows = np.flatnonzero((ratio >= fit.tensile[0]) & (ratio <= fit.tensile[1]))
-        some = Conditions(*(values[rows] for values in conditions))
-        shifts, scales = fit.predicted(some, ranges)
-        places = where[rows]
-        found.weights[:, 0, places] = 0.0
-        found.weights[0, 0, places] = 1.0
-        found.shifts[0, 0, places] = shifts
-        found.scales[0, 0, places] = scales
-        found.degrees_of_freedom[0, 0, places] = fit.degrees_of_freedom
+        shifts, scales = fit.predicted(Conditions(*(values[rows] for values in conditions)), ranges)
+        errors.put(0, where[rows], (1.0, shifts[None], scales, fit.degrees_of_freedom), 0.0)
 
 
-def _set_by_law(found: Errors, evidence: Evidence, where: Any, conditions: Conditions, armour: Parameters) -> None:
+def _set_by_law(errors: Errors, evidence: Evidence, where: Any, conditions: Conditions, armour: Parameters) -> None:
     """Set the errors of armours with a ceramic: a mixture of all laws with equal weights.
 
     Other laws than the armour's own are those of the fit, with the flow stress in proportion to the armour's.
     """
-    laws = [fits()[name] for name in evidence.fits]
+    laws, own_law = [fits()[name] for name in evidence.fits], law_of(armour)
     for own, ranges in enumerate(evidence.laws):
         rows = np.flatnonzero(follows(ranges, armour))
-        places = where[rows]
         some = Conditions(*(values[rows] for values in conditions))
-        of_armour = {name: getattr(armour, name)[rows] for name in LAW_FIELDS}
-        order = [own, *(index for index in range(len(laws)) if index != own)]
-        for index, fit in enumerate(laws[place] for place in order):
-            found.weights[index, 0, places] = 1.0 / len(laws)
-            found.shifts[index, 0, places], found.scales[index, 0, places] = fit.predicted(some, {})
-            found.degrees_of_freedom[index, 0, places] = fit.degrees_of_freedom
-            stress = fit.flow_stress["flow_stress_GPa"] / laws[own].flow_stress["flow_stress_GPa"]
-            law = (
-                of_armour["Yc0"] * stress,
-                fit.flow_stress["flow_stress_backing_exponent"],
-                fit.flow_stress["flow_stress_product_exponent"],
-                0.0,
-                0.0,
-            )
-            for field, value in enumerate(of_armour.values() if index == 0 else law):
-                found.flow_stress[index, field, places] = value
+        for index, fit in enumerate([laws[own], *laws[:own], *laws[own + 1 :]]):
+            law = own_law[:, rows]
+            if index:
+                law = np.zeros_like(law)
+                law[0] = own_law[0, rows] * (
+                    fit.flow_stress["flow_stress_GPa"] / laws[own].flow_stress["flow_stress_GPa"]
+                )
+                law[1] = fit.flow_stress["flow_stress_backing_exponent"]
+                law[2] = fit.flow_stress["flow_stress_product_exponent"]
+            shifts, scales = fit.predicted(some, {})
+            errors.put(index, where[rows], (1.0 / len(laws), shifts[None], scales, fit.degrees_of_freedom), law)
+
+
+def law_of(armour: Parameters) -> Floats:
+    """Return the parameters of the law of the flow stress of n armours, (fields, n)."""
+    return np.array([getattr(armour, name) for name in LAW_FIELDS])
