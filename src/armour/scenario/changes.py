@@ -33,36 +33,32 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = 
                 message = f"must be given once, found {describe(given[leaf])} and {describe(found)}"
                 problems.append(Problem(file, key_name(leaf), message))
             given[leaf] = found
-        if message := _put_at(result, parts, value):
+        if message := _put(result, parts, value):
             problems.append(Problem(file, key_name(parts), message))
     refuse(problems)
     return result
 
 
-def _put_at(data: dict[str, Any], parts: Parts, value: object) -> str:
-    """Put a value into data; return what is wrong if the key goes below a value that is not a table, else "".
+def _put(table: dict[str, Any], parts: Parts, value: object, above: Parts = ()) -> str:
+    """Put a value into a table; return what is wrong if the key goes below a value that is not a table, else "".
 
     Tables that change are copied first: those of the data may be shared.
     """
-    table: dict[str, Any] = data
-    for i, part in enumerate(parts[:-1], 1):
-        there = table.get(part, {})
-        if not isinstance(there, dict):
-            hint = LISTED if isinstance(there, list) else suggestion(key_name(parts), list(INPUTS))
-            return f"must not go below {key_name(parts[:i])}, which is {describe(there)}{hint}"
-        table[part] = table = dict(there)
-    _put(table, parts[-1], value)
-    return ""
-
-
-def _put(table: dict[str, Any], key: str, value: object) -> None:
-    there = table.get(key)
+    name, *rest = parts
+    there: Any = table.get(name, {} if rest else None)
+    if rest and not isinstance(there, dict):
+        hint = LISTED if isinstance(there, list) else suggestion(key_name((*above, *parts)), list(INPUTS))
+        return f"must not go below {key_name((*above, name))}, which is {describe(there)}{hint}"
+    if rest:
+        table[name] = dict(there)
+        return _put(table[name], (*rest,), value, (*above, name))
     if isinstance(value, Mapping) and isinstance(there, dict):
-        table[key] = dict(there)
+        table[name] = dict(there)
         for inner in value:
-            _put(table[key], inner, value[inner])
+            _put(table[name], (inner,), value[inner])
     else:
-        table[key] = deepcopy(value)
+        table[name] = deepcopy(value)
+    return ""
 
 
 def changes_of(assignments: Iterable[str]) -> dict[str, Any]:

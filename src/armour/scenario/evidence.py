@@ -1,9 +1,10 @@
 """Evidence: what the model was compared with, where an armour is unlike that, and the error of its ballistic limit."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cache, cached_property, reduce
 from math import expm1, pi
+from operator import and_, or_
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from armour.core.state import Parameters
@@ -196,10 +197,8 @@ class Evidence(NamedTuple):
 
     def differences(self, armour: Parameters) -> Any:
         """Return in how many respects an armour, or each of n, differs; with and without ceramic in most."""
-        found = MOST * (self.bare != (armour.Hc0 == 0.0))
-        for limits in self.kind:
-            found = found + limits.fails(armour)
-        return found + self.of_other_law(armour)
+        found = MOST * (self.bare != (armour.Hc0 == 0.0)) + self.of_other_law(armour)
+        return sum((limits.fails(armour) for limits in self.kind), start=found)
 
     def extrapolated(self, armour: Parameters) -> tuple[str, ...]:
         """Return the ranges of the tests, in words, that an armour lies outside of."""
@@ -207,10 +206,7 @@ class Evidence(NamedTuple):
 
     def of_other_law(self, armour: Parameters) -> Any:
         """Return whether the flow stress of the ceramic of an armour, or of each of n, has none of the laws."""
-        found = bool(self.laws)
-        for law in self.laws:
-            found = found & (follows(law, armour) ^ True)
-        return found
+        return reduce(and_, (is_outside(law, armour) for law in self.laws), bool(self.laws))
 
     def angles(self) -> str:
         """Return the angles of the tests, in words."""
@@ -223,12 +219,9 @@ class Evidence(NamedTuple):
         return cosine < cosine_of(self.obliquity_max_deg)
 
 
-def follows(law: tuple[DataRange, ...], armour: Parameters) -> Any:
-    """Return whether the flow stress of the ceramic of an armour, or of each of n, has a law."""
-    found: Any = True
-    for limits in law:
-        found = found & (limits.fails(armour) ^ True)
-    return found
+def is_outside(ranges: Iterable[DataRange], armour: Parameters) -> Any:
+    """Return whether an armour, or each of n, lies outside any of some ranges."""
+    return reduce(or_, (limits.fails(armour) for limits in ranges), False)
 
 
 def _ranges(data: Mapping[str, tuple[float, float]]) -> tuple[DataRange, ...]:
@@ -383,8 +376,7 @@ def _of_ceramic(evidence: Evidence, armour: Parameters) -> Iterator[Limit]:
     ceramics = tested_ceramics().values()
     untested = unknown = True
     for ceramic in ceramics:
-        density, modulus = ceramic.kind
-        different = density.fails(armour) | modulus.fails(armour)
+        different = is_outside(ceramic.kind, armour)
         unknown = unknown & different
         if ceramic.measured:
             untested = untested & different

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armour.core.state import Parameters
-from armour.scenario.evidence import MEASURES, DataRange, Evidence, follows, shipped_data, shipped_evidence
+from armour.scenario.evidence import MEASURES, DataRange, Evidence, is_outside, shipped_data, shipped_evidence
 from armour.scenario.library import DEFAULTS
 from armour.scenario.mixture import Floats, Mixture
 from armour.units import GPA, MPA
@@ -249,7 +249,7 @@ def _set_by_law(errors: Errors, evidence: Evidence, where: Any, conditions: Cond
     """
     laws, own_law = [fits()[name] for name in evidence.fits], law_of(armour)
     for own, ranges in enumerate(evidence.laws):
-        rows = np.flatnonzero(follows(ranges, armour))
+        rows = np.flatnonzero(is_outside(ranges, armour) ^ True)
         some = Conditions(*(values[rows] for values in conditions))
         for index, fit in enumerate([laws[own], *laws[:own], *laws[own + 1 :]]):
             law = own_law[:, rows]

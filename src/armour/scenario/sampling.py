@@ -122,10 +122,7 @@ def _untruncated(distribution: Distribution, own: float) -> Any:
 
 def centre_and_width(distribution: Distribution, own: float) -> tuple[float, float]:
     """Return mean and standard deviation before truncation; of a lognormal distribution, those of the logarithm."""
-    mean = own if distribution.mean is None else distribution.mean
-    percent = distribution.standard_deviation_percent
-    deviation = abs(mean) * percent / 100.0 if percent is not None else distribution.standard_deviation
-    assert deviation is not None
+    mean, deviation = distribution.moments(own)
     if distribution.distribution != "lognormal":
         return mean, deviation
     return log(mean / hypot(1.0, deviation / mean)), sqrt(log1p((deviation / mean) ** 2))

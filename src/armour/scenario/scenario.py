@@ -33,10 +33,8 @@ from armour.scenario.inputs import (
 )
 from armour.scenario.keys import Parts, key_name, leaves, parts_of
 from armour.scenario.library import (
-    DYNAMIC,
     KINDS,
     ROD,
-    STATIC,
     Entry,
     Kind,
     Library,
@@ -94,7 +92,6 @@ class _Source(NamedTuple):
     data: dict[str, Any]
     file: str  # name for messages
     folder: Path  # of the library files that the scenario names
-    set_by_hand: frozenset[Parts] = frozenset()  # keys of values of the library that the file does not hold
 
 
 class Scenario(Section):
@@ -228,20 +225,16 @@ class Scenario(Section):
         return list(chain)
 
     def input_of(self, parts: Parts) -> str:
-        """Return the input that takes its value from a key of the section [library]; "" if none."""
-        inputs = self.inputs()
-        for role, kind in ROLES.items():
-            name = self.name_of(role)
-            if name is None or parts[:1] != (kind,) or len(parts) < 3:
+        """Return the input whose value changes with that of a key of the section [library]; "" if none does."""
+        kind, name, key = parts[:3] if len(parts) > 2 else ("", "", "")
+        entry = self.entries.entries.get(kind, {}).get(name)  # type: ignore[call-overload]
+        own = self.inputs()
+        for factor in (1.01, 0.99) if entry and key in entry.values else ():  # one of them is within the bounds
+            try:
+                other = self.replaced({key_name(("library", kind, name, key)): factor * entry[key] or 0.01}).inputs()
+            except InputError:
                 continue
-            key = DYNAMIC if parts[2] == STATIC and self.entry(kind, name).is_static else parts[2]
-            if f"{role}.{key}" not in inputs:
-                continue
-            chain = self.bases_of(kind, name)
-            own = getattr(self.library, kind)
-            givers = [base for base in chain if base in own and getattr(own[base], parts[2]) is not None]
-            if givers[:1] == [parts[1]]:
-                return f"{role}.{key}"
+            return next((name for name in own if own[name] != other[name]), "")
         return ""
 
     def core_armour(self) -> Parameters:
@@ -288,9 +281,9 @@ class Scenario(Section):
         A key may also be an input, such as ``"ceramic.flow_stress_GPa"``.  A table is merged into an existing one.  The
         scenario is validated again; an InputError lists every mistake.
         """
-        data, file, folder, set_by_hand = self._source
+        data, file, folder = self._source
         try:
-            return parse_changed(data, changes, file=file, folder=folder, set_by_hand=set_by_hand)
+            return parse_changed(data, changes, file=file, folder=folder)
         except InputError as error:
             own = [problem._replace(file="replaced") if problem.file == file else problem for problem in error.problems]
             raise InputError(own) from None
@@ -523,16 +516,10 @@ def _made(source: _Source) -> Scenario:
     return scenario
 
 
-def parse_changed(
-    data: Mapping[str, Any],
-    *changes: Mapping[str, object],
-    file: str,
-    folder: Path,
-    set_by_hand: frozenset[Parts] = frozenset(),
-) -> Scenario:
+def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file: str, folder: Path) -> Scenario:
     """Make a scenario from plain data with other values by dotted key or input, one mapping after the other.
 
-    Inputs are set last.  `set_by_hand` are the keys of values of the library that were set before.
+    Inputs are set last.  Values of the library get a source that says so.
     """
     inputs: dict[str, Any] = {}
     for group in filter(None, changes):
@@ -545,8 +532,14 @@ def parse_changed(
             kept = {key: value for key, value in _table(data, "impact").items() if key not in GIVEN}
             own = {key: set_now["impact", key] for key in GIVEN if ("impact", key) in set_now}
             data["impact"] = kept | own
-        set_by_hand = set_by_hand.union(leaf[:4] for leaf in set_now if leaf[0] == "library" and len(leaf) > 3)
-    made = _made(_Source(deepcopy(dict(data)), file, folder, set_by_hand))
+        sourced = {
+            key_name(leaf): {NUMBER: value, "source": f"a change to {file}"}
+            for leaf, value in set_now.items()
+            if leaf[0] == "library" and len(leaf) == 4 and leaf[3] not in Entry.model_fields
+            if isinstance(value, int | float)
+        }
+        data = changed(data, sourced, file)
+    made = _made(_Source(deepcopy(dict(data)), file, folder))
     if not inputs:
         return made
     try:
@@ -668,23 +661,13 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], l
         {} if unread else {kind: library.known(kind) | {name: name for name in _table(tables, kind)} for kind in KINDS}
     )
     try:
-        section = LibrarySection.model_validate(_with_sources(source, tables))
+        section = LibrarySection.model_validate(tables)
         library = library.extended(section, source.file, "library")
     except ValidationError:
         pass  # the validation of the whole scenario reports it
     except InputError as error:
         problems += (problem for problem in error.problems if not (unread and problem.key.endswith(".based_on")))
     return library, names, problems
-
-
-def _with_sources(source: _Source, tables: dict[str, Any]) -> dict[str, Any]:
-    """Return the tables of the library in which numbers that were set by hand have a source that says so."""
-    found = deepcopy(tables)
-    for _, kind, name, key in source.set_by_hand:
-        entry = _table(_table(found, kind), name)
-        if isinstance(entry.get(key), int | float):
-            entry[key] = {NUMBER: entry[key], "source": f"a change to {source.file}"}
-    return found
 
 
 def _table(data: Mapping[str, Any], key: str) -> dict[str, Any]:

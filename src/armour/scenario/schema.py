@@ -449,16 +449,20 @@ class Distribution(Section):
         """The least and the greatest value, infinite where there is none."""
         return -inf if self.min is None else self.min, inf if self.max is None else self.max
 
+    def moments(self, own: float) -> tuple[float, float]:
+        """Return mean and standard deviation before truncation, given the scenario's own value."""
+        mean, percent = own if self.mean is None else self.mean, self.standard_deviation_percent
+        return mean, abs(mean) * percent / 100.0 if percent is not None else self.standard_deviation or 0.0
+
     def contains(self, own: float) -> bool:
-        """Return whether the scenario's own value lies between min and max and, where a mean is given, near it."""
+        """Return whether the scenario's own value lies between min and max and, if a mean is given, near it."""
         low, high = self.ends
-        mean = own if self.mean is None else self.mean
-        width = self.standard_deviation or (self.standard_deviation_percent or 0.0) / 100.0 * abs(mean)
-        return low <= own <= high and abs(own - mean) <= NEAR * width
+        mean, deviation = self.moments(own)
+        return low <= own <= high and abs(own - mean) <= NEAR * deviation
 
     def mean_problem(self, own: float) -> str:
         """Return why the distribution cannot have its mean, by default the scenario's own value; "" if it can."""
-        mean = own if self.mean is None else self.mean
+        mean, _ = self.moments(own)
         if self.distribution == "lognormal" and mean <= 0.0:
             return f"must have a mean greater than 0 to be lognormal, found {mean:g}"
         if self.standard_deviation_percent is not None and mean == 0.0:

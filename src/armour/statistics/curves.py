@@ -265,10 +265,6 @@ class Likelihood:
             return direction * inf
         return self.bound(lambda location: self.with_value(z, location), (z - a) / b, direction, root)
 
-    def quantile_interval(self, z: float) -> tuple[float, float]:
-        """Return the ends of the interval of the velocity at which the argument of F has a value."""
-        return self.quantile_end(z, -1.0, self.root), self.quantile_end(z, 1.0, self.root)
-
     def scale_interval(self) -> tuple[float, float]:
         """Return the ends of the interval of the scale, the inverse of the slope."""
 
@@ -337,8 +333,8 @@ def fit_curve(
     scale = 0.0 if shots.separated else deviation / b
 
     def interval(z: float) -> Interval:
-        low, high = shots.quantile_interval(z)
-        return bounded(mean + deviation * low), bounded(mean + deviation * high)
+        low, high = (bounded(mean + deviation * shots.quantile_end(z, side, shots.root)) for side in (-1.0, 1.0))
+        return low, high
 
     def lower(z: float) -> float | None:
         return bounded(mean + deviation * shots.quantile_end(z, -1.0, float(ndtri(confidence)))) if penalised else None

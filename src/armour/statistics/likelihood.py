@@ -284,20 +284,21 @@ def search(likelihood: Likelihood, start: Floats, held: int | None = None, scatt
     # Without outcomes and prior the scatter has no effect on the most likely inputs.
     scatter_matters = bool(sides.any() or len(prior.where))
 
-    @cache
-    def deviations_at(some: tuple[float, ...]) -> Floats:
+    def at(some: Floats | tuple[float, ...]) -> Floats:
         found = x.copy()
         found[free] = some
-        return likelihood.deviations(found)
+        return found
+
+    @cache
+    def deviations_at(some: tuple[float, ...]) -> Floats:
+        return likelihood.deviations(at(some))
 
     def moved(scatter: float) -> Floats:
         """Move to the most likely inputs given the scatter, and return their deviations."""
 
         def losses(some: Floats) -> Floats:
             z = deviations_at(tuple(some.tolist())) / scatter
-            found = x.copy()
-            found[free] = some
-            return np.concatenate([_losses(z, sides), prior.scores(found)])
+            return np.concatenate([_losses(z, sides), prior.scores(at(some))])
 
         def slopes(some: Floats) -> Floats:
             return approx_fprime(some, losses, DIFFERENCE)

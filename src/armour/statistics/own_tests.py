@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import log
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -19,15 +19,15 @@ from scipy.special import log_ndtr
 from armour.analysis.estimates import TAIL
 from armour.analysis.variants import Floats, variants_of
 from armour.core.equations import THINNEST_CERAMIC
-from armour.core.state import Parameters
 from armour.engine import batch
-from armour.scenario.evidence import MEASURES, tested_ceramics
-from armour.scenario.inputs import fields_of, inputs_of_entry
-from armour.scenario.library import FLOW_STRESS_LAW, LawEvidence, LibraryEntry, OwnEvidence, TestedRanges
+from armour.scenario.evidence import MEASURES, is_outside, tested_ceramics
+from armour.scenario.library import FLOW_STRESS_LAW, LawEvidence, OwnEvidence, TestedRanges
 from armour.scenario.mixture import Mixture
+from armour.scenario.own_evidence import PRODUCT
 from armour.scenario.scenario import NORMAL
 from armour.statistics.likelihood import MODELS
 from armour.statistics.measured import LIMIT, Tests
+from armour.statistics.posterior import narrowed
 
 # Priors: of AD85, of which there are tests, the flow stress and the standard deviation of its logarithm between series;
 # of any other value its standard deviation about its own; of the exponents; and of the error, which is log-normal, the
@@ -142,9 +142,9 @@ def _of_law(
             logarithm += log_ndtr(side * away / spread) if side else -0.5 * (away / spread) ** 2 - np.log(spread)
         kept = logarithm > logarithm.max() - DEPTH
         steps = [(axis[1] - axis[0]) if len(axis) > 1 else 1.0 for axis in (stress, exponent)]
-        ends[0] = _narrowed(stress, kept.any(axis=(0, 2)))
+        ends[0] = narrowed(stress, kept.any(axis=(0, 2)))
         if covariate is not None:
-            ends[1] = _narrowed(exponent, kept.any(axis=(0, 1)))
+            ends[1] = narrowed(exponent, kept.any(axis=(0, 1)))
     greatest = logarithm.max(axis=(1, 2))
     weights = np.exp(logarithm - greatest[:, None, None])
     totals = weights.sum(axis=(1, 2))
@@ -164,16 +164,9 @@ def _of_law(
     return greatest + np.log(totals) + log(volume), means, covariances, float(slope)
 
 
-def _narrowed(axis: Floats, kept: Floats) -> tuple[float, float]:
-    """Return the range of the nodes that are kept, and of one more at each end."""
-    where = np.flatnonzero(kept)
-    return float(axis[max(where[0] - 1, 0)]), float(axis[min(where[-1] + 1, len(axis) - 1)])
-
-
 # Values of the fitted input over its own one, for the curves.
 RATIOS = np.geomspace(0.12, 8.0, 60)
 # Keys of the exponents of the laws of the flow stress; of a constant one, "".
-PRODUCT = "flow_stress_product_exponent"
 EXPONENTS = ("", "flow_stress_backing_exponent", PRODUCT)
 # Digits of what is written, and the least probability of a component.
 DIGITS, LEAST = 6, 1e-6
@@ -221,7 +214,8 @@ def own_evidence(tests: Tests, fitted: Mapping[str, float]) -> tuple[OwnEvidence
         np.array([(shot.uncertainty or 0.0) / shot.value for shot in shots]),
         curves,
     )
-    tested = of_law and is_tested(entry)
+    armour = tests.groups[0].scenario.core_armour()
+    tested = of_law and any(one.measured and not is_outside(one.kind, armour) for one in tested_ceramics().values())
     centre, deviation = (log(TESTED_GPA), TESTED) if tested else (log(entry[key]), UNTESTED)
     posteriors = evidence_of(measured, covariates, centre, deviation)
     ranges = {of: np.asarray(MEASURES[of].of(armours)) for of in TestedRanges.model_fields}
@@ -239,14 +233,6 @@ def own_evidence(tests: Tests, fitted: Mapping[str, float]) -> tuple[OwnEvidence
 def rounded(value: float) -> float:
     """Return a number with the digits of what is written."""
     return float(f"{value:.{DIGITS}g}")
-
-
-def is_tested(ceramic: LibraryEntry) -> bool:
-    """Return whether the shipped evidence has tests of a ceramic."""
-    fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(inputs_of_entry("ceramic", ceramic))
-    own = Parameters(**fields)
-    kinds = [found.kind for found in tested_ceramics().values() if found.measured]
-    return any(not any(limits.fails(own) for limits in kind) for kind in kinds)
 
 
 def _section(exponent: str, posterior: LawPosterior) -> LawEvidence:

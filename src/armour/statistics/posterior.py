@@ -13,7 +13,7 @@ from math import log
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 from scipy.special import log_ndtr, ndtr, ndtri
 
 from armour.analysis.ballistic_limit import no_error
@@ -222,14 +222,14 @@ def _posterior_of(
             logarithm += count * log_ndtr(sign * (velocity - points.v50_m_s) / points.scatter_m_s)
         logarithm -= logarithm.max()
         kept = (logarithm > -DEPTH).reshape(nodes)
-        part = kept.any(axis=1).mean(), kept.any(axis=0).mean()
-        if min(part) >= ENOUGH:
-            break
+        of_v50, of_scatter = kept.any(axis=1), kept.any(axis=0)
         # V50s too far apart seem to need a large scatter: its range is narrowed only after theirs.
-        if part[0] < ENOUGH:
-            ranges[0] = _narrowed(v50, kept.nonzero()[0])
+        if of_v50.mean() < ENOUGH:
+            ranges[0] = narrowed(v50, of_v50)
+        elif of_scatter.mean() < ENOUGH:
+            ranges[1] = narrowed(log_ratio, of_scatter)
         else:
-            ranges[1] = _narrowed(log_ratio, kept.nonzero()[1])
+            break
     weights = np.exp(logarithm)
     weights /= weights.sum()
     for shared in (weights, points.v50_m_s, points.scatter_m_s):
@@ -237,9 +237,10 @@ def _posterior_of(
     return Posterior(points, weights)
 
 
-def _narrowed(axis: Floats, kept: NDArray[np.intp]) -> tuple[float, float]:
+def narrowed(axis: Floats, kept: ArrayLike) -> tuple[float, float]:
     """Return the range of the nodes that are kept, and of one more at each end."""
-    return float(axis[max(kept.min() - 1, 0)]), float(axis[min(kept.max() + 1, len(axis) - 1)])
+    where = np.flatnonzero(kept)
+    return float(axis[max(where[0] - 1, 0)]), float(axis[min(where[-1] + 1, len(axis) - 1)])
 
 
 def learned(
