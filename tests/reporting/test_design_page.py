@@ -21,6 +21,7 @@ from armour.design.search import Requirement
 from armour.errors import InputError, NoDesignError
 from armour.reporting import design_page as module
 from armour.reporting.design_page import design_page
+from armour.reporting.html import TEMPLATES
 from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario, shipped_scenario
 
@@ -90,7 +91,7 @@ def test_a_page_is_the_same_each_time():
 
 def test_a_page_is_small_and_asks_for_nothing():
     assert len(page().encode()) < 1_500_000
-    assert (module.TEMPLATES / "map.js").stat().st_size <= 45_000
+    assert (TEMPLATES / "map.js").stat().st_size <= 45_000
     assert "http" not in page().replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "")
     assert page().count("</script>") == 2
     scripts, styles = (re.findall(rf"<{tag}>(.*?)</{tag}>", page(), re.DOTALL) for tag in ("script", "style"))

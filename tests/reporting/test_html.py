@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from armour.reporting.charts import PALETTE, Axis, Bars, Chart, Line, Panel, Points, Spans
+from armour.reporting.charts import PALETTE, Axis, Chart, Line, Panel, Points, Spans
 from armour.reporting.html import MAX_POINTS, html_report, inline_svg
 from armour.reporting.report import Card, Report, Section
 from armour.reporting.scenario_report import contents_of, scenario_report
@@ -170,11 +170,7 @@ def test_points_of_a_curve_keep_a_distance_and_are_bounded():
     assert len(circles(zigzag)) == MAX_POINTS
 
 
-def test_bars_and_spans_have_their_words():
-    bars = Bars([0.0, 0.0, 0.0], [4.0, None, 0.0], text=("one", "two", "three"))
-    assert words(one(bars, y=Axis(categories=("a", "b", "c")))) == ["one"]
-    values = Bars([0.0, 1.0], [4.0, 2.5], label="made")
-    assert words(one(values, y=Axis(categories=("a", "b")))) == ["a\nmade: length 4 mm", "b\nmade: length 2.5 mm"]
+def test_spans_have_their_words():
     spans = Spans([0.0, 5.0], [5.0, 10.0], ("i", "ii"), text=("stage i", "stage ii"))
     assert words(one(spans)) == ["stage i", "stage ii"]
 

@@ -95,19 +95,10 @@ class Points(Series):
     marker: str = "o"
     size: float = 5.0
     filled: bool = True
-    names: tuple[
-        str, ...
-    ] = ()  # beside the points: above to the right of those that are filled, below to the left of others
+    # Beside the points: above to the right of those that are filled, below to the left of others.
+    names: tuple[str, ...] = ()
     x_ends: tuple[tuple[float, float], ...] = ()
     y_ends: tuple[tuple[float, float], ...] = ()
-
-
-@dataclass(frozen=True)
-class Bars(Series):
-    """Horizontal bars, one for each category of the y axis."""
-
-    starts: Numbers
-    ends: Numbers
 
 
 @dataclass(frozen=True)
@@ -141,41 +132,46 @@ class Spans(Series):
 
 
 @dataclass(frozen=True)
-class Boxes(Series):
-    """Rectangles: left, bottom, width and height of each; those of a broken material are hatched."""
+class Box(Series):
+    """A rectangle; one of a broken material is hatched."""
 
-    places: Sequence[tuple[float, float, float, float]]
+    left: float
+    right: float
+    bottom: float
+    top: float
     broken: bool = False
 
 
 @dataclass(frozen=True)
 class Words(Series):
-    """Words at places, on which they stand, or below which they hang, and how they are aligned with them."""
+    """Words at places along a line, on which they stand, or below which they hang."""
 
     x: Sequence[float]
-    y: Sequence[float]
+    y: float
     words: tuple[str, ...]
-    align: str = "center"
     above: bool = True
 
 
 @dataclass(frozen=True)
-class Map(Series):
-    """A quantity over a grid, as colours; ``z[j][i]`` belongs to ``x[i]`` and ``y[j]``."""
+class OnGrid(Series):
+    """A quantity over a grid; ``z[j][i]`` belongs to ``x[i]`` and ``y[j]``."""
 
     x: Sequence[float]
     y: Sequence[float]
     z: Sequence[Numbers]
+
+
+@dataclass(frozen=True)
+class Map(OnGrid):
+    """A quantity over a grid, as colours."""
+
     heading: str = ""
 
 
 @dataclass(frozen=True)
-class Contours(Series):
+class Contours(OnGrid):
     """Lines of equal value over a grid: at given values, with words, or at about so many round ones, with these."""
 
-    x: Sequence[float]
-    y: Sequence[float]
-    z: Sequence[Numbers]
     style: str = "solid"
     levels: int = 6
     at: tuple[float, ...] = ()
@@ -184,12 +180,9 @@ class Contours(Series):
 
 
 @dataclass(frozen=True)
-class Region(Series):
-    """The part of a grid where a quantity is at least one value and below another, tinted, with words at a corner."""
+class Region(OnGrid):
+    """The part of a grid where a quantity is at least one value and below another, tinted."""
 
-    x: Sequence[float]
-    y: Sequence[float]
-    z: Sequence[Numbers]
     low: float = -np.inf
     high: float = np.inf
 

@@ -5,11 +5,9 @@ from base64 import b64encode
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from hashlib import sha256
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from armour import __version__
 from armour.analysis.results import OnProgress, ignore_progress
@@ -18,12 +16,12 @@ from armour.core.state import Parameters
 from armour.design.catalogue import COST, NO_BOUND, Catalogue, catalogue_of
 from armour.design.map import DesignMap, design_map, thicknesses_tested
 from armour.errors import InputError, Problem
+from armour.reporting.html import TEMPLATES, rendered
 from armour.scenario.evidence import closest
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Layer
 from armour.units import MM
 
-TEMPLATES = Path(__file__).parent / "templates"
 # Probabilities of which a page has the velocities that are stopped.  With the interpolation of the page, probabilities
 # of 1 to 99 % are right to 0.002, also where the laws of the evidence are far apart.
 PROBABILITIES = (0.99, 0.975, 0.95, 0.9, 0.85, 0.77, 0.68, 0.59, 0.5, 0.41, 0.32, 0.23, 0.15, 0.08, 0.04, 0.02, 0.01)
@@ -61,14 +59,11 @@ def design_page(
         "command": list(command),
         "changes": list(changes),
     }
-    script, style = ((TEMPLATES / name).read_text() for name in ("map.js", "map.css"))
-    environment = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined)
-    page = environment.get_template("map.html")
     # In JSON within HTML, no "<" may begin a tag.
     content = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
-    texts = {"js": script, "css": style}
-    hashes = {name: b64encode(sha256(text.encode()).digest()).decode() for name, text in texts.items()}
-    return page.render(title=data["subject"], data=content, script=script, style=style, hashes=hashes) + "\n"
+    texts = {ending: (TEMPLATES / f"map.{ending}").read_text() for ending in ("js", "css")}
+    hashes = {ending: b64encode(sha256(text.encode()).digest()).decode() for ending, text in texts.items()}
+    return rendered("map.html", title=data["subject"], data=content, texts=texts, hashes=hashes)
 
 
 def _question(catalogue: Catalogue) -> dict[str, Any]:

@@ -108,7 +108,8 @@ def draw(chart: charts.Chart, width: float | None = None) -> Figure:
         figure.draw_without_rendering()  # places the panels
         shown = [(axes, panel) for axes, panel in zip(panels, chart.panels, strict=True) if not panel.to_scale]
         if handles := [h for axes, panel in shown for h in _name_in_place(axes, rows=bool(panel.y.categories))]:
-            columns = _legend_columns([str(handle.get_label()) for handle in handles], width)
+            longest = max(len(handle.get_label()) for handle in handles) + 8
+            columns = max(1, min(3, len(handles), _characters(width, NAME) // longest))
             height = figure.get_figheight() + LEGEND_INCHES * -(-len(handles) // columns)
             figure.set_figheight(height)
             figure.supxlabel("")  # the legend has the note, as both have their place below the panels
@@ -137,12 +138,6 @@ def _write_titles(figure: Figure, title: Sequence[str], subject: Sequence[str]) 
 def _characters(width: float, size: float, character: float = CHARACTER) -> int:
     """Return the number of characters of a size that fit into a width in inches."""
     return max(10, int(72.0 * width / (character * size)))
-
-
-def _legend_columns(labels: Sequence[str], width: float) -> int:
-    """Return the number of columns of a legend that fit side by side."""
-    longest = max((len(label) for label in labels), default=0) + 8
-    return max(1, min(3, len(labels), _characters(width, NAME) // longest))
 
 
 def _height(panel: charts.Panel, width: float) -> float:
@@ -175,8 +170,6 @@ def _draw_panel(axes: Axes, panel: charts.Panel) -> None:
         # A label that begins with an underscore has no place in a legend.
         label = f" {item.label}" if item.label.startswith("_") else item.label
         _draw_series(replace(item, label=label, colour=charts.PALETTE[item.colour]), axes)
-    if panel.x.from_zero:
-        axes.set_xlim(left=0.0)
     if panel.y.from_zero:
         axes.set_ylim(bottom=0.0)
     axes.set(title=panel.title, xlabel=panel.x.heading, ylabel=panel.y.heading)
@@ -248,18 +241,9 @@ def _(item: charts.Band, axes: Axes) -> None:
 
 
 @_draw_series.register
-def _(item: charts.Bars, axes: Axes) -> None:
-    starts, ends = np.array(item.starts, float), np.array(item.ends, float)
-    style: Any = {"height": 0.7, "color": item.colour, "label": item.label or None}
-    axes.barh(range(len(ends)), ends - starts, left=starts, **style)
-
-
-@_draw_series.register
-def _(item: charts.Boxes, axes: Axes) -> None:
+def _(item: charts.Box, axes: Axes) -> None:
     style: Any = {"facecolor": item.colour, "edgecolor": INK, "linewidth": 0.5, "hatch": "xxx" if item.broken else None}
-    for index, (left, bottom, width, height) in enumerate(item.places):
-        label = "" if index else item.label
-        axes.add_patch(Rectangle((left, bottom), width, height, label=label, **style))
+    axes.add_patch(Rectangle((item.left, item.bottom), item.right - item.left, item.top - item.bottom, **style))
 
 
 @_draw_series.register
@@ -267,10 +251,10 @@ def _(item: charts.Words, axes: Axes) -> None:
     low, high = axes.get_xlim()
     room = np.diff(item.x).min(initial=high - low) * 72.0 / axes.figure.dpi * axes.bbox.width / (high - low)
     longest = max(len(line) for words in item.words for line in words.splitlines())
-    look: Any = {"ha": item.align, "va": "bottom" if item.above else "top"}
+    look: Any = {"ha": "center", "va": "bottom" if item.above else "top"}
     look["fontsize"] = min(SMALL, room / (CHARACTER * (longest + 1)))
-    for x, y, words in zip(item.x, item.y, item.words, strict=True):
-        axes.text(x, y, words, **look)
+    for x, words in zip(item.x, item.words, strict=True):
+        axes.text(x, item.y, words, **look)
 
 
 @_draw_series.register
@@ -329,10 +313,20 @@ def _(item: charts.Region, axes: Axes) -> None:
         axes.fill([], [], color=item.colour, alpha=TINT, linewidth=0, label=item.label)
 
 
+def _contours(axes: Axes) -> list[ContourSet]:
+    return [lines for lines in axes.collections if isinstance(lines, ContourSet) and not lines.filled]
+
+
 def _label_contours(axes: Axes) -> None:
     """Label every contour where it is farthest from edges, other contours and labels."""
-    contours = [lines for lines in axes.collections if isinstance(lines, ContourSet) and not lines.filled]
-    curves = [[axes.transLimits.transform(_thinned(path.vertices)) for path in lines.get_paths()] for lines in contours]
+    contours = _contours(axes)
+    curves = [
+        [
+            axes.transLimits.transform(np.array(path.vertices)[:: 1 + len(path) // CONTOUR_POINTS])
+            for path in lines.get_paths()
+        ]
+        for lines in contours
+    ]
     labels = _names_of_points(axes)
     for lines, own in zip(contours, curves, strict=True):
         if not (words := str(lines.get_label()).removeprefix("_")):
@@ -342,13 +336,12 @@ def _label_contours(axes: Axes) -> None:
             others = [np.empty((0, 2)), *(other for found in curves for other in found if other is not curve)]
             edges = np.minimum(curve, 1.0 - curve).min(axis=1)
             edges = np.where(edges < EDGE, 0.1 * edges, 1.0)
-            apart = LABEL_WEIGHT * _distances(curve, labels)
-            room = np.min([edges, apart, _distances(curve, np.concatenate(others))], axis=0)
+            apart = LABEL_WEIGHT * _distances(curve, 0.0, labels)
+            room = np.min([edges, apart, _distances(curve, 0.0, np.concatenate(others))], axis=0)
             labels = np.append(labels, curve[[room.argmax()]], axis=0)
         places = axes.transLimits.inverted().transform(labels[first:])
-        axes.clabel(
-            lines, fontsize=7.0, fmt=VALUE if words == VALUE else lambda _, words=words: words, manual=places.tolist()
-        )
+        fmt = VALUE if words == VALUE else dict.fromkeys(lines.levels, words)
+        axes.clabel(lines, fontsize=SMALL, fmt=fmt, manual=places.tolist())
 
 
 def _names_of_points(axes: Axes) -> Any:
@@ -362,45 +355,33 @@ def _names_of_points(axes: Axes) -> Any:
     return np.concatenate(found)
 
 
-def _thinned(points: Any) -> Any:
-    return points[:: 1 + len(points) // CONTOUR_POINTS]
-
-
-def _distances(points: Any, others: Any) -> Any:
-    """Return the distance of each point from the nearest of others, as a part of the axes."""
-    return np.linalg.norm(points[:, None] - others, axis=2).min(axis=1, initial=np.inf)
-
-
 def _name_in_place(axes: Axes, *, rows: bool) -> list[Any]:
     """Write the name of each line, and of few points, beside it where there is room; return what needs a legend."""
     handles, labels = axes.get_legend_handles_labels()
     if rows:
         return list(handles)
-    seen = {handle: _seen(handle, axes) for handle in axes.lines}
-    segments = [
-        part for lines in axes.collections if isinstance(lines, LineCollection) for part in lines.get_segments()
-    ]
-    contours = [lines for lines in axes.collections if isinstance(lines, ContourSet) and not lines.filled]
-    segments += [np.array(path.vertices, float) for lines in contours for path in lines.get_paths()]
+    seen: dict[Any, Any] = {line: _seen(line, axes) for line in axes.lines}
+    bars = [lines for lines in axes.collections if isinstance(lines, LineCollection)]
+    paths = [np.array(path.vertices) for lines in (*bars, *_contours(axes)) for path in lines.get_paths()]
     scale = 72.0 / axes.figure.dpi
-    fixed = [np.empty((0, 2)), *(_filled(scale * axes.transData.transform(part)) for part in segments)]
+    fixed = [np.empty((0, 2)), *(_filled(scale * axes.transData.transform(path)) for path in paths)]
     fixed += [_inside(scale * np.array(text.get_window_extent().extents)) for text in axes.texts]
     rest = []
     for handle, label in zip(handles, labels, strict=True):
-        own = seen[handle] if isinstance(handle, Line2D) else fixed[0]
+        own = seen.get(handle, fixed[0])
         others = np.concatenate([*fixed, *(points for line, points in seen.items() if line is not handle)])
         alone = isinstance(handle, Line2D) and handle.get_linestyle() == "None"
         names = dict.fromkeys("\n".join(wrapped(label, characters)) for characters in NAME_CHARACTERS)
-        tried = ((name, _place(axes, name, own, others, alone=alone)) for name in names)
-        name, place = next((item for item in tried if item[1]), ("", None))
+        places = (_place(axes, name, own, others, alone=alone) for name in names)
+        place = next(filter(None, places), None)
         if place is None or (alone and len(own) > FEW):
             rest.append(handle)
             continue
-        anchor, offset, box = place
+        name, anchor, corner, size = place
         [at] = axes.transData.inverted().transform([anchor / scale]).tolist()
-        beside: Any = {"xytext": offset, "textcoords": "offset points", "ha": "left", "va": "bottom"}
+        beside: Any = {"xytext": corner - anchor, "textcoords": "offset points", "ha": "left", "va": "bottom"}
         axes.annotate(name, at, fontsize=NAME, linespacing=1.1, zorder=5, annotation_clip=False, **beside)
-        fixed.append(_inside(box))
+        fixed.append(_inside([*corner, *(corner + size)]))
     return rest
 
 
@@ -426,8 +407,8 @@ def _inside(box: Any) -> Any:
     return np.column_stack([x.clip(max=right).ravel(), y.clip(max=top).ravel()])
 
 
-def _place(axes: Axes, name: str, own: Any, others: Any, *, alone: bool) -> Any:
-    """Return where a name is nearest to its line and farthest from others: a point of it, the offset, and the box."""
+def _place(axes: Axes, name: str, own: Any, others: Any, *, alone: bool) -> tuple[str, Any, Any, Any] | None:
+    """Return a name with where it is farthest from other lines: a point of its own, lower left corner and size."""
     scale = 72.0 / axes.figure.dpi
     left, bottom, right, top = scale * np.array(axes.bbox.extents)
     lines = name.split("\n")
@@ -442,19 +423,13 @@ def _place(axes: Axes, name: str, own: Any, others: Any, *, alone: bool) -> Any:
     corners, from_points = corners[within], np.repeat(anchors, len(shifts), axis=0)[within]
     if not len(corners):
         return None
-    near, far = (_from_boxes(corners, size, points) for points in (own, others))
+    near, far = (_distances(corners, size, points) for points in (own, others))
     room = np.where(near >= (0.5 * GAP), far.clip(max=FAR), 0.0)
     best = int(room.argmax())
-    if room[best] < APART:
-        return None
-    return (
-        from_points[best],
-        (corners[best] - from_points[best]).tolist(),
-        np.append(corners[best], corners[best] + size),
-    )
+    return (name, from_points[best], corners[best], size) if room[best] >= APART else None
 
 
-def _from_boxes(corners: Any, size: Any, points: Any) -> Any:
+def _distances(corners: Any, size: Any, points: Any) -> Any:
     """Return the distance of each of several boxes, of lower left corners and a size, from the nearest of points."""
     beyond = np.maximum(corners[:, None] - points, points - (corners + size)[:, None]).clip(min=0.0)
     return np.linalg.norm(beyond, axis=2).min(axis=1, initial=np.inf)

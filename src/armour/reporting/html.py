@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from armour.reporting.charts import PALETTE, Bars, Chart, Line, Panel, Points, Series, Spans, printable_chart
+from armour.reporting.charts import PALETTE, Chart, Line, Panel, Points, Series, Spans, printable_chart
 from armour.reporting.report import Report
 from armour.reporting.table import Table
 from armour.reporting.text import printable_lines, unbroken, wrapped
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 OPTION = re.compile(r"(?<![\w-])--[a-z]+(-[a-z]+)*(?![\w-])")
 NAME = re.compile(r"(?<![\w-])(?=[\w-]*\d)\w+(-\w+)+(?![\w-])")
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
+TEMPLATES = Path(__file__).parent / "templates"
 WIDTH_INCHES, POINTS_PER_INCH = 4.2, 72
 # Colours that follow the theme of the page.
 THEME = {PALETTE[name]: f"var(--{name})" for name in ("ink", "soft", "blue", "paper")}
@@ -45,17 +46,18 @@ def html_report(report: Report) -> str:
     def svg(chart: Chart) -> Markup:
         return Markup(inline_svg(chart, f"chart{next(numbers)}"))
 
-    return _rendered("report.html", report=report, svg=svg)
+    return rendered("report.html", report=report, svg=svg)
 
 
 def html_tables(tables: Iterable[Table | str]) -> str:
     """Format tables and notes as HTML, which is a part of a page."""
-    return _rendered("notebook.html", tables=list(tables))
+    return rendered("notebook.html", tables=list(tables))
 
 
-def _rendered(template: str, **context: Any) -> str:
+def rendered(template: str, **context: Any) -> str:
+    """Return a page or a part of one."""
     environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"),
+        loader=FileSystemLoader(TEMPLATES),
         autoescape=True,
         # Control characters are escaped, and no line of a text ends between a number and its unit.
         finalize=lambda value: unbroken(printable_lines(value)) if type(value) is str else value,
@@ -139,11 +141,6 @@ def _values(panel: Panel, item: Series) -> Iterator[tuple[float, float, str]]:
             if x is not None and y is not None and isfinite(y):
                 values = f"{item.label or panel.y.label}: {panel.y.text(y)}\n{panel.x.label} {panel.x.text(x)}"
                 yield x, y, item.text[index] if item.text else values
-    elif isinstance(item, Bars):
-        for index, (start, end) in enumerate(zip(item.starts, item.ends, strict=True)):
-            if start is not None and end is not None and start != end:
-                values = f"{panel.y.categories[index]}\n{item.label}: {panel.x.label} {panel.x.text(end)}"
-                yield 0.5 * (start + end), float(index), item.text[index] if item.text else values
     elif isinstance(item, Spans):
         for start, end, words in zip(item.starts, item.ends, item.text, strict=False):
             yield 0.5 * (start + end), 0.0, words

@@ -10,8 +10,7 @@ from armour.analysis.impact import simulate
 from armour.design.optimise import DesignResult, Pair, optimise
 from armour.reporting.charts import (
     Band,
-    Bars,
-    Boxes,
+    Box,
     Chart,
     Contours,
     Line,
@@ -41,7 +40,7 @@ from tests.helpers.cases import scenario, shipped_scenario
 from tests.helpers.results import OTHER, THREAT, best_design, design_result, impact, uncertainty_result
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
 
-Kind = TypeVar("Kind", Band, Boxes, Line, Points, Bars, Rule, Spans, Map, Contours, Region, Words)
+Kind = TypeVar("Kind", Band, Box, Line, Points, Rule, Spans, Map, Contours, Region, Words)
 
 
 def some(panel: Panel, kind: type[Kind]) -> list[Kind]:
@@ -63,9 +62,6 @@ def assert_matched(chart: Chart) -> None:
             if isinstance(item, Line | Points):
                 assert len(item.x) == len(item.y)
                 assert len(item.text) in (0, len(item.x))
-            if isinstance(item, Bars):
-                assert len(item.starts) == len(item.ends) == len(panel.y.categories)
-                assert len(item.text) in (0, len(item.ends))
 
 
 @pytest.mark.parametrize(
@@ -108,8 +104,8 @@ def test_an_impact():
     assert some(velocities, Line)[0].y[0] == 800.0
     # At every end of a stage the rod is where the history has it.
     assert found.history is not None
-    [rods] = [item for item in some(scene, Boxes) if item.colour == "rod"]
-    assert [width for _, _, width, _ in rods.places[1:]] == pytest.approx(
+    rods = [item.right - item.left for item in some(scene, Box) if item.colour == "rod"]
+    assert rods[1:] == pytest.approx(
         [np.interp(stage.end_us, found.history.time_us, found.history.length_mm) for stage in found.stages]
     )
     assert_matched(chart)

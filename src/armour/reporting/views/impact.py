@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import fields, replace
 from itertools import pairwise
 from math import inf
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -99,6 +99,22 @@ def csv(result: ImpactResult) -> str | None:
     return None if result.history is None else csv_text(history_table(result.history))
 
 
+# Panels over time: y axis, height, and curves by label.
+PANELS: tuple[tuple[charts.Axis, float, dict[str, str]], ...] = (
+    (
+        charts.Axis("velocity", "m/s", spec=".1f"),
+        1.1,
+        {
+            "projectile V": "velocity_m_s",
+            "penetration U": "penetration_velocity_m_s",
+            "target W": "target_velocity_m_s",
+        },
+    ),
+    (charts.Axis("rod length L", "mm", from_zero=True, spec=".2f"), 0.65, {"": "length_mm"}),
+    (charts.Axis("depth, bulge", "mm", spec=".2f"), 0.75, {"depth Z": "depth_mm", "bulge h": "bulge_height_mm"}),
+)
+
+
 def chart(result: ImpactResult) -> charts.Chart:
     """Describe an impact: armour and rod at the ends of its stages, and velocities, rod length and depths over time."""
     history = result.history
@@ -109,39 +125,24 @@ def chart(result: ImpactResult) -> charts.Chart:
     shown = min(result.duration_us, 1.5 * float(slow[0])) if slow.size else result.duration_us
     seen = history.time_us <= shown
     x = charts.Axis("time since impact", "µs", limits=(0.0, max(shown, 1e-9)), spec=".2f")
-    panels: list[charts.Panel] = []
     spans = _spans(result, shown)
     colours = iter(("blue", "orange", "green", "ink", "purple", "vermilion"))
-    for y, height, curves in (
-        (
-            charts.Axis("velocity", "m/s", spec=".1f"),
-            1.1,
-            {
-                "projectile V": history.velocity_m_s,
-                "penetration U": history.penetration_velocity_m_s,
-                "target W": history.target_velocity_m_s,
-            },
-        ),
-        (charts.Axis("rod length L", "mm", from_zero=True, spec=".2f"), 0.65, {"": history.length_mm}),
-        (
-            charts.Axis("depth, bulge", "mm", spec=".2f"),
-            0.75,
-            {"depth Z": history.depth_mm, "bulge h": history.bulge_height_mm},
-        ),
-    ):
-        lines = (
-            charts.Line(history.time_us[seen].tolist(), values[seen].tolist(), style, label=name, colour=next(colours))
-            for (name, values), style in zip(curves.items(), charts.STYLES, strict=False)
-        )
+    panels: list[charts.Panel] = []
+    for y, height, curves in PANELS:
+        lines = []
+        for (label, name), style in zip(curves.items(), charts.STYLES, strict=False):
+            times, values = (of[seen].tolist() for of in (history.time_us, getattr(history, name)))
+            lines.append(charts.Line(times, values, style, label=label, colour=next(colours)))
         panels.append(charts.Panel(x, y, (spans, *lines), height=height, shares_x=bool(panels)))
         # The first panel alone names the stages.
         spans = replace(spans, names=(), text=())
-    scene = () if result.question.get("scenario") is None else (_scene(result, history),)
+    if result.question.get("scenario") is not None:
+        panels.insert(0, _scene(result, history))
     title = f"Stopped at a depth of {result.penetration_depth_mm:.3g} mm"
     if result.outcome == "perforated":
         title = f"Perforated: residual velocity {result.residual_velocity_m_s:.0f} m/s"
     note = f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs." if shown < result.duration_us else ""
-    return charts.Chart(title, (*scene, *panels), note, width=6.0)
+    return charts.Chart(title, tuple(panels), note, width=6.0)
 
 
 def _spans(result: ImpactResult, shown: float) -> charts.Spans:
@@ -168,40 +169,40 @@ def _scene(result: ImpactResult, history: History) -> charts.Panel:
     length, diameter, ceramic, backing = (value / MM for value in (p.L0, p.D0, p.Hc0, p.Hb))
     moments = [(0.0, "impact"), *_events(result)]
     moments = [*moments[: PICTURES - 1], *moments[PICTURES - 1 :][-1:]]
-    fragmented = min((s.start_us for s in result.stages if s.stage[:3] == "iii" or s.stage == "ii.1"), default=inf)
-    high = 0.5 * max(SHOWN_DIAMETERS * diameter, SHOWN_PART * (length + ceramic + backing))
+    times = [time for time, _ in moments]
     depths, rods, bulges, velocities = (
-        np.interp([moment for moment, _ in moments], history.time_us, values)
+        np.interp(times, history.time_us, values).tolist()
         for values in (history.depth_mm, history.length_mm, history.bulge_height_mm, history.velocity_m_s)
     )
     # Pictures are side by side, in slots of their widths but for those too narrow for words.
-    left, right = np.minimum(depths - rods, 0.0), ceramic + backing + bulges
+    left, right = np.minimum(np.subtract(depths, rods), 0.0), ceramic + backing + np.array(bulges)
     widths = (right - left).clip(min=0.85 * np.mean(right - left)) + 0.15 * np.mean(right - left)
     middles = np.cumsum(widths) - 0.5 * widths
-    starts = middles - 0.5 * (left + right)
-    boxes: dict[tuple[str, bool], list[tuple[float, float, float, float]]] = {}
-    for (moment, _), start, *state in zip(moments, starts.tolist(), depths, rods, bulges, strict=True):
-        for name, near, far, bottom, top in _picture(diameter, high, (ceramic, backing), *map(float, state)):
-            broken = name == "ceramic" and 0.0 < moment >= fragmented
-            boxes.setdefault((name, broken), []).append((start + near, bottom, far - near, top - bottom))
-    boxes["ink", False] = [(0.0, -2.6 * high, SCALE_MM, 0.02 * high)]
-    names = "ceramic, plate" if ceramic else "plate"
-    above = (
-        f"{moment:.3g} µs\n{velocity:.0f} m/s\n" + "\n".join(wrapped(event, EVENT_CHARACTERS))
-        for (moment, event), velocity in zip(moments, velocities, strict=True)
-    )
-    below = tuple(f"rod\n{rod:.3g} mm" for rod in rods)
-    first = starts[0]
-    hanging: Any = {"above": False}
-    series = [
-        *(charts.Boxes(places, broken, colour=name) for (name, broken), places in boxes.items()),
-        charts.Words(middles.tolist(), [high] * len(moments), tuple(above)),
-        charts.Words([0.5 * SCALE_MM], [-2.6 * high], (f"{SCALE_MM:g} mm",)),
-        charts.Words([first - 0.5 * length, *middles[1:]], [-1.05 * high] * len(below), below, **hanging),
-        charts.Words([first + 0.5 * (ceramic + backing)], [-1.8 * high], (names,), **hanging),
+    starts = (middles - 0.5 * (left + right)).tolist()
+    high = 0.5 * max(SHOWN_DIAMETERS * diameter, SHOWN_PART * (length + ceramic + backing))
+    fragmented = min((s.start_us for s in result.stages if s.stage[:3] == "iii" or s.stage == "ii.1"), default=inf)
+    boxes = [
+        replace(box, left=start + box.left, right=start + box.right)
+        for time, start, *state in zip(times, starts, depths, rods, bulges, strict=True)
+        for box in _picture(0.5 * diameter, high, (ceramic, backing), *state, broken=0.0 < time >= fragmented)
     ]
+    above = (
+        f"{time:.3g} µs\n{velocity:.0f} m/s\n" + "\n".join(wrapped(event, EVENT_CHARACTERS))
+        for (time, event), velocity in zip(moments, velocities, strict=True)
+    )
+    layers = "ceramic, plate" if ceramic else "plate"
+    series = (
+        *boxes,
+        charts.Box(0.0, SCALE_MM, -2.6 * high, -2.58 * high, colour="ink"),
+        charts.Words(middles.tolist(), high, tuple(above)),
+        charts.Words([0.5 * SCALE_MM], -2.6 * high, (f"{SCALE_MM:g} mm",)),
+        charts.Words(
+            [starts[0] - 0.5 * length, *middles[1:]], -1.05 * high, tuple(f"rod\n{r:.3g} mm" for r in rods), above=False
+        ),
+        charts.Words([starts[0] + 0.5 * (ceramic + backing)], -1.8 * high, (layers,), above=False),
+    )
     x, y = charts.Axis(limits=(0.0, float(widths.sum()))), charts.Axis(limits=(-2.65 * high, high))
-    return charts.Panel(x, y, tuple(series), to_scale=True)
+    return charts.Panel(x, y, series, to_scale=True)
 
 
 def _events(result: ImpactResult) -> Iterator[tuple[float, str]]:
@@ -217,16 +218,15 @@ def _events(result: ImpactResult) -> Iterator[tuple[float, str]]:
 
 
 def _picture(
-    diameter: float, high: float, layers: tuple[float, float], front: float, rod: float, bulge: float
-) -> Iterator[tuple[str, float, float, float, float]]:
-    """Give colour, left, right, bottom and top of the parts of layers and rod that are seen, mm."""
-    half, ceramic = 0.5 * diameter, layers[0]
-    for name, near, far in (("ceramic", 0.0, ceramic), ("metal", ceramic, sum(layers))):
+    half: float, high: float, layers: tuple[float, float], front: float, rod: float, bulge: float, *, broken: bool
+) -> Iterator[charts.Box]:
+    """Give what is seen of layers and rod: half the heights of rod and armour, depth, length and bulge, mm."""
+    ceramic, total = layers[0], sum(layers)
+    for name, near, far, is_broken in (("ceramic", 0.0, ceramic, broken), ("metal", ceramic, total, False)):
         ahead = max(near + (bulge if near else 0.0), front)
+        parts = [(near, far, -high, -half), (near, far, half, high)]  # beside the path of the rod
+        parts += [(ahead, far + bulge, -half, half)] if far + bulge > ahead else []  # what is left ahead of the rod
         if far > near:
-            yield name, near, far, -high, -half  # beside the path of the rod
-            yield name, near, far, half, high
-            if far + bulge > ahead:  # what is left ahead of the rod
-                yield name, ahead, far + bulge, -half, half
+            yield from (charts.Box(*part, is_broken, colour=name) for part in parts)
     if rod > 0.0:
-        yield "rod", front - rod, front, -half, half
+        yield charts.Box(front - rod, front, -half, half, colour="rod")
