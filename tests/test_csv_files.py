@@ -50,8 +50,18 @@ def test_every_mistake_at_once(tmp_path: Path):
         ),
         ("velocity_m_s,resul", ['resul: unknown column; did you mean "result"?', "result: is missing"]),
         ("velocity_m_s,result,result", ["line 1: result: must be the name of one column, found several"]),
-        ("velocity_m_s;result", ["line 1: must separate columns by commas, found semicolons"]),
-        ("velocity_m_s\tresult", ["line 1: must separate columns by commas, found tabs"]),
+        (
+            "velocity_m_s;result",
+            ["line 1: must separate columns by commas and write decimals with points, found semicolons"],
+        ),
+        (
+            "velocity_m_s\tresult",
+            ["line 1: must separate columns by commas and write decimals with points, found tabs"],
+        ),
+        (
+            "velocity_m_s,result\n812,4,partial",
+            ["line 2: must have 2 cells as the header has, found 3; write decimals with points"],
+        ),
         ("velocity_m_s,result,", ["header: unknown column; choose from velocity_m_s, shot, result"]),
     ],
 )

@@ -162,7 +162,9 @@ def check_header(file: str, place: str, header: Sequence[str]) -> None:
     """Raise an InputError for a header that semicolons or tabs divide, or that names a column twice."""
     found = [name for mark, name in ((";", "semicolons"), ("\t", "tabs")) if mark in "".join(header)]
     if found and len(header) == 1:
-        raise InputError([Problem(file, place, f"must separate columns by commas, found {found[0]}")])
+        raise InputError(
+            [Problem(file, place, f"must separate columns by commas and write decimals with points, found {found[0]}")]
+        )
     message = "must be the name of one column, found several"
     twice = [name for name in dict.fromkeys(header) if header.count(name) > 1]
     refuse(Problem(file, f"{place}: {name}" if name else place, message) for name in twice)
@@ -170,7 +172,8 @@ def check_header(file: str, place: str, header: Sequence[str]) -> None:
 
 def wrong_width(cells: Sequence[str], header: Sequence[str]) -> str:
     """Return what is wrong with a row that has not as many cells as the header."""
-    return f"must have {len(header)} cells as the header has, found {len(cells)}"
+    hint = "; write decimals with points, and texts with commas in quotes" if len(cells) > len(header) else ""
+    return f"must have {len(header)} cells as the header has, found {len(cells)}{hint}"
 
 
 def number(cell: str) -> float | None:

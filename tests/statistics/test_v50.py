@@ -45,6 +45,12 @@ def test_the_models_limit_beside_it():
     assert of_mixed().model_ballistic_limit_m_s is None
 
 
+def test_a_velocity_without_its_decimal_point_is_warned_of():
+    fired = Shots((812.4, 8451.0, 828.0, 815.7), (False, True, True, False))
+    [warning] = v50(fired).warnings
+    assert warning.startswith("a shot at 8451 m/s is far from the median of the shots, 822 m/s")
+
+
 def test_a_prior_adds_the_posterior_and_its_part():
     found = v50(MIXED, scenario(), prior=True)
     assert found.posterior is not None

@@ -45,7 +45,8 @@ def v50(
     If a scenario with the same armour is given, its ballistic limit by the model is shown too.
     """
     fired = armour.read_shots(table_file(shots), one_kind=options["prior"])
-    return Answer(armour.v50(fired, scenario, on_progress=on_progress, **options))
+    result = armour.v50(fired, scenario, on_progress=on_progress, **options)
+    return Answer(result, file="" if scenario else str(shots))
 
 
 @question(FIT, unit="tests", prior_reads=["uncertainty"])

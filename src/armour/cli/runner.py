@@ -192,12 +192,10 @@ def warnings_of(
     scenario: "Scenario | None", warnings: Iterable[str], file: str = "", *, of_threats: bool = False
 ) -> list[str]:
     """Return warnings as lines for standard error, with those on parts of the scenario that an answer ignores."""
-    if scenario is None:
-        return []
-    unused = () if of_threats else scenario.unused_threats()
-    found = dict.fromkeys((*unused, *warnings))
-    notes = (f"note: {note}" for note in scenario.notes)
-    return [*notes, *(f"warning: {file or scenario.file}: {warning}" for warning in found)]
+    unused = () if of_threats or scenario is None else scenario.unused_threats()
+    notes = () if scenario is None else (f"note: {note}" for note in scenario.notes)
+    where = file or (scenario.file if scenario else "")
+    return [*notes, *(f"warning: {where}: {warning}" for warning in dict.fromkeys((*unused, *warnings)))]
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from math import inf
 from numbers import Real
 from os import PathLike
 from pathlib import Path
+from statistics import median
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
@@ -36,6 +37,8 @@ SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
 Rule = Literal["usual span", "given span", "no usual rule"]
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 1.0, 1e4
+# Factor between a velocity and the median of the shots from which on it is probably a mistake.
+FAR_FACTOR = 2.0
 
 
 @dataclass(frozen=True)
@@ -123,8 +126,8 @@ class FiringResult(TableResult):
     model_interval_m_s : tuple of float or None
         Interval of it with a probability of 95 %, given the model error, m/s; None where that is not known.
     warnings : tuple of str
-        Shots far from the model's limit or contradicting the prior, and ways in which the scenario is unlike what the
-        model was compared with.
+        Shots far from the others or from the model's limit, or contradicting the prior, and ways in which the scenario
+        is unlike what the model was compared with.
     prior, posterior : FiringEstimate or None
         V50 and the scatter by the model with its error, without and with the shots; None unless asked for.
     prior_share : float or None
@@ -299,12 +302,26 @@ def v50(
         confidence=confidence,
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
         model_interval_m_s=None if model is None else model.interval_m_s,
-        warnings=() if model is None else (*_far_away(shots, model), *contradictions, *model.warnings),
+        warnings=(
+            *_far_from_others(shots),
+            *(() if model is None else (*_far_away(shots, model), *contradictions, *model.warnings)),
+        ),
         prior=before,
         posterior=after,
         prior_share=share,
         zone_of_mixed_results_m_s=max(partial[-1] - complete[0], 0.0) if partial and complete else None,
     ).of(computed, scenario=scenario, shots=shots)
+
+
+def _far_from_others(shots: Shots) -> Iterator[str]:
+    """Give a warning for each velocity that is probably in another unit or lacks a decimal point."""
+    middle = median(shots.velocities_m_s)
+    for velocity in shots.velocities_m_s:
+        if not middle / FAR_FACTOR < velocity < middle * FAR_FACTOR:
+            yield (
+                f"a shot at {velocity:g} m/s is far from the median of the shots, {middle:.0f} m/s; check its unit and "
+                "its decimal point: one such shot can spoil the estimate"
+            )
 
 
 def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:

@@ -5,7 +5,7 @@ import pytest
 from armour.planning.firing import plan_shots
 from armour.reporting.charts import Line, Points, Rule
 from armour.reporting.table import Table
-from armour.reporting.views.shot_plan import chart, share_note, tables
+from armour.reporting.views.shot_plan import ONE_SIDE, REPORT, chart, share_note, tables
 from armour.statistics.v50 import Shots
 from tests.helpers.cases import scenario
 from tests.helpers.results import quantities
@@ -37,6 +37,13 @@ def test_parts_of_the_prior():
 def test_no_part_is_given_where_the_shots_contradict_the_prior():
     found = tables(plan_shots(scenario(), Shots((300.0, 1500.0), (True, False))))
     assert not any("of the precision" in item for item in found if isinstance(item, str))
+
+
+@pytest.mark.parametrize(("required", "noted"), [(620.0, True), (710.0, False), (790.0, True)])
+def test_shots_on_one_side_of_a_requirement_say_little(required: float, noted: bool):
+    found = tables(plan_shots(scenario(), SHOTS, requirement_m_s=required))
+    assert (ONE_SIDE in found) == noted
+    assert REPORT in found
 
 
 FIVE = Shots((700.0, 720.0, 760.0, 710.0, 740.0), (False, True, True, False, False), "f.csv")

@@ -26,6 +26,9 @@ def tables(plan: ShotPlan) -> list[Table | str]:
         found.append(f"reason: {plan.reason}")
     if plan.consumers_risk is not None:
         found.append(DECISION)
+        shots = plan.fired.velocities_m_s
+        if shots and not plan.stopped and not min(shots) <= (plan.requirement_m_s or 0.0) <= max(shots):
+            found.append(ONE_SIDE)
     if plan.operating_characteristic:
         found.append(operating_table(plan))
     if plan.prior is not None and plan.posterior is not None:
@@ -36,6 +39,8 @@ def tables(plan: ShotPlan) -> list[Table | str]:
         ]
         if plan.fired.complete and plan.prior_share is not None and not plan.contradicts_prior:
             found.append(share_note(plan.prior_share))
+            if len(set(plan.fired.complete)) == 2:
+                found.append(REPORT)
     if plan.fired.complete:
         found.append(_shot_table(plan))
     return found
@@ -95,6 +100,13 @@ DECISION = (
     "the decision is made by the shots alone, when a likelihood ratio is reached: neither the model's limit nor its "
     "error takes part in it"
 )
+
+
+ONE_SIDE = (
+    "all shots lie on one side of the required velocity, which says little as long as the scatter may be large; the "
+    "next velocity is chosen to say more"
+)
+REPORT = "the posterior includes the model's prediction; report V50 from armour v50, which uses the shots alone"
 
 
 def _risk(risk: float | None) -> str:
