@@ -43,7 +43,7 @@ def python() -> dict[str, list[str]]:
 
 def options(command: Any, path: str = "armour") -> Iterator[tuple[str, list[str]]]:
     """Options and arguments of the commands, by name."""
-    yield path, sorted(word for parameter in command.params for word in parameter.opts)
+    yield path, sorted(word for parameter in command.get_params(typer.Context(command)) for word in parameter.opts)
     for name, deeper in getattr(command, "commands", {}).items():
         yield from options(deeper, f"{path} {name}")
 

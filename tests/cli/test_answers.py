@@ -8,6 +8,7 @@ import json
 from html import unescape
 from pathlib import Path
 from re import findall
+from shlex import split
 from typing import Any
 
 import pytest
@@ -91,6 +92,21 @@ def test_a_confidence_is_designed_for(cli):
     [probability] = best["probabilities_of_defeat"].values()
     assert 0.95 <= probability < 0.96
     assert best["areal_density_kg_m2"] > json.loads(cli(*args, "--json").stdout)["best"]["areal_density_kg_m2"]
+
+
+def test_a_design_ends_with_the_command_that_checks_it(cli):
+    """Materials, thicknesses and densities of the design are set, and what the scenario was changed to is kept."""
+    plate = "design.backing=[{ material = '7075-T6', thickness_mm = [8, 9], density_kg_m3 = 2700, cost_per_kg = 9 }]"
+    threat = "threat=[{ name = 'slow', projectile = '7.62 mm AP', velocity_m_s = 800 }]"
+    changes = ["--set", plate, "--set", threat, "--set", "design.minimise=thickness_mm"]
+    result = cli("optimise", CATALOGUE, "--confidence", 0.8, *changes, "--json")
+    best = json.loads(result.stdout)["best"]
+    words = split(result.stderr.splitlines()[-1])
+    assert (words[:3], threat in words, plate in words) == (["next:", "armour", "check"], True, False)
+    checked = json.loads(cli(*words[2:], "--json").stdout)
+    [found] = checked["threats"]
+    assert found["probability_of_defeat"] == pytest.approx(best["probabilities_of_defeat"]["slow"], abs=1e-6)
+    assert checked["passed"]
 
 
 def test_calibrated_tests_are_shown_and_not_scored(cli, folder: Path):

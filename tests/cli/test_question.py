@@ -52,7 +52,7 @@ def test_words_that_are_numbers_become_numbers():
 
 
 def parameters(command: Any) -> Iterator[Any]:
-    yield from command.params
+    yield from command.get_params(typer.Context(command))
     for inner in getattr(command, "commands", {}).values():
         yield from parameters(inner)
 

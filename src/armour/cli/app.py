@@ -4,7 +4,7 @@ import inspect
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import copy_context
-from functools import cache, cached_property
+from functools import cache
 from typing import Annotated, Any
 
 import typer
@@ -57,34 +57,18 @@ class _Helpful:
 
 
 class Command(_Helpful, TyperCommand):
-    """A command."""
+    """A command; the parameters of a `question` are made when they are asked for, as the imports take long."""
 
-
-class Question(Command):
-    """A command made by `question`; its parameters are made when they are asked for, as the imports take long."""
-
-    @cached_property
-    def made(self) -> Any:
-        """The command with its parameters."""
-        function = vars(self.callback)["__wrapped__"]
-        function.__signature__ = inspect.Signature(function.parameters())
-        return get_command_from_info(
-            CommandInfo(callback=function), pretty_exceptions_short=False, rich_markup_mode=None
-        )
-
-    @property
-    def params(self) -> Any:
-        """The parameters."""
-        return self.made.params
-
-    @params.setter
-    def params(self, _none: Any) -> None:
-        """Leave out what typer finds before the parameters are made."""
-
-    def invoke(self, ctx: Any) -> Any:
-        """Run the command."""
-        self.callback = self.made.callback
-        return super().invoke(ctx)
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Return the parameters."""
+        function: Any = vars(self.callback)["__wrapped__"]
+        if hasattr(function, "parameters") and not self.params:
+            function.__signature__ = inspect.Signature(function.parameters())
+            made: Any = get_command_from_info(
+                CommandInfo(callback=function), pretty_exceptions_short=False, rich_markup_mode=None
+            )
+            self.params, self.callback = made.params, made.callback
+        return super().get_params(ctx)
 
 
 class Reporting(_Helpful, TyperGroup):
@@ -230,11 +214,10 @@ for _panel, _commands in COMMANDS.items():
         if _command is sweep:
             # As a text, since the column of descriptions is too narrow for the names.
             _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED}."]
-        _class = Question if hasattr(_command, "parameters") else Command
-        _name = _command.__name__.replace("_", "-")
+        _name, _epilog = _command.__name__.replace("_", "-"), "\n\n".join(_parts)
         if _command in (plan_shots, plan_tests):
-            plan.command(_name.removeprefix("plan-"), cls=_class, epilog="\n\n".join(_parts))(_command)
+            plan.command(_name.removeprefix("plan-"), cls=Command, epilog=_epilog)(_command)
         else:
-            app.command(_name, cls=_class, epilog="\n\n".join(_parts), rich_help_panel=_panel)(_command)
+            app.command(_name, cls=Command, epilog=_epilog, rich_help_panel=_panel)(_command)
 app.add_typer(plan, name="plan", rich_help_panel="Use test data")
 app.add_typer(library, name="library", rich_help_panel="Prepare the input")

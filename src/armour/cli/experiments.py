@@ -101,8 +101,12 @@ def plan_shots(
             autocompletion=completion.tables,
         ),
     ] = None,
-    lower_m_s: Annotated[float | None, option("Lower limit of V50, m/s, for langlie and neyer.")] = None,
-    upper_m_s: Annotated[float | None, option("Upper limit of V50, m/s, for langlie and neyer.")] = None,
+    lower_m_s: Annotated[
+        float | None, option("Lower limit of V50, m/s, for langlie and neyer.", metavar="NUMBER")
+    ] = None,
+    upper_m_s: Annotated[
+        float | None, option("Upper limit of V50, m/s, for langlie and neyer.", metavar="NUMBER")
+    ] = None,
     earlier: Annotated[
         list[Path] | None,
         option(
@@ -113,10 +117,14 @@ def plan_shots(
     ] = None,
     result: Annotated[
         Literal["partial", "complete", "P", "C", "PP", "CP"] | None,
-        option("Result of the shot just fired; it is appended to SHOTS.", case_sensitive=False),
+        option(
+            "Result of the shot just fired, partial (or P, PP) or complete (or C, CP); it is appended to SHOTS.",
+            metavar="RESULT",
+            case_sensitive=False,
+        ),
     ] = None,
     velocity_m_s: Annotated[
-        float | None, option("Measured velocity of this shot, m/s; by default the planned one.")
+        float | None, option("Measured velocity of this shot, m/s; by default the planned one.", metavar="NUMBER")
     ] = None,
     plot: PlotFile = None,
     force: Force = False,

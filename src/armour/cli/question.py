@@ -6,6 +6,7 @@ a public function.
 
 import inspect
 import re
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
 from enum import Enum, auto
@@ -18,7 +19,7 @@ import typer
 
 import armour
 from armour.cli import completion
-from armour.cli.console import progress
+from armour.cli.console import emit, progress
 from armour.cli.runner import (
     CHECK_FAILED,
     as_options,
@@ -68,7 +69,7 @@ def options_of(function: Callable[..., Any]) -> Iterator[inspect.Parameter]:
         words = [word for kind in kinds if get_origin(kind) is Literal for word in get_args(kind)]
         told = " ".join(meanings.get(name, "").split()).replace("`", "")
         if each.default and each.default is not each.empty and "default" not in told:
-            told = f"{told.removesuffix('.')}; by default {each.default}."
+            told = f"{told} By default {each.default}." if ". " in told else f"{told[:-1]}; by default {each.default}."
         if bool in kinds:
             told = told.removeprefix("Whether to ")
             switch = option(told[:1].upper() + told[1:], f"--{name.replace('_', '-')}")
@@ -141,6 +142,8 @@ class Answer(NamedTuple):
     contents: Mapping[Any, Callable[[], str | bytes | None]] = {}
     # What the warnings are on; by default the scenario.
     file: str = ""
+    # A command to go on with.
+    then: str = ""
     # Whether a check failed, which the exit code tells.
     failed: bool = False
     # A lock that is held until the files are written.
@@ -247,3 +250,6 @@ def _respond(
             chart=lambda: view.chart(result),
             warnings=warnings_of(scenario, warnings, answer.file, of_threats=of_threats),
         )
+    if answer.then:
+        # In one line, so that it can be copied.
+        emit(f"next: {answer.then}\n", sys.stderr)

@@ -30,10 +30,11 @@ from armour.cli.question import (
 from armour.cli.runner import as_options, check_outputs, read_scenario, respond, say_if_compiling, write, wrong_option
 from armour.errors import InputError, NoDesignError, Problem, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
-from armour.scenario.inputs import SHOT
+from armour.scenario.inputs import BACKING, CERAMIC, NAMES, SHOT
 
 if TYPE_CHECKING:
     from armour.analysis.results import OnProgress
+    from armour.design.optimise import BestDesign
     from armour.reporting.report import Report
     from armour.reporting.scenario_report import Contents
     from armour.scenario.scenario import Scenario
@@ -44,6 +45,8 @@ if TYPE_CHECKING:
 CONFIDENCE = ("design.confidence", "Required probability of stopping each threat, such as 0.95.")
 # Keys of a design that a check reads.
 CHECK = ("design.confidence", "design.thickness_tolerance_mm")
+# Changes of a scenario that a check does not read, but for the confidence.
+UNCHECKED = re.compile(r"\s*(design|optimise|uncertainty(?!\.model))\b")
 # What a ballistic limit depends on, see `armour.scenario.reach`.
 LIMIT_READS = (*SHOT, "ballistic_limit", "uncertainty.model")
 
@@ -117,7 +120,7 @@ def check(
     what="the design",
     csv="Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate.",
     of_threats=True,
-    confidence=("design.confidence", "Required probability of stopping each threat, such as 0.95."),
+    confidence=CONFIDENCE,
 )
 def optimise(
     scenario: "Scenario",
@@ -137,7 +140,7 @@ def optimise(
 ) -> Answer:
     """Find the lightest armour that stops the threat.
 
-    The scenario may define several threats, a catalogue of materials, and another quantity to minimise than weight.
+    The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
     """
     drawn = ""
     if page is not None:
@@ -150,11 +153,32 @@ def optimise(
     try:
         result = armour.optimise(scenario, on_progress=on_progress, **options)
     except NoDesignError:
-        # The page shows how far each design is from what is asked for.
+        # The page shows how far each design is from what is required.
         if page is not None:
             write({page: drawn})
         raise
-    return Answer(result.of(every_row=every_row), contents={page: lambda: drawn})
+    then = "" if source == "-" else _check_of(scenario, result.best, source, changes or ())
+    return Answer(result.of(every_row=every_row), contents={page: lambda: drawn}, then=then)
+
+
+def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Sequence[str]) -> str:
+    """Return the command that checks the best design of a scenario."""
+    names = {"ceramic": best.ceramic or None, "backing": best.backing}
+    named = {NAMES[role]: name for role, name in names.items() if name != scenario.name_of(role)}
+    numbers = {
+        CERAMIC: best.ceramic_thickness_mm,
+        BACKING: best.backing_thickness_mm,
+        "ceramic.density_kg_m3": best.ceramic_density_kg_m3,
+        "backing.density_kg_m3": best.backing_density_kg_m3,
+    }
+    own = scenario.replaced(named).inputs()
+    changed = {key: str(value).removesuffix(".0") for key, value in numbers.items() if own.get(key, value) != value}
+    values = {**named, **changed}
+    kept = [change for change in changes if not UNCHECKED.match(change) and change.partition("=")[0] not in values]
+    kept += [f"{key}={value}" for key, value in values.items()]
+    sets = [word for change in kept for word in ("--set", change)]
+    required = scenario.design and scenario.design.confidence
+    return shlex.join(["armour", "check", source, *(["--confidence", f"{required:g}"] if required else []), *sets])
 
 
 @question(("impact", "armour", "ballistic_limit", "optimise"), unit="designs")
