@@ -9,7 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
-from armour.errors import InputError, Problem, choices, refuse
+from armour.errors import InputError, Problem, choices, mistake, refuse
 from armour.files import check_unreserved, csv_value, reason, table_file
 from armour.units import missing_unit
 
@@ -56,10 +56,9 @@ def read_rows(
     lines = list(islice(lines, MAX_ROWS + 2))
     if not lines:
         columns = f" with {' and '.join(needed)}" if needed else ""
-        raise InputError([Problem(file, "", f"must have a header{columns}, found an empty file")])
+        raise mistake(file, "", f"must have a header{columns}, found an empty file")
     if len(lines) > MAX_ROWS + 1:
-        message = f"must have at most {MAX_ROWS} rows below its header, found more"
-        raise InputError([Problem(file, "", message)])
+        raise mistake(file, "", f"must have at most {MAX_ROWS} rows below its header, found more")
     header = lines[0][1]
     check_header(file, *lines[0])
     known = [*numbers, *texts]
@@ -98,15 +97,14 @@ def read_rows(
 def read_csv(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Yield the lines of a CSV file that are not blank: number and cells; a cell ends on the line that it begins on."""
 
-    def wrong(place: str, message: str) -> InputError:
-        return InputError([Problem(str(path), place, message)])
-
     def texts() -> Iterator[str]:
         for place, line in enumerate(iter(lambda: file.readline(MAX_LINE), ""), 1):
             if len(line) == MAX_LINE:
-                raise wrong(f"line {place}", f"must be shorter than {MAX_LINE:,} characters")
+                raise mistake(path, f"line {place}", f"must be shorter than {MAX_LINE:,} characters")
             if not line.isascii() and (found := _UNDECODED.search(line)):
-                raise wrong(f"line {place}", f"must be UTF-8 text, found the byte {ord(found[0]) - 0xDC00:#04x}")
+                raise mistake(
+                    path, f"line {place}", f"must be UTF-8 text, found the byte {ord(found[0]) - 0xDC00:#04x}"
+                )
             yield line
 
     read = 0
@@ -123,9 +121,9 @@ def read_csv(path: Path) -> Iterator[tuple[int, list[str]]]:
                     yield read, stripped
     except csv.Error:
         message = "must close each quote on its line, before a comma or the end of the line"
-        raise wrong(f"line {read + 1}", message) from None
+        raise mistake(path, f"line {read + 1}", message) from None
     except (OSError, ValueError) as error:
-        raise wrong("", f"cannot be read: {reason(error)}") from None
+        raise mistake(path, "", f"cannot be read: {reason(error)}") from None
 
 
 def lines_of(table: str | PathLike[str] | Rows) -> tuple[str, Iterator[Line]]:
@@ -141,7 +139,7 @@ def lines_of(table: str | PathLike[str] | Rows) -> tuple[str, Iterator[Line]]:
         rows = [dict(row) if columns is None else dict(zip(columns, row, strict=True)) for row in records]
     except (TypeError, ValueError):
         message = f"must be a path, rows as mappings, or a data frame, found a {type(table).__name__}"
-        raise InputError([Problem("rows", "", message)]) from None
+        raise mistake("rows", "", message) from None
     header = [*dict.fromkeys(name for row in rows for name in row)]
     lines = [(f"row {place}", [_cell(row.get(name)) for name in header]) for place, row in enumerate(rows, 1)]
     filled = (line for line in lines if any(line[1]))
@@ -162,9 +160,8 @@ def check_header(file: str, place: str, header: Sequence[str]) -> None:
     """Raise an InputError for a header that semicolons or tabs divide, or that names a column twice."""
     found = [name for mark, name in ((";", "semicolons"), ("\t", "tabs")) if mark in "".join(header)]
     if found and len(header) == 1:
-        raise InputError(
-            [Problem(file, place, f"must separate columns by commas and write decimals with points, found {found[0]}")]
-        )
+        message = f"must separate columns by commas and write decimals with points, found {found[0]}"
+        raise mistake(file, place, message)
     message = "must be the name of one column, found several"
     twice = [name for name in dict.fromkeys(header) if header.count(name) > 1]
     refuse(Problem(file, f"{place}: {name}" if name else place, message) for name in twice)

@@ -11,6 +11,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from difflib import get_close_matches
+from os import PathLike
 from typing import NamedTuple, Self
 
 # Known words beyond which none is suggested, as each wrong word is compared with all of them.
@@ -98,6 +99,11 @@ class NoLimitError(NoAnswerError):
 
 class NoDesignError(NoAnswerError):
     """No design of the grid stops the projectile."""
+
+
+def mistake(file: str | PathLike[str], key: str, message: str) -> InputError:
+    """Return the error of one mistake; see `Problem`."""
+    return InputError([Problem(str(file), key, message)])
 
 
 def refuse(problems: Iterable[Problem]) -> None:

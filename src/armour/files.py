@@ -13,7 +13,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from armour.errors import ArmourError, InputError, Problem, suggestion
+from armour.errors import ArmourError, Problem, mistake, suggestion
 
 # Beginnings of a cell that a spreadsheet takes for a formula.
 FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
@@ -69,7 +69,7 @@ def located(path: Path, known: Mapping[str, Path], listed: str = "") -> Path:
         if name not in known:
             hint = suggestion(path.with_suffix("").as_posix(), [*known]) or suggestion(path.stem, [*known])
             listed = listed or f"; shipped are {', '.join(known)}"
-            raise InputError([Problem(str(path), "", f"cannot be read: {reason(error)}{hint}{listed}")]) from None
+            raise mistake(path, "", f"cannot be read: {reason(error)}{hint}{listed}") from None
     return known[name]
 
 
@@ -108,7 +108,7 @@ def read_text(path: str | PathLike[str]) -> str:
             check_unreserved(path)
             return decoded(file, str(path))
     except (OSError, ValueError) as error:
-        raise InputError([Problem(str(path), "", f"cannot be read: {reason(error)}")]) from None
+        raise mistake(path, "", f"cannot be read: {reason(error)}") from None
 
 
 def decoded(stream: BinaryIO, file: str) -> str:
@@ -120,7 +120,7 @@ def decoded(stream: BinaryIO, file: str) -> str:
         message = f"must be at most {MAX_BYTES} bytes long"
     except UnicodeDecodeError as error:
         message = f"must be UTF-8 text, found the byte {error.object[error.start]:#04x} at {error.start}"
-    raise InputError([Problem(file, "", message)])
+    raise mistake(file, "", message)
 
 
 def read_toml(path: str | PathLike[str]) -> dict[str, Any]:
@@ -139,7 +139,7 @@ def parse_toml(text: str, file: str) -> dict[str, Any]:
         message = "must be valid TOML, found values nested too deeply"
     except ValueError as error:
         message = f"must be valid TOML, found an error: {error}"
-    raise InputError([Problem(file, "", message)])
+    raise mistake(file, "", message)
 
 
 def _depth(value: object) -> int:
@@ -234,7 +234,7 @@ def write_files(contents: Mapping[Path, bytes]) -> None:
                 with suppress(BrokenPipeError):
                     path.write_bytes(contents[path])
     except (OSError, ValueError) as error:
-        raise InputError([Problem(str(path), "", f"cannot be written: {reason(error)}")]) from None
+        raise mistake(path, "", f"cannot be written: {reason(error)}") from None
     finally:
         for part in new.values():
             with suppress(OSError):

@@ -243,7 +243,7 @@ def test_many_firings_at_once_choose_as_one_does():
             Shots((*each.velocities_m_s, float(aim)), (*each.complete, result))
             for each, aim, result in zip(fired, aims, results, strict=True)
         ]
-    for ends, each in zip(firings.intervals(), fired, strict=True):
+    for ends, each in zip(firings.intervals(0.95), fired, strict=True):
         assert ends == pytest.approx(posterior(each, BAYESIAN).estimate(0.95).v50_interval_m_s, abs=1.0)
 
 

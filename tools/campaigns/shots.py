@@ -150,7 +150,7 @@ def bayes(settings: ShotSettings, truths: Floats, scatters: Floats, dice: np.ran
     for number in range(1, MOST + 1):
         velocities = dice.normal(firings.aims(), MISS_M_S)
         firings.add(velocities, dice.normal(truths[going], scatters[going]) < velocities)
-        low, high = firings.intervals().T
+        low, high = firings.intervals(settings.confidence).T
         over = 0.5 * (high - low) <= HALF_WIDTH_M_S
         shots[going[over]] = number
         held[going[over]] = ((low <= truths[going]) & (truths[going] <= high))[over]

@@ -4,7 +4,7 @@ import os
 from codecs import BOM_UTF8
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 from typing import Annotated, Literal
@@ -17,7 +17,7 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.csv_files import read_csv
-from armour.errors import InputError, Problem, refuse
+from armour.errors import Problem, mistake, refuse
 from armour.files import reason
 from armour.planning.procedures import (
     PROCEDURES,
@@ -338,10 +338,7 @@ def plan_shots(
             if why_stopped(fired, settings):
                 break
             velocity = aimed(next_aim(fired, settings).velocity_m_s)
-            complete = bool(dice.normal(true_v50_m_s, true_scatter_m_s) < velocity)
-            fired = replace(
-                fired, velocities_m_s=(*fired.velocities_m_s, velocity), complete=(*fired.complete, complete)
-            )
+            fired = added(fired, velocity, bool(dice.normal(true_v50_m_s, true_scatter_m_s) < velocity))
             on_progress(1, None)
     ended = why_stopped(fired, settings)
     aim = None if ended else next_aim(fired, settings)
@@ -408,8 +405,7 @@ def plan_shots(
 def _known(prior: FiringPrior | None, key: str, purpose: str) -> FiringPrior:
     """Return a prior that a setting, unless it is given, needs."""
     if prior is None:
-        message = f"must be given: the model error, {purpose}, is not known"
-        raise InputError([Problem("plan_shots", key, message)])
+        raise mistake("plan_shots", key, f"must be given: the model error, {purpose}, is not known")
     return prior
 
 
@@ -458,9 +454,9 @@ def locked(path: Path) -> Iterator[None]:
         held = lock.acquire()
     except Timeout:
         message = f"cannot be written: other commands have been adding shots to it for {WAIT_S:.0f} s"
-        raise InputError([Problem(str(path), "", message)]) from None
+        raise mistake(path, "", message) from None
     except OSError as error:
-        raise InputError([Problem(lock.lock_file, "", f"cannot be locked: {reason(error)}")]) from None
+        raise mistake(lock.lock_file, "", f"cannot be locked: {reason(error)}") from None
     with held:
         yield
 

@@ -17,7 +17,7 @@ from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import check_keys, scenarios_of
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Floats
-from armour.errors import MAX_PROBLEMS, InputError, Problem, choices, refuse
+from armour.errors import MAX_PROBLEMS, InputError, Problem, choices, mistake, refuse
 from armour.planning import optimal_design
 from armour.planning.optimal_design import Task
 from armour.scenario.checked import Names, checked, instance
@@ -237,9 +237,9 @@ def plan_tests(
     questions = (designs,) if isinstance(designs, Scenario) else tuple(designs) or (scenario,)
     fit = tuple(fit)
     if not fit:
-        raise InputError([Problem("plan_tests", "fit", "must name at least one input")])
+        raise mistake("plan_tests", "fit", "must name at least one input")
     if law is not None and FLOW_STRESS not in fit:
-        raise InputError([Problem("plan_tests", "law", f"must not be given where {FLOW_STRESS} is not fitted")])
+        raise mistake("plan_tests", "law", f"must not be given where {FLOW_STRESS} is not fitted")
     scenario.check_names([name for name in fit if law is None or name == FLOW_STRESS], "plan_tests", "fit")
     rows, costs = _candidates(scenario, candidates, measure, cost)
     source: ScatterSource = "uncertainties" if tests is not None and tests.weighted else "residuals"
@@ -260,8 +260,7 @@ def plan_tests(
         z = (velocities - limits[:count]) / (known.scatter * velocities)
         informing *= (limits[:count] / velocities * np.sqrt(hazard(z) * hazard(-z)))[:, None]
     if (informing**2).sum(axis=1).max() < NOTHING:
-        message = f"must depend on {', '.join(names)}, found none that does"
-        raise InputError([Problem(rows.file, "", message)])
+        raise mistake(rows.file, "", f"must depend on {', '.join(names)}, found none that does")
     basis = optimal_design.identified(known.base, informing)
     inputs = _determined(np.eye(len(basis)), basis)
     targets = _determined(gradients[count:] * limits[count:, None], basis)  # m/s
@@ -272,8 +271,9 @@ def plan_tests(
         targets=targets if criterion == "I" else None,
     )
     if criterion == "I" and np.isnan(targets).any():
-        message = 'must not be "I": the candidates do not determine the limit of a design'
-        raise InputError([Problem("plan_tests", "criterion", message)])
+        raise mistake(
+            "plan_tests", "criterion", 'must not be "I": the candidates do not determine the limit of a design'
+        )
     chosen = optimal_design.best_set(task, number)
     total = float(task.costs[chosen].sum())
     regular = not optimal_design.missing(task.information(chosen), task.rows)
@@ -348,8 +348,7 @@ def _candidates(
         source = candidates if isinstance(candidates, Grid | Cases) else source_of(candidates)
     file = str(source.path) if isinstance(source, Cases) else "candidates"
     if source.count > MAX_CANDIDATES:
-        message = f"must be at most {MAX_CANDIDATES:,} candidates, found {source.count:,}"
-        raise InputError([Problem(file, "", message)])
+        raise mistake(file, "", f"must be at most {MAX_CANDIDATES:,} candidates, found {source.count:,}")
     columns = source.rows(np.arange(source.count))
     count = source.count
     costs = columns.pop(COST, None)
@@ -359,10 +358,10 @@ def _candidates(
     unknown = [key for key in columns if key not in allowed]
     refuse(Problem(file, key, f"must be an input or a name that a test has{choices(key, known)}") for key in unknown)
     if not columns:
-        raise InputError([Problem(file, "", "must have at least one key of an armour")])
+        raise mistake(file, "", "must have at least one key of an armour")
     if measure == "limit" and VELOCITY in columns:
         message = "must not be given where the ballistic limit is measured; --measure outcome for shots at a velocity"
-        raise InputError([Problem(file, VELOCITY, message)])
+        raise mistake(file, VELOCITY, message)
     quantity = "outcome" if measure == "outcome" else LIMIT
     check_keys(scenario, {key: values[0].item() for key, values in columns.items()}, (quantity,), file)
     if costs is not None:
@@ -437,7 +436,7 @@ def _knowledge(
         scatter = scatter or (fit.spread if fit and not tests.weighted else _given_scatter(tests))
     if scatter is None:
         message = "is missing and must be given: there are too few tests to estimate it from"
-        raise InputError([Problem("plan_tests", "scatter_percent", message)])
+        raise mistake("plan_tests", "scatter_percent", message)
     if fit is not None:
         return _fitted(fit, scatter)
     own = likelihood.tests.groups[0].scenario.inputs()

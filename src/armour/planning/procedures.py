@@ -8,7 +8,7 @@ Cov(target, result)^2 / Var(result) over the posterior.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import copysign, inf
+from math import copysign, inf, isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -378,24 +378,20 @@ class Firings:
         self.weights *= np.where(complete[:, None], response, 1.0 - response)
         self.weights /= self.weights.sum(axis=1, keepdims=True)
 
-    def intervals(self) -> Floats:
+    def intervals(self, confidence: float) -> Floats:
         """Return the ends of the interval of V50 of each firing, (n, 2)."""
-        half = 0.5 * self.settings.confidence
-        return self.grid.v50_quantiles(self.weights, (0.5 - half, 0.5 + half))
+        return self.grid.v50_quantiles(self.weights, (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence))
 
-    def decisions(self) -> Ints:
-        """Return the decision on the requirement of each firing; see `decisions`."""
-        return decisions(self.weights, self.grid, self.settings)
+    def ended(self, confidence: float) -> Ints:
+        """Return which firings end: 1 where the requirement is met or the interval is narrow, -1 where it is not met.
 
-    def ended(self, confidence: float | None = None) -> Bools:
-        """Return whether each firing ends, at a confidence that is by default that of the settings."""
-        settings = self.settings if confidence is None else self.settings._replace(confidence=confidence)
+        Return 0 where a firing goes on.
+        """
+        settings = self.settings._replace(confidence=confidence)
         if settings.requirement_m_s is not None:
-            return decisions(self.weights, self.grid, settings) != 0
-        tail = 0.5 - 0.5 * settings.confidence
-        low, high = self.grid.v50_quantiles(self.weights, (tail, 1.0 - tail)).T
-        half = settings.half_width_m_s
-        return np.asarray(0.5 * (high - low) <= (inf if half is None else half))
+            return decisions(self.weights, self.grid, settings)
+        low, high = self.intervals(confidence).T
+        return (0.5 * (high - low) <= (settings.half_width_m_s or 0.0)).astype(int)
 
     def keep(self, which: Bools) -> None:
         """Keep some of the firings."""
@@ -407,26 +403,25 @@ def fire(
 ) -> tuple[Floats, Ints, Floats]:
     """Simulate firings of armours, (n,) each, while at least a number of them go on.
 
-    Return the number of shots at which each ended, infinite where it did not, the decision on the requirement, and the
+    Return the number of shots at which each ended, infinite where it did not, with what, see `Firings.ended`, and the
     number at which it would have ended with a confidence of 90 %.
     """
-    shots, decided, sooner = np.full((3, len(v50_m_s)), inf)
-    decided[:] = 0.0
+    shots, sooner = np.full((2, len(v50_m_s)), inf)
+    ended = np.zeros(len(v50_m_s), dtype=int)
     going = np.arange(len(v50_m_s))
     for number in range(MOST_SHOTS + 1):
-        over = firings.ended()
-        shots[going[over]] = number
-        early = going[firings.ended(SOONER)]
+        ended[going] = firings.ended(firings.settings.confidence)
+        shots[going[ended[going] != 0]] = number
+        early = going[firings.ended(SOONER) != 0]
         sooner[early] = np.minimum(sooner[early], number)
-        if firings.settings.requirement_m_s is not None:
-            decided[going[over]] = firings.decisions()[over]
-        going = going[~over]
+        keep = ended[going] == 0
+        going = going[keep]
         if len(going) < least:
             break
-        firings.keep(~over)
+        firings.keep(keep)
         velocities = firings.aims()
         firings.add(velocities, dice.normal(v50_m_s[going], scatter_m_s[going]) < velocities)
-    return shots, decided.astype(int), sooner
+    return shots, ended, sooner
 
 
 def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, float | None]:
@@ -443,9 +438,13 @@ def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, 
     # More than half of them tell the median.
     firings = Firings(known, settings, FUTURES, FUTURE_CANDIDATES)
     needed, _, sooner = fire(firings, v50, scatter, dice, least=FUTURES // 2)
-    medians = (float(np.median(each)) for each in (needed, sooner))
-    of_all, of_sooner = (median if np.isfinite(median) else None for median in medians)
-    return of_all, of_sooner
+    return _median(needed), _median(sooner)
+
+
+def _median(shots: Floats) -> float | None:
+    """Return the median of numbers of shots; None where it is infinite."""
+    median = float(np.median(shots))
+    return median if isfinite(median) else None
 
 
 @dataclass(frozen=True)
@@ -474,23 +473,20 @@ def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ..
     assert settings.requirement_m_s is not None
     known, scatter = posterior(Shots((), ()), settings, FUTURE_NODES), settings.scatter_m_s
     edge = settings.requirement_m_s - float(ndtri(settings.requirement_fraction)) * scatter
-    armours = np.repeat(edge + scatter * np.array(DISTANCES), FIRINGS)
+    points = edge + scatter * np.array(DISTANCES)
+    armours = np.repeat(points, FIRINGS)
     firings = Firings(known, settings, len(armours), FUTURE_CANDIDATES)
-    shots, decided, _ = fire(firings, armours, np.full(len(armours), scatter), np.random.default_rng(0))
-    v50, decided, medians = (
-        armours[::FIRINGS],
-        decided.reshape(-1, FIRINGS),
-        np.median(shots.reshape(-1, FIRINGS), axis=1),
-    )
+    found = fire(firings, armours, np.full(len(armours), scatter), np.random.default_rng(0))
+    shots, ended, _ = (each.reshape(-1, FIRINGS) for each in found)
     return tuple(
         OperatingPoint(
-            v50_m_s=float(v50[place]),
+            v50_m_s=v50,
             scatter_m_s=scatter,
-            met=float((decided[place] > 0).mean()),
-            not_met=float((decided[place] < 0).mean()),
-            shots=float(median) if np.isfinite(median) else None,
+            met=float((ends > 0).mean()),
+            not_met=float((ends < 0).mean()),
+            shots=_median(needed),
         )
-        for place, median in enumerate(medians)
+        for v50, needed, ends in zip(points.tolist(), shots, ended, strict=True)
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armour.csv_files import check_header, in_line_order, number, read_csv, wrong_width
-from armour.errors import InputError, Problem, refuse
+from armour.errors import InputError, Problem, mistake, refuse
 from armour.files import csv_value
 from armour.scenario.inputs import NAMING
 from armour.scenario.keys import describe, key_name, parts_of
@@ -88,18 +88,19 @@ class Cases:
         first, header = next(lines, (0, []))
         check_header(str(path), f"line {first}", header)
         if "" in header:
-            message = f"must name a key in each column, found none in {header.index('') + 1}"
-            raise InputError([Problem(str(path), f"line {first}", message)])
+            raise mistake(
+                path, f"line {first}", f"must name a key in each column, found none in {header.index('') + 1}"
+            )
         self.keys = tuple(header)
         self.count = 0
         blocks: list[tuple[Any, ...]] = []
         while block := list(islice(lines, BLOCK)):
             self.count += len(block)
             if self.count > MAX_CASES:
-                raise InputError([Problem(str(path), "", f"must have at most {MAX_CASES:,} rows, found more")])
+                raise mistake(path, "", f"must have at most {MAX_CASES:,} rows, found more")
             blocks.append((np.array([line for line, _ in block]), *self._columns(block)))
         if not self.count:
-            raise InputError([Problem(str(path), "", "must have a header of keys and at least one row")])
+            raise mistake(path, "", "must have a header of keys and at least one row")
         self._lines, *columns = map(np.concatenate, zip(*blocks, strict=True))
         self._all = dict(zip(self.keys, columns, strict=True))
         found = sha256(repr(header).encode())
@@ -150,17 +151,16 @@ def axis_of(text: str) -> Axis:
     try:
         key = key_name(parts_of(key))
     except ValueError:
-        message = f'must be KEY=MIN:MAX:STEP or KEY=VALUE,VALUE,..., found "{text}"'
-        raise InputError([Problem("sweep", "over", message)]) from None
+        raise mistake("sweep", "over", f'must be KEY=MIN:MAX:STEP or KEY=VALUE,VALUE,..., found "{text}"') from None
     if key in NAMING:
         message = f'must be a key of numbers, found "{values}"; names are given by --cases, in a column {key}'
-        raise InputError([Problem("sweep", f"over {key}", message)])
+        raise mistake("sweep", f"over {key}", message)
     is_range = ":" in values
     cells = values.split(":" if is_range else ",")
     numbers = [found for cell in cells if (found := number(cell)) is not None]
     if len(numbers) < len(cells) or (is_range and len(numbers) != 3):
         message = f'must be MIN:MAX:STEP or VALUE,VALUE,... of finite numbers, found "{values[:MAX_SHOWN]}"'
-        raise InputError([Problem("sweep", f"over {key}", message)])
+        raise mistake("sweep", f"over {key}", message)
     return axis(key, dict(zip(("min", "max", "step"), numbers, strict=True)) if is_range else numbers)
 
 
@@ -169,7 +169,7 @@ def source_of(over: Mapping[str, object] | str | PathLike[str]) -> Grid | Cases:
     if not isinstance(over, Mapping):
         return Cases(Path(over))
     if not over:
-        raise InputError([Problem("sweep", "over", "must contain at least one key with its values, found none")])
+        raise mistake("sweep", "over", "must contain at least one key with its values, found none")
     return Grid(tuple(axis(key, values) for key, values in over.items()))
 
 
@@ -190,4 +190,4 @@ def axis(key: str, values: object) -> Axis:
             return Axis(key, tuple(found.astype(np.float64).tolist()))
     must = f"must be a sequence of {'names' if is_name else 'finite numbers, or a range with min, max and step'}"
     shown = describe(values) if isinstance(values, str) else repr(values)[:MAX_SHOWN]
-    raise InputError([Problem("sweep", f"over {key}", f"{must}, found {shown}")])
+    raise mistake("sweep", f"over {key}", f"{must}, found {shown}")

@@ -8,7 +8,7 @@ from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from armour.errors import ArmourError, InputError, Problem
+from armour.errors import ArmourError, InputError, mistake
 from armour.sweeps.store import RESUME
 from armour.sweeps.sweep import Workers, program
 
@@ -103,4 +103,4 @@ def _called_there(expected: str, call: bytes) -> Any:
 
 
 def _error(message: str) -> InputError:
-    return InputError([Problem("sweep", "--scheduler", message)])
+    return mistake("sweep", "--scheduler", message)

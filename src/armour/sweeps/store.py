@@ -28,7 +28,7 @@ from typing import Any, BinaryIO, NamedTuple
 import numpy as np
 from filelock import FileLock, Timeout
 
-from armour.errors import InputError, Problem, refuse
+from armour.errors import mistake, refuse
 from armour.files import csv_cell, csv_value, make_private, reason, unwritable, wrong_ending
 
 RESUME = "repeat the same command to resume"
@@ -136,12 +136,12 @@ class Store:
             with suppress(FileNotFoundError):  # another process has just finished and removed it
                 if not make_private(self.folder):
                     message = "must belong to you and be writable by no other user; choose another output, or move it"
-                    raise _problem(self.folder, message)
+                    raise mistake(self.folder, "", message)
                 names = [path.name for path in self.folder.glob("*")]
                 others = [name for name in names if name != _LOCK and not _PART.fullmatch(name)]
                 if others and self._known() is None:
                     message = f"contains other files, such as {others[0]}; choose another output, or move them"
-                    raise _problem(self.folder, message)
+                    raise mistake(self.folder, "", message)
                 self._lock.acquire()
                 if (self.folder / _LOCK).exists():
                     return
@@ -157,7 +157,7 @@ class Store:
                 f"holds chunks of another sweep, which differs in {' and '.join(others)}; "
                 "finish that with its own command and program, or remove the folder to start again"
             )
-            raise _problem(self.folder, message)
+            raise mistake(self.folder, "", message)
         self._check_output()
         self.size = known["size"] if known and not others else 0
 
@@ -172,7 +172,7 @@ class Store:
         except (ValueError, KeyError, TypeError, AttributeError):
             pass
         message = "does not identify its sweep; choose another output, or remove the folder to start again"
-        raise _problem(self.folder / _JOB, message)
+        raise mistake(self.folder / _JOB, "", message)
 
     def _write(self, path: Path, content: bytes) -> None:
         with self._new(path) as file:
@@ -194,7 +194,7 @@ class Store:
     def _check_output(self) -> None:
         may_go = self.replace and self.output.is_file() and not self.output.is_symlink()
         if os.path.lexists(self.output) and not may_go:
-            raise _problem(self.output, "exists already; choose another name, or remove it")
+            raise mistake(self.output, "", "exists already; choose another name, or remove it")
 
     def _remove(self) -> None:
         """Remove the sweep's own files and, if it is empty then, the folder."""
@@ -213,16 +213,12 @@ class Store:
             yield
         except Timeout:
             message = "another sweep is at work on this output; wait for it, or choose another"
-            raise _problem(self.folder, message) from None
+            raise mistake(self.folder, "", message) from None
         except OSError as error:
             message = f"cannot be written: {reason(error)}"
             with suppress(OSError):
                 message += f"; what is done is kept, {RESUME}" if self.starts() else ""
-            raise _problem(error.filename or self.output, message) from None
-
-
-def _problem(path: Path | str, message: str) -> InputError:
-    return InputError([Problem(str(path), "", message)])
+            raise mistake(error.filename or self.output, "", message) from None
 
 
 def is_csv(path: Path) -> bool:
@@ -232,8 +228,7 @@ def is_csv(path: Path) -> bool:
     try:
         import pyarrow.parquet  # noqa: F401
     except ImportError:
-        message = "needs pyarrow; pip install 'armour[parquet]', or write .csv"
-        raise InputError([Problem("sweep", str(path), message)]) from None
+        raise mistake("sweep", str(path), "needs pyarrow; pip install 'armour[parquet]', or write .csv") from None
     return False
 
 

@@ -23,7 +23,7 @@ import armour
 from armour.analysis.evaluate import check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
 from armour.analysis.quantities import QUANTITIES, reads_of
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, same_columns
-from armour.errors import InputError, Problem, choices
+from armour.errors import InputError, choices, mistake
 from armour.files import reason
 from armour.scenario.checked import Names, checked
 from armour.scenario.inputs import ROLES
@@ -108,12 +108,12 @@ class SweepResult(TableResult):
         try:
             return read_table(self.output)
         except OSError as error:
-            raise InputError([Problem(str(self.output), "", f"cannot be read: {reason(error)}")]) from None
+            raise mistake(self.output, "", f"cannot be read: {reason(error)}") from None
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         if name not in self.columns:
             message = f"must name a column, found {describe(name)}{choices(str(name), list(self.columns))}"
-            raise InputError([Problem("sweep", "column", message)])
+            raise mistake("sweep", "column", message)
         return self.columns[name]
 
     def __eq__(self, other: object) -> bool:
@@ -186,15 +186,14 @@ def sweep(
     """
     names = tuple(quantities)
     if not names:
-        raise InputError([Problem("sweep", "quantities", "must name at least one quantity, found none")])
+        raise mistake("sweep", "quantities", "must name at least one quantity, found none")
     source = source_of(over)
     axes = source.axes if isinstance(source, Grid) else ()
     warnings = [f"{axis.key}: {axis.omission}" for axis in axes if axis.omission]
     columns: Mapping[str, Any] = {}
     if output is None:
         if source.count > MAX_ROWS:
-            message = f"must be given for more than {MAX_ROWS:,} rows, found {source.count:,}"
-            raise InputError([Problem("sweep", "output", message)])
+            raise mistake("sweep", "output", f"must be given for more than {MAX_ROWS:,} rows, found {source.count:,}")
         check(scenario, source, names)
         warnings += unanswered(scenario, names)
         check_rows(scenario, source)
@@ -331,7 +330,7 @@ def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -
     """Check the question, and that every key counts."""
     check_quantities(scenario, quantities, "sweep", "quantities")
     if len(set(source.keys)) != len(source.keys):
-        raise InputError([Problem("sweep", "over", "must not name a key twice")])
+        raise mistake("sweep", "over", "must not name a key twice")
     first = {key: values[0].item() for key, values in source.rows(np.arange(1)).items()}
     check_keys(scenario, first, quantities, "sweep")
 

@@ -8,7 +8,7 @@ from armour.analysis.evaluate import Answers, groups_of
 from armour.analysis.quantities import DESIGNS, OF_GRID, QUANTITIES
 from armour.analysis.variants import Floats, Variants, grid_of
 from armour.design.optimise import BestDesign, optimise
-from armour.errors import InputError, NoDesignError, Problem
+from armour.errors import NoDesignError, mistake
 from armour.scenario.scenario import Scenario
 
 
@@ -81,5 +81,4 @@ def check_answerable(name: str, scenario: Scenario, replacement: Scenario | None
     if replacement is not None:
         before, after = scenario.armour, replacement.armour
         if (before.ceramic != after.ceramic) == (before.backing != after.backing):
-            message = "must name another ceramic or another backing, and not both"
-            raise InputError([Problem(scenario.file, "replaced_by", message)])
+            raise mistake(scenario.file, "replaced_by", "must name another ceramic or another backing, and not both")

@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, field_validator
 
 from armour.analysis.quantities import label_and_unit
 from armour.csv_files import number
-from armour.errors import InputError, Problem, choices, refuse
+from armour.errors import InputError, Problem, choices, mistake, refuse
 from armour.files import read_toml, shipped, shipped_files, suite_file
 from armour.scenario.checked import checked
 from armour.scenario.inputs import SHOT
@@ -315,8 +315,7 @@ class Suite:
         named = [text.lower() in case.full_name.lower() for case in self.cases]
         cases = tuple(compress(self.cases, named))
         if not cases:
-            message = f'must have a case whose name contains "{text}", found none'
-            raise InputError([Problem(str(self.file), "", message)])
+            raise mistake(self.file, "", f'must have a case whose name contains "{text}", found none')
         kept = {case.group for case in cases}
         # The bands of a table of a file are made for all its rows.
         partial = {case.group for case, chosen in zip(self.cases, named, strict=True) if case.cells and not chosen}
@@ -354,7 +353,7 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     path = suite_file(path)
     suite = validated(SuiteSection, read_toml(path), str(path))
     if not suite.case and not suite.table:
-        raise InputError([Problem(str(path), "case", "is missing: a suite must have at least one case or table")])
+        raise mistake(path, "case", "is missing: a suite must have at least one case or table")
     read = cache(read_toml)
     cases: list[Case] = []
     # A mistake of many rows of a table is told of the first of them.
@@ -435,8 +434,7 @@ def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, o
     ]
     if not cases:
         conditions = " and ".join((quantity, *section.where))
-        message = f"must have tests with {conditions} as the suite selects them, found none"
-        raise InputError([Problem(tests.file, "", message)])
+        raise mistake(tests.file, "", f"must have tests with {conditions} as the suite selects them, found none")
     return cases
 
 
