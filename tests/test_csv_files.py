@@ -37,7 +37,7 @@ def test_every_mistake_at_once(tmp_path: Path):
         't.csv: line 2: velocity_m_s: must be a number, found "fast"',
         "t.csv: line 3: must have 2 cells as the header has, found 1",
         't.csv: line 4: velocity_m_s: must be a number, found "nan"',
-        "t.csv: line 6: repeats line 5; where both took place, name them in the column shot",
+        "t.csv: line 6: repeats line 5; if both took place, name them in the column shot",
     ]
 
 

@@ -17,7 +17,7 @@ from armour.units import missing_unit
 MAX_ROWS = 100_000
 # Longer than any line of numbers; a device such as /dev/zero has no end of line.
 MAX_LINE = 100_000
-# Bytes that are no UTF-8 text, as they are read.
+# Bytes that are not UTF-8 text, as they are read.
 _UNDECODED = re.compile("[\udc80-\udcff]")
 
 
@@ -76,7 +76,7 @@ def read_rows(
             problems.append(Problem(file, place, wrong_width(cells, header)))
             continue
         if tuple(cells) in seen:
-            message = f"repeats {seen[tuple(cells)]}; where both took place, name them in the column {texts[0]}"
+            message = f"repeats {seen[tuple(cells)]}; if both took place, name them in the column {texts[0]}"
             problems.append(Problem(file, place, message))
         seen[tuple(cells)] = place
         named = zip(header, cells, strict=True)

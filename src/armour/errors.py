@@ -90,7 +90,7 @@ class NoAnswerError(ArmourError):
 
 
 class NoLimitError(NoAnswerError):
-    """No ballistic limit in the range of velocities; `above` where no velocity of it is seen to perforate."""
+    """No ballistic limit in the range of velocities; `above` if none of the velocities scanned perforates."""
 
     def __init__(self, message: str, *, above: bool = False) -> None:
         super().__init__(message)

@@ -59,7 +59,7 @@ def shipped_notebooks() -> dict[str, Path]:
 def located(path: Path, known: Mapping[str, Path], listed: str = "") -> Path:
     """Return the file at a path or, where there is none, the one that is known by this name.
 
-    Raise an InputError with the closest name, and with where the names are `listed` or all, if there is neither.
+    If there is neither, raise an InputError with the closest name, and with where the names are `listed` or all names.
     """
     name = path.as_posix()
     try:
@@ -84,7 +84,7 @@ def suite_file(path: str | PathLike[str]) -> Path:
 
 
 def reason(error: OSError | ValueError) -> str:
-    """Return the message of the operating system, or of a path that is none, in lower case."""
+    """Return the message of the operating system, or of an invalid path, in lower case."""
     return (getattr(error, "strerror", None) or str(error)).lower()
 
 
@@ -196,7 +196,7 @@ def _obstacle(path: Path) -> str:
 
 
 def _target(path: Path) -> Path:
-    """Return the file that a path, or the last of its symbolic links, names; raise an OSError where there is none."""
+    """Return the file that a path, or the last of its symbolic links, names; raise an OSError if there is none."""
     with suppress(FileNotFoundError):
         os.stat(path)  # a loop of links, or a name that is too long
     return Path(os.path.realpath(path))

@@ -109,7 +109,7 @@ def test_the_recommended_curve_is_the_penalised_probit_if_it_rises():
         ),
         (
             ["700,partial", "700,partial", "710,complete"],
-            ["line 3: repeats line 2; where both took place, name them in the column shot"],
+            ["line 3: repeats line 2; if both took place, name them in the column shot"],
         ),
     ],
 )

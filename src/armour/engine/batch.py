@@ -38,7 +38,7 @@ class Impacts(NamedTuple):
 class Brackets(NamedTuple):
     """Results of n searches for a ballistic limit, m/s, or a ceramic thickness, m; an array of shape (n,) each.
 
-    Where nothing in the range is defeated or perforated, that end of the bracket is infinite.
+    If nothing in the range is defeated, or perforated, that end of the bracket is infinite.
     """
 
     defeated: Floats  # the end of the bracket that is defeated
@@ -55,7 +55,7 @@ class Brackets(NamedTuple):
 class SolverOptions(NamedTuple):
     """Options of the solver."""
 
-    V_arrest: float = 1.0  # velocity below which a projectile counts as stopped, m/s
+    V_arrest: float = 1.0  # velocity below which a projectile is taken as stopped, m/s
     time_step: float = 0.0  # s; 0 for the default of each impact
     max_steps: int = 500_000  # maximum number of steps of an impact, which then ends as `Outcome.UNRESOLVED`
     threads: int | None = None  # None for one per core; the results do not depend on it
@@ -91,7 +91,7 @@ def ballistic_limits(
 ) -> Brackets:
     """Find ballistic limits between two velocities, m/s; see `armour.core.search.find_ballistic_limit`.
 
-    The scan has a number of ``points``.
+    ``points`` is the number of velocities of the scan.
     """
     velocities = np.array(scan(low, high, points), dtype=np.float64)
     velocities.flags.writeable = False

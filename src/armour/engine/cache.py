@@ -1,7 +1,7 @@
 """Compiled kernels, kept by numba in the user's cache folder from one process to the next.
 
 Numba itself notices changes of the kernels' file only: the folder is named after a digest of all that is compiled.  It
-is used where it is the user's and no other user can write it.  Elsewhere every process compiles.
+is used if it belongs to the user and no other user can write to it.  Otherwise every process compiles.
 """
 
 import os

@@ -23,7 +23,7 @@ from armour.core.state import Outcome, Parameters, State
 
 Kernel = Callable[..., None]
 
-# Wrappers of functions that only compiled code calls, and counts of references that there are none of, are left out.
+# Functions that only compiled code calls need no wrappers, and nothing here needs reference counts.
 OPTIONS: Any = {"no_cfunc_wrapper": True, "_nrt": False}
 
 _float, _int = types.float64, types.int64

@@ -2,8 +2,8 @@
 
 The requirement is that the velocity at which a fraction of shots perforates exceeds the required one.  The likelihood
 of the shots averaged over curves that meet it, divided by the greatest likelihood of a curve that does not, ever
-exceeds 1/risk with at most the probability `risk` if the requirement is not met, whatever rule chooses the velocities
-and ends the firing [Wasserman2020]; and so with the sides exchanged.
+exceeds 1/risk with a probability of at most `risk` if the requirement is not met, whatever rule chooses the velocities
+and ends the firing [Wasserman2020]; the same is true with the sides exchanged.
 
 The logarithm of the likelihood of normal curves is concave in intercept and slope, in which each side is convex.
 Wherever the ratio exceeds 1, the likeliest curve of the other side is therefore one that just meets the requirement.
@@ -22,11 +22,11 @@ from armour.analysis.variants import Floats
 from armour.statistics.posterior import Grid, Posterior
 
 # Nodes of the distance between the velocity in question and the required one, in scatters, which is the hyperbolic sine
-# of a normal variable, and of the scatter, which is log-normal; the standard deviation of the former, and how far both
-# reach.
+# of a normal variable, and of the scatter, which is log-normal; the standard deviation of the former, and the ends of
+# both.
 NODES, SPREAD, FARTHEST, DEVIATIONS = (30, 7), 1.6, 4.2, 2.4
 # Nodes of the scatter of curves that just meet the requirement, its range in units of the required velocity, and the
-# weight of each of these curves, which take no part in the average.
+# weight of each of these curves, negligible in the average.
 EDGE_NODES, EDGE_SCATTERS, EDGE_WEIGHT = 41, (1e-3, 0.5), 1e-12
 
 
@@ -55,7 +55,7 @@ class Demand(NamedTuple):
 
 @lru_cache(maxsize=4)
 def demand_of(requirement_m_s: float, fraction: float, scatter_m_s: float, scatter_factor: float) -> Demand:
-    """Return the curves for a requirement; the scatter that is expected decides only how many shots are needed."""
+    """Return the curves for a requirement; the expected scatter affects only how many shots are needed."""
     place = np.linspace(-FARTHEST, FARTHEST, NODES[0])
     deviation = np.linspace(-DEVIATIONS, DEVIATIONS, NODES[1])
     distance = np.append(np.repeat(np.sinh(place), NODES[1]), np.zeros(EDGE_NODES))

@@ -86,16 +86,16 @@ class ShotPlan(Result):
     simulated : int
         Number of the shots, the last ones, that are simulated.
     next_velocity_m_s : float or None
-        Velocity of the next shot, m/s; None where the firing has ended.
+        Velocity of the next shot, m/s; None if the firing has ended.
     reason : str
         Reason for this velocity.
     stopped : str
         Reason why the firing has ended; empty while it continues.
     expected_shots : float or None
-        Median number of further shots in simulated continuations by the Bayesian procedure; None where it exceeds 100,
+        Median number of further shots in simulated continuations by the Bayesian procedure; None if it exceeds 100,
         and for the other procedures.
     expected_shots_90 : float or None
-        The same with a confidence of 90 %; None, too, where the confidence is no more than that.
+        The same with a confidence of 90 %; also None if the confidence is no more than that.
     confidence : float
         Confidence level of the intervals and of the requirement.
     half_width_m_s : float or None
@@ -107,32 +107,32 @@ class ShotPlan(Result):
     probability_met : float or None
         Probability that the requirement is met, by the posterior.
     decision : {"met", "not met", ""}
-        Whether the requirement is met; empty without one, and where the shots do not yet decide it.
+        Whether the requirement is met; empty without one, and while the shots do not yet decide it.
     consumers_risk, producers_risk : float or None
         Greatest probability that armour which does not meet the requirement is accepted, and that armour which meets it
-        is rejected: 1 minus the confidence.  None without a requirement, and where the prior takes part in the
-        decision.
+        is rejected: 1 minus the confidence.  None without a requirement, and if the decision uses the prior.
     evidence_met, evidence_not_met : float or None
-        Likelihood of the shots averaged over curves that meet the requirement, or do not, divided by the greatest one
-        of a curve of the other side.  The decision is made where one reaches the inverse of the risk.
+        Likelihood of the shots averaged over curves that meet the requirement, or do not, divided by the greatest
+        likelihood of a curve of the other side.  The decision is made once one is at least the inverse of the risk.
     operating_characteristic : tuple of OperatingPoint
         Outcomes of simulated firings at armours around the requirement, with a V50 ``v50_m_s`` and a scatter
         ``scatter_m_s``, m/s: the fractions that end with it ``met`` and ``not_met``, and the median of ``shots``, None
         above 100.  Empty once a shot has been fired.
     earlier : int
-        Number of earlier firings whose scatter is pooled.
+        Number of earlier firings whose scatters are pooled.
     scatter_percent, scatter_factor : float
-        Scatter that is expected, per cent of V50, and the factor by which it may differ, given these.
+        Expected scatter, per cent of V50, and the factor by which it may differ, given these.
     limits_m_s : tuple of float or None
         Limits of V50 that Langlie's and Neyer's procedures start from, m/s.
     prior, posterior : FiringEstimate or None
-        V50 and the scatter without and with the shots; None where the model error is not known.
+        V50 and the scatter without and with the shots; None if the model error is not known.
     prior_share : float or None
         Posterior over prior variance of V50: the share of the prior in the precision.
     recommended : FittedCurve or None
-        Curve that `armour.v50` recommends, from the shots alone, where they have one; None for the Bayesian procedure.
+        Curve that `armour.v50` recommends, from the shots alone; None without one, and for the Bayesian procedure.
     mean : MeanV50 or None
-        Mean of MIL-STD-662F of three shots of each kind, for the up-and-down rule, where they meet its span.
+        Mean of MIL-STD-662F of three shots of each kind, for the up-and-down rule; None without such shots
+        within its span.
     model_ballistic_limit_m_s : float
         Ballistic limit by the model, m/s.
     model_error : ModelError or None
@@ -143,10 +143,10 @@ class ShotPlan(Result):
         Over ``velocity_m_s``, m/s: the densities of V50, ``prior`` and ``posterior``, s/m, and by the posterior the
         ``probability`` of complete penetration.
     contradicts_prior : bool
-        Whether V50 or scatter by the posterior lie beyond their intervals by the prior with a probability of 99 %.
+        Whether the posterior V50 or scatter lies outside its 99 % interval by the prior.
     warnings : tuple of str
         Shots far from the model's limit or contradicting the prior, limits that shots have reached, a simulation that
-        did not end, and ways in which the scenario is unlike what the model was compared with.
+        did not end, and ways in which the scenario differs from what the model was compared with.
     """
 
     procedure: str
@@ -268,8 +268,7 @@ def plan_shots(
     Raises
     ------
     InputError
-        If a setting is out of its range or has no use, or the model error is not known and the procedure needs
-        it.
+        If a setting is out of its range or has no effect, or the procedure needs the model error, which is not known.
     NoLimitError
         If the scenario has no ballistic limit in the range of the search.
 
@@ -286,7 +285,7 @@ def plan_shots(
     problems = []
     limited = procedure in ("langlie", "neyer")
     if limited and requirement_m_s is not None:
-        problems.append(("requirement_m_s", f"must not be given with {procedure}, which knows none"))
+        problems.append(("requirement_m_s", f"must not be given with {procedure}, which has no requirement"))
     if not limited and limits_m_s is not None:
         problems.append(("limits_m_s", f"must not be given with {procedure}, which has none"))
     if limits_m_s is not None and limits_m_s[0] >= limits_m_s[1]:
@@ -403,14 +402,14 @@ def plan_shots(
 
 
 def _known(prior: FiringPrior | None, key: str, purpose: str) -> FiringPrior:
-    """Return a prior that a setting, unless it is given, needs."""
+    """Return a prior that is needed for a setting that is not given."""
     if prior is None:
         raise mistake("plan_shots", key, f"must be given: the model error, {purpose}, is not known")
     return prior
 
 
 def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
-    """Return the curves over the velocities where there is something to see."""
+    """Return the curves over the velocities at which they change."""
     low, high = prior.grid.v50_quantiles(prior.weights, (0.005, 0.995))[0].tolist()
     shown = (low, high, *fired.velocities_m_s)
     velocities = np.linspace(min(shown), max(shown), CURVE_POINTS)

@@ -1,8 +1,8 @@
 """Optimal design of experiments: which of n candidate tests to make, given the information that each gives.
 
 A test gives the information f f' of k parameters, f one of the rows (n, k).  The information M of several tests is the
-sum, with that of a base, from tests made before or a prior.  The criterion is least for the best set: for D the
-logarithm of 1 over the determinant of M, for I that of the mean of c' M^-1 c over the targets c, (t, k).
+sum, with that of a base, from tests made before or a prior.  The criterion is to be minimised: for D, minus the
+logarithm of the determinant of M; for I, the logarithm of the mean of c' M^-1 c over the targets c, (t, k).
 """
 
 from collections.abc import Sequence
@@ -14,8 +14,8 @@ from scipy.linalg import qr
 
 from armour.analysis.variants import Floats, Ints
 
-# Part of the greatest singular value, rows scaled alike, below which a direction is one that no row informs of; the
-# derivatives are accurate to a tenth of it.
+# Part of the greatest singular value, of scaled rows, below which a direction is not determined; the derivatives are
+# accurate to a tenth of it.
 SINGULAR = 1e-3
 # Relative difference below which two sets are equally good; the first candidate is then chosen.
 TIE = 1e-9
@@ -39,7 +39,7 @@ class Task(NamedTuple):
         return self.base + rows.T @ rows
 
     def loss(self, information: Floats) -> Floats:
-        """Return the criterion of matrices, (..., k, k): less is better, inf where they are singular."""
+        """Return the criterion of matrices, (..., k, k): less is better, inf for singular ones."""
         sign, logarithm = np.linalg.slogdet(information)
         regular = (sign > 0) & np.isfinite(logarithm)
         if self.targets is None:
@@ -77,7 +77,7 @@ def _root(information: Floats) -> Floats:
 
 
 def missing(base: Floats, rows: Floats) -> int:
-    """Return how many candidates it takes at least to make a regular matrix of the base."""
+    """Return the least number of candidates that make the matrix of the base regular."""
     return int(rows.shape[1]) - int(np.linalg.matrix_rank(_scaled(base, rows)[0], tol=SINGULAR))
 
 
@@ -96,7 +96,7 @@ def best_set(task: Task, number: int) -> list[int]:
     """Return a good set of candidates, repeats allowed, in the order in which they are best made.
 
     The first tests, up to a regular matrix, are chosen together, each further one by its gain per cost; then
-    candidates are exchanged as long as the set becomes better and not dearer [Fedorov1972].
+    candidates are exchanged while that improves the set without raising its cost [Fedorov1972].
     """
     start = _sequence(task, np.arange(len(task.rows)), number)
     if number < missing(task.base, task.rows):
@@ -169,7 +169,7 @@ def _exchanged(task: Task, start: Sequence[int], cost: float | None) -> list[int
 
 
 def _worth(task: Task, losses: Floats, totals: Floats, cost: float | None) -> Floats:
-    """Return losses of sets; inf where they are too dear or, without a bound, for the same total cost."""
+    """Return losses of sets, inf for those that cost too much; without a bound, losses for the same total cost."""
     if cost is None:
         losses, totals = losses + task.rows.shape[1] * np.log(totals), np.zeros_like(totals)
     return np.where(totals <= (cost or 0.0) * (1.0 + TIE), losses, np.inf)
@@ -204,7 +204,7 @@ def continuous(task: Task, cost: float) -> tuple[Floats, float]:
 
 
 def efficiency(task: Task, chosen: Sequence[int]) -> float:
-    """Return the efficiency of a set, 0 to 1: at least this part of the tests would do if they were optimal."""
+    """Return the efficiency of a set, 0 to 1: optimal tests would need at least this part of the cost."""
     least = continuous(task, float(task.costs[chosen].sum()))[1]
     worse = float(task.loss(task.information(chosen))) - least
     return min(exp(-worse / (task.rows.shape[1] if task.targets is None else 1)), 1.0)

@@ -1,4 +1,4 @@
-"""Plans of tests: which armours to test next, so that fitted inputs or the limit of a design become most certain."""
+"""Plans of tests: which armours to test next, to determine fitted inputs or the limit of a design best."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -43,9 +43,9 @@ from armour.sweeps.cases import Cases, Grid, source_of
 COST = "cost"
 MAX_CANDIDATES, MAX_NUMBER = 10_000, 200
 MAX_COST = 1e12
-# Information of a relative change of an input below which a test tells nothing: a standard deviation of a million.
+# Information on a relative change of an input below which a test does not inform: a standard deviation of a million.
 NOTHING = 1e-12
-# Part of a vector that may lie outside of the directions of which tests inform.
+# Part of a vector that may lie outside the directions that tests determine.
 OUTSIDE = 1e-2
 # Parts of the range of a search within which a fit ends at its end.
 AT_END = 1e-6
@@ -72,13 +72,13 @@ class PlannedTest:
     number : int
         1 for the first; 0 for what is known before.
     inputs : dict of str to float or str
-        Its armour, and velocity where the outcome is measured, by key of the scenario.
+        Its armour, and the velocity if the outcome is measured, by key of the scenario.
     ballistic_limit_m_s : float or None
         By the model, m/s.
     cost, total_cost : float or None
         Of this test, and of all up to it; None without costs.
     half_widths : dict of str to float or None
-        Expected half-width of the interval of each fitted input, in its unit; None where the tests do not give one.
+        Expected half-width of the interval of each fitted input, in its unit; None if the tests do not determine it.
     limit_half_widths_m_s : tuple of float or None
         The same of the ballistic limit of each design, m/s.
     """
@@ -103,7 +103,7 @@ class PlannedTests(TableResult):
     criterion : {"D", "I"}
     measure : {"limit", "outcome"}
     law : str
-        Law of the ceramic's flow stress; empty where the flow stress is not fitted.
+        Law of the ceramic's flow stress; empty if the flow stress is not fitted.
     values : dict of str to float
         Fitted inputs, at whose values the tests are planned.
     tests : str
@@ -111,7 +111,7 @@ class PlannedTests(TableResult):
     scatter_percent : float
         Standard deviation of a test, % of the ballistic limit.
     scatter_known : bool
-        Whether it is given; else it is estimated from the tests, which widens the intervals.
+        Whether it is given; otherwise it is estimated from the tests, which widens the intervals.
     scatter_source : {"given", "uncertainties", "residuals"}
         Where the scatter comes from: the argument, or the uncertainties or the residuals of the tests made before.
     designs : tuple of str
@@ -119,15 +119,15 @@ class PlannedTests(TableResult):
     design_limits_m_s : tuple of float
         Their ballistic limits, m/s.
     efficiency : float or None
-        Of these tests compared with the best distribution of the same cost over the candidates, 0 to 1, at least; None
-        where they do not determine the inputs, or by "I" the limits of the designs.
+        Lower bound on the efficiency of these tests, 0 to 1, relative to the best distribution of the same cost over
+        the candidates; None if they do not determine the inputs or, by "I", the limits of the designs.
     not_identified : tuple of str
         Fitted inputs that all candidates together do not determine.
     candidates : dict of str to tuple
         Inputs of the candidates, by key of the scenario.
     sensitivities : tuple of float
-        Gain for its cost of one more test of each candidate, after the planned ones, over their mean; empty where these
-        do not determine the inputs.
+        Gain per cost of one further test of each candidate, relative to the average planned test; empty if the planned
+        tests do not determine the inputs.
     confidence : float
         Confidence level of the intervals.
     warnings : tuple of str
@@ -231,15 +231,15 @@ def plan_tests(
     Raises
     ------
     InputError
-        If a setting is out of its range, a candidate is no valid armour or has no ballistic limit in the range of the
-        search, the candidates do not depend on the inputs, or the scatter is not known.
+        If a setting is out of its range, a candidate is not a valid armour or has no ballistic limit in the range of
+        the search, the candidates do not depend on the inputs, or the scatter is not known.
     """
     questions = (designs,) if isinstance(designs, Scenario) else tuple(designs) or (scenario,)
     fit = tuple(fit)
     if not fit:
         raise mistake("plan_tests", "fit", "must name at least one input")
     if law is not None and FLOW_STRESS not in fit:
-        raise mistake("plan_tests", "law", f"must not be given where {FLOW_STRESS} is not fitted")
+        raise mistake("plan_tests", "law", f"must not be given unless {FLOW_STRESS} is fitted")
     scenario.check_names([name for name in fit if law is None or name == FLOW_STRESS], "plan_tests", "fit")
     rows, costs = _candidates(scenario, candidates, measure, cost)
     source: ScatterSource = "uncertainties" if tests is not None and tests.weighted else "residuals"
@@ -260,7 +260,7 @@ def plan_tests(
         z = (velocities - limits[:count]) / (known.scatter * velocities)
         informing *= (limits[:count] / velocities * np.sqrt(hazard(z) * hazard(-z)))[:, None]
     if (informing**2).sum(axis=1).max() < NOTHING:
-        raise mistake(rows.file, "", f"must depend on {', '.join(names)}, found none that does")
+        raise mistake(rows.file, "", f"must depend on {', '.join(names)}, found no candidate that does")
     basis = optimal_design.identified(known.base, informing)
     inputs = _determined(np.eye(len(basis)), basis)
     targets = _determined(gradients[count:] * limits[count:, None], basis)  # m/s
@@ -285,7 +285,7 @@ def plan_tests(
             f"the candidates do not determine {', '.join(lacking)}: their limits depend on the inputs alike"
         )
     if number < (needed := optimal_design.missing(task.base, task.rows)):
-        warnings.append(f"{number} tests do not determine the inputs; at least {needed} do")
+        warnings.append(f"{number} tests do not determine the inputs; at least {needed} are needed")
     planned = []
     for made in range(number + 1):
         halves = _half_widths(task, chosen[:made], known, [*(inputs * likelihood.units[:, None]), *targets], measure)
@@ -325,7 +325,7 @@ def plan_tests(
 
 @contextmanager
 def of_candidates() -> Iterator[None]:
-    """Name the values of a sweep, in the messages on them, candidates."""
+    """Call the values of a sweep candidates in the messages on them."""
     try:
         yield
     except InputError as error:
@@ -360,7 +360,7 @@ def _candidates(
     if not columns:
         raise mistake(file, "", "must have at least one key of an armour")
     if measure == "limit" and VELOCITY in columns:
-        message = "must not be given where the ballistic limit is measured; --measure outcome for shots at a velocity"
+        message = "must not be given if the ballistic limit is measured; --measure outcome for shots at a velocity"
         raise mistake(file, VELOCITY, message)
     quantity = "outcome" if measure == "outcome" else LIMIT
     check_keys(scenario, {key: values[0].item() for key, values in columns.items()}, (quantity,), file)
@@ -424,7 +424,7 @@ def _knowledge(
     prior: bool,
     on_progress: OnProgress,
 ) -> _Knowledge:
-    """Return what tests made before and the prior tell of the inputs, and how tests scatter."""
+    """Return what earlier tests and the prior determine of the inputs, and how tests scatter."""
     fit = of_tests = None
     if tests is not None:
         tests, names = under_law(tests, inputs, law)
@@ -435,14 +435,14 @@ def _knowledge(
             fit = fit_inputs(tests, names, on_progress, prior=prior)
         scatter = scatter or (fit.spread if fit and not tests.weighted else _given_scatter(tests))
     if scatter is None:
-        message = "is missing and must be given: there are too few tests to estimate it from"
+        message = "must be given: there are too few tests to estimate it from"
         raise mistake("plan_tests", "scatter_percent", message)
     if fit is not None:
         return _fitted(fit, scatter)
     own = likelihood.tests.groups[0].scenario.inputs()
     x = likelihood.prior.centred(np.array([own.get(name, 0.0) for name in likelihood.names]) / likelihood.units)
     base = likelihood.prior.rows(x).T @ likelihood.prior.rows(x)
-    warning = "the plan is best near the values of the inputs that it is made for, which no tests determine"
+    warning = "the plan is optimal only near the inputs' present values, which no tests support"
     if of_tests is not None:
         rows = rows_at(of_tests, x, 1.0)[1]
         base, warning = base + rows.T @ rows, f"{warning}: too few for a fit"
@@ -450,7 +450,7 @@ def _knowledge(
 
 
 def _fitted(fit: Fit, scatter: float) -> _Knowledge:
-    """Return what a fit tells."""
+    """Return what a fit determines."""
     tests, rows = fit.likelihood.tests, fit.rows.copy()
     rows[: len(tests.measurements)] *= fit.best.scatter / fit.spread
     rows /= fit.widened_by
@@ -461,7 +461,7 @@ def _fitted(fit: Fit, scatter: float) -> _Knowledge:
             f"their standard deviations are multiplied by {fit.widened_by:.2f}"
         )
     lower, upper = fit.likelihood.lower, fit.likelihood.upper
-    # The search comes close to an end and does not reach it.
+    # The search comes close to an end without meeting it.
     if (np.minimum(fit.best.x - lower, upper - fit.best.x) < AT_END * (upper - lower)).any():
         warnings.append("the fit to the tests ends at the end of the range of its search")
     freedom = None if tests.weighted else fit.degrees_of_freedom
@@ -518,7 +518,7 @@ def _half_widths(
     task: Task, made: Sequence[int], known: _Knowledge, gradients: Sequence[Floats], measure: Measure
 ) -> list[float | None]:
     """Return the expected half-widths of the intervals of quantities with gradients, after tests are made."""
-    # Further limits tell how tests scatter, too.
+    # Further limits also add to the knowledge of the scatter.
     freedom = known.freedom and known.freedom + (len(made) if measure == "limit" else 0)
     information, tail = task.information(made), 0.5 * (1.0 + CONFIDENCE)
     if optimal_design.missing(information, task.rows):

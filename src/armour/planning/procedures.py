@@ -1,7 +1,7 @@
 """Rules for the next velocity of a V50 firing and for its end: up and down, Langlie's, Neyer's and the Bayesian one.
 
-The Bayesian procedure fires the shot that is expected to tell most, given the model's limit and its error.  What it is
-to tell is V50 or, with a requirement, whether the velocity at which a small part of shots perforates exceeds the
+The Bayesian procedure fires the shot that is expected to be most informative, given the model's limit and its error.
+The target is V50 or, with a requirement, whether the velocity at which a small part of shots perforates exceeds the
 required one.  A shot's gain is the expected reduction of the variance of this target by its result,
 Cov(target, result)^2 / Var(result) over the posterior.
 """
@@ -60,7 +60,7 @@ class Aim(NamedTuple):
 
 
 def recommended_fit(shots: Shots, confidence: float) -> FittedCurve | None:
-    """Return the probit curve of the penalised likelihood; None where the shots have none."""
+    """Return the probit curve of the penalised likelihood; None if the shots have none."""
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     if not partial or not complete:
         return None
@@ -71,7 +71,7 @@ def recommended_fit(shots: Shots, confidence: float) -> FittedCurve | None:
 
 
 def narrow_enough(interval: tuple[float | None, float | None], settings: ShotSettings) -> str:
-    """Return that an interval of V50 is as narrow as asked; "" if it is not."""
+    """Return that an interval of V50 is as narrow as required; "" if it is not."""
     low, high = interval
     if settings.half_width_m_s is None or low is None or high is None or 0.5 * (high - low) > settings.half_width_m_s:
         return ""
@@ -119,7 +119,7 @@ def stopped_up_and_down(shots: Shots, settings: ShotSettings) -> str:
 
 
 def mean_of(shots: Shots) -> MeanV50 | None:
-    """Return the mean of MIL-STD-662F that ends the firing; None where the shots do not meet its span."""
+    """Return the mean of MIL-STD-662F that ends the firing; None without such shots within its span."""
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     return mean_v50(partial, complete, PAIRS) if partial and complete else None
 
@@ -152,7 +152,7 @@ def next_by_langlie(shots: Shots, settings: ShotSettings) -> Aim:
 
 
 def langlie_doubts(shots: Shots, settings: ShotSettings) -> Iterator[str]:
-    """Give a warning where the shots leave the limits or stick at one."""
+    """Give a warning if the shots leave the limits or stay at one."""
     lower, upper = settings.limits_m_s
     velocity, last = next_by_langlie(shots, settings).velocity_m_s, shots.complete[-ALIKE:]
     if not lower <= velocity <= upper:
@@ -169,7 +169,7 @@ def langlie_doubts(shots: Shots, settings: ShotSettings) -> Iterator[str]:
 REDUCTION = 0.8
 # Arguments of the normal distribution function at which the gain in information is examined.
 ARGUMENTS = np.arange(-4000, 4001) / 1000.0
-# The best argument where the shots are best described by a constant probability, an infinite scatter.
+# The best argument if a constant probability, an infinite scatter, fits the shots best.
 FLAT = 1.31525757633905
 
 
@@ -244,15 +244,15 @@ def _best(velocities: Sequence[float], v50: float, scatter: float) -> float:
     return v50 + scatter * float(ARGUMENTS[np.argmax(gain)])
 
 
-# Velocities that are examined, and those around the best of them; their range is that of V50 but for a probability at
-# each end, the wide one where the scatter is implausible, and some scatters more, or that around a requirement.
+# Number of velocities that are examined; they extend over V50, up to a probability at each end, greater if the scatter
+# is implausible, and some scatters more, or over some scatters around a requirement.
 CANDIDATES, TAIL, WIDE_TAIL, SCATTERS, AROUND = 101, 1e-3, 0.025, 2.0, 4.0
-# Continuations of the firing that are simulated to tell how many shots are still to be expected, the nodes of their
-# grid, their velocities and the most shots of each.
+# Continuations of the firing that are simulated to estimate the number of further shots, the nodes of their grid, the
+# number of their velocities and the most shots of each.
 FUTURES, FUTURE_NODES, FUTURE_CANDIDATES, MOST_SHOTS = 40, (401, 11), 61, 100
-# Multiplications of a product of matrices that is worth no thread.
+# Multiplications of a product of matrices that is not worth a thread.
 SMALL = 2**17
-# Another confidence, of which the number of shots is given too.
+# Another confidence for which the number of shots is estimated.
 SOONER = 0.9
 # Simulated firings for each point of an operating characteristic, and where these are: the distance of the velocity in
 # question from the required one, in scatters.
@@ -260,7 +260,7 @@ FIRINGS, DISTANCES = 100, (-3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0)
 
 
 def posterior(shots: Shots, settings: ShotSettings, nodes: tuple[int, int] = NODES) -> Posterior:
-    """Return the posterior given the shots: without the prior where a requirement is decided on without it."""
+    """Return the posterior given the shots: without the prior if the requirement is decided without it."""
     if demand := settings.demand():
         return demand.given(shots.velocities_m_s, shots.complete)
     assert settings.prior is not None
@@ -350,7 +350,7 @@ def candidates(known: Posterior, settings: ShotSettings, count: int) -> Floats:
         low = high = settings.requirement_m_s
         reach = AROUND * min(scatter, greatest)
     else:
-        # Shots that contradict each other give a scatter beyond the prior, which is no reason to aim far away.
+        # Shots that contradict each other imply a scatter beyond the prior, which is no reason to aim far away.
         tail = TAIL if scatter <= greatest else WIDE_TAIL
         low, high = known.grid.v50_quantiles(known.weights, (tail, 1.0 - tail))[0]
         reach = SCATTERS * min(scatter, greatest)
@@ -383,9 +383,9 @@ class Firings:
         return self.grid.v50_quantiles(self.weights, (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence))
 
     def ended(self, confidence: float) -> Ints:
-        """Return which firings end: 1 where the requirement is met or the interval is narrow, -1 where it is not met.
+        """Return which firings end: 1 if the requirement is met or the interval is narrow, -1 if it is not met.
 
-        Return 0 where a firing goes on.
+        Firings that go on have 0.
         """
         settings = self.settings._replace(confidence=confidence)
         if settings.requirement_m_s is not None:
@@ -403,8 +403,8 @@ def fire(
 ) -> tuple[Floats, Ints, Floats]:
     """Simulate firings of armours, (n,) each, while at least a number of them go on.
 
-    Return the number of shots at which each ended, infinite where it did not, with what, see `Firings.ended`, and the
-    number at which it would have ended with a confidence of 90 %.
+    Return for each the number of shots at which it ended, infinite if it did not, its result, see `Firings.ended`, and
+    the number at which it would have ended with a confidence of 90 %.
     """
     shots, sooner = np.full((2, len(v50_m_s)), inf)
     ended = np.zeros(len(v50_m_s), dtype=int)
@@ -427,22 +427,22 @@ def fire(
 def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, float | None]:
     """Return the median number of further shots in simulated continuations, and that with a confidence of 90 %.
 
-    It is None where it exceeds the most.
+    It is None if it exceeds the maximum.
     """
     known = posterior(shots, settings, FUTURE_NODES)
-    # A prior that takes no part in the decision tells how long it may take.
+    # A prior that the decision does not use still predicts how long it takes.
     truth = posterior(shots, settings._replace(requirement_m_s=None), FUTURE_NODES) if settings.prior else known
     dice = np.random.default_rng(0)
     truths = dice.choice(len(truth.weights), FUTURES, p=truth.weights)
     v50, scatter = truth.grid.v50_m_s[truths], truth.grid.scatter_m_s[truths]
-    # More than half of them tell the median.
+    # The median is known once half of them have ended.
     firings = Firings(known, settings, FUTURES, FUTURE_CANDIDATES)
     needed, _, sooner = fire(firings, v50, scatter, dice, least=FUTURES // 2)
     return _median(needed), _median(sooner)
 
 
 def _median(shots: Floats) -> float | None:
-    """Return the median of numbers of shots; None where it is infinite."""
+    """Return the median of numbers of shots; None if it is infinite."""
     median = float(np.median(shots))
     return median if isfinite(median) else None
 
@@ -458,7 +458,7 @@ class OperatingPoint:
     met, not_met : float
         Fractions of firings that end with the requirement met, and not met; the others do not end within 100 shots.
     shots : float or None
-        Median number of shots; None where it exceeds 100.
+        Median number of shots; None if it exceeds 100.
     """
 
     v50_m_s: float

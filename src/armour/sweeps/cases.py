@@ -37,7 +37,9 @@ class Axis:
 
     key: str
     values: tuple[float, ...] | tuple[str, ...]
-    omission: str = ""  # of the end of a range that is no whole number of steps from its start, in words
+    omission: str = (
+        ""  # warning that the end of a range is left out, as it is not a whole number of steps from the start
+    )
 
 
 @dataclass(frozen=True)
@@ -140,7 +142,7 @@ class Cases:
 
 
 def _name(cell: str) -> str | None:
-    """Return a name; None for a text that is none."""
+    """Return a name; None for a text that cannot be one."""
     name = csv_value(cell)
     return name if 0 < len(name) <= MAX_NAME else None
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 # Chunks submitted ahead of time, per thread of the cluster.
 CHUNKS_AHEAD = 3
-# Time in which a scheduler and a worker must answer, and in which a worker must follow where all are lost.
+# Time in which a scheduler and a worker must answer, and in which a new worker must appear if all are lost.
 TIMEOUT_S = 10.0
 
 

@@ -1,14 +1,14 @@
 """Chunks of a sweep on disk, from which it resumes, and its table in CSV or Parquet.
 
-A folder beside the output, named after it with the suffix ``.parts``, which only the user can enter, holds
+A folder beside the output, named after it with the suffix ``.parts``, which only the user can enter, contains
 
 * ``lock``, locked by the process at work; the system unlocks it when that process ends;
 * ``job``, what the chunks belong to, and their number of rows;
-* ``0000000000000.npz`` and so on, each named after its first row, counted from 0: its columns and the warnings on its
-  rows, with checksums.
+* ``0000000000000.npz`` and so on, each named after its first row, counted from 0, with the columns and the warnings of
+  its rows, and checksums.
 
 Files are written under another name and renamed: a kill at any instant leaves each of them whole or missing.
-A folder that exists is a sweep's if it has a job, or nothing but what precedes one; nothing else in it is touched.
+An existing folder belongs to a sweep if it contains a job, or only what precedes one; nothing else in it is touched.
 """
 
 import csv
@@ -151,7 +151,7 @@ class Store:
         """Check that the folder and the output are this job's, or free."""
         known = self._known()
         others = [name for name in self.job if known and known["job"].get(name) != self.job[name]]
-        # Without a chunk, it is what a process left that was killed before its first one.
+        # Without a chunk, it was left by a process that was killed before its first one.
         if others and self.starts():
             message = (
                 f"holds chunks of another sweep, which differs in {' and '.join(others)}; "

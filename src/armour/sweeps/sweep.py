@@ -34,13 +34,13 @@ from armour.sweeps.store import RESUME, Chunk, Store, csv_of, read_table
 
 # Rows that are kept in memory; more go to a file.
 MAX_ROWS = 10_000_000
-# A chunk takes about this time, so that a kill costs little, and has at most so many rows.
+# A chunk takes about this time, so that a kill costs little, and has at most this many rows.
 CHUNK_S = 1.0
 MAX_CHUNK = 100_000
 # Samples grow until one takes this time.
 SAMPLE_S = 0.1
 SAMPLES = (1, 4, 32, 256, 2048)
-# What a sweep may take unasked.
+# What a sweep may take without approval.
 LONG_S = 3600.0
 MANY_ROWS = 10**8
 
@@ -84,10 +84,10 @@ class SweepResult(TableResult):
         Names of the columns: keys whose values differ, and what is computed.
     rows : int
     output : Path or None
-        File of the table; None where it is kept in memory.
+        File of the table; None if it is kept in memory.
     warnings : tuple of str
-        Limits of what the model was compared with that rows lie outside of, quantities that are not all of the answer,
-        and ends of ranges that are omitted.
+        Conditions of the model's tests that rows lie outside of, quantities that are not the whole answer, and omitted
+        ends of ranges.
     columns : dict of str to array
         Column by name, read from the file when it is first used.  A question without an answer gives NaN.
     """
@@ -155,7 +155,7 @@ def sweep(
     over : mapping of str to values, or path-like
         Values by dotted key; every combination is computed, and the last key changes fastest.  Values are a sequence
         or an array of numbers, or a range, ``{"min": 4.0, "max": 12.0, "step": 0.5}``; for the projectile and the
-        materials names.  A path is that of a CSV file whose header names keys, with a case on each line.
+        materials names.  A path names a CSV file whose header names keys, with a case on each line.
     quantities : str or sequence of str, default "ballistic_limit_m_s"
         Names of quantities; ``armour sweep --help`` lists them.
     output : path-like, optional
@@ -276,7 +276,7 @@ def write_sweep(
 
 
 def blocks_of(source: Grid | Cases, size: int, without: Container[int] = ()) -> Iterator[tuple[int, Rows]]:
-    """Yield rows of a source, so many at a time, with the place of the first; those of some first ones are left out."""
+    """Yield blocks of rows of a source, each with the place of its first row, except blocks at given places."""
     for start in range(0, source.count, size):
         if start not in without:
             yield start, source.rows(np.arange(start, min(start + size, source.count)))
@@ -316,7 +316,7 @@ def stored(
     warnings: Counter[str],
     tell: Callable[[str], None],
 ) -> Iterator[Mapping[str, Any]]:
-    """Yield the columns of stored chunks, and count their warnings; compute anew and tell what is damaged."""
+    """Yield the columns of stored chunks, and count their warnings; compute damaged ones again and report them."""
     for start, rows in blocks:
         chunk = store.load(start, rows)
         if chunk is None:
@@ -327,7 +327,7 @@ def stored(
 
 
 def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
-    """Check the question, and that every key counts."""
+    """Check the question, and that every key has an effect."""
     check_quantities(scenario, quantities, "sweep", "quantities")
     if len(set(source.keys)) != len(source.keys):
         raise mistake("sweep", "over", "must not name a key twice")
@@ -336,11 +336,11 @@ def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -
 
 
 def unanswered(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
-    """Return a warning where a quantity needs the model error, which the scenario excludes."""
+    """Return a warning for each quantity that needs the model error, if the scenario excludes it."""
     needing = [
         name for name in quantities if "uncertainty.model" in QUANTITIES[name].reads and scenario.excludes_error()
     ]
-    return [f"{name}: has no value where uncertainty.model.included is false" for name in needing]
+    return [f"{name}: has no value if uncertainty.model.included is false" for name in needing]
 
 
 def check_rows(scenario: Scenario, source: Grid | Cases) -> None:

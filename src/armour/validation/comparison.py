@@ -41,7 +41,7 @@ class RuleResult:
     p : float
         Exponent.
     p_fitted : bool
-        Whether the exponent is fitted; else it is 1.
+        Whether the exponent is fitted; otherwise it is 1.
     ballistic_limit_m_s : float
         Ballistic limit of the armour, m/s.
     """
@@ -63,7 +63,7 @@ class Comparison(TableResult):
     limit : LimitResult
         Ballistic limit by the model.
     florence : tuple of FlorenceResult
-        One per body with a known mass and diameter; empty where values of the metal are missing.
+        One per body with a known mass and diameter; empty if values of the metal are missing.
     fits : tuple of ResidualVelocityFit
         Fits of Lambert and Jonas and of Recht and Ipson to the model's residual velocities.
     fitted_m_s : tuple of float
@@ -73,7 +73,7 @@ class Comparison(TableResult):
     tests : str
         Tests that the rule of areal density is fitted to: number, round, materials and areal densities.
     rules : tuple of RuleResult
-        The rule with p = 1 and with p fitted; empty where the tests are of another round or of other materials.
+        The rule with p = 1 and with p fitted; empty if the tests are of another round or of other materials.
     errors : tuple of Error
         Errors of every prediction on these tests, by the model with the values of the library, with the attributes that
         `SuiteResult` lists; empty with the rules.

@@ -82,7 +82,7 @@ class FigureFile(Section):
 
 @dataclass(frozen=True)
 class Figure:
-    """Curves of a figure, or of a panel of one, by label, over the abscissa ``x``; None where one has no value."""
+    """Curves of a figure, or of a panel of one, by label, over the abscissa ``x``; None without a value."""
 
     section: FigureSection
     x: tuple[float, ...]

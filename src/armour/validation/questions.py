@@ -13,7 +13,7 @@ from armour.scenario.scenario import Scenario
 
 
 class Asked:
-    """A scenario, and the one with a material replaced where there is one; what is computed is computed once."""
+    """A scenario, and the one with a material replaced, if any; nothing is computed twice."""
 
     def __init__(self, scenario: Scenario, replacement: Scenario | None = None) -> None:
         self.scenario, self.replacement = scenario, replacement
@@ -66,7 +66,7 @@ def answer(name: str, asked: Asked) -> float | str:
     if value == value:
         return value
     if "optimise" not in QUESTIONS[name]:
-        ballistic_limit(asked.scenario)  # raises, and says why
+        ballistic_limit(asked.scenario)  # raises, with the reason
     velocity = asked.scenario.impact.velocity_m_s
     raise NoDesignError(
         f"no design: no thickness of the range stops the projectile at {velocity:g} m/s; "

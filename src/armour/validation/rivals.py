@@ -26,7 +26,7 @@ class Error:
     """Mean and largest magnitude of the relative errors of a method of prediction for a table.
 
     Where something is fitted to the table, by least squares of the relative errors, ``left_out_percent`` is the mean
-    with each test left out of the fit that predicts it.  ``fitted`` says what is fitted, and to what.
+    with each test left out of the fit that predicts it.  ``fitted`` states what is fitted, and to what.
     """
 
     table: str

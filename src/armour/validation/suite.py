@@ -272,7 +272,7 @@ class Case:
 
     @property
     def not_scored(self) -> str:
-        """Reason why the case is shown but not scored; empty where it is scored."""
+        """Reason why the case is shown but not scored; empty if it is scored."""
         return self.section.not_scored
 
     @property
@@ -356,7 +356,7 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
         raise mistake(path, "case", "is missing: a suite must have at least one case or table")
     read = cache(read_toml)
     cases: list[Case] = []
-    # A mistake of many rows of a table is told of the first of them.
+    # A mistake in many rows of a table is reported for the first of them.
     wrong: dict[tuple[Parts, Problem], Problem] = {}
     for row in _rows(suite):
         try:
@@ -439,7 +439,7 @@ def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, o
 
 
 def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) -> None:
-    """Check that the changes and the columns of a section, of which the first row is given, all count."""
+    """Check that the changes and the columns of a section, of which the first row is given, all have an effect."""
     file = scenario.file
     reads = read_of(scenario, QUESTIONS[row.section.quantity])
     for changes in (row.section.set, row.section.replaced_by or {}):

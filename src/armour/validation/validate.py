@@ -32,7 +32,7 @@ class Check:
     ----------
     case : Case
     computed : float or str or None
-        None where the question has no answer.
+        None if the question has no answer.
     status : {"within", "outside", "no answer", "not scored"}
     message : str
         Why there is no answer, or why the case is not scored.
@@ -45,7 +45,7 @@ class Check:
 
     @property
     def deviation(self) -> float | None:
-        """Computed less expected value; None where either is not a number."""
+        """Computed less expected value; None if either is not a number."""
         if isinstance(self.computed, float) and not isinstance(self.case.expected, str):
             return self.computed - self.case.expected
         return None
@@ -86,7 +86,7 @@ class Check:
 class TableSummary:
     """Mean, root mean square and magnitudes of the deviations of a table's rows, or of those of a group of them.
 
-    They have the unit of the quantity or, where a band is relative or the rows are those of a file, are in per cent.
+    They are in per cent if a band is relative or the rows are from a file, otherwise in the unit of the quantity.
 
     Attributes
     ----------
@@ -137,8 +137,8 @@ class SuiteResult(TableResult):
     errors : tuple of Error
         For each table with rival predictions: errors of the rivals, of this model and of simpler formulas.  Each has
         the ``table``, the ``predictor``, the ``count`` of rows, the mean and the largest magnitude of the relative
-        errors, ``mean_percent`` and ``largest_percent``, and, where something is ``fitted`` to the table, which it
-        says, ``left_out_percent``, the mean with each test left out of the fit that predicts it, or None.
+        errors, ``mean_percent`` and ``largest_percent``, and, if something is ``fitted`` to the table, a description of
+        it and ``left_out_percent``, the mean with each test left out of the fit that predicts it, or None.
     description : str
         Description of the suite, from its file.
     """
@@ -277,7 +277,7 @@ def _asked(case: Case, known: dict[str, Asked]) -> Asked:
 
 
 def _calibrated_to(case: Case) -> str:
-    """Return which value of the case's materials was calibrated to this test; empty where none was."""
+    """Return which value of the case's materials was calibrated to this test; empty if none was."""
     names = {key: case.scenario.name_of(role) for role, key in NAMES.items()}
     own = case.expected if case.measured is None else case.measured
     known: Mapping[str, object] = {**case.scenario.inputs(), **names, **case.cells, case.quantity: own}
@@ -350,7 +350,7 @@ def updates_of(result: SuiteResult) -> list[Check]:
 
 
 def kept_by_update(result: SuiteResult) -> SuiteResult:
-    """Return the result of the cases whose values an update keeps: those that are no regression values."""
+    """Return the result of the cases whose values an update keeps: all but the regression values."""
     checks = tuple(check for check in result.checks if not check.case.regression)
     groups = {check.case.group for check in checks}
     return replace(result, checks=checks, summaries=tuple(each for each in result.summaries if each.name in groups))
