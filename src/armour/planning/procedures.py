@@ -476,8 +476,7 @@ def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ..
     points = edge + scatter * np.array(DISTANCES)
     armours = np.repeat(points, FIRINGS)
     firings = Firings(known, settings, len(armours), FUTURE_CANDIDATES)
-    found = fire(firings, armours, np.full(len(armours), scatter), np.random.default_rng(0))
-    shots, ended, _ = (each.reshape(-1, FIRINGS) for each in found)
+    shots, ended, _ = fire(firings, armours, np.full(len(armours), scatter), np.random.default_rng(0))
     return tuple(
         OperatingPoint(
             v50_m_s=v50,
@@ -486,7 +485,9 @@ def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ..
             not_met=float((ends < 0).mean()),
             shots=_median(needed),
         )
-        for v50, needed, ends in zip(points.tolist(), shots, ended, strict=True)
+        for v50, needed, ends in zip(
+            points.tolist(), shots.reshape(-1, FIRINGS), ended.reshape(-1, FIRINGS), strict=True
+        )
     )
 
 
