@@ -6,10 +6,11 @@ import shlex
 import shutil
 import subprocess
 from base64 import b64decode, b64encode
+from collections.abc import Sequence
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -131,13 +132,23 @@ def test_what_is_not_shown_is_said():
 # --- in Chromium ------------------------------------------------------------------------------------------------------
 
 
-def browsed(folder: Path, content: str, script: str, width: int = 1280) -> Any:
-    """What a script returns, or its promise, that the policy of the page admits; without an error or a request."""
-    watch = """const said = [];
-      addEventListener("error", e => said.push(e.message));
-      addEventListener("securitypolicyviolation", e => said.push(e.violatedDirective + " " + e.blockedURI));"""
+class Question(NamedTuple):
+    """A page, a script that returns what is asked of it, or a promise, and the width of its frame."""
+
+    content: str
+    script: str
+    width: int = 1280
+
+
+WATCH = """const said = [];
+  addEventListener("error", e => said.push(e.message));
+  addEventListener("securitypolicyviolation", e => said.push(e.violatedDirective + " " + e.blockedURI));"""
+
+
+def framed(question: Question) -> str:
+    """The page of a question with its script, which the policy admits, and with one that watches."""
     after = f"""(async () => {{
-      let found; try {{ found = await (async () => {{ {script} }})(); }} catch (e) {{ said.push(String(e)); }}
+      let found; try {{ found = await (async () => {{ {question.script} }})(); }} catch (e) {{ said.push(String(e)); }}
       const asked = performance.getEntriesByType("resource").map(entry => entry.name);
       document.body.innerHTML = "";
       const pre = document.createElement("pre");
@@ -145,18 +156,25 @@ def browsed(folder: Path, content: str, script: str, width: int = 1280) -> Any:
       pre.textContent = JSON.stringify({{ said, asked, found }});
       document.body.append(pre);
       }})();"""
-    hashes = " ".join(f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'" for text in (watch, after))
-    content = content.replace("script-src '", f"script-src {hashes} '", 1)
-    content = content.replace("<title>", f"<script>{watch}</script><title>", 1)
-    content = content.replace("</body>", f"<script>{after}</script></body>")
-    (folder / "inner.html").write_text(content)
+    hashes = " ".join(f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'" for text in (WATCH, after))
+    content = question.content.replace("script-src '", f"script-src {hashes} '", 1)
+    content = content.replace("<title>", f"<script>{WATCH}</script><title>", 1)
+    return content.replace("</body>", f"<script>{after}</script></body>")
+
+
+def browsed(folder: Path, questions: Sequence[Question]) -> list[Any]:
+    """What the scripts return, all in one start of the browser; without an error or a request."""
     # The window of a browser cannot be as narrow as a telephone's; a frame can.
+    frames = ""
+    for number, question in enumerate(questions):
+        (folder / f"{number}.html").write_text(framed(question))
+        frames += f'<iframe src="{number}.html" style="width: {question.width}px; height: 900px"></iframe>'
     take = """setTimeout(() => {
-      const inner = document.querySelector("iframe").contentDocument;
-      document.body.textContent = inner.getElementById("found").textContent;
-    }, 2000);"""
-    frame = f'<iframe src="inner.html" style="width: {width}px; height: 900px"></iframe>'
-    (folder / "outer.html").write_text(f"<body>{frame}<script>{take}</script></body>")
+      const found = [...document.querySelectorAll("iframe")].map(frame =>
+        JSON.parse(frame.contentDocument.getElementById("found").textContent));
+      document.body.textContent = JSON.stringify(found);
+    }, 4000);"""
+    (folder / "outer.html").write_text(f"<body>{frames}<script>{take}</script></body>")
     options = (
         "--headless",
         "--no-sandbox",
@@ -175,18 +193,119 @@ def browsed(folder: Path, content: str, script: str, width: int = 1280) -> Any:
     ]
     written = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True).stdout
     [text] = re.findall(r"<body>(.*)</body>", written, re.DOTALL)
-    result = json.loads(text.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&"))
-    assert (result["said"], result["asked"]) == ([], [])
-    return result["found"]
+    results = json.loads(text.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&"))
+    assert [(result["said"], result["asked"]) for result in results] == [([], [])] * len(questions)
+    return [result["found"] for result in results]
 
 
-needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
-
-ASK = """return cases.map(([velocities, confidence]) => {
+CASES = [
+    ([850.0, 830.0], None),
+    ([850.0, 830.0], 90),
+    ([800.0, 900.0], 80),
+    ([700.0, 650.0], 95),
+    ([1200.0, 900.0], 50.5),
+]
+LIGHTEST = f"""const cases = {json.dumps(CASES)};
+return cases.map(([velocities, confidence]) => {{
   state.velocities = velocities;
   state.confidence = confidence;
-  return DATA.pairs.map(pair => { const k = lightest(pair); return k === null ? null : thicknesses(pair, k); });
-});"""
+  return DATA.pairs.map(pair => {{ const k = lightest(pair); return k === null ? null : thicknesses(pair, k); }});
+}});"""
+VELOCITIES = np.linspace(600.0, 1300.0, 36).tolist()
+CHANCES = f"""const pair = DATA.pairs[0];
+  return pair.onOffer.map(k => [...thicknesses(pair, k), ...{VELOCITIES}.map(v => below(score(pair, k, v)))]);"""
+KEYS = """const press = (key, more) => $("map").dispatchEvent(new KeyboardEvent("keydown", { key, ...more }));
+  press("Home"); press("ArrowUp"); press("ArrowLeft", { shiftKey: true }); press("Enter");
+  return { wide: document.documentElement.scrollWidth - innerWidth, pins: state.pins.length, title: document.title,
+    notes: $("notes").textContent, headline: $("headline").textContent, design: $("design").textContent,
+    commands: document.querySelectorAll("code").length };"""
+COPIES = """const pair = DATA.pairs[state.pair], words = command(pair, lightest(pair)), copies = [];
+  for (const refuses of [false, true]) {
+    let written = null;
+    const writeText = async text => { if (refuses) throw new Error("refused"); written = text; };
+    Object.defineProperty(navigator, "clipboard", { value: { writeText }, configurable: true });
+    const button = document.querySelector("#table button");
+    button.focus();
+    button.click();
+    await new Promise(after => setTimeout(after, 50));
+    copies.push([button.textContent, written ?? String(getSelection()).trim(), document.activeElement === button]);
+  }
+  return [words, copies];"""
+SENTENCES: list[tuple[dict[str, Any], str]] = [
+    ({"armour.ceramic": "SiC"}, "How likely it is to stop is unknown."),
+    (
+        {
+            "threat": [
+                {"projectile": "7.62 mm AP", "velocity_m_s": 850.0},
+                {"projectile": "7.62 mm APM2", "velocity_m_s": 830.0, "obliquity_deg": 30.0},
+            ]
+        },
+        "No test like AD85 on 5083-H3 against 7.62 mm APM2 at 830 m/s, 30° is known, so that no probability is.",
+    ),
+    ({"impact.velocity_m_s": 3000.0}, "No AD85 on 5083-H3 on offer has a computed ballistic limit that reaches"),
+    ({"impact.velocity_m_s": 3000.0, "design.confidence": 0.9}, "No AD85 on 5083-H3 on offer is known to stop"),
+    ({"optimise.backing_thickness_mm": {"min": 6.0, "max": 6.0, "step": 1.0}}, "6 mm 5083-H3"),
+    (
+        {"design.ceramic": [{"material": "AD85", "thickness_mm": {"min": 8.0, "max": 14.0}}]},
+        "Any thickness is on offer",
+    ),
+    ({"impact.velocity_m_s": 700.0}, "is the lightest whose computed ballistic limit reaches 7.62 mm AP at 700 m/s."),
+]
+
+
+@cache
+def thin() -> Scenario:
+    """Few designs, some with thin back plates, where the laws of the evidence are far apart."""
+    return shipped_scenario("paper/optimum_7.62mm_AP").replaced(
+        {
+            "optimise.ceramic_thickness_mm": {"min": 8.0, "max": 14.0, "step": 3.0},
+            "optimise.backing_thickness_mm": {"min": 4.0, "max": 8.0, "step": 2.0},
+        }
+    )
+
+
+ODD = 'it\'s a "rod" of $HOME'
+
+
+def odd_page() -> str:
+    """The page of a projectile whose name a shell would not leave as it is."""
+    projectile = {
+        "penetrator_diameter_mm": 6.5,
+        "penetrator_mass_g": 5.46,
+        "density_kg_m3": 7850.0,
+        "flow_stress_GPa": 2.35,
+    }
+    range_mm = {"min": 6.0, "max": 9.0, "step": 1.0}
+    own = scenario(
+        library={"projectile": {ODD: projectile}},
+        threat=[{"projectile": ODD, "velocity_m_s": 800.0}],
+        optimise={"ceramic_thickness_mm": range_mm, "backing_thickness_mm": range_mm},
+    )
+    return design_page(own, ("armour", "simulate", "a file.toml"), ["ballistic_limit.velocity_max_m_s=2500"])
+
+
+def page_with(changes: dict[str, Any]) -> str:
+    grid = {"min": 6.0, "max": 12.0, "step": 2.0}
+    first: dict[str, Any] = {"optimise.ceramic_thickness_mm": grid, "optimise.backing_thickness_mm": grid}
+    return design_page(shipped_scenario("paper/optimum_7.62mm_AP").replaced({**first, **changes}), COMMAND)
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """What the pages answer in Chromium, by the name of the question."""
+    if CHROMIUM is None:
+        pytest.skip("needs Chromium")
+    questions = {
+        "lightest": Question(page(), LIGHTEST),
+        "chances": Question(design_page(thin(), COMMAND), CHANCES),
+        "keys, 390": Question(page(), KEYS, 390),
+        "keys, 1280": Question(page(), KEYS),
+        "copies": Question(page(), COPIES),
+        "odd": Question(odd_page(), "return command(DATA.pairs[0], DATA.pairs[0].onOffer[5]);"),
+    }
+    show = 'return $("headline").textContent + $("beside").textContent;'
+    questions |= {words: Question(page_with(changes), show) for changes, words in SENTENCES}
+    return dict(zip(questions, browsed(tmp_path_factory.mktemp("pages"), list(questions.values())), strict=True))
 
 
 def answers(of: Scenario, velocities: list[float], asked: float | None) -> list[list[float] | None]:
@@ -205,53 +324,27 @@ def answers(of: Scenario, velocities: list[float], asked: float | None) -> list[
     return [None if best is None else [best.ceramic_thickness_mm, best.backing_thickness_mm] for best in found]
 
 
-@needs_chromium
-def test_the_lightest_designs_are_those_that_optimise_finds(tmp_path: Path):
-    cases = [
-        ([850.0, 830.0], None),
-        ([850.0, 830.0], 90),
-        ([800.0, 900.0], 80),
-        ([700.0, 650.0], 95),
-        ([1200.0, 900.0], 50.5),
-    ]
-    found = browsed(tmp_path, page(), f"const cases = {json.dumps(cases)}; {ASK}")
-    for (velocities, percent), designs in zip(cases, found, strict=True):
+def test_the_lightest_designs_are_those_that_optimise_finds(told):
+    for (velocities, percent), designs in zip(CASES, told["lightest"], strict=True):
         assert designs == answers(offered(), velocities, None if percent is None else percent / 100)
 
 
-@needs_chromium
-def test_probabilities_between_the_nodes_are_right(tmp_path: Path):
-    """Also where the laws of the evidence are far apart, on thin back plates."""
-    of = shipped_scenario("paper/optimum_7.62mm_AP").replaced(
-        {
-            "optimise.ceramic_thickness_mm": {"min": 8.0, "max": 14.0, "step": 3.0},
-            "optimise.backing_thickness_mm": {"min": 4.0, "max": 8.0, "step": 2.0},
-        }
-    )
-    velocities = np.linspace(600.0, 1300.0, 36).tolist()
-    script = f"""const pair = DATA.pairs[0];
-      return pair.onOffer.map(k => [...thicknesses(pair, k), ...{velocities}.map(v => below(score(pair, k, v)))]);"""
-    found = np.array(browsed(tmp_path, design_page(of, COMMAND), script))
-    catalogue = catalogue_of(of)
+def test_probabilities_between_the_nodes_are_right(told):
+    found = np.array(told["chances"])
+    catalogue = catalogue_of(thin())
     candidates = catalogue.candidates(0, found[:, 0], found[:, 1])
     distributions = catalogue.distributions(candidates, Requirement(catalogue).quick_limits(candidates))
     for n, chances in enumerate(found[:, 2:]):
-        sure = distributions.one(n).probability_above(velocities)
+        sure = distributions.one(n).probability_above(VELOCITIES)
         within = (sure >= 0.01) & (sure <= 0.99)
         assert within.sum() > 5
         assert chances[within] == pytest.approx(sure[within], abs=0.002)
         assert chances[~within] == pytest.approx(sure[~within], abs=0.0101)
 
 
-@needs_chromium
 @pytest.mark.parametrize("width", [390, 1280])
-def test_it_works_by_keyboard_and_keeps_within_its_width(tmp_path: Path, width: int):
-    script = """const press = (key, more) => $("map").dispatchEvent(new KeyboardEvent("keydown", { key, ...more }));
-      press("Home"); press("ArrowUp"); press("ArrowLeft", { shiftKey: true }); press("Enter");
-      return { wide: document.documentElement.scrollWidth - innerWidth, pins: state.pins.length, title: document.title,
-        notes: $("notes").textContent, headline: $("headline").textContent, design: $("design").textContent,
-        commands: document.querySelectorAll("code").length };"""
-    found = browsed(tmp_path, page(), script, width)
+def test_it_works_by_keyboard_and_keeps_within_its_width(told, width: int):
+    found = told[f"keys, {width}"]
     assert found["wide"] <= 0
     assert found["pins"] == 1
     assert TITLE in found["notes"]
@@ -263,79 +356,19 @@ def test_it_works_by_keyboard_and_keeps_within_its_width(tmp_path: Path, width: 
     assert found["commands"] == 3
 
 
-@needs_chromium
-def test_a_command_is_copied_or_selected_where_the_browser_refuses(tmp_path: Path):
-    script = """const pair = DATA.pairs[state.pair], words = command(pair, lightest(pair)), copies = [];
-      for (const refuses of [false, true]) {
-        let written = null;
-        const writeText = async text => { if (refuses) throw new Error("refused"); written = text; };
-        Object.defineProperty(navigator, "clipboard", { value: { writeText }, configurable: true });
-        const button = document.querySelector("#table button");
-        button.focus();
-        button.click();
-        await new Promise(after => setTimeout(after, 50));
-        copies.push([button.textContent, written ?? String(getSelection()).trim(), document.activeElement === button]);
-      }
-      return [words, copies];"""
-    words, copies = browsed(tmp_path, page(), script)
+def test_a_command_is_copied_or_selected_where_the_browser_refuses(told):
+    words, copies = told["copies"]
     assert copies == [["Copied", words, True], ["Selected", words, True]]
 
 
-ODD = 'it\'s a "rod" of $HOME'
-
-
-@needs_chromium
-def test_commands_are_of_the_designs_and_need_no_care_in_a_shell(tmp_path: Path):
-    projectile = {
-        "penetrator_diameter_mm": 6.5,
-        "penetrator_mass_g": 5.46,
-        "density_kg_m3": 7850.0,
-        "flow_stress_GPa": 2.35,
-    }
-    range_mm = {"min": 6.0, "max": 9.0, "step": 1.0}
-    own = scenario(
-        library={"projectile": {ODD: projectile}},
-        threat=[{"projectile": ODD, "velocity_m_s": 800.0}],
-        optimise={"ceramic_thickness_mm": range_mm, "backing_thickness_mm": range_mm},
-    )
-    content = design_page(own, ("armour", "simulate", "a file.toml"), ["ballistic_limit.velocity_max_m_s=2500"])
-    words = browsed(tmp_path, content, "return command(DATA.pairs[0], DATA.pairs[0].onOffer[5]);")
-    assert shlex.split(words) == [
+def test_commands_are_of_the_designs_and_need_no_care_in_a_shell(told):
+    assert shlex.split(told["odd"]) == [
         *("armour", "simulate", "a file.toml", "--set", "ballistic_limit.velocity_max_m_s=2500"),
         *("--set", "armour.ceramic_thickness_mm=7", "--set", "armour.backing_thickness_mm=7"),
         *("--set", f"impact.projectile={json.dumps(ODD)}"),
     ]
 
 
-@needs_chromium
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"armour.ceramic": "SiC"}, "How likely it is to stop is unknown."),
-        (
-            {
-                "threat": [
-                    {"projectile": "7.62 mm AP", "velocity_m_s": 850.0},
-                    {"projectile": "7.62 mm APM2", "velocity_m_s": 830.0, "obliquity_deg": 30.0},
-                ]
-            },
-            "No test like AD85 on 5083-H3 against 7.62 mm APM2 at 830 m/s, 30° is known, so that no probability is.",
-        ),
-        ({"impact.velocity_m_s": 3000.0}, "No AD85 on 5083-H3 on offer has a computed ballistic limit that reaches"),
-        ({"impact.velocity_m_s": 3000.0, "design.confidence": 0.9}, "No AD85 on 5083-H3 on offer is known to stop"),
-        ({"optimise.backing_thickness_mm": {"min": 6.0, "max": 6.0, "step": 1.0}}, "6 mm 5083-H3"),
-        (
-            {"design.ceramic": [{"material": "AD85", "thickness_mm": {"min": 8.0, "max": 14.0}}]},
-            "Any thickness is on offer",
-        ),
-        (
-            {"impact.velocity_m_s": 700.0},
-            "is the lightest whose computed ballistic limit reaches 7.62 mm AP at 700 m/s.",
-        ),
-    ],
-)
-def test_the_sentences_are_those_of_the_case(tmp_path: Path, changes: dict[str, object], words: str):
-    grid = {"min": 6.0, "max": 12.0, "step": 2.0}
-    first: dict[str, object] = {"optimise.ceramic_thickness_mm": grid, "optimise.backing_thickness_mm": grid}
-    content = design_page(shipped_scenario("paper/optimum_7.62mm_AP").replaced({**first, **changes}), COMMAND)
-    assert words in browsed(tmp_path, content, 'return $("headline").textContent + $("beside").textContent;')
+@pytest.mark.parametrize("words", [words for _, words in SENTENCES])
+def test_the_sentences_are_those_of_the_case(told, words: str):
+    assert words in told[words]
