@@ -4,6 +4,7 @@ import pytest
 from typer.testing import Result
 
 from armour.engine.cache import kernel
+from armour.reporting.charts import printable_chart
 from tests.helpers.commands import invoke
 
 
@@ -27,6 +28,19 @@ class Cli:
 def compiled() -> None:
     """The engine compiled before the first command, which would say so."""
     kernel("impacts")
+
+
+@pytest.fixture
+def drawn() -> None:
+    """Ask for files of charts that are drawn."""
+
+
+@pytest.fixture(autouse=True)
+def described(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files of charts hold their descriptions where a test does not ask for `drawn`: tests/reporting draws them all."""
+    if "drawn" not in request.fixturenames:
+        monkeypatch.setattr("armour.reporting.draw.rendered", lambda chart, _: repr(printable_chart(chart)).encode())
+        monkeypatch.setattr("armour.reporting.html.inline_svg", lambda _, name: f'<svg id="{name}"></svg>')
 
 
 @pytest.fixture

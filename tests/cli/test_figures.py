@@ -6,6 +6,7 @@ import pytest
 pytestmark = pytest.mark.slow
 
 
+@pytest.mark.usefixtures("drawn")
 @pytest.mark.parametrize(("image", "start"), [("png", b"\x89PNG"), ("svg", b"<?xml")])
 def test_a_figure_and_its_curve(cli, folder: Path, image: str, start: bytes):
     result = cli("figures", "new/figs", "--only", "fig09", "--format", image)

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
@@ -16,6 +16,7 @@ from armour.reporting.views import impact as impact_view
 from armour.reporting.views.library import library_table
 from armour.scenario.library import KINDS, shipped_library
 from tests.helpers.cases import scenario
+from tests.helpers.examples import examples
 
 PIPE = 1_000_000
 
@@ -220,7 +221,7 @@ def tables_of_words(draw: st.DrawFn) -> Table:
 
 
 @given(tables_of_words(), st.integers(40, 130))
-@settings(max_examples=50)
+@examples(max_examples=50)
 def test_no_word_of_any_table_is_split(table: Table, width: int):
     cells = {word for row in table.texts() for cell in row for word in cell.split()}
     lines = printed(table, width=width)

@@ -124,25 +124,25 @@ WATCH = """<script>
 </script>"""
 
 
+@pytest.mark.usefixtures("drawn")
 @pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
-@pytest.mark.parametrize("name", ["catalogue", "uncertain"])
-def test_a_browser_shows_it_without_an_error_or_a_request(cli, folder: Path, catalogue: Path, name: str):
+def test_a_browser_shows_it_without_an_error_or_a_request(cli, folder: Path, catalogue: Path):
     """Every chart and table is within the page, which is short; values are shown on focus, no address is asked for."""
-    if name == "uncertain":
-        assert cli("report", name, "--set", "uncertainty.samples=128", "-o", "r.html").exit_code == 0
-    page = (catalogue if name == "catalogue" else folder / "r.html").read_text()
-    watched = page.replace("style-src 'unsafe-inline'", "style-src 'unsafe-inline'; script-src 'unsafe-inline'", 1)
-    (folder / "watched.html").write_text(watched.replace("<head>", "<head>" + WATCH, 1))
+    assert cli("report", "uncertain", "--set", "uncertainty.samples=128", "-o", "r.html").exit_code == 0
     # The window of a browser cannot be as narrow as a telephone's; a frame can.
-    widths = (390, 1280)
-    frames = [f'<iframe src="watched.html" style="width: {width}px; height: 900px"></iframe>' for width in widths]
+    frames = []
+    for number, page in enumerate((catalogue, folder / "r.html")):
+        policy = "style-src 'unsafe-inline'"
+        watched = page.read_text().replace(policy, f"{policy}; script-src 'unsafe-inline'", 1)
+        (folder / f"{number}.html").write_text(watched.replace("<head>", "<head>" + WATCH, 1))
+        frames += [f'<iframe src="{number}.html" style="width: {w}px; height: 900px"></iframe>' for w in (390, 1280)]
     options = ("--virtual-time-budget=8000", "--allow-file-access-from-files", "--window-size=1400,2000")
     show = """<script>setTimeout(() => { const pages = [...document.querySelectorAll("iframe")];
       document.body.innerHTML = pages.map(page => page.contentDocument.body.innerHTML).join(""); }, 3000);</script>"""
     (folder / "frame.html").write_text(f"<body>{''.join(frames)}{show}</body>")
     content = browse(folder / "frame.html", *options, "--dump-dom")
     answers = content.split('<pre id="found">')[1:]
-    assert len(answers) == len(widths)
+    assert len(answers) == len(frames)
     for answer in answers:
         found = json.loads(answer.split("</pre>")[0])
         assert found["said"] == []

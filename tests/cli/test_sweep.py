@@ -22,6 +22,7 @@ CERAMIC = "armour.ceramic_thickness_mm"
 OVER = ("--over", "armour.ceramic_thickness_mm=6.35")
 
 
+@pytest.mark.usefixtures("drawn")
 def test_a_grid_as_csv_with_a_map(cli, folder: Path):
     over = ["--over", f"{CERAMIC}=5:8:1", "--over", "armour.backing_thickness_mm=5,6.35"]
     result = cli("sweep", WILKINS, *over, "-o", "t.csv", "--plot", "t.svg")

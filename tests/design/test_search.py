@@ -5,7 +5,7 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from armour.analysis.ballistic_limit import ballistic_limit
@@ -19,6 +19,7 @@ from armour.design.search import distinct, undominated
 from armour.engine import batch
 from armour.scenario.scenario import load_scenario
 from tests.helpers.cases import GIVEN, SCENARIOS, THREATS, catalogue, scenario
+from tests.helpers.examples import examples
 
 pytestmark = pytest.mark.slow
 
@@ -168,7 +169,7 @@ def test_equal_sums_are_equal_on_the_front():
 
 
 @given(st.integers(2, 3).flatmap(lambda width: st.lists(st.lists(st.integers(0, 6), min_size=width, max_size=width))))
-@settings(max_examples=100)
+@examples(max_examples=100)
 def test_undominated_rows_are_those_that_no_other_dominates(rows: list[list[int]]):
     costs = np.array(rows, dtype=float).reshape(len(rows), -1 if rows else 2)
     first = [i for i, row in enumerate(rows) if row not in rows[:i]]

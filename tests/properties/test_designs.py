@@ -6,13 +6,14 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from armour.design.optimise import Design, optimise
 from armour.errors import NoDesignError
 from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario
+from tests.helpers.examples import examples
 from tests.helpers.plain_designs import CRITERIA, defeats, designs, passes, posed, withstands_below
 
 pytestmark = pytest.mark.slow
@@ -142,7 +143,7 @@ def layers(names: st.SearchStrategy[str]) -> st.SearchStrategy[list[dict[str, An
 
 
 @given(layers(CERAMICS), layers(METALS), THREATS, st.sampled_from(CRITERIA))
-@settings(max_examples=5)
+@examples(max_examples=5)
 def test_designs_of_usual_materials_are_those_of_a_plain_loop(ceramics: Any, metals: Any, threats: Any, minimise: str):
     design = {"ceramic": ceramics, "backing": metals, "minimise": minimise, "pareto": CRITERIA}
     # Without the model error no design is ranked behind for want of tests.

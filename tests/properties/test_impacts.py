@@ -4,7 +4,7 @@ from math import isfinite
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from armour.analysis.impact import simulate
@@ -16,6 +16,7 @@ from armour.core.state import Outcome, Parameters
 from armour.core.stepping import default_time_step
 from armour.scenario.scenario import parse_scenario
 from tests.helpers.cases import perforates
+from tests.helpers.examples import examples
 
 pytestmark = pytest.mark.slow
 
@@ -48,7 +49,7 @@ def scenarios(draw: st.DrawFn) -> dict[str, Any]:
 
 
 @given(scenarios())
-@settings(max_examples=8)
+@examples(max_examples=8)
 def test_every_impact_ends_with_an_outcome_and_sensible_numbers(data: dict[str, Any]):
     scenario = parse_scenario(data)
     result = simulate(scenario, history=True)
@@ -73,7 +74,7 @@ def test_every_impact_ends_with_an_outcome_and_sensible_numbers(data: dict[str, 
 
 
 @given(scenarios())
-@settings(max_examples=12)
+@examples(max_examples=12)
 def test_just_above_its_limit_an_armour_is_perforated_and_just_below_it_is_not(data: dict[str, Any]):
     """By plain Python, of limits that the engine searches for as plain Python does (test_searches)."""
     scenario = parse_scenario(data)
@@ -104,7 +105,7 @@ positive = st.floats(0.05, 20.0)
     law=st.tuples(*[st.sampled_from([0.0, -3.0, 3.0]) | st.floats(-3.0, 3.0)] * 4),
     shear_law=st.sampled_from([PROJECTILE, CONOID]),
 )
-@settings(max_examples=60)
+@examples(max_examples=60)
 def test_impacts_of_any_materials_end_with_an_outcome(
     size: float,
     velocity: float,

@@ -11,11 +11,12 @@ from typing import Any
 
 import pytest
 import tomli_w
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from tests.helpers.cases import SCENARIOS
 from tests.helpers.commands import invoke
+from tests.helpers.examples import examples
 
 pytestmark = pytest.mark.slow
 
@@ -120,7 +121,7 @@ def test_any_input_ends_in_an_answer_or_in_messages(command: str):
     count, files = COMMANDS[command]
 
     @given(st.fixed_dictionaries(files), st.booleans())
-    @settings(max_examples=count, suppress_health_check=list(HealthCheck))
+    @examples(max_examples=count, suppress_health_check=list(HealthCheck))
     def run(contents: dict[str, bytes], as_json: bool) -> None:
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)

@@ -4,12 +4,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from armour.errors import InputError
 from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario
+from tests.helpers.examples import examples
 
 AP = "7.62 mm AP"
 MINE = {"based_on": AP, "penetrator_diameter_mm": 5.0}
@@ -50,7 +51,7 @@ def accepted(case: Scenario, columns: dict[str, Any], row: int) -> bool:
     return True
 
 
-@settings(max_examples=60)
+@examples(max_examples=60)
 @given(rows())
 @example(
     (
