@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from armour.analysis.searches import least_ceramics_mm, limit_brackets
-from armour.analysis.variants import Bools, Floats, Variants, perforated, settings_of, with_thicknesses
+from armour.analysis.variants import Bools, Floats, Variants, perforated, with_thicknesses
 from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
 from armour.core.state import Parameters
 from armour.engine import batch
@@ -37,7 +37,7 @@ def unusual_designs(count: int, seed: int) -> Variants:
     armours = [armour for armour in (design.core_armour() for design in found) if is_unusual(armour)][:count]
     velocities = np.exp(rng.uniform(np.log(100.0), np.log(3000.0), count))
     ones = np.ones(count)
-    return Variants(batch.packed(armours), velocities, ones, ones, settings_of(found[0]))
+    return Variants(batch.packed(armours), velocities, ones, ones, found[0])
 
 
 def nearly_unusual_designs(count: int, like: Variants) -> Variants:
@@ -65,7 +65,7 @@ def nearly_unusual_designs(count: int, like: Variants) -> Variants:
         "shear_law": rng.integers(0, 2, count),
     }
     parameters = np.column_stack([columns.get(name, zero) for name in Parameters._fields])
-    return Variants(parameters, zero, np.ones(count), np.ones(count), like.settings)
+    return Variants(parameters, zero, np.ones(count), np.ones(count), like.scenario)
 
 
 def outcomes(designs: Variants, velocities: Floats) -> Bools:

@@ -184,7 +184,7 @@ def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> 
         runs += more
         on_progress(more, None)
         if not last.resolved:
-            raise unresolved_error(scenario.solver, scenario.file, velocity)
+            raise unresolved_error(scenario, velocity)
 
     before, start = search.first_impacts(armour, velocities, solver)
     count(1, start, start.V)

@@ -89,18 +89,15 @@ def check_keys(scenario: Scenario, row: Mapping[str, float | str], quantities: S
 
 def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:
     """Return rows of values as variants of the scenario, grouped by their settings."""
-    columns = dict(zip(canonical(columns, scenario.file), columns.values(), strict=True))
-    inputs = {key: columns[key] for key in columns if key in INPUTS}
     return [
-        Group(where, variants_of(made, {key: values[where] for key, values in inputs.items()}, len(where)))
-        for where, made in scenarios_of(scenario, columns)
+        Group(where, variants_of(made, inputs, len(where))) for where, made, inputs in scenarios_of(scenario, columns)
     ]
 
 
 def scenarios_of(
     scenario: Scenario, columns: Mapping[str, Floats], place: Place = in_row
-) -> Iterator[tuple[Ints, Scenario]]:
-    """Check rows of values, and yield their scenarios, each with the places of its rows.
+) -> Iterator[tuple[Ints, Scenario, dict[str, Floats]]]:
+    """Check rows of values, and yield their scenarios, each with the places of its rows and their values of inputs.
 
     Inputs go straight into the engine's arrays; each combination of values of other keys makes a scenario.  `place`
     completes the problem in a row.
@@ -111,7 +108,7 @@ def scenarios_of(
     inputs = {key: columns[key] for key in columns if key in INPUTS}
     if not others:
         scenario.check_rows(inputs, place)
-        yield np.arange(count), scenario
+        yield np.arange(count), scenario, inputs
         return
     # Places in the sorted values, as these may be numbers in one column and names in another.
     table = np.column_stack([np.unique(columns[key], return_inverse=True)[1] for key in others])
@@ -123,8 +120,9 @@ def scenarios_of(
         except InputError as error:
             raise InputError([place(row, problem) for problem in error.problems]) from None
         where = np.flatnonzero(which.reshape(-1) == index)
-        made.check_rows({key: values[where] for key, values in inputs.items()}, partial(_placed, where, place))
-        yield where, made
+        own = {key: values[where] for key, values in inputs.items()}
+        made.check_rows(own, partial(_placed, where, place))
+        yield where, made, own
 
 
 def _placed(where: Ints, place: Place, row: int, problem: Problem) -> Problem:
@@ -145,7 +143,7 @@ def evaluate_groups(
     for answer in answers:
         warnings.update(dict(outside_limits(answer.variants, velocities="impact" in reads_of(quantities))))
         warnings.update(answer.changes(quantities))
-        if "uncertainty.model" in reads_of(quantities) and answer.variants.settings.distributions:
+        if "uncertainty.model" in reads_of(quantities) and answer.variants.scenario.unused_distributions():
             warnings[f"uncertainty: {EXACT_INPUTS}"] += len(answer.variants.velocities)
     return columns, warnings
 

@@ -15,7 +15,6 @@ from armour.core.state import Outcome, Parameters, State
 from armour.errors import InputError, Problem
 from armour.scenario.checked import checked
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import Solver
 from armour.units import MM, US, G
 
 if TYPE_CHECKING:
@@ -171,20 +170,20 @@ def run_impact(scenario: Scenario, armour: Parameters, velocity: float, trace: l
     dt = time_step(scenario, armour, velocity)
     end = run(armour, velocity, dt, scenario.solver.arrest_velocity_m_s, scenario.solver.max_steps, trace)
     if end.outcome == Outcome.UNRESOLVED:
-        raise unresolved_error(scenario.solver, scenario.file, velocity)
+        raise unresolved_error(scenario, velocity)
     return end
 
 
-def unresolved_error(solver: Solver, file: str, velocity: float) -> InputError:
+def unresolved_error(scenario: Scenario, velocity: float) -> InputError:
     """Return the error of a run that does not end: it names the time step if one is given, else the arrest velocity."""
+    solver = scenario.solver
     if solver.time_step_us is not None:
-        key, found, advice = "solver.time_step_us", f"{solver.time_step_us:g}", "raise it or leave it out"
+        key, found, advice = "time_step_us", f"{solver.time_step_us:g}", "raise it or leave it out"
     else:
-        key, found, advice = "solver.arrest_velocity_m_s", f"{solver.arrest_velocity_m_s:g}", "raise it"
-        if "arrest_velocity_m_s" not in solver.model_fields_set:
-            found += ", the default"
+        key, found, advice = "arrest_velocity_m_s", f"{solver.arrest_velocity_m_s:g}", "raise it"
+        found += "" if key in solver.model_fields_set else ", the default"
     message = f"must let the run at {velocity:g} m/s end within {solver.max_steps} steps, found {found}; {advice}"
-    return InputError([Problem(file, key, message)])
+    return InputError([Problem(scenario.file, f"solver.{key}", message)])
 
 
 def time_step(scenario: Scenario, armour: Parameters, velocity: float) -> float:

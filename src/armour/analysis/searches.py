@@ -44,7 +44,7 @@ def ballistic_limits(variants: Variants, threads: int | None = None, *, toleranc
 
     It is, to the last bit, the number that `armour.analysis.ballistic_limit.ballistic_limit` finds.
     """
-    section = variants.settings.ballistic_limit
+    section = variants.scenario.ballistic_limit
     tolerance = section.tolerance_m_s if tolerance is None else tolerance
     found = limit_brackets(variants, section.velocity_min_m_s, section.velocity_max_m_s, tolerance, threads)
     return np.where(found.bounded, found.perforated, np.nan)
@@ -66,7 +66,7 @@ def limit_brackets(
     brackets = batch.Brackets(np.empty(count), np.empty(count), np.empty(count, np.int64), np.empty(count, np.bool_))
     for rows, some in ((~dense, points), (dense, DENSE_SCAN_POINTS)):
         if rows.any():
-            found = _searched(variants.parameters[rows], low, high, tolerance, variants.settings.options(threads), some)
+            found = _searched(variants.parameters[rows], low, high, tolerance, variants.options(threads), some)
             for into, values in zip(brackets, found, strict=True):
                 into[rows] = values
     check_resolved(brackets.resolved, variants._replace(velocities=brackets.perforated))
@@ -91,7 +91,7 @@ def limits_by_law(variants: Variants, own: Floats, threads: int | None = None) -
 
     They are searched for beyond the range of the section ``ballistic_limit`` too.  None is where a row has no limit.
     """
-    errors, section = variants.errors, variants.settings.ballistic_limit
+    errors, section = variants.errors, variants.scenario.ballistic_limit
     limits = np.tile(own, (len(errors.weights), 1))
     for law in range(1, len(limits)):
         where = np.flatnonzero(errors.used(law) & ~np.isnan(own))
@@ -106,7 +106,7 @@ def limits_by_law(variants: Variants, own: Floats, threads: int | None = None) -
 
 def changes_above(variants: Variants, limits: Floats, threads: int | None = None) -> Bools:
     """Return which unusual rows are seen to stop an impact faster than their ballistic limit, (n,)."""
-    section, found = variants.settings.ballistic_limit, np.zeros(len(limits), dtype=bool)
+    section, found = variants.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
     velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, DENSE_SCAN_POINTS))
     where = np.flatnonzero(unusual(variants) & np.isfinite(limits))
     for start in range(0, len(where), SCANS_AT_A_TIME):
@@ -152,7 +152,7 @@ def least_ceramics_mm(variants: Variants, threads: int | None = None) -> Least:
         rows = variants.cosines == cosine
         some = variants.at(rows)
         range_m = low / cosine * MM, high / cosine * MM
-        options = variants.settings.options(threads)
+        options = variants.options(threads)
         found = batch.least_thicknesses(
             some.parameters, some.velocities, *range_m, THICKNESS_TOLERANCE_MM * MM, options
         )

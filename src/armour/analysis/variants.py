@@ -10,38 +10,18 @@ from armour.analysis.impact import unresolved_error
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem
-from armour.scenario.evidence import ModelError, is_unusual, row_limits
+from armour.scenario.evidence import is_unusual, row_limits
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, LAYERS, OBLIQUITY, VELOCITY, YIELD, cosine_of
-from armour.scenario.library import DEFAULTS, ROD, LibraryEntry, length_mm, strength_notes
-from armour.scenario.own_evidence import OwnTests, errors_of, own_tests
+from armour.scenario.library import DEFAULTS, ROD, length_mm, strength_notes
+from armour.scenario.own_evidence import errors_of, own_tests
 from armour.scenario.predictive import LAW_FIELDS, Errors
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import BallisticLimitSection, Optimise, Solver
+from armour.scenario.schema import Optimise
 from armour.units import MM
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
-
-
-class Settings(NamedTuple):
-    """Settings of a scenario on which the results depend, apart from the rows."""
-
-    file: str  # for messages
-    solver: Solver
-    ballistic_limit: BallisticLimitSection
-    grid: Optimise | None
-    error: ModelError | None  # of the section ``uncertainty.model``; None for that of tests
-    excludes_error: bool  # as that section says
-    distributions: bool  # whether the section ``uncertainty`` has any, which rows leave out
-    own: tuple[OwnTests, ...]  # of entries of the library
-    metals: tuple[LibraryEntry, ...]  # of the back plate, if its strength is that of the library
-
-    def options(self, threads: int | None = None) -> batch.SolverOptions:
-        """Return the options of the engine."""
-        return batch.SolverOptions(
-            self.solver.arrest_velocity_m_s, self.solver.time_step, self.solver.max_steps, threads
-        )
 
 
 class Variants(NamedTuple):
@@ -51,27 +31,36 @@ class Variants(NamedTuple):
     velocities: Floats  # impact velocities, m/s, (n,)
     cosines: Floats  # of the obliquities, (n,)
     tensile_MPa: Floats  # tensile strengths of the back plates, (n,); NaN where not given
-    settings: Settings
+    scenario: Scenario  # which has the settings, and whose other values the rows may replace
+    own_strength: bool = True  # whether the back plates have the strength of the library
 
     def at(self, where: Ints | Bools | slice) -> "Variants":
         """Return some of the rows."""
-        return Variants._make([*(column[where] for column in self[:-1]), self.settings])
+        return Variants._make([*(column[where] for column in self[:4]), *self[4:]])
+
+    def options(self, threads: int | None = None) -> batch.SolverOptions:
+        """Return the options of the engine."""
+        solver = self.scenario.solver
+        return batch.SolverOptions(solver.arrest_velocity_m_s, solver.time_step, solver.max_steps, threads)
 
     @property
     def grid(self) -> Optimise:
         """Ranges of thicknesses; `grid_of` checks that the scenario has them."""
-        assert self.settings.grid is not None, "checked before"
-        return self.settings.grid
+        assert self.scenario.optimise is not None, "checked before"
+        return self.scenario.optimise
 
     @property
     def errors(self) -> Errors:
         """Errors of the model."""
         count = len(self.velocities)
-        if self.settings.excludes_error:
+        if self.scenario.excludes_error():
             return Errors.unknown(count)
-        if self.settings.error is not None:
-            return Errors.of(self.settings.error.ratio, count)
-        return errors_of(batch.fields(self.parameters), self.tensile_MPa, self.cosines, self.settings.own)
+        given = self.scenario.given_error()
+        if given is not None:
+            return Errors.of(given.ratio, count)
+        return errors_of(
+            batch.fields(self.parameters), self.tensile_MPa, self.cosines, own_tests(self.scenario.entries)
+        )
 
     def by_law(self, law: int, errors: Errors) -> "Variants":
         """Return the variants with the flow stress by a law of their errors."""
@@ -123,10 +112,8 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
                 target = INPUTS[f"backing.{key}"]
                 getattr(field, target.field)[:] = DEFAULTS[key][0] * columns[YIELD] * target.factor
     velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
-    settings = settings_of(scenario)
-    if not columns.keys().isdisjoint((YIELD, "backing.flow_stress_GPa")):
-        settings = settings._replace(metals=())
-    return Variants(rows, velocities, cosines, np.full(count, scenario.tensile_strength()), settings)
+    own_strength = columns.keys().isdisjoint((YIELD, "backing.flow_stress_GPa"))
+    return Variants(rows, velocities, cosines, np.full(count, scenario.tensile_strength()), scenario, own_strength)
 
 
 def _set_inputs(parameters: Floats, columns: Mapping[str, Floats | float], cosines: Floats) -> None:
@@ -138,9 +125,9 @@ def _set_inputs(parameters: Floats, columns: Mapping[str, Floats | float], cosin
 
 
 def concatenated(parts: Sequence[Variants]) -> Variants:
-    """Concatenate variants with equal settings."""
-    columns = (np.concatenate(column) for column in zip(*(part[:-1] for part in parts), strict=True))
-    return Variants._make([*columns, parts[0].settings])
+    """Concatenate variants of a scenario."""
+    columns = (np.concatenate(column) for column in zip(*(part[:4] for part in parts), strict=True))
+    return Variants._make([*columns, *parts[0][4:]])
 
 
 def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
@@ -149,7 +136,8 @@ def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[t
     yield from row_limits(armour, variants.velocities if velocities else None, variants.cosines)
     for bare in (False, True):
         if count := int(np.count_nonzero((armour.Hc0 == 0.0) == bare)):
-            yield from ((note, count) for note in strength_notes(variants.settings.metals, bare=bare))
+            metals = [variants.scenario.entry("metal", variants.scenario.armour.backing)] * variants.own_strength
+            yield from ((note, count) for note in strength_notes(metals, bare=bare))
 
 
 def unusual(variants: Variants) -> Bools:
@@ -169,17 +157,9 @@ def grid_of(scenario: Scenario) -> Optimise:
     return section
 
 
-def settings_of(scenario: Scenario) -> Settings:
-    """Return the settings of a scenario."""
-    error, excluded = scenario.given_error(), scenario.excludes_error()
-    section, grid, some = scenario.ballistic_limit, scenario.optimise, bool(scenario.unused_distributions())
-    own, metals = own_tests(scenario.entries), (scenario.entry("metal", scenario.armour.backing),)
-    return Settings(scenario.file, scenario.solver, section, grid, error, excluded, some, own, metals)
-
-
 def impacts(variants: Variants, threads: int | None = None) -> batch.Impacts:
     """Simulate the impact of each row."""
-    found = batch.impacts(variants.parameters, variants.velocities, variants.settings.options(threads))
+    found = batch.impacts(variants.parameters, variants.velocities, variants.options(threads))
     check_resolved(found.outcome != Outcome.UNRESOLVED, variants)
     return found
 
@@ -193,7 +173,7 @@ def check_resolved(resolved: Bools, variants: Variants) -> None:
     """Raise an InputError that names the key at fault if the run of a row does not end."""
     if not resolved.all():
         first = int(np.argmin(resolved))
-        raise unresolved_error(variants.settings.solver, variants.settings.file, float(variants.velocities[first]))
+        raise unresolved_error(variants.scenario, float(variants.velocities[first]))
 
 
 def with_thicknesses(

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from armour.analysis.searches import limits_by_law
-from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, settings_of, with_thicknesses
+from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, with_thicknesses
 from armour.core.state import Parameters
 from armour.engine import batch
 from armour.errors import Problem, refuse
@@ -146,8 +146,8 @@ class Catalogue:
         bounds = np.where((self.bounds < NO_BOUND) & (not self.sampled), self.bounds, 1.0)
         some = candidates.at(designs)
         parameters = self.layers[some.pair] + self.projectiles[which]
-        tensile, settings = self.tensile_MPa[some.pair], settings_of(self.scenario)
-        rows = Variants(parameters, self.velocities_m_s[which], self.cosines[which], tensile, settings)
+        tensile = self.tensile_MPa[some.pair]
+        rows = Variants(parameters, self.velocities_m_s[which], self.cosines[which], tensile, self.scenario)
         rows = with_thicknesses(rows, ceramic_mm=some.ceramic_mm, backing_mm=some.backing_mm)
         return rows, required[which], bounds[which]
 

@@ -161,7 +161,7 @@ class Requirement:
 
     def _counted(self, variants: Variants, low: float, high: float, points: int = SCAN_POINTS) -> Floats:
         """Return lowest limits, m/s; -inf where the lowest velocity perforates, inf where none is seen to."""
-        tolerance = variants.settings.ballistic_limit.tolerance_m_s
+        tolerance = variants.scenario.ballistic_limit.tolerance_m_s
         found = limit_brackets(variants, low, high, tolerance, points=points)
         self._count(int(found.runs.sum()))
         return np.where(np.isneginf(found.defeated), -np.inf, found.perforated)

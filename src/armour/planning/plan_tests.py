@@ -371,11 +371,10 @@ def _candidates(
     if measure == "outcome" and VELOCITY not in columns:
         columns[VELOCITY] = np.full(count, scenario.impact.velocity_m_s)
     cells = tuple({key: values[i].item() for key, values in columns.items()} for i in range(count))
-    inputs = [key for key in columns if key in INPUTS]
     with of_candidates():
         groups = tuple(
-            MaterialGroup(made, where, {key: columns[key][where] for key in inputs})
-            for where, made in scenarios_of(scenario, columns, lambda row, problem: source.place(0, row, problem))
+            MaterialGroup(made, where, own)
+            for where, made, own in scenarios_of(scenario, columns, lambda row, problem: source.place(0, row, problem))
         )
     places = tuple(source.place(0, row, Problem(file, "", "")).key.removeprefix("over ") for row in range(count))
     measured = tuple(Measurement(row, LIMIT, 1.0, None, 0) for row in range(count))

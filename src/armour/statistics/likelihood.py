@@ -185,7 +185,7 @@ class Likelihood(NamedTuple):
 
 def _limits(variants: Variants) -> Floats:
     """Return ballistic limits, m/s; the end of the search's range where the limit lies beyond it."""
-    search = variants.settings.ballistic_limit
+    search = variants.scenario.ballistic_limit
     limits = ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S)
     outside = np.flatnonzero(np.isnan(limits))
     if len(outside):
