@@ -27,6 +27,9 @@ def test_a_suggestion_is_the_closest_name():
     assert suggestion("AD86", ["AD85", "Al-N"]) == '; did you mean "AD85"?'
     assert suggestion("ad85", ["AD85"]) == '; did you mean "AD85"?'
     assert suggestion("nothing", ["uncertain", "dwell"]) == ""
+    assert suggestion("", ["uncertain"]) == ""
+    levels = ["STANAG 4569 level 3, B32", "STANAG 4569 level 4, B32"]
+    assert suggestion("stanag level 3", levels) == f'; did you mean "{levels[0]}"?'
 
 
 def test_a_list_of_choices_stands_once():

@@ -126,7 +126,10 @@ def suggestion(word: str, known: Sequence[str]) -> str:
     if len(known) > MAX_WORDS:
         return ""
     by_lower = {name.lower(): name for name in known}
-    found = get_close_matches(word.lower(), list(by_lower), n=1)
+    # A name with every word that is given is closer than one with other words.
+    parts = {*word.lower().split()}
+    whole = [name for name in by_lower if parts and parts <= {*name.replace(",", " ").split()}]
+    found = get_close_matches(word.lower(), whole or list(by_lower), n=1, cutoff=0.0 if whole else 0.6)
     return f'; did you mean "{by_lower[found[0]]}"?' if found else ""
 
 

@@ -109,14 +109,25 @@ def test_a_pair_of_which_no_free_thickness_defeats_the_threats():
         assert [pair.reason for pair in result.pairs] == ["", "no design stops every threat and all slower impacts"]
 
 
+def test_a_catalogue_of_bare_plates_needs_no_grid():
+    bare = {"ceramic": None, "ceramic_thickness_mm": 0.0, "backing": "7075-T6", "backing_thickness_mm": 5.0}
+    plates = [{"material": "7075-T6", "thickness_mm": [10.0, 40.0]}]
+    best = optimise(scenario(armour=bare, design={"backing": plates})).best
+    assert (best.ceramic_thickness_mm, best.backing_thickness_mm) == (0.0, 40.0)
+
+
 def test_nothing_on_offer():
     lightest = optimise(catalogue()).best.thickness_mm
     least = f"the lightest design that stops every threat has {lightest:.4g} mm, at most 5 mm is allowed"
     with pytest.raises(NoDesignError, match=rf"^design\.thickness_max_mm: {least}$"):
         optimise(catalogue(thickness_max_mm=5.0))
     fast = [{"projectile": "7.62 mm AP", "velocity_m_s": 2500.0}]
-    for constraint in ({}, {"thickness_max_mm": 20.0}):
-        message = r"^no design stops 7.62 mm AP at 2500 m/s and all slower impacts; offer thicker layers"
+    for constraint, surely in (
+        ({}, ""),
+        ({"thickness_max_mm": 20.0}, ""),
+        ({"confidence": 0.9}, " with the probability required"),
+    ):
+        message = rf"^no design stops 7.62 mm AP at 2500 m/s and all slower impacts{surely}; (offer thicker|where)"
         with pytest.raises(NoDesignError, match=message):
             optimise(catalogue(fast, **constraint))
 

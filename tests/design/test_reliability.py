@@ -10,7 +10,7 @@ from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.design.reliability import Reliability
 from armour.errors import InputError, NoDesignError
-from tests.helpers.cases import METALS, THREATS, catalogue, scenario
+from tests.helpers.cases import CERAMICS, METALS, THREATS, catalogue, scenario
 from tests.helpers.plain_designs import defeats, designs
 
 pytestmark = pytest.mark.slow
@@ -127,7 +127,9 @@ def test_a_pair_whose_error_is_not_known_is_left_out():
     found = optimise(catalogue([threat], FROM_TESTS, confidence=0.6))
     reasons = {(pair.ceramic, pair.backing): pair.reason for pair in found.pairs}
     reason = reasons["AD99.5", "6061-T6"]
-    assert reason.startswith("the model error is not known for AD99.5 on 6061-T6; own tests")
+    assert reason.startswith(
+        "the model error is not known for AD99.5 on 6061-T6: no test of such an armour is known; own"
+    )
     sampled = optimise(catalogue([threat], {**UNCERTAIN, "model": None}, confidence=0.6))
     unknown = {(pair.ceramic, pair.backing) for pair in sampled.pairs if "is not known" in pair.reason}
     assert unknown == {pair for pair, reason in reasons.items() if "is not known" in reason}
@@ -136,12 +138,14 @@ def test_a_pair_whose_error_is_not_known_is_left_out():
 
 
 def test_an_error_that_is_not_known_against_one_threat():
-    threats = [
-        {"projectile": "7.62 mm AP", "velocity_m_s": 700.0},
-        {"projectile": "30 mm APDS", "velocity_m_s": 100.0},
-    ]
-    with pytest.raises(NoDesignError, match="the model error is not known for any of the designs"):
-        optimise(catalogue(threats, FROM_TESTS, confidence=0.6))
+    known = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
+    for other, why in (
+        ({"projectile": "30 mm APDS", "velocity_m_s": 100.0}, "30 mm APDS at 100 m/s: no test of such"),
+        ({**known, "obliquity_deg": 15.0}, "7.62 mm AP at 700 m/s, 15° obliquity: the model was compared with no test"),
+    ):
+        message = f"the model error is not known for any of the designs against {why}"
+        with pytest.raises(NoDesignError, match=message):
+            optimise(catalogue([known, other], FROM_TESTS, ceramic=CERAMICS[:1], confidence=0.6))
 
 
 def test_a_confidence_is_kept_by_the_error_of_tests():

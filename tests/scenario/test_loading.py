@@ -129,8 +129,11 @@ def test_a_single_value_of_an_entry_that_is_not_known_makes_no_entry():
 
 def test_missing_sections_are_all_named():
     assert messages({}) == [
-        "impact: is missing and must be given",
+        "impact: is missing and must be given, even if there is a [[threat]]",
         "armour: is missing and must be given",
+    ]
+    assert messages({**data(), "armour": {"backing": "6061-T6", "backing_thickness_mm": 6.0}}) == [
+        "armour.ceramic_thickness_mm: is missing and must be given; 0 for a bare plate",
     ]
 
 

@@ -149,8 +149,9 @@ def grid_of(scenario: Scenario) -> Optimise:
     """Return the grid of designs of a scenario; it must have one, and a ceramic if the grid has."""
     section = scenario.optimise
     if section is None:
-        problem = Problem(scenario.file, "optimise", "is missing and must be given: the grid of designs")
-        raise InputError([problem])
+        example = "ceramic_thickness_mm = { min = 4, max = 16, step = 0.5 } and backing_thickness_mm"
+        message = f"is missing and must be given: the grid of designs, such as {example}"
+        raise InputError([Problem(scenario.file, "optimise", message)])
     if scenario.armour.ceramic is None and section.ceramic_thickness_mm.max > 0.0:
         message = "must name a ceramic of the library where optimise.ceramic_thickness_mm is above 0, found none"
         raise InputError([Problem(scenario.file, "armour.ceramic", message)])

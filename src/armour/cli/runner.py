@@ -105,8 +105,8 @@ def read_scenario(
                 raise wrong_option(option, f"must not be given with {options[key]}")
             changes[key], options[key] = value, option
     standard = str(path) == "-"
-    path = path if standard else scenario_file(path)
-    file, folder = (STANDARD_INPUT, Path()) if standard else (str(path), path.parent)
+    named, path = path, path if standard else scenario_file(path)
+    file, folder = (STANDARD_INPUT, Path()) if standard else (str(named), path.parent)
     if standard:
         with suppress(OSError):  # a stream that is no file
             check_unreserved(sys.stdin.fileno())

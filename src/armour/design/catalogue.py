@@ -372,11 +372,10 @@ def _section_of(scenario: Scenario) -> DesignSection:
     section, armour = scenario.design or DesignSection(), scenario.armour
     ceramics, backings = section.ceramic, section.backing
     if not ceramics:
-        thicknesses = grid_of(scenario).ceramic_thickness_mm
         if armour.ceramic is None:
             ceramics = (CeramicLayer.model_construct(material="", thickness_mm=[0.0]),)
         else:
-            ceramics = (CeramicLayer(material=armour.ceramic, thickness_mm=thicknesses),)
+            ceramics = (CeramicLayer(material=armour.ceramic, thickness_mm=grid_of(scenario).ceramic_thickness_mm),)
     if not backings:
         backings = (BackingLayer(material=armour.backing, thickness_mm=grid_of(scenario).backing_thickness_mm),)
     return section.model_copy(update={"ceramic": ceramics, "backing": backings})

@@ -18,7 +18,7 @@ from armour.design.reliability import Reliability
 from armour.design.search import Requirement, Search
 from armour.errors import NoDesignError, Note, Problem, refuse
 from armour.scenario.checked import checked
-from armour.scenario.evidence import MEASURES, REMEDY, ModelError, armour_warnings
+from armour.scenario.evidence import MEASURES, REMEDY, ModelError, armour_warnings, why_unknown
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, OBLIQUITY, VELOCITY
 from armour.scenario.library import strength_notes
 from armour.scenario.mixture import Mixture
@@ -503,12 +503,18 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
         return beyond
     own = search.candidates.at(search.of_pairs(pairs))
     thickest = [np.array([layer.thicknesses()[-1]]) for layer in catalogue.offers[pairs[0]][:2]]
-    unknown = ~search.requirement.tested(own if len(own.pair) else catalogue.candidates(pairs[0], *thickest))
-    unknown &= bool((catalogue.bounds < NO_BOUND).any())
+    own = own if len(own.pair) else catalogue.candidates(pairs[0], *thickest)
+    unknown = ~search.requirement.tested(own)
+    bounded = bool((catalogue.bounds < NO_BOUND).any())
+    unknown &= bounded
     if unknown.all():
         names = [layer.material for layer in catalogue.offers[pairs[0]][:2] if layer.material]
         armour = " on ".join(names) if len(pairs) == 1 else "any of the designs"
-        return f"the model error is not known for {armour}; {REMEDY}"
+        rows, *_ = catalogue.against_each(own.at(slice(0, 1)), range(len(catalogue.threats)))
+        threat = int(rows.errors.known.argmin())
+        why = why_unknown(Parameters(*rows.parameters[threat].tolist()), float(catalogue.cosines[threat]))
+        against = f" against {catalogue.titles[threat]}" if len(catalogue.titles) > 1 else ""
+        return f"the model error is not known for {armour}{against}: {why}"
     hint = f"; where the model error is not known, {REMEDY}" if unknown.any() else ""
     whole = len(pairs) == len(catalogue.offers)
     if catalogue.sampled:
@@ -516,7 +522,8 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
         return f"no design{near} keeps the probability of perforation within the bound of every threat{hint}"
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
     thicker = "; offer thicker layers in [design] or [optimise]" if whole else ""
-    return f"no design stops {threats} and all slower impacts{hint}{thicker}"
+    surely = " with the probability required" if bounded else ""
+    return f"no design stops {threats} and all slower impacts{surely}{hint}{thicker}"
 
 
 def _beyond(section: DesignSection, candidates: Candidates, place: int) -> str:

@@ -81,6 +81,10 @@ _REQUIREMENTS = {
 }
 
 
+# What is not obvious of keys that must be given.
+MISSING = {"impact": ", even if there is a [[threat]]", "armour.ceramic_thickness_mm": "; 0 for a bare plate"}
+
+
 def problems_of(error: ValidationError, model: type[Section], file: str) -> list[Problem]:
     """Convert pydantic's errors in a file, validated against a model, to problems."""
     problems = []
@@ -96,7 +100,7 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
             known = _known_keys(model, parts[:-1])
             message = "unknown key" + (choices(str(parts[-1]), known) if known else "")
         elif detail["type"] == "missing":
-            message = "is missing and must be given"
+            message = f"is missing and must be given{MISSING.get(key_name(parts), '')}"
         elif detail["type"] == "value_error":
             message = str(context["error"])
         else:

@@ -60,16 +60,18 @@ def tables(result: CheckResult) -> list[Table | str]:
     """Return the verdict, and for each threat a table of the armour as it is and with each change."""
     several = len(result.threats) > 1
     found: list[Table | str] = [Verdict.of(outcome(result), good=all(threat.passed for threat in result.threats))]
-    for threat in result.threats:
+    notes = [_rests_on(result, threat) for threat in result.threats]
+    for threat, note in zip(result.threats, notes, strict=True):
         title = f"{threat.threat}: {verdict(threat)}, {finding(threat)}" if several else ""
         found.append(what_if_table(threat, title))
-    found += dict.fromkeys(
-        f"{DEFEAT.label}: unknown, {threat.reason}"
-        if threat.model_error is None
-        else error_note(result, threat.model_error)
-        for threat in result.threats
-    )
-    return found
+        found += [note] if len({*notes}) > 1 else []
+    return found if len({*notes}) > 1 else [*found, notes[0]]
+
+
+def _rests_on(result: CheckResult, threat: CheckedThreat) -> str:
+    """Return what the probability against a threat rests on, or why it is not known."""
+    error = threat.model_error
+    return f"{DEFEAT.label}: unknown, {threat.reason}" if error is None else error_note(result, error)
 
 
 def chart(result: CheckResult) -> charts.Chart:
