@@ -275,9 +275,11 @@ def plan_tests(
             "plan_tests", "criterion", 'must not be "I": the candidates do not determine the limit of a design'
         )
     chosen = optimal_design.best_set(task, number)
-    total = float(task.costs[chosen].sum())
     regular = not optimal_design.missing(task.information(chosen), task.rows)
-    slopes = task.sensitivities(task.information(chosen)) / task.costs if regular else np.empty(0)
+    gains = np.empty(0)
+    if regular:
+        slopes = task.sensitivities(task.information(chosen)) / task.costs
+        gains = slopes / (slopes[chosen] @ task.costs[chosen] / task.costs[chosen].sum())
     lacking = tuple(name for name, row in zip(names, inputs, strict=True) if np.isnan(row).any())
     warnings = [*known.warnings]
     if lacking:
@@ -317,7 +319,7 @@ def plan_tests(
         efficiency=optimal_design.efficiency(task, chosen) if comparable else None,
         not_identified=lacking,
         candidates={key: tuple(cell[key] for cell in rows.cells) for key in rows.cells[0]},
-        sensitivities=tuple((slopes / (slopes[chosen] @ task.costs[chosen] / total)).tolist() if regular else ()),
+        sensitivities=tuple(gains.tolist()),
         confidence=CONFIDENCE,
         warnings=tuple(warnings),
     ).of(subject_of(rows), scenario=scenario, tests=tests)
@@ -341,7 +343,7 @@ def of_candidates() -> Iterator[None]:
 def _candidates(
     scenario: Scenario, candidates: Candidates, measure: Measure, cost: float | None
 ) -> tuple[Tests, Floats | None]:
-    """Return the candidates as tests that measure the limit, and their costs, (n,); None without costs."""
+    """Return the candidates as tests without measurements, and their costs, (n,); None without costs."""
     with of_candidates():
         if isinstance(candidates, str | PathLike):
             candidates = Cases(Path(candidates))
@@ -349,8 +351,8 @@ def _candidates(
     file = str(source.path) if isinstance(source, Cases) else "candidates"
     if source.count > MAX_CANDIDATES:
         raise mistake(file, "", f"must be at most {MAX_CANDIDATES:,} candidates, found {source.count:,}")
-    columns = source.rows(np.arange(source.count))
     count = source.count
+    columns = source.rows(np.arange(count))
     costs = columns.pop(COST, None)
     columns = dict(zip(canonical(columns, file), columns.values(), strict=True))
     allowed = (*INPUTS, *NAMES.values())
@@ -377,14 +379,13 @@ def _candidates(
             for where, made, own in scenarios_of(scenario, columns, lambda row, problem: source.place(0, row, problem))
         )
     places = tuple(source.place(0, row, Problem(file, "", "")).key.removeprefix("over ") for row in range(count))
-    measured = tuple(Measurement(row, LIMIT, 1.0, None, 0) for row in range(count))
     if costs is not None or cost is not None:
         costs = (0.0 if costs is None else costs) + np.full(count, cost or 0.0)
-    return Tests(file, places, groups, measured, False, cells, scenario, places), costs
+    return Tests(file, places, groups, (), False, cells, scenario, places), costs
 
 
 def _with_designs(rows: Tests, designs: Sequence[Scenario]) -> Tests:
-    """Return candidates with the designs below them."""
+    """Return candidates with the designs below them, as tests that measure the limit."""
     count = len(rows.names)
     groups = [MaterialGroup(design, np.array([count + i]), {}) for i, design in enumerate(designs)]
     return rows._replace(

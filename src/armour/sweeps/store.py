@@ -20,7 +20,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from hashlib import sha256
-from io import BytesIO, StringIO
+from io import StringIO
 from itertools import chain
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
@@ -93,8 +93,8 @@ class Store:
     def begin(self, size: int) -> None:
         """Start a job with chunks of a number of rows."""
         self.size = size
-        with self._disk():
-            self._write(self.folder / _JOB, json.dumps({"job": self.job, "size": size}).encode())
+        with self._new(self.folder / _JOB) as file:
+            file.write(json.dumps({"job": self.job, "size": size}).encode())
 
     def starts(self) -> list[int]:
         """Return the first rows of the chunks on disk, ascending."""
@@ -107,10 +107,8 @@ class Store:
     def save(self, start: int, chunk: Chunk) -> None:
         """Write the chunk of a first row; zip adds a checksum of each column."""
         about = json.dumps([self._digest, list(chunk.columns), chunk.warnings])
-        content = BytesIO()
-        np.savez(content, *chunk.columns.values(), about=about)
-        with self._disk():
-            self._write(self.path(start), content.getvalue())
+        with self._new(self.path(start)) as file:
+            np.savez(file, *chunk.columns.values(), about=about)
 
     def load(self, start: int, rows: Mapping[str, Any]) -> Chunk | None:
         """Read the chunk of some rows, given by key; None if it is not what was written for them."""
@@ -125,7 +123,7 @@ class Store:
 
     def finish(self, chunks: Iterable[Mapping[str, Any]]) -> None:
         """Write the table of some columns, a chunk after the other."""
-        with self._disk(), self._new(self.output) as file:
+        with self._new(self.output) as file:
             write_table(file, chunks, as_csv=self.is_csv)
             self._check_output()
         self._written = True
@@ -174,22 +172,19 @@ class Store:
         message = "does not identify its sweep; choose another output, or remove the folder to start again"
         raise mistake(self.folder / _JOB, "", message)
 
-    def _write(self, path: Path, content: bytes) -> None:
-        with self._new(path) as file:
-            file.write(content)
-
     @contextmanager
     def _new(self, path: Path) -> Iterator[BinaryIO]:
         """Give a new file, which takes the place of another when it is whole."""
         part = self.folder / f".armour-{secrets.token_hex(8)}"
-        try:
-            with part.open("xb") as file:
-                yield file
-                file.flush()
-                os.fsync(file.fileno())
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
+        with self._disk():
+            try:
+                with part.open("xb") as file:
+                    yield file
+                    file.flush()
+                    os.fsync(file.fileno())
+                part.replace(path)
+            finally:
+                part.unlink(missing_ok=True)
 
     def _check_output(self) -> None:
         may_go = self.replace and self.output.is_file() and not self.output.is_symlink()
