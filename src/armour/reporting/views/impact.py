@@ -11,6 +11,8 @@ import numpy as np
 from armour.analysis.history import History
 from armour.analysis.impact import ImpactResult
 from armour.analysis.quantities import OUTCOMES
+from armour.core.equations import crack_velocity
+from armour.core.state import Parameters
 from armour.errors import InputError, Problem
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
@@ -159,8 +161,8 @@ def _spans(result: ImpactResult, shown: float) -> charts.Spans:
 # Pictures of an impact at most, the least height of armour that they show, in diameters of the rod and as a part of
 # their length, and the scale drawn, mm.
 PICTURES, SHOWN_DIAMETERS, SHOWN_PART, SCALE_MM = 6, 3.6, 0.6, 10.0
-# Characters in a line of words above a picture.
-EVENT_CHARACTERS = 12
+# Characters in a line of words above a picture, and the time between events of one picture at most, µs.
+EVENT_CHARACTERS, AT_ONCE_US = 12, 1e-3
 
 
 def _scene(result: ImpactResult, history: History) -> charts.Panel:
@@ -168,6 +170,9 @@ def _scene(result: ImpactResult, history: History) -> charts.Panel:
     p = result.question["scenario"].core_armour()
     length, diameter, ceramic, backing = (value / MM for value in (p.L0, p.D0, p.Hc0, p.Hb))
     moments = [(0.0, "impact"), *_events(result)]
+    fragmented = _fragmented_us(p, history)
+    if fragmented < result.duration_us and min(abs(time - fragmented) for time, _ in moments) > AT_ONCE_US:
+        moments = sorted([*moments, (fragmented, STAGES["ii.1"].begins)])
     moments = [*moments[: PICTURES - 1], *moments[PICTURES - 1 :][-1:]]
     times = [time for time, _ in moments]
     depths, rods, bulges, velocities = (
@@ -180,11 +185,10 @@ def _scene(result: ImpactResult, history: History) -> charts.Panel:
     middles = np.cumsum(widths) - 0.5 * widths
     starts = (middles - 0.5 * (left + right)).tolist()
     high = 0.5 * max(SHOWN_DIAMETERS * diameter, SHOWN_PART * (length + ceramic + backing))
-    fragmented = min((s.start_us for s in result.stages if s.stage[:3] == "iii" or s.stage == "ii.1"), default=inf)
     boxes = [
         replace(box, left=start + box.left, right=start + box.right)
         for time, start, *state in zip(times, starts, depths, rods, bulges, strict=True)
-        for box in _picture(0.5 * diameter, high, (ceramic, backing), *state, broken=0.0 < time >= fragmented)
+        for box in _picture(0.5 * diameter, high, (ceramic, backing), *state, broken=time >= fragmented - AT_ONCE_US)
     ]
     above = (
         f"{time:.3g} µs\n{velocity:.0f} m/s\n" + "\n".join(wrapped(event, EVENT_CHARACTERS))
@@ -203,6 +207,14 @@ def _scene(result: ImpactResult, history: History) -> charts.Panel:
     )
     x, y = charts.Axis(limits=(0.0, float(widths.sum()))), charts.Axis(limits=(-2.65 * high, high))
     return charts.Panel(x, y, series, to_scale=True)
+
+
+def _fragmented_us(p: Parameters, history: History) -> float:
+    """Return when the crack has met the rod (7), µs, which during dwell begins no stage; infinite if it does not."""
+    if not p.Hc0:
+        return inf
+    crossed = history.depth_mm + history.time_us * 1e-6 * crack_velocity(p.Ec, p.rho_c) / MM
+    return float(np.interp(p.Hc0 / MM, crossed, history.time_us, right=inf))
 
 
 def _events(result: ImpactResult) -> Iterator[tuple[float, str]]:
