@@ -355,7 +355,7 @@ def test_the_posterior_of_a_v50_is_drawn():
     assert (bar.x, bar.x_ends) == ([found.posterior.v50_m_s], (found.posterior.v50_interval_m_s,))
     assert panel.x.limits is not None
     assert panel.x.limits[0] < bar.x_ends[0][0] < bar.x_ends[0][1] < panel.x.limits[1]
-    assert "The posterior has the model as prior: 95 % interval" in chart.note
+    assert "Posterior, with the model as prior: 95 % interval" in chart.note
 
 
 def test_a_limit_outside_the_axis_of_a_v50_is_in_the_note_and_not_in_the_legend():
@@ -367,7 +367,7 @@ def test_a_limit_outside_the_axis_of_a_v50_is_in_the_note_and_not_in_the_legend(
     assert found.model_ballistic_limit_m_s is not None
     assert found.model_ballistic_limit_m_s > panel.x.limits[1]
     assert not any("this model" in label for label in labels(panel))
-    assert f"{found.model_ballistic_limit_m_s:.1f} m/s, is outside the axis" in chart.note
+    assert f"{found.model_ballistic_limit_m_s:.1f} m/s, lies outside the axis" in chart.note
 
 
 def test_an_uncertainty():

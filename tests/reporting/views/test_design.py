@@ -22,13 +22,13 @@ def kinds(result: DesignResult) -> list[str]:
 
 
 def test_the_best_design_is_a_record():
-    assert quantities(best_table(design_result(), {}))["cost per m²"] == "100"
-    outside = quantities(best_table(replace(design_result(), best=best_design(ballistic_limit_m_s=None)), {}))
+    assert quantities(best_table(design_result().best, {}))["cost per m²"] == "100"
+    outside = quantities(best_table(best_design(ballistic_limit_m_s=None), {}))
     assert outside["ballistic limit"] == "outside the range"
     assert "cost per m²" not in outside
-    several = replace(design_result(), best=best_design(margins_m_s={THREAT: 20.0, OTHER: 80.0}))
+    several = best_design(margins_m_s={THREAT: 20.0, OTHER: 80.0})
     assert quantities(best_table(several, {}))["governed by"] == THREAT
-    assert " on " not in quantities(best_table(design_result(ceramic=""), {}))["armour"]
+    assert " on " not in quantities(best_table(design_result(ceramic="").best, {}))["armour"]
 
 
 def test_thicknesses_of_a_table_have_the_decimals_that_they_need():

@@ -1,10 +1,8 @@
 """One armour against each of its threats."""
 
-from xml.etree import ElementTree
-
-from armour.design.check import CheckedThreat, CheckResult, WhatIf
-from armour.files import printable
+from armour.design.check import CheckedThreat, CheckResult
 from armour.reporting import charts
+from armour.reporting.junit import junit_xml
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import Verdict, interval, percent
 from armour.reporting.views.confidence import DEFEAT, chance, error_note
@@ -83,38 +81,27 @@ def chart(result: CheckResult) -> charts.Chart:
 def _panel(threat: CheckedThreat, *, named: bool) -> charts.Panel:
     rows = (threat.as_given(), *threat.what_ifs)
     names = tuple(f"{of.change}: {chance(of.probability_of_defeat)}" for of in rows)
-    places = [float(place) for place in range(len(rows))]
-    known = [(of, place) for of, place in zip(rows, places, strict=True) if of.ballistic_limit_m_s is not None]
-    velocity, limit = ("velocity of the round", "ballistic limit, 95 % interval") if named else ("", "")
+    # An interval that is not known is drawn as the limit.
+    known = [
+        (limit, float(place), of.interval_m_s or (limit, limit))
+        for place, of in enumerate(rows)
+        if (limit := of.ballistic_limit_m_s) is not None
+    ]
+    limits, ends = [limit for limit, *_ in known], tuple(of for *_, of in known)
+    velocity, name = ("velocity of the round", "ballistic limit, 95 % interval") if named else ("", "")
     series = (
-        charts.Points(
-            [of.ballistic_limit_m_s for of, _ in known],
-            [place for _, place in known],
-            label=limit,
-            x_ends=tuple(_ends(of) for of, _ in known),
-        ),
-        charts.Points([of.velocity_m_s for of in rows], places, "D", label=velocity, colour="vermilion"),
+        charts.Points(limits, [place for _, place, _ in known], label=name, x_ends=ends),
+        charts.Points([of.velocity_m_s for of in rows], range(len(rows)), "D", label=velocity, colour="vermilion"),
     )
     x = charts.Axis("velocity", "m/s")
     return charts.Panel(x, charts.Axis(categories=names), series, f"{threat.threat}: {verdict(threat)}")
 
 
-def _ends(of: WhatIf) -> tuple[float, float]:
-    """Return the interval of a limit; where it is not known, the limit."""
-    assert of.ballistic_limit_m_s is not None
-    return of.interval_m_s or (of.ballistic_limit_m_s, of.ballistic_limit_m_s)
-
-
 def junit(result: CheckResult) -> bytes:
     """Format a check: a test case for every threat."""
-    failures = sum(not threat.passed for threat in result.threats)
-    name = printable(" ".join(result.heading()[:1]))
-    suite = ElementTree.Element("testsuite", name=name, tests=str(len(result.threats)), failures=str(failures))
+    cases = []
     for threat in result.threats:
-        case = ElementTree.SubElement(suite, "testcase", classname="threat", name=printable(threat.threat))
-        if not threat.passed:
-            found = f"required {required(threat)}, found {chance(threat.probability_of_defeat)}"
-            limit = "" if threat.ballistic_limit_m_s is None else f", limit {threat.ballistic_limit_m_s:.1f} m/s"
-            ElementTree.SubElement(case, "failure", message=printable(found + limit))
-    ElementTree.indent(suite)
-    return bytes(ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True))
+        limit = "" if threat.ballistic_limit_m_s is None else f", limit {threat.ballistic_limit_m_s:.1f} m/s"
+        found = f"required {required(threat)}, found {chance(threat.probability_of_defeat)}{limit}"
+        cases.append(("threat", threat.threat, "" if threat.passed else "failure", found))
+    return junit_xml(" ".join(result.heading()[:1]), cases)

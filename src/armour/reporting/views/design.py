@@ -1,9 +1,10 @@
 """A design search."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from itertools import product
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,39 +19,17 @@ if TYPE_CHECKING:
     from armour.design.catalogue import Catalogue
     from armour.design.map import DesignMap
 
-# Probability of stopping the projectile below which the notes say how to ask for more.
-LOW = 0.75
-
-
+# Probability of stopping the projectile below which the notes say how to ask for more, and how.
+LOW, ASK = 0.75, "--confidence 0.95 designs for 95 %"
 # Rows of the frontier that are shown unless all are asked for.
 FRONTIER_ROWS = 5
-
-
-ASK = "--confidence 0.95 designs for 95 %"
-
-
 AREAL_DENSITY, BALLISTIC_LIMIT = column_of("areal_density_kg_m2"), column_of("ballistic_limit_m_s")
-
-
 CERAMIC, BACKING = column_of("ceramic"), column_of("backing")
-
-
 # Thicknesses are shown with at most 3 decimals, and with no more than those of a table need.
-CERAMIC_THICKNESS = column_of("ceramic_thickness_mm", ".3f")
-
-
-BACKING_THICKNESS = column_of("backing_thickness_mm", ".3f")
-
-
+CERAMIC_THICKNESS, BACKING_THICKNESS = (column_of(f"{layer}_thickness_mm", ".3f") for layer in ("ceramic", "backing"))
 THICKNESS = column_of("thickness_mm", ".4g", "total thickness")
-
-
 COST = column_of("cost_per_m2", ".0f")
-
-
 GOVERNED_BY = Column("governed by", prose=True)
-
-
 MARGIN, REQUIRED = column_of("margin_m_s", "+.0f"), Column("required margin", "m/s", "+.0f")
 
 
@@ -60,31 +39,24 @@ def required_margins(scenario: Scenario | None) -> dict[str, float]:
     return {threat.title: threat.margin_m_s for threat in threats if threat.margin_m_s}
 
 
-def best_table(result: DesignResult, required: Mapping[str, float]) -> Table:
-    """Return the best design, quantity by quantity."""
-    return _design_record(result.best, "", required)
-
-
-def _design_record(design: BestDesign, title: str, required: Mapping[str, float]) -> Table:
-    limit: Source = BALLISTIC_LIMIT
-    # The table of the threats has the probability and the margin of each.
-    several = len(design.margins_m_s) > 1
-    expected: tuple[Source, ...] = ()
+def best_table(design: BestDesign, required: Mapping[str, float], title: str = "") -> Table:
+    """Return a design quantity by quantity, with the margins that the threats require."""
+    limit: list[Source] = [BALLISTIC_LIMIT]
     if design.ballistic_limit_m_s is None:
-        limit = Column("ballistic limit"), "outside the range"
+        limit = [(Column("ballistic limit"), "outside the range")]
     elif (error := design.model_error) is not None:
         of = design.ballistic_limit_m_s
-        expected = (with_error(error.median(of), error.interval(of)),)
+        limit.append(with_error(error.median(of), error.interval(of)))
+    sure = chance(design.probabilities_of_defeat[design.governing])
+    against: list[Source] = [(DEFEAT, sure), MARGIN, (REQUIRED, required.get(design.governing))]
+    if len(design.margins_m_s) > 1:  # the table of the threats has these of each
+        limit, against = [(GOVERNED_BY, design.governing), *limit], []
     return record(
         design,
         (Column("armour", prose=True), armour_in_words(design)),
         AREAL_DENSITY,
-        (GOVERNED_BY, design.governing if several else None),
-        limit,
-        *expected,
-        (DEFEAT, None if several else chance(design.probabilities_of_defeat[design.governing])),
-        (MARGIN, None if several else design.margin_m_s),
-        (REQUIRED, None if several else required.get(design.governing)),
+        *limit,
+        *against,
         THICKNESS,
         (COST, design.cost_per_m2 or None),
         title=title,
@@ -113,17 +85,12 @@ def _aligned(table: Table) -> Table:
 
 def frontier_table(result: DesignResult) -> Table:
     """Return, for each back plate of the best pair, the least ceramic that passes, with notes on some."""
-    backings = (design.backing_thickness_mm for design in result.frontier)
     several = len(result.threats) > 1
-    governing = dict(zip(backings, result.frontier_governed_by, strict=True)) if several else {}
-    best = _thicknesses(result.best)
+    governing = dict(zip(map(_thicknesses, result.frontier), result.frontier_governed_by, strict=True))
 
-    def note(design: Any) -> str:
-        marks = (
-            (_thicknesses(design) == best, OBJECTIVES[result.minimised].least),
-            (design.ceramic_thickness_mm == result.ceramic_min_mm, "least of the range"),
-        )
-        return ", ".join(words for holds, words in marks if holds)
+    def note(design: Design) -> str:
+        marks = [OBJECTIVES[result.minimised].least] if _thicknesses(design) == _thicknesses(result.best) else []
+        return ", ".join([*marks, *["least of the range"] * (design.ceramic_thickness_mm == result.ceramic_min_mm)])
 
     table = listing(
         result.frontier,
@@ -131,7 +98,7 @@ def frontier_table(result: DesignResult) -> Table:
         BACKING_THICKNESS,
         AREAL_DENSITY,
         MARGIN,
-        (GOVERNED_BY, lambda design: governing.get(design.backing_thickness_mm)),
+        (GOVERNED_BY, lambda design: governing[_thicknesses(design)] if several else None),
         (Column("note"), note),
     )
     return _aligned(table)
@@ -154,7 +121,7 @@ def left_out(result: DesignResult) -> str:
     return f"{len(result.without_mm)} back plate thicknesses without a row, {plates} mm: no ceramic on them passes"
 
 
-def _thicknesses(design: Any) -> tuple[float, float]:
+def _thicknesses(design: Design) -> tuple[float, float]:
     return design.ceramic_thickness_mm, design.backing_thickness_mm
 
 
@@ -207,10 +174,10 @@ def tables(result: DesignResult) -> list[Table | str]:
     """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
     required = required_margins(result.question.get("scenario"))
     error = error_note(result, result.best.model_error)
-    found: list[Table | str] = [best_table(result, required), error, *margin_notes(result.best)]
+    found: list[Table | str] = [best_table(result.best, required), error, *margin_notes(result.best)]
     if result.refined is not None:
         title = f"{OBJECTIVES[result.minimised].least} design between the values of the grid"
-        found.append(_design_record(result.refined, title, required))
+        found.append(best_table(result.refined, required, title))
     if len(result.threats) > 1 or result.best.probabilities:
         found.append(margin_table(result, required))
     if len(result.pairs) == 1:
@@ -239,23 +206,15 @@ def margin_notes(best: BestDesign, ask: str = ASK) -> list[str]:
 
 # Looks of the best designs, on the grid and between its values.
 BEST: dict[str, Any] = {"marker": "o", "size": 9.0}
-
-
 REFINED: dict[str, Any] = {"marker": "D", "colour": "green"}
-
-
 # Pairs of materials that are shown, nodes of the grid along an axis, and designs on offer up to which each is a dot.
 MAX_PAIRS, NODES, MAX_DOTS = 12, 25, 250
-
-
 # Probability that a map shows where no confidence is asked for.
 USUAL = 0.95
-
-
+# Words of designs between the velocity and the limit of half of them.
+EVEN = "perforated more often than not"
 # Difference of two frontiers, m/s, below which one line is drawn.
 SAME_M_S = 1.0
-
-
 # What designs are compared by, named as in their tables.
 CRITERIA = {
     column.key: charts.Axis(column.label, column.unit, spec=spec)
@@ -295,13 +254,25 @@ def map_chart(result: DesignResult) -> charts.Chart:
 
 def _title(result: DesignResult) -> str:
     """Return the best design, and how surely it stops the threats."""
-    best, axis = result.best, CRITERIA[result.minimised]
-    layers = [(best.ceramic_thickness_mm, best.ceramic), (best.backing_thickness_mm, best.backing)]
-    armour = " on ".join(f"{thickness:.4g} mm {name}" for thickness, name in layers if name)
-    chances = [found for found in best.probabilities_of_defeat.values() if found is not None]
-    stops = f", stops with {chance(min(chances))}" if len(chances) == len(result.threats) else ""
-    value = axis.text(getattr(best, result.minimised))
-    return f"{OBJECTIVES[result.minimised].least.capitalize()}: {armour}, {value}{stops}"
+    best, sure = result.best, _least_sure(result)
+    stops = "" if sure is None else f", stops with {chance(sure)}"
+    value = CRITERIA[result.minimised].text(getattr(best, result.minimised))
+    return f"{OBJECTIVES[result.minimised].least.capitalize()}: {armour_in_words(best)}, {value}{stops}"
+
+
+def _least_sure(result: DesignResult) -> float | None:
+    """Return the least of the probabilities that the best design stops each threat; None where one is unknown."""
+    found = [result.best.probabilities_of_defeat[threat] for threat in result.threats]
+    return None if None in found else min(p for p in found if p is not None)
+
+
+class _Frontier(NamedTuple):
+    """A line on a map, where values are 0: its words, its look, and the region on one side of it, if that is tinted."""
+
+    words: str
+    values: Any
+    look: dict[str, Any]
+    region: dict[str, Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -312,6 +283,11 @@ class _MapDrawing:
     catalogue: "Catalogue"
     grid: "DesignMap"
     asked: tuple[float | None, ...]
+
+    @cached_property
+    def governing(self) -> int:
+        """The governing threat of the best design."""
+        return self.result.threats.index(self.result.best.governing)
 
     @cached_property
     def shown(self) -> float:
@@ -330,35 +306,34 @@ class _MapDrawing:
         return (np.stack(stopped, axis=-1) - self.catalogue.velocities_m_s).min(axis=-1)
 
     @cached_property
-    def frontiers(self) -> list[tuple[str, Any, str, str]]:
-        """Words, a function that is 0 on a frontier, colour and style."""
-        found = [("50 %", self.surely_m_s([0.5] * len(self.asked)), "vermilion", "dashed")]
-        wanted = self.surely_m_s([self.shown if c is None else c for c in self.asked])
-        words = percent(self.shown)
+    def frontiers(self) -> list[_Frontier]:
+        """Where as many are stopped as not, where the probability is that shown, and the limit is that required."""
+        even = self.surely_m_s([0.5] * len(self.asked))
+        wanted = self.surely_m_s([self.shown if of is None else of for of in self.asked])
+        words, label = percent(self.shown), f"stopped in {percent(self.shown)} of cases or more"
         if any(self.asked):
             wanted = np.minimum(wanted, self.above_m_s)
-            same = len(set(self.asked)) == 1 and not any(threat.margin_m_s for threat in self.catalogue.threats)
-            words = words if same else "required"
-        found.append((words, wanted, "blue", "solid"))
+            if len(set(self.asked)) > 1 or required_margins(self.catalogue.scenario):
+                words, label = "required", "meets the requirements"
+        found = [
+            _Frontier("50 %", even, {"colour": "vermilion", "style": "dashed"}, {"high": 0.0, "label": EVEN}),
+            _Frontier(words, wanted, {"colour": "blue"}, {"low": 0.0, "label": label}),
+        ]
         if not any(self.asked):
             with np.errstate(invalid="ignore"):
-                if not np.nanmax(abs(self.above_m_s - found[0][1]), initial=0.0) < SAME_M_S or np.isnan(wanted).all():
-                    found.append(("", self.above_m_s, "ink", "solid"))
-        return [item for item in found if not np.isnan(item[1]).all()]
+                if not np.nanmax(abs(self.above_m_s - even), initial=0.0) < SAME_M_S or np.isnan(wanted).all():
+                    found.append(_Frontier("", self.above_m_s, {"colour": "ink"}))
+        return [frontier for frontier in found if not np.isnan(frontier.values).all()]
 
     def regions(self) -> Iterator[charts.Region]:
         """Give designs that stop surely enough, that are perforated more often than not, and of unknown probability."""
-        for words, values, colour, _ in self.frontiers:
-            if colour == "vermilion":
-                yield charts.Region(*self.at(values), high=0.0, colour=colour, label="perforated more often than not")
-            elif colour == "blue":
-                label = "meets the requirements" if words == "required" else f"stopped in {words} of cases or more"
-                yield charts.Region(*self.at(values), low=0.0, colour=colour, label=label)
+        for frontier in self.frontiers:
+            if frontier.region is not None:
+                yield charts.Region(*self.at(frontier.values), colour=frontier.look["colour"], **frontier.region)
         unknown = np.isnan(self.grid.stopped_m_s).any(axis=(-2, -1))
         if not unknown.all():
-            yield charts.Region(
-                *self.at(unknown), low=1e-3, colour="soft", label="probability unknown, too unlike tests"
-            )
+            label = "probability unknown, too unlike tests"
+            yield charts.Region(*self.at(unknown), low=1e-3, colour="soft", label=label)
 
     def at(self, values: Any) -> tuple[Any, Any, Any]:
         """Return values with their thicknesses of back plate and ceramic, as a chart has them."""
@@ -369,7 +344,7 @@ class _MapDrawing:
         if min(len(self.grid.ceramic_mm), len(self.grid.backing_mm)) < 2:
             return self.line_panel()
         objective = self.grid.on_grid(self.catalogue.objective(self.grid.candidates))
-        limits = self.grid.limits_m_s[..., self.result.threats.index(self.result.best.governing)]
+        limits = self.grid.limits_m_s[..., self.governing]
         axis = CRITERIA[self.result.minimised]
         of = f" against {self.result.best.governing}" if len(self.result.threats) > 1 else ""
         dotted: dict[str, Any] = {"style": "dotted", "colour": "soft"}
@@ -380,87 +355,75 @@ class _MapDrawing:
             *self.tested(),
             *self.dots(),
         ]
-        for words, values, colour, style in self.frontiers:
-            look: dict[str, Any] = {"words": words, "width": 1.9, "colour": colour}
+        for words, values, look, _ in self.frontiers:
             margin = " + margin" if required_margins(self.catalogue.scenario) else ""
             label = "" if words else f"ballistic limit by the model = velocity{margin}"
-            series.append(charts.Contours(*self.at(values), style, at=(0.0,), label=label, **look))
-        for design, words, look in self.marked():
-            value = getattr(design, self.result.minimised)
-            colour = look["colour"]
-            if words:
-                line: dict[str, Any] = {"at": (value,), "words": number(value, axis.spec), "colour": colour}
+            series.append(charts.Contours(*self.at(values), at=(0.0,), words=words, label=label, width=1.9, **look))
+        for design, look in self.marked():
+            if "names" in look:
+                value = getattr(design, self.result.minimised)
+                line: dict[str, Any] = {"at": (value,), "words": number(value, axis.spec), "colour": look["colour"]}
                 series.append(charts.Contours(*self.at(objective), "dotted", **line))
-            place = [design.backing_thickness_mm], [design.ceramic_thickness_mm]
-            series.append(
-                charts.Points(*place, names=(words,) if words else (), text=(words or look["label"],), **look)
-            )
+            series.append(charts.Points([design.backing_thickness_mm], [design.ceramic_thickness_mm], **look))
         x = charts.quantity_axis("armour.backing_thickness_mm")
         y = charts.quantity_axis("armour.ceramic_thickness_mm")
         return charts.Panel(x, y, tuple(series), height=1.6)
 
     def line_panel(self) -> charts.Panel:
         """Return the limits against the governing threat over the thickness that is not the same for all designs."""
-        governing = self.result.threats.index(self.result.best.governing)
         layer = "ceramic" if len(self.grid.ceramic_mm) > 1 else "backing"
         x = getattr(self.grid, f"{layer}_mm").tolist()
-        limits = self.grid.limits_m_s[..., governing].ravel().tolist()
+        limits = self.grid.limits_m_s[..., self.governing].ravel().tolist()
         series: list[charts.Series] = []
-        if not np.isnan(self.grid.stopped_m_s[..., governing, :]).all():
-            low, high = (self.grid.stopped_with(p)[..., governing].ravel() for p in (USUAL, 1.0 - USUAL))
+        if not np.isnan(self.grid.stopped_m_s[..., self.governing, :]).all():
+            low, high = (self.grid.stopped_with(p)[..., self.governing].ravel() for p in (USUAL, 1.0 - USUAL))
             label = f"stopped in {percent(1.0 - USUAL)} to {percent(USUAL)} of cases"
             series.append(charts.Band(x, low.tolist(), high.tolist(), label=label))
         series.append(charts.Line(x, limits, label="ballistic limit by the model"))
-        velocity = float(self.catalogue.velocities_m_s[governing])
+        velocity = float(self.catalogue.velocities_m_s[self.governing])
         series.append(charts.Rule(velocity, "--", vertical=False, label=self.result.best.governing, colour="vermilion"))
-        for design, words, look in self.marked():
+        for design, look in self.marked():
             thickness = getattr(design, f"{layer}_thickness_mm")
-            place = [thickness], [float(np.interp(thickness, x, limits))]
-            series.append(
-                charts.Points(*place, names=(words,) if words else (), text=(words or look["label"],), **look)
-            )
+            series.append(charts.Points([thickness], [float(np.interp(thickness, x, limits))], **look))
         axis = charts.quantity_axis(f"armour.{layer}_thickness_mm")
         return charts.Panel(axis, charts.quantity_axis("ballistic_limit_m_s"), tuple(series), height=1.3)
 
-    def marked(self) -> Iterator[tuple[Any, str, dict[str, Any]]]:
+    def marked(self) -> Iterator[tuple[Design, dict[str, Any]]]:
         """Give the lightest designs: as asked for, as likely perforated as not, and between the values of the grid."""
         from armour.design.map import lightest
 
-        best, names = self.result.best, self.result.threats
+        best, sure = self.result.best, _least_sure(self.result)
         if any(self.asked) and not np.isnan(self.grid.stopped_m_s).all():
             even = lightest(self.catalogue, self.grid, 0.5)
             if even is not None:
-                yield even, self.words(even, "50 % or more"), {**BEST, "filled": False, "colour": "vermilion"}
-        chances = [best.probabilities_of_defeat[name] for name in names]
-        least = None if None in chances else min(c for c in chances if c is not None)
+                yield even, {**BEST, **self.named(even, "50 % or more"), "filled": False, "colour": "vermilion"}
         if (refined := self.result.refined) is not None:
-            yield refined, "", {**REFINED, "label": f"refined: {_design_text(refined, self.result.minimised)}"}
-        sure = "probability unknown" if least is None else f"{chance(least)} stopped"
-        yield best, self.words(best, sure), {**BEST, "colour": "blue" if any(self.asked) else "ink"}
+            label = f"refined: {_design_text(refined, self.result.minimised)}"
+            yield refined, {**REFINED, "label": label, "text": (label,)}
+        named = self.named(best, "probability unknown" if sure is None else f"{chance(sure)} stopped")
+        yield best, {**BEST, **named, "colour": "blue" if any(self.asked) else "ink"}
 
-    def words(self, design: Any, sure: str) -> str:
-        """Return thicknesses and objective of a design, and how surely it stops."""
-        thicknesses = f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm"
-        if not design.ceramic:
-            thicknesses = f"{design.backing_thickness_mm:.4g} mm"
-        axis = CRITERIA[self.result.minimised]
-        return f"{thicknesses}\n{axis.text(getattr(design, self.result.minimised))}, {sure}"
+    def named(self, design: Design, sure: str) -> dict[str, Any]:
+        """Return the name of a design, which is also its text: thicknesses, objective, and how surely it stops."""
+        thicknesses = f"{design.ceramic_thickness_mm:.4g} on " if design.ceramic else ""
+        objective = CRITERIA[self.result.minimised].text(getattr(design, self.result.minimised))
+        words = (f"{thicknesses}{design.backing_thickness_mm:.4g} mm\n{objective}, {sure}",)
+        return {"names": words, "text": words}
 
     def dots(self) -> Iterator[charts.Points]:
         """Give the thicknesses on offer, where there are few."""
         layers = self.catalogue.offers[self.grid.pair][:2]
-        ceramics, backings = (layer.thicknesses() for layer in layers)
-        if len(ceramics) * len(backings) <= MAX_DOTS and not any(layer.free_range() for layer in layers):
-            x, y = [b for _ in ceramics for b in backings], [c for c in ceramics for _ in backings]
-            words = tuple(f"{c:g} on {b:g} mm" for c, b in zip(y, x, strict=True))
+        offered = list(product(*(layer.thicknesses() for layer in layers)))
+        if len(offered) <= MAX_DOTS and not any(layer.free_range() for layer in layers):
+            words = tuple(f"{ceramic:g} on {backing:g} mm" for ceramic, backing in offered)
+            y, x = zip(*offered, strict=True)
             yield charts.Points(x, y, size=2.5, filled=False, colour="soft", label="thicknesses on offer", text=words)
 
     def tested(self) -> Iterator[charts.Line]:
         """Give the outline of the thicknesses that were tested, as far as it is within the map."""
         from armour.design.map import thicknesses_tested
 
-        governing = self.result.threats.index(self.result.best.governing)
-        found = thicknesses_tested(self.catalogue, self.grid.pair, governing)
+        found = thicknesses_tested(self.catalogue, self.grid.pair, self.governing)
         if len(found) == 2:
             of = {"ceramic": self.grid.ceramic_mm, "backing": self.grid.backing_mm}
             ends = {name: np.clip(found[name], values[0], values[-1]).tolist() for name, values in of.items()}
@@ -484,19 +447,15 @@ class _MapDrawing:
 
 def pair_chart(result: DesignResult) -> charts.Chart:
     """Describe the best design of each pair of materials."""
-    found = [pair for pair in result.pairs if pair.best is not None]
+    found = [pair.best for pair in result.pairs if pair.best is not None]
     shown = found[:MAX_PAIRS]
     series = []
     for known, label in ((True, ""), (False, "no test of such an armour")):
-        some = [
-            (place, pair.best)
-            for place, pair in enumerate(shown)
-            if pair.best is not None and (pair.best.model_error is not None) == known
-        ]
-        values = [getattr(design, result.minimised) for _, design in some]
-        words = tuple(f"{_pair(design)}\n{_design_text(design, result.minimised)}" for _, design in some)
-        look: dict[str, Any] = {"label": label, "filled": known, "size": 6.0}
-        series.append(charts.Points(values, [place for place, _ in some], text=words, **look))
+        places = [float(place) for place, design in enumerate(shown) if (design.model_error is not None) == known]
+        some = [shown[int(place)] for place in places]
+        values = [getattr(design, result.minimised) for design in some]
+        words = tuple(f"{_pair(design)}\n{_design_text(design, result.minimised)}" for design in some)
+        series.append(charts.Points(values, places, text=words, label=label, filled=known, size=6.0))
     axis = charts.Axis(categories=tuple(map(_pair, shown)))
     note = f"The best {MAX_PAIRS} of {len(found)} pairs of materials are shown." if len(found) > MAX_PAIRS else ""
     title = f"{OBJECTIVES[result.minimised].least.capitalize()} design of each pair of materials"
@@ -521,14 +480,13 @@ def pareto_chart(result: DesignResult) -> charts.Chart:
     return charts.Chart("Pareto front", (charts.Panel(CRITERIA[x], CRITERIA[y], tuple(series)),), " ".join(notes))
 
 
-def _at(designs: Iterable[Design], x: str, y: str) -> tuple[list[float], list[float]]:
+def _at(designs: Sequence[Design], x: str, y: str) -> tuple[list[float], list[float]]:
     """Return two quantities of designs."""
-    places = [(getattr(design, x), getattr(design, y)) for design in designs]
-    return [place[0] for place in places], [place[1] for place in places]
+    return [getattr(design, x) for design in designs], [getattr(design, y) for design in designs]
 
 
-def _pair(item: Any) -> str:
-    return f"{item.ceramic} on {item.backing}" if item.ceramic else str(item.backing)
+def _pair(design: Design) -> str:
+    return f"{design.ceramic} on {design.backing}" if design.ceramic else design.backing
 
 
 def _design_text(design: Design, *criteria: str) -> str:

@@ -11,7 +11,7 @@ from armour.reporting.text import interval, percent, with_interval
 from armour.reporting.views.shot_plan import SCATTER_ASSUMED, prior_table, share_note, shot_points
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.curves import FittedCurve, penalised_band
-from armour.statistics.v50 import FiringResult
+from armour.statistics.v50 import FiringResult, Shots
 
 
 def v50_table(result: FiringResult) -> Table:
@@ -120,45 +120,50 @@ def chart(result: FiringResult) -> charts.Chart:
     shots = charts.needed(result, "shots")
     if not result.fits:
         raise InputError([Problem(shots.file, "", "must have a curve to draw, and these shots have none")])
-    series: list[charts.Series] = [*shot_points(shots)]
-    slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
-    reach, margin = fastest - slowest or 0.01 * fastest, 0.1 * (fastest - slowest)
-    model, mean, between = result.model_ballistic_limit_m_s, result.mean, f"{percent(result.confidence)} interval"
-    fit = result.recommended or result.fits[0]
-    after = result.posterior
-    ends = [fit.v50_m_s, *fit.v50_interval_m_s, model]
-    bounded = fit.v50_interval_m_s != (None, None)
-    between_ends = interval(fit.v50_interval_m_s, ".1f") + (" m/s" if bounded else "")
-    wanted = [slowest, fastest, *(end for end in ends if end is not None)]
-    low, high = max(slowest - reach, min(wanted) - margin), min(fastest + reach, max(wanted) + margin)
-    if after is not None:
-        low, high = min(low, after.v50_interval_m_s[0] - margin), max(high, after.v50_interval_m_s[1] + margin)
+    fit, after, model = result.recommended or result.fits[0], result.posterior, result.model_ballistic_limit_m_s
+    low, high = _velocities(result, fit, shots)
     x = np.linspace(low, high, 400).tolist()
-    label = f"{fit.curve}, {fit.method}"
+    level = percent(result.confidence)
+    curve = charts.Line(x, [fit.probability(v) for v in x], label=f"{fit.curve}, {fit.method}")
+    series: list[charts.Series] = [*shot_points(shots), curve]
+    notes = []
     if fit is result.recommended:
         band = penalised_band(shots.of(complete=False), shots.of(complete=True), fit.curve, x, result.confidence)
         series.insert(0, charts.Band(x, *(edge.tolist() for edge in band)))
-    series.append(charts.Line(x, [fit.probability(v) for v in x], label=label))
+        notes.append(f"Band: {level} band of the curve.")
+    bounded = fit.v50_interval_m_s != (None, None)
+    ends = interval(fit.v50_interval_m_s, ".1f") + (" m/s" if bounded else "")
     if low <= fit.v50_m_s <= high:
         start, end = (edge if e is None else e for e, edge in zip(fit.v50_interval_m_s, (low, high), strict=True))
-        words = (f"V50 {fit.v50_m_s:.1f} m/s\n{between} {between_ends}",)
-        bar = ((start, end),) if bounded else ()
-        series.append(charts.Points([fit.v50_m_s], [0.5], x_ends=bar, text=words))
+        words = (f"V50 {fit.v50_m_s:.1f} m/s\n{level} interval {ends}",)
+        series.append(charts.Points([fit.v50_m_s], [0.5], x_ends=((start, end),) if bounded else (), text=words))
     if after is not None:
-        name, bar = f"posterior, V50 {after.v50_m_s:.1f} m/s", (after.v50_interval_m_s,)
-        look: Any = {"marker": "D", "colour": "purple", "label": name, "text": (name,)}
-        series.append(charts.Points([after.v50_m_s], [POSTERIOR], x_ends=bar, **look))
-    if mean is not None:
+        name = f"posterior, V50 {after.v50_m_s:.1f} m/s"
+        look: Any = {"x_ends": (after.v50_interval_m_s,), "colour": "purple", "label": name, "text": (name,)}
+        series.append(charts.Points([after.v50_m_s], [POSTERIOR], "D", **look))
+        after_ends = interval(after.v50_interval_m_s, ".1f")
+        notes.append(f"Posterior, with the model as prior: {level} interval {after_ends} m/s.")
+    if (mean := result.mean) is not None:
         name = "mean of shots" if mean.rule == "no usual rule" else "MIL-STD-662F"
-        series.append(charts.velocity_rule(f"{name}", mean.v50_m_s, "soft"))
-    notes = [f"The band is the {percent(result.confidence)} band of the curve."] if fit is result.recommended else []
-    if after is not None:
-        notes.append(f"The posterior has the model as prior: {between} {interval(after.v50_interval_m_s, '.1f')} m/s.")
+        series.append(charts.velocity_rule(name, mean.v50_m_s, "soft"))
     if model is not None and low <= model <= high:
         series.append(charts.velocity_rule("limit by this model", model, "ink", ":"))
     elif model is not None:
-        notes.append(f"The model's ballistic limit, {model:.1f} m/s, is outside the axis.")
+        notes.append(f"The model's ballistic limit, {model:.1f} m/s, lies outside the axis.")
     velocity = charts.quantity_axis(VELOCITY, limits=(low, high))
     probability = charts.Axis("probability of complete penetration", limits=(-0.02, 1.02))
-    title = f"V50 {fit.v50_m_s:.1f} m/s, {between} {between_ends}"
+    title = f"V50 {fit.v50_m_s:.1f} m/s, {level} interval {ends}"
     return charts.Chart(title, (charts.Panel(velocity, probability, tuple(series), height=1.1),), " ".join(notes))
+
+
+def _velocities(result: FiringResult, fit: FittedCurve, shots: Shots) -> tuple[float, float]:
+    """Return the range of velocities that is drawn: that of the shots, and of V50 and limits that are near them."""
+    slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
+    reach, margin = fastest - slowest or 0.01 * fastest, 0.1 * (fastest - slowest)
+    near = (slowest, fastest, fit.v50_m_s, *fit.v50_interval_m_s, result.model_ballistic_limit_m_s)
+    wanted = [velocity for velocity in near if velocity is not None]
+    low, high = max(slowest - reach, min(wanted) - margin), min(fastest + reach, max(wanted) + margin)
+    if result.posterior is None:
+        return low, high
+    start, end = result.posterior.v50_interval_m_s
+    return min(low, start - margin), max(high, end + margin)

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -127,19 +127,9 @@ def form_table(result: PlannedTests) -> Table:
 
 
 GAIN = "relative gain of one more test"
-
-
-GAINS = "Gains of one more test for its cost are relative to the mean of the planned tests."
-
-
-# Velocities that a note names one by one.
-MAX_LISTED = 6
-
-
-# Candidates up to which each has its gain as a number.
-MAX_NUMBERS = 60
-
-
+GAINS = "Gain of one more test per unit cost, relative to the average planned test (1: as good)."
+# Velocities that a note names one by one, and candidates up to which each has its gain as a number.
+MAX_LISTED, MAX_NUMBERS = 6, 60
 # Markers of candidates that are tested once, twice, and so on; those tested more often have the last.
 MARKERS = "os^D*"
 
@@ -151,52 +141,49 @@ def chart(result: PlannedTests) -> charts.Chart:
     candidates differ in more.
     """
     varied = [key for key in result.candidates if key in INPUTS and len(set(result.candidates[key])) > 1]
-    keys = [key for key in (CERAMIC, BACKING) if key in varied] or varied[:2] or [next(iter(result.candidates))]
-    if len(keys) == 1:
-        keys += [key for key in varied if key not in keys][:1]
+    keys = [key for key in (CERAMIC, BACKING) if key in varied] or varied[:1] or [next(iter(result.candidates))]
+    keys += [key for key in varied if key not in keys][: 2 - len(keys)]
     columns = [np.array(result.candidates[key]) for key in keys]
     gains = np.array(result.sensitivities or [np.nan] * len(columns[0]))
     axes = [charts.quantity_axis(key) for key in keys]
-    places: list[tuple[Any, ...]] = [tuple(step.inputs[key] for key in keys) for step in result.planned[1:]]
+    steps = result.planned[1:]
+    points: list[tuple[Any, ...]] = [tuple(step.inputs[key] for key in keys) for step in steps]
     if len(keys) == 1:
-        axes.append(charts.Axis(GAIN, spec=".2f"))
         x = np.unique(columns[0])
-        best = [float(np.nanmax(gains[columns[0] == value])) if result.sensitivities else None for value in x]
-        series: list[charts.Series] = [
-            charts.Line(x.tolist(), best, label="candidates", marker="." if len(x) < 40 else "")
-        ]
-        where = dict(zip(x.tolist(), best, strict=True))
-        points: list[tuple[Any, ...]] = [(place[0], where[float(place[0])]) for place in places]
+        greatest = [float(np.nanmax(gains[columns[0] == value])) if result.sensitivities else None for value in x]
+        marker = "." if len(x) < 40 else ""
+        series: list[charts.Series] = [charts.Line(x.tolist(), greatest, label="candidates", marker=marker)]
+        points = [(value, greatest[int(np.searchsorted(x, value))]) for (value,) in points]
+        axes.append(charts.Axis(GAIN, spec=".2f"))
     else:
         order = np.argsort(gains, kind="stable")  # the greatest is written last
         series = _candidates(*charts.on_grid(columns[0][order], columns[1][order], gains[order]))
-        points = places
-    outcomes = result.planned[1:] if result.measure == "outcome" else ()
-    velocities = [float(step.inputs[VELOCITY]) for step in outcomes]
-    repeats = Counter(points)
-    for times in sorted(set(repeats.values())):
-        some = [point for point, count in repeats.items() if count == times]
-        rank = min(times, len(MARKERS))
-        look: Any = {"marker": MARKERS[rank - 1], "size": 5.0 + rank}
-        label = "one test" if times == 1 else f"{times} tests"
-        xs, ys = zip(*some, strict=True)
-        shots = [[v for place, v in zip(points, velocities, strict=False) if place == point] for point in some]
-        text = tuple(f"at {velocities_in_words(of_point)}" for of_point in shots) if velocities else ()
-        series.append(charts.Points(xs, ys, label=label, colour="vermilion", text=text, **look))
+        axes = [replace(axis, limits=charts.widened(of, 0.15)) for axis, of in zip(axes, columns, strict=True)]
+    velocities = [float(step.inputs[VELOCITY]) for step in steps] if result.measure == "outcome" else []
+    series += _planned(points, velocities)
     note = GAINS if result.sensitivities else "The planned tests do not determine the inputs, so no gain is shown."
     if velocities:
         note += f" The planned shots are at {velocities_in_words(velocities)}."
-    number = len(result.planned) - 1
-    last = result.planned[-1]
-    known = [
-        f"{label_and_unit(name)[0]} ± {half:.2g} {label_and_unit(name)[1]}".rstrip()
-        for name, half in last.half_widths.items()
-        if half is not None
-    ]
-    title = f"Planned: {number} test{'s' if number > 1 else ''}" + (f", after which {known[0]}" if known else "")
-    if len(keys) > 1:
-        axes = [replace(axis, limits=charts.widened(of, 0.15)) for axis, of in zip(axes, columns, strict=True)]
+    title = f"Planned: {len(steps)} test{'s' if len(steps) > 1 else ''}"
+    for name, half_width in result.planned[-1].half_widths.items():
+        if half_width is not None:
+            words, unit = label_and_unit(name)
+            title += f", after which {words} ± {half_width:.2g} {unit}".rstrip()
+            break
     return charts.Chart(title, (charts.Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
+
+
+def _planned(points: Sequence[tuple[Any, ...]], velocities: Sequence[float]) -> Iterator[charts.Points]:
+    """Give the points of planned tests, those with the same number of tests together, and the velocities of shots."""
+    repeats = Counter(points)
+    for times in sorted(set(repeats.values())):
+        some = [point for point, count in repeats.items() if count == times]
+        shots = [[v for place, v in zip(points, velocities, strict=False) if place == point] for point in some]
+        text = tuple(f"at {velocities_in_words(of_point)}" for of_point in shots) if velocities else ()
+        rank = min(times, len(MARKERS))
+        look: Any = {"label": "one test" if times == 1 else f"{times} tests", "colour": "vermilion", "text": text}
+        xs, ys = zip(*some, strict=True)
+        yield charts.Points(xs, ys, MARKERS[rank - 1], 5.0 + rank, **look)
 
 
 def velocities_in_words(velocities: Iterable[float]) -> str:

@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from math import floor, log10, sqrt
-from xml.etree import ElementTree
 
 from armour import __version__
 from armour.analysis.quantities import QUANTITIES
-from armour.files import printable
 from armour.reporting import charts
+from armour.reporting.junit import junit_xml
 from armour.reporting.report import Report, Section, origin_section
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import Verdict, number
@@ -46,7 +45,7 @@ def check_table(checks: Sequence[Check], title: str = "") -> Table:
 
 def _decimals(case: Case) -> int:
     """Return the decimals of a computed value: one more than those of the expected value and of its band."""
-    given = len(Column("", spec=".10g").text(case.expected).partition(".")[2])
+    given = len(number(case.expected, ".10g").partition(".")[2])
     of_band = -floor(log10(case.band)) if case.band else 0
     return min(max(given, of_band) + 1, 12)
 
@@ -155,12 +154,16 @@ def suite_tables(result: SuiteResult) -> list[Table]:
         if not checks[0].case.cells:
             found.append(check_table(checks, name))
             continue
-        found.append(group_table(result, name))
-        if failed := [check for check in checks if check.status in FAILED]:
-            found.append(check_table(failed, f"{name}: not within their bands"))
+        found += [group_table(result, name), *failed_table(name, checks)]
     if (whole := summary_table(result)).rows:
         found.append(whole)
     return [*found, *error_tables(result.errors)]
+
+
+def failed_table(name: str, checks: Sequence[Check]) -> list[Table]:
+    """Return a table of those checks that are outside their bands or without an answer, if there are any."""
+    failed = [check for check in checks if check.status in FAILED]
+    return [check_table(failed, f"{name}: not within their bands")] if failed else []
 
 
 def overview_table(result: SuiteResult) -> Table:
@@ -195,12 +198,12 @@ def overview_table(result: SuiteResult) -> Table:
 
 def tables(result: SuiteResult) -> list[Table | str]:
     """Return a line for each table of a suite, or every row where that was asked for, the failures and the verdict."""
-    every_row = result.question.get("every_row")
-    failed = {name: [c for c in checks if c.status in FAILED] for name, checks in check_groups(result).items()}
-    found: list[Table | str] = [*suite_tables(result)] if every_row else [overview_table(result)]
-    if not every_row:
-        found += [check_table(checks, f"{name}: not within their bands") for name, checks in failed.items() if checks]
-    shown = FAILED if not every_row else (*FAILED, "not scored")
+    found: list[Table | str] = [overview_table(result)]
+    shown: tuple[Status, ...] = FAILED
+    if every_row := result.question.get("every_row"):
+        found, shown = [*suite_tables(result)], (*FAILED, "not scored")
+    else:
+        found += (table for name, checks in check_groups(result).items() for table in failed_table(name, checks))
     notes = note_rows([check for check in result.checks if check.status in shown and not check.in_group])
     notes += [(each.full_name, held_to(each)) for each in result.summaries if each.status == "outside"]
     unscored = sum(check.status == "not scored" and not check.in_group for check in result.checks)
@@ -344,30 +347,16 @@ def junit(result: SuiteResult, seconds: float) -> bytes:
 
     The time in seconds is that of all cases, most of which are computed together.
     """
-    suite = ElementTree.Element("testsuite", name=printable(result.title or result.file), time=f"{seconds:.3f}")
+    kinds = {**dict.fromkeys(FAILED, "failure"), "not scored": "skipped"}
+    cases = []
     for check in result.checks:
-        if check.in_group:
-            continue
-        message = check.message or check.case.not_scored
-        if check.status == "outside":
-            message = failure(check)
-        _add(suite, check.case.group or "cases", check.case.name, check.status, message)
+        message = failure(check) if check.status == "outside" else check.message or check.case.not_scored
+        if not check.in_group:
+            cases.append((check.case.group or "cases", check.case.name, kinds.get(check.status, ""), message))
     for summary in result.summaries:
         if summary.status != "not scored":
-            _add(suite, summary.name, summary.group or "RMS", summary.status, held_to(summary))
-    suite.set("tests", str(len(suite)))
-    suite.set("failures", str(len(suite.findall("testcase/failure"))))
-    suite.set("skipped", str(len(suite.findall("testcase/skipped"))))
-    ElementTree.indent(suite)
-    return bytes(ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True))
-
-
-def _add(suite: ElementTree.Element, group: str, name: str, status: Status, message: str) -> None:
-    case = ElementTree.SubElement(suite, "testcase", classname=printable(group), name=printable(name))
-    if status in FAILED:
-        ElementTree.SubElement(case, "failure", message=printable(message))
-    elif status == "not scored":
-        ElementTree.SubElement(case, "skipped", message=printable(message))
+            cases.append((summary.name, summary.group or "RMS", kinds.get(summary.status, ""), held_to(summary)))
+    return junit_xml(result.title or result.file, cases, time=f"{seconds:.3f}")
 
 
 def figure_table(panels: Sequence[Figure]) -> Table:
