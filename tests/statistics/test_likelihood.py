@@ -34,7 +34,7 @@ CERAMICS = [f"armour.ceramic,{C},{LIMIT}", "AD85,6,700", "AD99.5,7,720"]
             "must have at least 3 measurements or outcomes for 3 coefficients, found 2",
         ),
         (TWO, {"law": "linaer"}, 'found the text "linaer"; did you mean "linear"'),
-        (TWO, {"fit": [TAU], "law": "all"}, f"calibrate: law: must not be given where {STRESS} is not fitted"),
+        (TWO, {"fit": [TAU], "law": "all"}, f"calibrate: law: must not be given unless {STRESS} is fitted"),
         (WEIGHTED, {"law": "linear"}, "must have at least 3 measurements or outcomes for 3 coefficients, found 2"),
         (CERAMICS, {}, "armour.ceramic: must be the same in all tests where the ceramic is fitted, found AD85, AD99.5"),
     ],

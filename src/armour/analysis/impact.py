@@ -12,7 +12,7 @@ from armour.core.equations import cross_section
 from armour.core.rk4 import state_within
 from armour.core.run import Instant, Run, run
 from armour.core.state import Outcome, Parameters, State
-from armour.errors import InputError, Problem
+from armour.errors import InputError, mistake
 from armour.scenario.checked import checked
 from armour.scenario.scenario import Scenario
 from armour.units import MM, US, G
@@ -183,7 +183,7 @@ def unresolved_error(scenario: Scenario, velocity: float) -> InputError:
         key, found, advice = "arrest_velocity_m_s", f"{solver.arrest_velocity_m_s:g}", "raise it"
         found += "" if key in solver.model_fields_set else ", the default"
     message = f"must let the run at {velocity:g} m/s end within {solver.max_steps} steps, found {found}; {advice}"
-    return InputError([Problem(scenario.file, f"solver.{key}", message)])
+    return mistake(scenario.file, f"solver.{key}", message)
 
 
 def time_step(scenario: Scenario, armour: Parameters, velocity: float) -> float:

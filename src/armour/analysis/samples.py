@@ -7,7 +7,7 @@ import numpy as np
 
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.engine import batch
-from armour.errors import InputError, Problem, refuse
+from armour.errors import Problem, mistake, refuse
 from armour.scenario.evidence import ERROR
 from armour.scenario.predictive import LAW_FIELDS, Errors
 from armour.scenario.sampling import truncation_problem
@@ -42,7 +42,7 @@ def section_at(scenario: Scenario, own: Mapping[str, float], *, with_error: bool
     if section is None or not (section.inputs() or with_error):
         example = '{ distribution = "normal", standard_deviation_percent = 5 }'
         message = f"is missing and must be given: distributions of inputs, such as ceramic.flow_stress_GPa = {example}"
-        raise InputError([Problem(scenario.file, "uncertainty", message)])
+        raise mistake(scenario.file, "uncertainty", message)
     scenario.check_names(section.inputs(), scenario.file, "uncertainty")
     problems = [
         Problem(scenario.file, f"uncertainty.{name}", lacking)

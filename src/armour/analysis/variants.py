@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from armour.analysis.impact import unresolved_error
 from armour.core.state import Outcome
 from armour.engine import batch
-from armour.errors import InputError, Problem
+from armour.errors import mistake
 from armour.scenario.evidence import is_unusual, row_limits
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, LAYERS, OBLIQUITY, VELOCITY, YIELD, cosine_of
 from armour.scenario.library import DEFAULTS, ROD, length_mm, strength_notes
@@ -151,10 +151,10 @@ def grid_of(scenario: Scenario) -> Optimise:
     if section is None:
         example = "ceramic_thickness_mm = { min = 4, max = 16, step = 0.5 } and backing_thickness_mm"
         message = f"is missing and must be given: the grid of designs, such as {example}"
-        raise InputError([Problem(scenario.file, "optimise", message)])
+        raise mistake(scenario.file, "optimise", message)
     if scenario.armour.ceramic is None and section.ceramic_thickness_mm.max > 0.0:
         message = "must name a ceramic of the library where optimise.ceramic_thickness_mm is above 0, found none"
-        raise InputError([Problem(scenario.file, "armour.ceramic", message)])
+        raise mistake(scenario.file, "armour.ceramic", message)
     return section
 
 

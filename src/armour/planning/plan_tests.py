@@ -24,7 +24,7 @@ from armour.scenario.checked import Names, checked, instance
 from armour.scenario.inputs import INPUTS, NAMES, VELOCITY
 from armour.scenario.keys import canonical
 from armour.scenario.scenario import Scenario
-from armour.statistics.calibration import FLOW_STRESS, Law, law_of, under_law
+from armour.statistics.calibration import FLOW_STRESS, Law, check_fitted, law_of, under_law
 from armour.statistics.likelihood import (
     DIFFERENCE,
     Fit,
@@ -236,10 +236,7 @@ def plan_tests(
     """
     questions = (designs,) if isinstance(designs, Scenario) else tuple(designs) or (scenario,)
     fit = tuple(fit)
-    if not fit:
-        raise mistake("plan_tests", "fit", "must name at least one input")
-    if law is not None and FLOW_STRESS not in fit:
-        raise mistake("plan_tests", "law", f"must not be given unless {FLOW_STRESS} is fitted")
+    check_fitted(fit, law, "plan_tests")
     scenario.check_names([name for name in fit if law is None or name == FLOW_STRESS], "plan_tests", "fit")
     rows, costs = _candidates(scenario, candidates, measure, cost)
     source: ScatterSource = "uncertainties" if tests is not None and tests.weighted else "residuals"

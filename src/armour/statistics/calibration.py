@@ -11,7 +11,7 @@ from scipy.stats import t
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Bools, Floats, outside_limits, variants_of
-from armour.errors import InputError, Problem
+from armour.errors import InputError, mistake
 from armour.scenario.checked import Names, checked
 from armour.scenario.keys import key_name
 from armour.scenario.library import FLOW_STRESS_LAW
@@ -255,12 +255,8 @@ def calibrate(
     fit = tuple(fit)
     if other := [name for name, own in common_of(tests.scenario).items() if common_of(scenario)[name] != own]:
         message = f"must be the one that the tests were read with, found other {' and '.join(other)}"
-        raise InputError([Problem("calibrate", "scenario", f"{message}; read_tests reads them with this one")])
-    if not fit:
-        raise InputError([Problem("calibrate", "fit", "must name at least one input")])
-    if law is not None and FLOW_STRESS not in fit:
-        message = f'must not be given where {FLOW_STRESS} is not fitted, found "{law}"'
-        raise InputError([Problem("calibrate", "law", message)])
+        raise mistake("calibrate", "scenario", f"{message}; read_tests reads them with this one")
+    check_fitted(fit, law, "calibrate")
     fits: list[tuple[Fit, CalibrationResult]] = []
     for each in LAWS if law == "all" else (law,):
         try:
@@ -303,6 +299,14 @@ def with_scatter(tests: Tests) -> Tests:
     """Return tests whose uncertainties, which are not given, are the error that laws are expected to leave."""
     measurements = tuple(m._replace(uncertainty=MEDIAN * m.value) for m in tests.measurements)
     return tests._replace(measurements=measurements, weighted=True)
+
+
+def check_fitted(fit: Sequence[str], law: str | None, function: str) -> None:
+    """Check that a function is given an input to fit, and a law only together with the flow stress."""
+    if not fit:
+        raise mistake(function, "fit", "must name at least one input")
+    if law is not None and FLOW_STRESS not in fit:
+        raise mistake(function, "law", f'must not be given unless {FLOW_STRESS} is fitted, found "{law}"')
 
 
 def fit_by_law(

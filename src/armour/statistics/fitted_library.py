@@ -6,7 +6,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from armour.errors import InputError, NoAnswerError, Problem
+from armour.errors import InputError, NoAnswerError, mistake
 from armour.files import parse_toml, write_files
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY
@@ -55,7 +55,7 @@ def save_fit(
     if fitted is not None:
         contents[Path(fitted)] = scenario_text(result, tests, scenario, Path(fitted)).encode()
     if not contents:
-        raise InputError([Problem("save_fit", "library", "must be given, or fitted: the file to write")])
+        raise mistake("save_fit", "library", "must be given, or fitted: the file to write")
     write_files(contents)
 
 

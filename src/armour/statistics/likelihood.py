@@ -16,7 +16,7 @@ from armour.analysis.evaluate import Answers
 from armour.analysis.results import OnProgress
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated, variants_of
-from armour.errors import InputError, Problem, refuse
+from armour.errors import Problem, mistake, refuse
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.sampling import centre_and_width
@@ -65,7 +65,7 @@ def prior_of(scenario: Scenario, names: Sequence[str], units: Floats) -> Prior:
     known = {name: found for name, found in section.inputs().items() if name in names}
     if not known:
         message = f"is missing and must be given for a prior: the distribution of {' or '.join(names)}"
-        raise InputError([Problem(scenario.file, "uncertainty", message)])
+        raise mistake(scenario.file, "uncertainty", message)
     problems = []
     for name, found in known.items():
         message = found.mean_problem(own[name])
@@ -518,7 +518,7 @@ def check_enough(likelihood: Likelihood) -> None:
     if found < needed:
         kinds = "measurements or outcomes" if tests.weighted else "measurements, as their uncertainties are not given,"
         message = f"must have at least {needed} {kinds} for {len(likelihood.names)} coefficients, found {found}"
-        raise InputError([Problem(tests.file, "", message)])
+        raise mistake(tests.file, "", message)
 
 
 def needed_of(likelihood: Likelihood) -> int:

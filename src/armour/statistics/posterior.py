@@ -18,7 +18,7 @@ from scipy.special import log_ndtr, ndtr, ndtri
 
 from armour.analysis.ballistic_limit import no_error
 from armour.analysis.variants import Floats
-from armour.errors import InputError, Problem
+from armour.errors import InputError, mistake
 from armour.scenario.evidence import ModelError
 from armour.scenario.scenario import Scenario
 
@@ -187,7 +187,7 @@ def is_above(grid: Grid, velocity_m_s: float, fraction: float) -> Floats:
 def no_prior(scenario: Scenario, way_out: str = "") -> InputError:
     """Return the error of a question that needs a prior of a scenario that has none."""
     message = f"must give scale_percent for a prior: {no_error(scenario)}{way_out}"
-    return InputError([Problem(scenario.file, "uncertainty.model", message)])
+    return mistake(scenario.file, "uncertainty.model", message)
 
 
 def posterior_of(

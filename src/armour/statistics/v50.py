@@ -16,7 +16,7 @@ from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.csv_files import in_line_order, lines_of, read_rows
-from armour.errors import InputError, Problem, refuse, suggestion
+from armour.errors import Problem, mistake, refuse, suggestion
 from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.curves import CDFS, FittedCurve, fit_curve
@@ -261,11 +261,10 @@ def v50(
         scenario has no ballistic limit.
     """
     if span_m_s is None and pairs is not None and pairs not in SPANS_M_S:
-        message = f"must be given for {pairs} pairs; a span is usual with 2, 3 and 5 only"
-        raise InputError([Problem("v50", "span_m_s", message)])
+        raise mistake("v50", "span_m_s", f"must be given for {pairs} pairs; a span is usual with 2, 3 and 5 only")
     check_shots(shots, one_kind=prior)
     if prior and scenario is None:
-        raise InputError([Problem("v50", "prior", "must not be asked for without a scenario")])
+        raise mistake("v50", "prior", "must not be asked for without a scenario")
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     # With a prior, shots that have no curve tell something, too.
     curved = not prior or (bool(partial and complete) and sum(complete) * len(partial) > sum(partial) * len(complete))
@@ -339,7 +338,7 @@ def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
     """Check shots that are not read from a file."""
     velocities = shots.velocities_m_s
     if not all(hasattr(each, "__len__") for each in (velocities, shots.complete)):
-        raise InputError([Problem(shots.file, "", "must be sequences of velocities and of results")])
+        raise mistake(shots.file, "", "must be sequences of velocities and of results")
     count, message = len(shots.complete), ""
     if len(velocities) != count:
         message = f"must be as many velocities as results, found {len(velocities)} and {count}"
@@ -350,7 +349,7 @@ def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
     elif not one_kind and len(set(shots.complete)) != 2:
         message = "must have at least one partial and one complete penetration"
     if message:
-        raise InputError([Problem(shots.file, "", message)])
+        raise mistake(shots.file, "", message)
 
 
 def mean_v50(
