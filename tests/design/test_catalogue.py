@@ -142,7 +142,7 @@ def test_costs_that_are_asked_for_must_be_given(asked: dict[str, Any]):
         optimise(catalogue(ceramic=ceramics, **asked))
     [problem] = error.value.problems
     assert problem.key == "design.ceramic[1]"
-    assert problem.message == 'must have a cost where [design] asks for costs, found none for "AD99.5"'
+    assert problem.message == 'must have a cost if [design] asks for costs, found none for "AD99.5"'
     own = scenario(design=asked, optimise={"ceramic_thickness_mm": RANGE, "backing_thickness_mm": RANGE})
     with pytest.raises(InputError) as error:
         optimise(own)
@@ -166,7 +166,7 @@ def test_costs_that_are_asked_for_must_be_given(asked: dict[str, Any]):
         ),
         (
             lambda: catalogue([{**THREATS[0], "probability_of_perforation": 0.05}], {"model": {"included": False}}),
-            "uncertainty.model.included: must be true where a probability is bounded and no input has a distribution",
+            "uncertainty.model.included: must be true if a probability is bounded and no input has a distribution",
         ),
         (
             lambda: catalogue(
@@ -174,7 +174,7 @@ def test_costs_that_are_asked_for_must_be_given(asked: dict[str, Any]):
                 UNCERTAIN,
                 ceramic=[{"material": "AD85", "thickness_mm": {"min": 4.0, "max": 12.0}}],
             ),
-            "design.ceramic[0].thickness_mm: must have a step where a probability is bounded and [uncertainty] has",
+            "design.ceramic[0].thickness_mm: must have a step if a probability is bounded and [uncertainty] has",
         ),
         (
             lambda: catalogue([{**THREATS[0], "probability_of_perforation": 0.001}], UNCERTAIN),

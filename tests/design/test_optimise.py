@@ -54,7 +54,7 @@ def defeats(of: Scenario, ceramic: float, backing: float) -> bool:
 
 
 def test_a_range_whose_end_is_omitted():
-    told = "ceramic_thickness_mm: the last value is 14, since 15 is no whole number of steps away"
+    told = "ceramic_thickness_mm: the last value is 14, since 15 is not a whole number of steps away"
     beyond = {"min": 8.0, "max": 15.0, "step": 2.0}
     assert f"optimise.{told}" in optimise(case(ceramic_thickness_mm=beyond)).warnings
     layers = {"ceramic": [{"material": "AD85", "thickness_mm": [10.0]}, {"material": "AD85", "thickness_mm": beyond}]}

@@ -215,7 +215,7 @@ def test_costs_of_targets(wilkins: Scenario, tmp_path: Path):
         (("armour.thickness_mm", "4"), "must be an input or a name that a test has"),
         (("cost", "4"), "must have at least one key"),
         (("impact.velocity_m_s", "700"), "must not be given if the ballistic limit is measured"),
-        (("ceramic.flow_stress_GPa", "4"), "must not be a column where it is fitted"),
+        (("ceramic.flow_stress_GPa", "4"), "must not be a column if it is fitted"),
         (("armour.ceramic", "AD85", "B4C"), "must be the same in all tests"),
     ],
 )
@@ -250,7 +250,7 @@ def test_wrong_settings(wilkins: Scenario, settings: dict[str, object], words: s
 
 
 def test_too_many_candidates_and_a_design_of_another_ceramic(wilkins: Scenario, monkeypatch: pytest.MonkeyPatch):
-    with pytest.raises(InputError, match="must be that of the candidates, AD85"):
+    with pytest.raises(InputError, match="must be the same as for the candidates, AD85"):
         plan_tests(wilkins, GRID, scatter_percent=3.0, designs=[wilkins.replaced({"armour.ceramic": "B4C"})])
     monkeypatch.setattr("armour.planning.plan_tests.MAX_CANDIDATES", 8)
     with pytest.raises(InputError, match="candidates: must be at most 8 candidates, found 9"):

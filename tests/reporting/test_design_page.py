@@ -102,7 +102,7 @@ def test_a_page_is_small_and_asks_for_nothing():
 
 def test_more_than_a_page_can_hold_is_refused(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(module, "MOST", 500)
-    with pytest.raises(InputError, match="must offer at most 500 designs times threats where they are drawn as a page"):
+    with pytest.raises(InputError, match="must offer at most 500 designs times threats to draw them on a page"):
         design_page(offered(), COMMAND)
 
 

@@ -70,9 +70,9 @@ MINE = {"based_on": "AD85", "flow_stress_GPa": -1}
         ({"impact.velocity_m_s": True}, "impact.velocity_m_s: must be a number, found true"),
         ({"impact.velocity_m_s": 1e6}, "impact.velocity_m_s: must be at most 10000, found 1000000.0"),
         ({"impact.velocity_m_s": 5e-324}, "impact.velocity_m_s: must be at least 1e-09, found 4.94066e-324"),
-        ({"armour": NO_CERAMIC}, "armour.ceramic_thickness_mm: must be 0 where no ceramic is named, found 6.35"),
+        ({"armour": NO_CERAMIC}, "armour.ceramic_thickness_mm: must be 0 if no ceramic is named, found 6.35"),
         ({"uncertainty": {"model": {}}}, "uncertainty.model: must have scale_percent, or included = false"),
-        ({"uncertainty.model": {"included": False, "source": "a"}}, "nothing else where included is false, found sou"),
+        ({"uncertainty.model": {"included": False, "source": "a"}}, "nothing else if included is false, found sou"),
         ({"impact.velocity_m_s": 10**400}, "must be a number, found a whole number of more than 64 bits"),
         ({"impact.projectile": 7}, "impact.projectile: must be a text in quotes, found 7"),
         (

@@ -58,7 +58,7 @@ def test_wrong_sections(keys: dict[str, Any], message: str):
     [
         ({"distribution": "lognormal", "standard_deviation": 1.0}, 0.0, "must have a mean greater than 0"),
         ({"distribution": "lognormal", "standard_deviation": 1.0, "mean": 2.0}, 0.0, ""),
-        ({"distribution": "normal", "standard_deviation_percent": 1.0}, 0.0, "must have a standard_deviation"),
+        ({"distribution": "normal", "standard_deviation_percent": 1.0}, 0.0, "must have standard_deviation"),
         ({"distribution": "normal", "standard_deviation": 1.0}, 0.0, ""),
     ],
 )

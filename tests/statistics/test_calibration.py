@@ -241,7 +241,7 @@ def test_outcomes_alone_bound_where_their_uncertainty_is_given(wilkins: Scenario
     assert found.interval is not None
     assert found.interval[0] == pytest.approx(5.1, abs=0.01)
     assert found.interval[1] is None
-    assert "the tests fit as well at" in found.reason
+    assert "the fit is as good at" in found.reason
 
 
 def test_a_bad_fit_widens_the_intervals_and_says_so(wilkins: Scenario):

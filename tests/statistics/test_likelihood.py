@@ -23,7 +23,7 @@ CERAMICS = [f"armour.ceramic,{C},{LIMIT}", "AD85,6,700", "AD99.5,7,720"]
 @pytest.mark.parametrize(
     ("table", "settings", "message"),
     [
-        (TWO, {"fit": [C]}, "must not be a column where it is fitted"),
+        (TWO, {"fit": [C]}, "must not be a column if it is fitted"),
         (TWO, {"fit": [V]}, "must be a property of a material or projectile"),
         (TWO, {"fit": ["hardness"]}, 'found "hardness"; choose from'),
         (TWO, {"fit": "ceramic"}, 'calibrate: fit: must name an input of the scenario, found "ceramic"'),
@@ -36,7 +36,7 @@ CERAMICS = [f"armour.ceramic,{C},{LIMIT}", "AD85,6,700", "AD99.5,7,720"]
         (TWO, {"law": "linaer"}, 'found the text "linaer"; did you mean "linear"'),
         (TWO, {"fit": [TAU], "law": "all"}, f"calibrate: law: must not be given unless {STRESS} is fitted"),
         (WEIGHTED, {"law": "linear"}, "must have at least 3 measurements or outcomes for 3 coefficients, found 2"),
-        (CERAMICS, {}, "armour.ceramic: must be the same in all tests where the ceramic is fitted, found AD85, AD99.5"),
+        (CERAMICS, {}, "armour.ceramic: must be the same in all tests if the ceramic is fitted, found AD85, AD99.5"),
     ],
 )
 def test_fits_that_are_not_possible(table: list[str], settings: dict[str, Any], message: str):

@@ -54,10 +54,11 @@ EVERY = "uncertainties must be given for every measurement and outcome, or for n
     ("header", "rows", "message"),
     [
         (f"{C},ballistic_limit", "6,700", "ballistic_limit: unknown column; its unit is missing: ballistic_limit_m_s"),
+        ("shot,velocity_m_s,result", "1,700,partial", "rows: must be a table of tests, found shots (velocity_m_s and"),
         (f"{C},{B}", "6,6", "row 1: must have one of ballistic_limit_m_s, residual_velocity_m_s"),
         (OUTCOME, "6,700,stopped", 'row 1: outcome: must be "defeated" or "perforated", "partial" or "complete", P or'),
         (f"{C},outcome", "6,defeated", "row 1: impact.velocity_m_s: is missing and must be given with an outcome"),
-        (f"{OUTCOME},residual_velocity_m_s", "6,700,defeated,50", "must not be defeated where there is a residual"),
+        (f"{OUTCOME},residual_velocity_m_s", "6,700,defeated,50", "must not be defeated if there is a residual"),
         (f"{C},{V},residual_velocity_m_s", "6,700,0", "a projectile that is stopped is an outcome"),
         (f"test,{C},{LIMIT}", "a,6,700 a,6,710", 'row 1: test: must name one test, found "a"'),
         (f"{C},{LIMIT}", "6,700 -1,710", "rows: row 2: armour.ceramic_thickness_mm: must be at least 0, found -1"),

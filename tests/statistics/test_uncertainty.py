@@ -290,9 +290,9 @@ def of_strength(**keys: Any) -> dict[str, Any]:
         ),
         (of_strength(**lognormal(0.0)), "must have a mean greater than 0"),
         (of_strength(**lognormal(-5.0)), "must have a mean greater than 0"),
-        (of_strength(**NORMAL, mean=0.0), "in place of one in per cent"),
+        (of_strength(**NORMAL, mean=0.0), "and not one in per cent"),
         (of_strength(**lognormal(deviation=1e300)), "must be at most 1e+09"),
-        (of_strength(distribution="normal", standard_deviation=1.0, min=1e4), "min and max where the distribution has"),
+        (of_strength(distribution="normal", standard_deviation=1.0, min=1e4), "must leave values between min and max"),
     ],
 )
 def test_wrong_sections(keywords: dict[str, Any], message: str):

@@ -12,7 +12,7 @@ from tests.helpers.cases import csv_file, sweep_grid
 
 def test_axes():
     assert axis_of("armour.ceramic_thickness_mm=4:5:0.5") == Axis("armour.ceramic_thickness_mm", (4.0, 4.5, 5.0))
-    words = "the last value is 4.4, since 5 is no whole number of steps away"
+    words = "the last value is 4.4, since 5 is not a whole number of steps away"
     assert axis_of("a=3:5:0.7") == Axis("a", (3.0, 3.7, 4.4), words)
     assert axis_of("a=0:1:0.3333333").omission == ""
     assert axis_of("ceramic.flow_stress_backing_slope=-0.5:0.1:0.2").values == (-0.5, -0.3, -0.1, 0.1)

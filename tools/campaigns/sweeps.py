@@ -245,7 +245,9 @@ def pairs(folder: Path) -> Iterator[str]:
             yield f"{WRONG}: {codes} {messages(output)}"
         else:
             said = messages(output)
-            yield next(text for text in ("another sweep is at work", "exists already", "holds chunks") if text in said)
+            yield next(
+                text for text in ("another sweep is at work", "exists already", "contains chunks") if text in said
+            )
 
 
 def tmpfs(folder: Path) -> Iterator[str]:

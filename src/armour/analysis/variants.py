@@ -153,7 +153,7 @@ def grid_of(scenario: Scenario) -> Optimise:
         message = f"is missing and must be given: the grid of designs, such as {example}"
         raise mistake(scenario.file, "optimise", message)
     if scenario.armour.ceramic is None and section.ceramic_thickness_mm.max > 0.0:
-        message = "must name a ceramic of the library where optimise.ceramic_thickness_mm is above 0, found none"
+        message = "must name a ceramic of the library if optimise.ceramic_thickness_mm is above 0, found none"
         raise mistake(scenario.file, "armour.ceramic", message)
     return section
 

@@ -281,13 +281,13 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     costs = COST in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None
     for key, layer in ((f"design.{role}[{i}]", of) for role in LAYERS for i, of in enumerate(getattr(section, role))):
         if bounded and uncertain and layer.free_range():
-            message = "must have a step where a probability is bounded and [uncertainty] has distributions to sample"
+            message = "must have a step if a probability is bounded and [uncertainty] has distributions to sample"
             problems.append(Problem(scenario.file, f"{key}.thickness_mm", message))
         if costs and layer.material and not _has_cost(layer):
-            message = f'must have a cost where [design] asks for costs, found none for "{layer.material}"'
+            message = f'must have a cost if [design] asks for costs, found none for "{layer.material}"'
             problems.append(Problem(scenario.file, key, message))
     if bounded and not uncertain and scenario.excludes_error():
-        message = "must be true where a probability is bounded and no input has a distribution, found false"
+        message = "must be true if a probability is bounded and no input has a distribution, found false"
         problems.append(Problem(scenario.file, "uncertainty.model.included", message))
     refuse(problems)
 

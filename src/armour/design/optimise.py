@@ -515,7 +515,7 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
         why = why_unknown(Parameters(*rows.parameters[threat].tolist()), float(catalogue.cosines[threat]))
         against = f" against {catalogue.titles[threat]}" if len(catalogue.titles) > 1 else ""
         return f"the model error is not known for {armour}{against}: {why}"
-    hint = f"; where the model error is not known, {REMEDY}" if unknown.any() else ""
+    hint = f"; if the model error is not known, {REMEDY}" if unknown.any() else ""
     whole = len(pairs) == len(catalogue.offers)
     if catalogue.sampled:
         near = "" if whole else f" within {section.runners_up_percent:g} % of the best"

@@ -474,7 +474,9 @@ def _given_scatter(tests: Tests) -> float | None:
 def _check_materials(found: Sequence[tuple[str, Scenario]], first: Scenario, names: Sequence[str]) -> None:
     """Check that scenarios, of files, have the materials whose properties are fitted."""
     refuse(
-        Problem(file, key, f"must be that of the candidates, {first.name_of(role)}, as it is fitted, found {name}")
+        Problem(
+            file, key, f"must be the same as for the candidates, {first.name_of(role)}, as it is fitted, found {name}"
+        )
         for role, key in NAMES.items()
         if any(fitted.startswith(f"{role}.") for fitted in names)
         for file, scenario in found

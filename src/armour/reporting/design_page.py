@@ -144,7 +144,7 @@ def _pairs(catalogue: Catalogue, on_progress: OnProgress) -> list[dict[str, Any]
             break
     else:
         message = (
-            f"must offer at most {MOST} designs times threats where they are drawn as a page, found {count}; "
+            f"must offer at most {MOST} designs times threats to draw them on a page, found {count}; "
             "widen the steps, or offer fewer materials"
         )
         raise InputError([Problem(catalogue.scenario.file, "design", message)])

@@ -31,7 +31,7 @@ class ModelError:
     Attributes
     ----------
     mean_percent, scale_percent : float or None
-        Location and scale of Student's t distribution, %; None where the distribution is a mixture of several.
+        Location and scale of Student's t distribution, %; None if the distribution is a mixture of several.
     degrees_of_freedom : float or None
         Of this distribution.
     source : str
@@ -51,7 +51,7 @@ class ModelError:
 
     @classmethod
     def of_ratio(cls, ratio: "Mixture", source: str, extrapolated: tuple[str, ...] = ()) -> "ModelError":
-        """Return the error of which the ratio of both limits has a distribution, (k,)."""
+        """Return the error, given the distribution of the ratio of both limits, (k,)."""
         mean = scale = freedom = None
         used = ratio.weights > 0.0
         if used.sum() == 1:
@@ -311,7 +311,7 @@ class Limit(NamedTuple):
     key: str
     words: str  # what the model was compared with
     outside: Any  # bool or array of bool, (n,)
-    value: Any = None  # number or array, (n,); None where the name of the ceramic tells it
+    value: Any = None  # number or array, (n,); None if the name of the ceramic tells it
 
 
 def closest(armour: Parameters) -> Evidence:
@@ -357,7 +357,7 @@ def _found(ceramic: str | None, limit: Limit) -> str:
 def limits_of(evidence: Evidence, armour: Parameters, velocity: Any, cosine: Any) -> Iterator[Limit]:
     """Give the limits of some evidence, and whether an armour, a velocity and an angle, or each of many, are outside.
 
-    The velocity is None where none is to be compared.
+    The velocity is None if none is to be compared.
     """
     yield Limit(OBLIQUITY, f"the model was compared with {evidence.angles()}", evidence.fails_angle(cosine))
     if velocity is not None:
@@ -395,7 +395,7 @@ def row_limits(armour: Any, velocities: Any, cosines: Any) -> Iterator[tuple[str
     """Yield the limits, as "key: words", that some of n armours lie outside of, and how many do.
 
     The parameters of the armours are arrays, (n,), as are the cosines of the obliquities and the velocities, which are
-    None where none are to be compared.
+    None if none are to be compared.
     """
     import numpy as np
 

@@ -42,7 +42,7 @@ class Value(Section, Generic[Number]):
     status : str
         "measured", "nominal" (as a table or a standard lists it), "fitted" or "assumed".
     source : str
-        Where it comes from; empty where none is given.
+        Where it comes from; empty if none is given.
     tests : list of dict
         Tests that it was calibrated to: inputs and measured values by name, in the units at the ends of the names.
     """
@@ -211,7 +211,7 @@ class Metal(Entry):
     density_kg_m3: Density | None = None
     """Density."""
     static_yield_strength_MPa: StressMPa | None = None
-    """Static yield strength, as a data sheet has it; not used where there is a dynamic one."""
+    """Static yield strength, as given in data sheets; not used if there is a dynamic one."""
     dynamic_yield_strength_MPa: StressMPa | None = None
     """Dynamic yield strength; by default the static one."""
     flow_stress_GPa: StressGPa | None = None
@@ -230,7 +230,7 @@ KINDS: dict[Kind, type[Entry]] = {"projectile": Projectile, "ceramic": Ceramic, 
 FILES = ("ceramics", "metals", "projectiles", "tested_plates")
 # Keys that the model does not use: data of the whole projectile, and properties for the closed forms.
 UNUSED = ("caliber_mm", "projectile_mass_g", "ultimate_tensile_strength_MPa", "strain_to_fracture")
-# Coefficients of the law of a ceramic's flow stress, see `armour.core.equations.intact_strength`; 0 where absent.
+# Coefficients of the law of a ceramic's flow stress, see `armour.core.equations.intact_strength`; 0 if absent.
 FLOW_STRESS_LAW = (
     "flow_stress_backing_exponent",
     "flow_stress_product_exponent",
@@ -353,7 +353,7 @@ def strength_notes(metals: Iterable[LibraryEntry], *, bare: bool) -> tuple[Note,
 
 
 def tensile_strength(metal: LibraryEntry) -> float:
-    """Return the tensile strength of a metal, MPa; NaN where it is not given."""
+    """Return the tensile strength of a metal, MPa; NaN if it is not given."""
     key = "ultimate_tensile_strength_MPa"
     return metal[key] if key in metal.values else nan
 

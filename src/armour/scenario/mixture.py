@@ -23,7 +23,7 @@ class Mixture:
     Attributes
     ----------
     weights : array, (k, ...)
-        Probabilities of the k components, which add up to 1 along the first axis; NaN where the distribution is not
+        Probabilities of the k components, which add up to 1 along the first axis; NaN if the distribution is not
         known.  Further axes, such as (k, n) for n armours, broadcast with the velocities and probabilities asked for.
     locations, scales : array, (k, ...)
         Of the logarithms: of m/s, or of the ratio.

@@ -36,7 +36,7 @@ class Conditions(NamedTuple):
     ceramic: Any  # thicknesses along the line of fire over the diameter
     backing: Any
     strength: Any  # yield strength of the plate, MPa
-    tensile: Any  # its tensile strength, MPa; NaN where not given
+    tensile: Any  # its tensile strength, MPa; NaN if not given
     core: Any  # mass of the penetrator over the cube of its diameter, g/mm3
     path: Any  # 1/cos of the obliquity
 
@@ -134,7 +134,7 @@ class Errors(NamedTuple):
 
     @classmethod
     def of(cls, ratio: Mixture, count: int) -> "Errors":
-        """Return n times the error of which the ratio of both limits has a distribution, (k,)."""
+        """Return n times the error, given the distribution of the ratio of both limits, (k,)."""
         repeated = ratio.mapped(lambda array: np.repeat(array[None, :, None], count, axis=2))
         return cls(repeated, np.zeros((1, len(LAW_FIELDS), count)))
 

@@ -73,9 +73,9 @@ def check_reach(
             hint = f"; the scenario has the {used}" if section == "library" else ""
             problems.append(Problem(file, key, NO_EFFECT.format(what) + hint))
         elif name.startswith("ceramic.") and bare:
-            problems.append(Problem(file, key, f"must not be given where {CERAMIC} is 0"))
+            problems.append(Problem(file, key, f"must not be given if {CERAMIC} is 0"))
         elif name and given.setdefault(name, key) != key:
-            problems.append(Problem(file, key, f"must not be given with {given[name]}, which sets the same"))
+            problems.append(Problem(file, key, f"must not be given with {given[name]}, which sets the same input"))
     refuse(problems)
 
 

@@ -82,13 +82,13 @@ def truncation_problem(distribution: Distribution, own: float) -> str:
         return ""
     ends = " and ".join(f"{key} {end:g}" for key, end in (("min", low), ("max", high)) if np.isfinite(end))
     return (
-        f"must have its min and max where the distribution has values: nearer to its mean, {whole.mean():g} with a "
-        f"standard deviation of {whole.std():g}, found {ends}"
+        f"must leave values between min and max: nearer to its mean, {whole.mean():g} with a standard deviation of "
+        f"{whole.std():g}, found {ends}"
     )
 
 
 def moved_mean(distribution: Distribution, own: float) -> tuple[float, float] | None:
-    """Return the mean before and after truncation; None where they differ by less than a tenth of the deviation."""
+    """Return the mean before and after truncation; None if they differ by less than a tenth of the deviation."""
     if np.isinf(distribution.ends).all():
         return None
     whole = _untruncated(distribution, own)

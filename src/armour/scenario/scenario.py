@@ -348,7 +348,7 @@ class Scenario(Section):
         return ModelError(section.mean_percent, section.scale_percent, section.degrees_of_freedom or NORMAL, source)
 
     def tensile_strength(self) -> float:
-        """Return the tensile strength of the back plate, MPa; NaN where the library does not have it."""
+        """Return the tensile strength of the back plate, MPa; NaN if the library does not have it."""
         return tensile_strength(self.entry("metal", self.armour.backing))
 
     def warnings(self, velocity: float, key: str = VELOCITY) -> tuple[Note, ...]:
@@ -379,7 +379,7 @@ class Scenario(Section):
         if not self.threat:
             return ()
         against = f"the {shot(self.impact)} of [impact]"
-        unused = f"is not used: the results are against {against}; a report has the probability of every threat"
+        unused = f"is not used: the results are against {against}; armour report gives the probability for every threat"
         return (Note(unused, "threat"),)
 
 

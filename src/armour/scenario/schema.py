@@ -131,7 +131,7 @@ class ArmourSection(Section):
     @classmethod
     def _thickness(cls, thickness: float, info: ValidationInfo) -> float:
         if thickness > 0.0 and info.data.get("ceramic", "") is None:
-            raise ValueError(f"must be 0 where no ceramic is named, found {thickness:g}; name one as armour.ceramic")
+            raise ValueError(f"must be 0 if no ceramic is named, found {thickness:g}; name one as armour.ceramic")
         return thickness
 
 
@@ -201,10 +201,10 @@ class Steps(Section):
         return tuple(round(self.min + i * self.step, 9) for i in range(int(self.count())))
 
     def omission(self) -> str:
-        """Return that the last value is not max; "" where it is."""
+        """Return that the last value is not max; "" if it is."""
         last = self.values()[-1]
         omitted = self.max - last > 1e-3 * self.step
-        return f"the last value is {last:g}, since {self.max:g} is no whole number of steps away" if omitted else ""
+        return f"the last value is {last:g}, since {self.max:g} is not a whole number of steps away" if omitted else ""
 
 
 class Range(Steps):
@@ -446,7 +446,7 @@ class Distribution(Section):
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The least and the greatest value, infinite where there is none."""
+        """The least and the greatest value, infinite if there is none."""
         return -inf if self.min is None else self.min, inf if self.max is None else self.max
 
     def moments(self, own: float) -> tuple[float, float]:
@@ -466,7 +466,7 @@ class Distribution(Section):
         if self.distribution == "lognormal" and mean <= 0.0:
             return f"must have a mean greater than 0 to be lognormal, found {mean:g}"
         if self.standard_deviation_percent is not None and mean == 0.0:
-            must = "must have a standard_deviation in place of one in per cent where the mean is 0"
+            must = "must have standard_deviation, and not one in per cent, if the mean is 0"
             return f"{must}, found standard_deviation_percent"
         return ""
 
@@ -520,7 +520,7 @@ class ModelSection(Section):
     def _complete(self) -> "ModelSection":
         given = self.model_fields_set - {"included"}
         if not self.included and given:
-            raise ValueError(f"must have nothing else where included is false, found {', '.join(sorted(given))}")
+            raise ValueError(f"must have nothing else if included is false, found {', '.join(sorted(given))}")
         if self.included and self.scale_percent is None:
             raise ValueError("must have scale_percent, or included = false")
         return self

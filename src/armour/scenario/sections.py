@@ -114,7 +114,7 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
 
 
 def _meant(detail: Any) -> str:
-    """Return a hint at the word, or the probability in place of per cent, that is meant; "" where there is none."""
+    """Return a hint at the word, or the probability in place of per cent, that is meant; "" if there is none."""
     given, context = detail["input"], detail.get("ctx", {})
     if detail["type"] == "literal_error":
         return suggestion(str(given), re.findall('"(.*?)"', context["expected"]))

@@ -40,7 +40,7 @@ def law_of(scenario: Scenario) -> str:
 
 
 def with_law(scenario: Scenario, law: Law) -> Scenario:
-    """Return the scenario with the coefficients of one law, 0 where its ceramic lacks them, and of no other."""
+    """Return the scenario with the coefficients of one law, 0 if its ceramic lacks them, and of no other."""
     changes = {key: 0.0 for key in FLOW_STRESS_LAW if (key in LAWS[law]) != bool(_value(scenario, key))}
     return with_ceramic(scenario, changes) if changes else scenario
 
@@ -61,8 +61,8 @@ def _value(scenario: Scenario, key: str) -> float:
 
 
 ASSUMED = (
-    f"the tests are too few to estimate their scatter: {100.0 * MEDIAN:g} % of each measured value is assumed, and the "
-    "intervals are those of it"
+    f"the tests are too few to estimate their scatter: {100.0 * MEDIAN:g} % of each measured value is assumed, and "
+    "the intervals depend on it"
 )
 # Greatest number of folds of the leave-one-out error.
 MAX_FOLDS = 100
@@ -81,7 +81,7 @@ class Residual:
     test, quantity : str
     measured, computed : float
     left_out : float or None
-        Computed with coefficients fitted to the other tests; None where these are too few.
+        Computed with coefficients fitted to the other tests; None if these are too few.
     bound : {"", "at least", "at most"}
         Bound on the ballistic limit that the outcome of a test gives; empty for a measured value.
     uncertainty : float or None
@@ -132,7 +132,7 @@ class CalibrationResult(TableResult):
     tests : str
         File of the tests.
     law : str
-        Law of the ceramic's flow stress, "combined" for several at once; empty where the flow stress is not fitted.
+        Law of the ceramic's flow stress, "combined" for several at once; empty if the flow stress is not fitted.
     weights : {"uncertainties", "relative"}
     coefficients : tuple of Coefficient
         An end of an interval that the tests do not bound is None.
@@ -140,7 +140,7 @@ class CalibrationResult(TableResult):
         Correlation matrix of the coefficients, of the model linearised at the estimate.
     residuals : tuple of Residual
     mean_error_percent, left_out_error_percent : float or None
-        Mean absolute deviations, in sample and leave-one-out, bounds excluded, %; None where there are none.
+        Mean absolute deviations, in sample and leave-one-out, bounds excluded, %; None if there are none.
     degrees_of_freedom : float
         Of the scatter or, if uncertainties are given, of chi-squared: with measured values alone, their number minus
         that of the coefficients.
@@ -153,7 +153,7 @@ class CalibrationResult(TableResult):
     p_value : float or None
         Probability of a greater chi-squared if the model and the uncertainties given are right; None without them.
     widened_by : float
-        Factor of the intervals, more than 1 where the p value is less than 0.05: the Birge ratio, the square root of
+        Factor of the intervals, more than 1 if the p value is less than 0.05: the Birge ratio, the square root of
         chi-squared over the degrees of freedom.
     aicc : float or None
         Akaike's information criterion, corrected for the number of tests; lower is better.  None for too few tests, and
@@ -162,7 +162,7 @@ class CalibrationResult(TableResult):
         The laws that were compared.
     evidence : mapping or None
         Distribution of the ballistic limits of such armours given the tests: the key ``evidence`` of the fitted entry
-        in a library file.  None where no ballistic limit was measured or shot at, and for several inputs, or an input
+        in a library file.  None if no ballistic limit was measured or shot at, and for several inputs, or an input
         that is not identified.
     limit_error_percent : tuple of float or None
         95 % interval of the ballistic limit of an armour like the tests over that of the fitted model, minus 1, %.
@@ -413,7 +413,7 @@ def _unlike(tests: Tests) -> Iterator[str]:
 
 
 def _bad_fit(done: Fit) -> tuple[str, ...]:
-    """Return a warning where the deviations are larger than the uncertainties explain."""
+    """Return a warning if the deviations are larger than the uncertainties explain."""
     if done.p_value is None or done.p_value >= MIN_P_VALUE:
         return ()
     widened, wrong = "not widened", "model, the uncertainties or the prior"
@@ -434,7 +434,7 @@ def left_out_errors(result: CalibrationResult) -> list[float]:
 
 
 def _left_out(done: Fit) -> Floats:
-    """Return each measurement's value with inputs fitted to the other tests; NaN where these are too few."""
+    """Return each measurement's value with inputs fitted to the other tests; NaN if these are too few."""
     tests, count = done.likelihood.tests, len(done.best.x)
     if tests.weighted:
         count -= len(done.likelihood.prior.where)

@@ -57,20 +57,20 @@ class FittedCurve:
     v50_interval_m_s : tuple of float or None
         Confidence interval of V50, m/s; None for an end that the shots do not bound.
     scale_m_s : float
-        Standard deviation of the normal or scale of the logistic distribution, m/s; of maximum likelihood 0 where the
+        Standard deviation of the normal or scale of the logistic distribution, m/s; of maximum likelihood 0 if the
         shots are separated.
     scale_interval_m_s : tuple of float or None
         Confidence interval of the scale, m/s; None for an upper end that the shots do not bound.
     log_likelihood : float
         Logarithm of the likelihood, without the penalty.
     v05_m_s, v95_m_s : float or None
-        Velocities of probability 0.05 and 0.95, m/s; None where the scale is 0 or the velocity is not positive.
+        Velocities of probability 0.05 and 0.95, m/s; None if the scale is 0 or the velocity is not positive.
     method : str
         "maximum likelihood" or "penalised likelihood".
     v05_interval_m_s, v95_interval_m_s : tuple of float or None, or None
         Their confidence intervals, m/s; None for other curves than those of penalised likelihood.
     v50_lower_m_s, v05_lower_m_s : float or None
-        One-sided lower confidence bounds of V50 and V05, m/s, at the confidence level of the intervals; None where the
+        One-sided lower confidence bounds of V50 and V05, m/s, at the confidence level of the intervals; None if the
         shots do not bound them, and for other curves than those of penalised likelihood.
     """
 
@@ -323,7 +323,7 @@ def fit_curve(
 ) -> FittedCurve | None:
     """Fit a curve to the velocities of partial and complete penetrations, m/s, by maximum likelihood.
 
-    None where the penalised likelihood is greatest for a curve that does not rise, or whose V50 is not positive.
+    None if the penalised likelihood is greatest for a curve that does not rise, or whose V50 is not positive.
     """
     shots = Likelihood(partial, complete, link, confidence, penalised=penalised)
     (a, b), mean, deviation, z = shots.mode.at.tolist(), shots.mean, shots.deviation, Z95[link]

@@ -116,7 +116,7 @@ class Coefficient:
     name : str
         Name of the input, such as ``"ceramic.flow_stress_GPa"``.
     estimate : float or None
-        In the unit of the name; None where the tests do not identify it.
+        In the unit of the name; None if the tests do not identify it.
     interval : tuple of float or None, or None
         Profile-likelihood interval; None for an end that is open.
     reason : str
@@ -217,7 +217,7 @@ class Point(NamedTuple):
     """Inputs and scatter of the greatest likelihood, at least with some inputs held."""
 
     x: Floats  # in their units, (k,)
-    scatter: float  # 1 where uncertainties are given
+    scatter: float  # 1 if uncertainties are given
     lost: float  # -2 times the logarithm of likelihood and prior, but for what does not depend on the inputs
 
 
@@ -442,7 +442,7 @@ def intervals(fit: Fit) -> tuple[Coefficient, ...]:
             found.append(Coefficient(name, None, None, "the tests bound it neither above nor below"))
         elif flat_below or flat_above:
             bound = bounds[0 if flat_below else 1] * unit
-            reason = f"the tests fit as well at {bound:.3g}, the end of the range of the search"
+            reason = f"the fit is as good at {bound:.3g}, the end of the range searched"
             found.append(Coefficient(name, None, ends, reason))
         else:
             estimate, share = float(fit.best.x[i]) * unit, fit.prior_shares[i]
@@ -451,7 +451,7 @@ def intervals(fit: Fit) -> tuple[Coefficient, ...]:
 
 
 def _end(fit: Fit, index: int, bound: float, error: float) -> tuple[float | None, bool]:
-    """Return the end of an interval towards a bound; None where the likelihood does not fall enough on the way.
+    """Return the end of an interval towards a bound; None if the likelihood does not fall enough on the way.
 
     Return also whether the likelihood is as great at the bound as at the estimate.
     """
@@ -497,7 +497,7 @@ def _check(tests: Tests, inputs: Sequence[str]) -> None:
     problems = []
     for name in inputs:
         if any(name in group.columns for group in tests.groups):
-            problems.append(Problem(tests.file, name, "must not be a column where it is fitted"))
+            problems.append(Problem(tests.file, name, "must not be a column if it is fitted"))
         if name in (VELOCITY, CERAMIC, BACKING):
             problems.append(
                 Problem("calibrate", "fit", f'must be a property of a material or projectile, found "{name}"')
@@ -506,7 +506,7 @@ def _check(tests: Tests, inputs: Sequence[str]) -> None:
         names = {group.scenario.name_of(role) for group in tests.groups}
         if len(names) > 1 and any(name.startswith(role + ".") for name in inputs):
             message = (
-                f"must be the same in all tests where the {role} is fitted, found {', '.join(sorted(map(str, names)))}"
+                f"must be the same in all tests if the {role} is fitted, found {', '.join(sorted(map(str, names)))}"
             )
             problems.append(Problem(tests.file, key, message))
     refuse(problems)

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Container, Mapping, Sequence
+from itertools import chain
 from os import PathLike
 from typing import Annotated, NamedTuple
 
@@ -38,7 +39,7 @@ class Measurement(NamedTuple):
     quantity: str
     value: float  # the impact velocity where only the outcome is known
     uncertainty: float | None
-    side: int  # 0; +1 where the limit is at least the value, -1 where it is at most the value
+    side: int  # 0; +1 if the limit is at least the value, -1 if it is at most the value
 
 
 class MaterialGroup(NamedTuple):
@@ -132,6 +133,11 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
     notes = tuple(notes)
     numbers = (*INPUTS, *MEASURED, *MEASURED.values())
     file, lines = lines_of(path)
+    header = next(lines, None)
+    if header and {"velocity_m_s", "result"} <= {*header[1]}:
+        message = "must be a table of tests, found shots (velocity_m_s and result); armour v50 estimates V50 from them"
+        raise InputError([Problem(file, "", message)])
+    lines = lines if header is None else chain([header], lines)
     rows, problems = read_rows(
         file, lines, numbers=numbers, texts=("test", OUTCOME, *NAMES.values(), *notes), needed=()
     )
@@ -168,7 +174,7 @@ def _mistakes(row: CsvRow, repeated: Container[str]) -> list[tuple[str, str]]:
         must = 'must be "defeated" or "perforated", "partial" or "complete", P or C, or PP or CP'
         found.append((OUTCOME, f'{must}, found "{outcome}"'))
     if side == 1 and RESIDUAL in row.texts:
-        found.append((OUTCOME, f"must not be {outcome} where there is a residual velocity"))
+        found.append((OUTCOME, f"must not be {outcome} if there is a residual velocity"))
     if outcome is not None and VELOCITY not in row.texts:
         found.append((VELOCITY, "is missing and must be given with an outcome"))
     for column in (*MEASURED, *MEASURED.values()):

@@ -45,7 +45,7 @@ class Measured(NamedTuple):
 
     values: Floats  # logarithms of the limits, or of velocities of shots, m/s, (n,)
     sides: Floats  # 0, or the side of the velocity on which the limit lies, (n,)
-    uncertainties: Floats  # relative standard deviations of the measurements, 0 where not given, (n,)
+    uncertainties: Floats  # relative standard deviations of the measurements, 0 if not given, (n,)
     curves: Sequence[Callable[[Floats], Floats]]  # logarithm of the limit, n times
 
 
@@ -183,7 +183,7 @@ def own_evidence(tests: Tests, fitted: Mapping[str, float]) -> tuple[OwnEvidence
     """Return what tests tell of an entry, and the error of its limits at them, given fitted values by name of input.
 
     The error is the 95 % interval of the limit of an armour over that of the fitted model, less 1, %, in the mean of
-    the tests.  None where the fitted inputs are several, other than those of a law, or no ballistic limit was measured.
+    the tests.  None if the fitted inputs are several, other than those of a law, or no ballistic limit was measured.
     """
     names = [name for name in fitted if name.partition(".")[2] not in FLOW_STRESS_LAW]
     shots = [m for m in tests.measurements if m.quantity == LIMIT]

@@ -246,7 +246,7 @@ def narrowed(axis: Floats, kept: ArrayLike) -> tuple[float, float]:
 def learned(
     alone: Posterior, known: Posterior, confidence: float
 ) -> tuple[FiringEstimate, FiringEstimate, float, tuple[str, ...]]:
-    """Return the estimates without and with shots, and warnings where they contradict each other.
+    """Return the estimates without and with shots, and warnings if they contradict each other.
 
     Before the warnings comes the part of the precision of V50, the inverse of its variance, that is the prior's.
     """

@@ -39,7 +39,7 @@ class Elasticity:
     value : float
         Its value, in the unit of its name.
     elasticities : mapping of str to float or None
-        By answer; None where the answer does not depend on the input or has no value.
+        By answer; None if the answer does not depend on the input or has no value.
     """
 
     input: str
@@ -55,7 +55,7 @@ class SensitivityResult(TableResult):
     ----------
     answers : mapping of str to float or None
         Ballistic limit, m/s, residual velocity, m/s, and, where the scenario has a grid, least areal density of designs
-        with continuous thicknesses, kg/m²; None where there is none.
+        with continuous thicknesses, kg/m²; None if there is none.
     inputs : tuple of Elasticity
         In descending order of the elasticity of the ballistic limit.
     warnings : tuple of str
@@ -129,7 +129,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
 
 
 def _answers(scenario: Scenario, variants: Variants, on_progress: OnProgress) -> dict[str, Floats]:
-    """Return the answers of each variant, (n,); NaN where there is none.
+    """Return the answers of each variant, (n,); NaN if there is none.
 
     The first variant is the scenario itself; the ballistic limits of the others are accurate to a finer tolerance.
     """

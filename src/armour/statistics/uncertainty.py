@@ -130,9 +130,9 @@ class Influence:
         Name of the input, such as ``"ceramic.flow_stress_GPa"``.
     first : Estimate or None
         First-order Sobol' index: the share of the variance of the ballistic limit, 0 to 1, explained by the input
-        alone. None where the ballistic limit does not vary.
+        alone. None if the ballistic limit does not vary.
     total : Estimate or None
-        Total Sobol' index, interactions included. None where the ballistic limit does not vary, and where inputs are
+        Total Sobol' index, interactions included. None if the ballistic limit does not vary, and where inputs are
         correlated.
     limits_m_s : tuple of float
         Ballistic limits, m/s, with the input at the 5 % and the 95 % quantile of its distribution and the others at
@@ -190,7 +190,7 @@ class UncertaintyResult(TableResult):
     inputs : tuple of Influence
         In descending order of influence.
     model_error : ModelError or None
-        Model error, which is one of the inputs; None where it is not known or not included.
+        Model error, which is one of the inputs; None if it is not known or not included.
     warnings : tuple of str
         Distributions that are not about the scenario's values, and ways in which the scenario lies outside the
         validated range.
@@ -357,7 +357,7 @@ def _ranked(section: Uncertainty) -> list[str]:
 
 
 def index_samples(section: Uncertainty) -> int:
-    """Return the samples of each set for total indices; 0 where there is nothing to estimate."""
+    """Return the samples of each set for total indices; 0 if there is nothing to estimate."""
     return 0 if section.correlation or len(_ranked(section)) < 2 else _index_size(section)
 
 

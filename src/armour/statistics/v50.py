@@ -105,18 +105,18 @@ class FiringResult(TableResult):
     shots, complete : int
         Number of shots and of complete penetrations.
     highest_partial_m_s, lowest_complete_m_s : float or None
-        Highest velocity of a partial and lowest velocity of a complete penetration, m/s; None where there is none.
+        Highest velocity of a partial and lowest velocity of a complete penetration, m/s; None if there is none.
     zone_of_mixed_results_m_s : float or None
-        Width of the zone of mixed results, m/s: the highest partial minus the lowest complete penetration, 0 where all
-        complete penetrations were faster; None where one kind is missing.
+        Width of the zone of mixed results, m/s: the highest partial minus the lowest complete penetration, 0 if all
+        complete penetrations were faster; None if one kind is missing.
     separated : bool
         Whether every complete penetration was faster than every partial one.
     mean : MeanV50 or None
-        None where the shots do not meet the rule.
+        None if the shots do not meet the rule.
     fits : tuple of FittedCurve
-        Curves of maximum likelihood; with a prior, empty where the shots have none.
+        Curves of maximum likelihood; with a prior, empty if the shots have none.
     penalised_fits : tuple of FittedCurve
-        Curves of Firth's penalised likelihood; without those that do not rise, and empty where none does.
+        Curves of Firth's penalised likelihood; without those that do not rise, and empty if none does.
     recommended : FittedCurve or None
         The first of the penalised curves: the probit one, if it rises.
     confidence : float
@@ -124,7 +124,7 @@ class FiringResult(TableResult):
     model_ballistic_limit_m_s : float or None
         Ballistic limit of the scenario, m/s, where one is given.  The model is deterministic: the limit has no scatter.
     model_interval_m_s : tuple of float or None
-        Interval of it with a probability of 95 %, given the model error, m/s; None where that is not known.
+        Interval of it with a probability of 95 %, given the model error, m/s; None if that is not known.
     warnings : tuple of str
         Shots far from the others or from the model's limit, or contradicting the prior, and ways in which the scenario
         is unlike what the model was compared with.
@@ -324,7 +324,7 @@ def _far_from_others(shots: Shots) -> Iterator[str]:
 
 
 def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
-    """Give a warning where all shots lie on the same side of the interval of the model's limit."""
+    """Give a warning if all shots lie on the same side of the interval of the model's limit."""
     low, high = model.interval_m_s or (-inf, inf)
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
     if slowest > high or fastest < low:
@@ -341,7 +341,7 @@ def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
         raise mistake(shots.file, "", "must be sequences of velocities and of results")
     count, message = len(shots.complete), ""
     if len(velocities) != count:
-        message = f"must be as many velocities as results, found {len(velocities)} and {count}"
+        message = f"must have as many velocities as results, found {len(velocities)} and {count}"
     elif not all(isinstance(v, Real) and c in (True, False) for v, c in zip(velocities, shots.complete, strict=True)):
         message = "must be velocities as numbers, and True for each complete penetration, False for each partial one"
     elif wrong := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
@@ -355,7 +355,7 @@ def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
 def mean_v50(
     partial: Sequence[float], complete: Sequence[float], pairs: int | None = None, span_m_s: float | None = None
 ) -> MeanV50 | None:
-    """Compute the mean of MIL-STD-662F from velocities in ascending order; None where they do not meet the span.
+    """Compute the mean of MIL-STD-662F from velocities in ascending order; None if they do not meet the span.
 
     A number of pairs without a usual span needs one.
     """

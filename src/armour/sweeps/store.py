@@ -152,7 +152,7 @@ class Store:
         # Without a chunk, it was left by a process that was killed before its first one.
         if others and self.starts():
             message = (
-                f"holds chunks of another sweep, which differs in {' and '.join(others)}; "
+                f"contains chunks of another sweep, which differs in {' and '.join(others)}; "
                 "finish that with its own command and program, or remove the folder to start again"
             )
             raise mistake(self.folder, "", message)

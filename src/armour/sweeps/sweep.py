@@ -385,7 +385,7 @@ def effort_of(
     needed, free = 2.0 * bytes_each * source.count, shutil.disk_usage(output.parent).free
     words = f"{source.count:,} rows; about {duration(seconds)}"
     if needed > free:
-        words += f"; {needed / 1e9:.3g} GB to write and join, where {free / 1e9:.3g} GB are free"
+        words += f"; {needed / 1e9:.3g} GB to write and join, but {free / 1e9:.3g} GB are free"
     return Effort(slowest, seconds, words, seconds > LONG_S or source.count > MANY_ROWS or needed > free)
 
 

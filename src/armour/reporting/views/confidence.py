@@ -1,15 +1,12 @@
 """The probability that an armour stops its threat."""
 
-from armour.analysis.ballistic_limit import ConfidenceResult
+from armour.analysis.ballistic_limit import ConfidenceResult, no_error
 from armour.analysis.results import Result
 from armour.reporting.table import Column, Source, Table, column_of, record
 from armour.reporting.text import interval, number
-from armour.scenario.evidence import REMEDY, ModelError
+from armour.scenario.evidence import NO_TEST, REMEDY, ModelError
 
 DEFEAT = Column("probability of stopping the projectile", prose=True)
-
-
-UNKNOWN = "model error: unknown for such an armour"
 
 
 EXCLUDED = "model error: excluded by uncertainty.model"
@@ -28,13 +25,15 @@ def chance(probability: float | None) -> str:
     return "above 99.5 %" if probability > 0.995 else f"{100.0 * probability:.0f} %"
 
 
-def error_note(result: Result, error: ModelError | None) -> str:
-    """Return what the model error is and rests on, in a sentence, for a result."""
+def error_note(result: Result, error: ModelError | None, *, of_design: bool = False) -> str:
+    """Return what the model error is and rests on, in a sentence, for a result on its scenario's armour or a design."""
     if error is None:
         scenario = result.question.get("scenario")
         if scenario is None:
-            return f"{UNKNOWN}, or not included"
-        return EXCLUDED if scenario.excludes_error() else f"{UNKNOWN}; {REMEDY}"
+            return "model error: unknown for such an armour, or not included"
+        if scenario.excludes_error():
+            return EXCLUDED
+        return f"model error: unknown, {f'{NO_TEST}; {REMEDY}' if of_design else no_error(scenario)}"
     return "; ".join([from_tests(error), *extrapolation(error)])
 
 

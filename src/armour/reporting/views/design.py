@@ -173,7 +173,7 @@ def csv(result: DesignResult) -> str:
 def tables(result: DesignResult) -> list[Table | str]:
     """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
     required = required_margins(result.question.get("scenario"))
-    error = error_note(result, result.best.model_error)
+    error = error_note(result, result.best.model_error, of_design=True)
     found: list[Table | str] = [best_table(result.best, required), error, *margin_notes(result.best)]
     if result.refined is not None:
         title = f"{OBJECTIVES[result.minimised].least} design between the values of the grid"

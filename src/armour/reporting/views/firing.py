@@ -40,19 +40,20 @@ def v50_table(result: FiringResult) -> Table:
 
 
 def recommended_table(fit: FittedCurve, level: float) -> Table:
-    """Return the velocities and the scale of the recommended curve, with their intervals."""
+    """Return the velocities and the scatter of the recommended curve, with their intervals."""
+    keys = {"V50": "v50", "V05": "v05", "V95": "v95", "scatter": "scale"}
 
     def ends(name: str) -> str:
-        return interval(getattr(fit, f"{name.lower()}_interval_m_s"), ".0f")
+        return interval(getattr(fit, f"{keys[name]}_interval_m_s"), ".0f")
 
     def lower(name: str) -> Cell:
-        bound = getattr(fit, f"{name.lower()}_lower_m_s", None)
+        bound = getattr(fit, f"{keys[name]}_lower_m_s", None)
         return "not bounded" if bound is None and name in ("V50", "V05") else bound
 
     return listing(
-        ("V50", "V05", "V95", "scale"),
+        list(keys),
         (Column("quantity"), str),
-        (Column("estimate", "m/s", ".0f"), lambda name: getattr(fit, f"{name.lower()}_m_s")),
+        (Column("estimate", "m/s", ".0f"), lambda name: getattr(fit, f"{keys[name]}_m_s")),
         (Column(f"{percent(level)} interval", "m/s"), ends),
         (Column(f"one-sided {percent(level)} lower bound", "m/s", ".0f"), lower),
         title=f"recommended: {fit.curve}, {fit.method}",
@@ -67,7 +68,7 @@ def curve_table(result: FiringResult) -> Table:
         column_of("curve"),
         (Column("likelihood"), lambda fit: fit.method.removesuffix(" likelihood")),
         (Column(f"V50, {level}", "m/s"), lambda fit: with_interval(fit.v50_m_s, fit.v50_interval_m_s, ".0f")),
-        (Column(f"scale, {level}", "m/s"), lambda fit: with_interval(fit.scale_m_s, fit.scale_interval_m_s, ".0f")),
+        (Column(f"scatter, {level}", "m/s"), lambda fit: with_interval(fit.scale_m_s, fit.scale_interval_m_s, ".0f")),
         column_of("v05_m_s", ".0f", "V05"),
         column_of("v95_m_s", ".0f", "V95"),
     )
@@ -106,7 +107,7 @@ def tables(result: FiringResult) -> list[Table | str]:
     if result.separated:
         found.append(
             "every complete penetration was faster than every partial one: by maximum likelihood any V50 between them "
-            "is as likely, and the scale is 0"
+            "is as likely, and the scatter is 0"
         )
     return found
 
