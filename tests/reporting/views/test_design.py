@@ -108,3 +108,7 @@ def test_the_frontier_around_the_best_is_shown_unless_all_of_it_is_asked_for():
     assert shown(8)[0][-1] == "12"
     assert len(shown(4, every_row=True)[0]) == 9
     assert shown(4, every_row=True)[1] == []
+    several = replace(found, pairs=found.pairs * 2)
+    for every_row in (False, True):
+        titles = [item.title for item in tables(several.of(every_row=every_row)) if isinstance(item, Table)]
+        assert ("AD85 on 6061-T6: thinnest ceramic for each back plate" in titles) == every_row

@@ -100,6 +100,7 @@ def frontier_table(result: DesignResult) -> Table:
         MARGIN,
         (GOVERNED_BY, lambda design: governing[_thicknesses(design)] if several else None),
         (Column("note"), note),
+        title=f"{_pair(result.best)}: thinnest ceramic for each back plate" if len(result.pairs) > 1 else "",
     )
     return _aligned(table)
 
@@ -180,15 +181,16 @@ def tables(result: DesignResult) -> list[Table | str]:
         found.append(best_table(result.refined, required, title))
     if len(result.threats) > 1 or result.best.probabilities:
         found.append(margin_table(result, required))
-    if len(result.pairs) == 1:
-        shown = result if result.question.get("every_row") else _around_best(result)
+    every = result.question.get("every_row")
+    if len(result.pairs) > 1:
+        found.append(pair_table(result))
+    if len(result.pairs) == 1 or every:
+        shown = result if every else _around_best(result)
         found.append(frontier_table(shown))
         if len(shown.frontier) < len(result.frontier):
             found.append(f"{len(result.frontier) - len(shown.frontier)} more back plates with --all")
         if result.without_mm:
             found.append(left_out(result))
-    else:
-        found.append(pair_table(result))
     if result.pareto:
         found.append(pareto_table(result))
     return [*found, f"{number(result.examined, 'd')} designs computed"]
