@@ -9,6 +9,7 @@ import unicodedata
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from contextvars import ContextVar
+from functools import cache
 from os import PathLike
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -37,7 +38,11 @@ def shipped(folder: str) -> Path:
 
 def shipped_files(folder: str, ending: str) -> dict[str, Path]:
     """Return the files in a folder of shipped data and those below it, by name: its path there without the ending."""
-    top = shipped(folder)
+    return _files_below(shipped(folder), ending)
+
+
+@cache
+def _files_below(top: Path, ending: str) -> dict[str, Path]:
     return {path.relative_to(top).as_posix().removesuffix(ending): path for path in sorted(top.rglob(f"*{ending}"))}
 
 

@@ -49,9 +49,9 @@ def chart(request: pytest.FixtureRequest) -> Chart:
     return made
 
 
-@pytest.mark.parametrize(("name", "suffix"), [("impact", ".svg"), *(("rows", suffix) for suffix in METADATA)])
-def test_the_same_chart_is_the_same_file(name: str, suffix: str):
-    chart = CHARTS[name]()
+@pytest.mark.parametrize("suffix", METADATA)
+def test_the_same_chart_is_the_same_file(suffix: str):
+    chart = CHARTS["rows"]()
     content = rendered(chart, suffix)
     assert content.startswith(MAGIC[suffix])
     assert content == rendered(chart, suffix)

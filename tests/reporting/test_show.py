@@ -69,6 +69,8 @@ def test_every_result_is_drawn_with_its_title(results):
         figure = plot(result, **rest, title="mine")
         assert figure.axes
         assert figure.get_suptitle() == "mine"
+    # A notebook shows it.
+    assert figure._repr_png_().startswith(b"\x89PNG")  # type: ignore[attr-defined]
 
 
 def texts(figure: Any) -> list[str]:
@@ -94,10 +96,6 @@ def test_a_result_is_drawn_with_its_own_scenario_only():
         plot(limit, own.replaced({"ceramic.flow_stress_GPa": 4.0}))
     with pytest.raises(InputError, match="plot: shots: must be the shots of the result"):
         plot(v50(SHOTS), shots=Shots((1.0, 2.0), (False, True)))
-
-
-def test_a_notebook_shows_a_figure():
-    assert plot(impact())._repr_png_().startswith(b"\x89PNG")  # type: ignore[attr-defined]
 
 
 def test_what_cannot_be_drawn(results):
