@@ -1,5 +1,9 @@
 """What entries of the library were tested with."""
 
+from pathlib import Path
+
+import pytest
+
 from armour import confidence, shipped_library
 from armour.validation import tested
 from tests.helpers.cases import scenario
@@ -20,3 +24,10 @@ def test_rounds_and_materials_are_listed_with_each_other():
     assert found["metal", "AA5083-H116"] == ("7.62 mm APM2",)
     assert "AA5083-H116" in found["projectile", "7.62 mm APM2"]
     assert found["ceramic", "AD85"] == ("7.62 mm AP, on 6061-T6",)
+
+
+def test_files_of_these_names_in_the_working_folder_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    for name in ("plates.csv", "wilkins.csv", "wilkins"):
+        (tmp_path / name).write_text("a,b\n1,2\n")
+    monkeypatch.chdir(tmp_path)
+    assert tested.tested_with.__wrapped__() == tested.tested_with()

@@ -10,7 +10,7 @@ from pydantic import Field, field_validator
 
 from armour.analysis.evaluate import evaluate
 from armour.analysis.quantities import QUANTITIES
-from armour.files import read_toml, shipped
+from armour.files import read_toml, shipped, shipped_suites
 from armour.scenario.scenario import load_scenario
 from armour.scenario.schema import Range
 from armour.scenario.sections import Section, validated
@@ -120,4 +120,4 @@ def compute_figure(section: FigureSection, folder: Path) -> Figure:
 def parity(name: str) -> SuiteResult:
     """Compute the cases of a parity figure."""
     suite, text = PARITIES[name]
-    return validate(load_suite(suite).only(text))
+    return validate(load_suite(shipped_suites()[suite]).only(text))

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from armour.analysis.evaluate import groups_of
-from armour.files import table_file
+from armour.files import shipped_files, shipped_tests
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES
 from armour.scenario.library import Kind, shipped_library
 from armour.scenario.scenario import load_scenario
@@ -15,11 +15,10 @@ from armour.scenario.scenario import load_scenario
 @cache
 def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
     """Return the rounds that materials were tested with, and the materials that rounds were, by kind and name."""
-    library, case = shipped_library(), load_scenario("wilkins")
+    # The shipped files, whatever is in the working folder.
+    library, case = shipped_library(), load_scenario(shipped_files("scenarios", ".toml")["wilkins"])
     rounds = library.known("projectile")
     plates = [row for row in _rows("plates.csv") if row["round"] in rounds]
-    tiles = _rows("wilkins.csv") * len(library.names("ceramic"))
-    names = np.repeat(library.names("ceramic"), len(_rows("wilkins.csv")))
     found: dict[tuple[Kind, str], dict[str, None]] = {}
 
     def add(kind: Kind, name: str, words: str) -> None:
@@ -35,16 +34,17 @@ def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
             metal, projectile = (str(bare[NAMES[role]][group.where[0]]) for role in ("backing", "projectile"))
             add("metal", metal, projectile)
             add("projectile", projectile, metal)
-    layers = {key: np.array([float(row[key]) for row in tiles]) for key in (CERAMIC, BACKING)}
-    for group in groups_of(case, {NAMES["ceramic"]: names, **layers}):
+    layers = {key: np.array([float(row[key]) for row in _rows("wilkins.csv")]) for key in (CERAMIC, BACKING)}
+    metal, projectile = case.armour.backing, case.impact.projectile
+    for ceramic in library.names("ceramic"):
+        [group] = groups_of(case.replaced({NAMES["ceramic"]: ceramic}), layers)
         if group.variants.errors.known.any():
-            metal, projectile = case.armour.backing, case.impact.projectile
-            add("ceramic", str(names[group.where[0]]), f"{projectile}, on {metal}")
+            add("ceramic", ceramic, f"{projectile}, on {metal}")
             add("metal", metal, f"{projectile}, with {case.armour.ceramic}")
             add("projectile", projectile, f"{case.armour.ceramic} on {metal}")
     return {entry: tuple(words) for entry, words in found.items()}
 
 
 def _rows(table: str) -> list[dict[str, str]]:
-    with table_file(table).open(newline="", encoding="utf-8") as file:
+    with shipped_tests()[table].open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
