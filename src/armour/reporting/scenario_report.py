@@ -1,20 +1,19 @@
 """Report on a scenario: its answer, and the results that explain it and say how reliable it is."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
 from armour import __version__
 from armour.analysis.ballistic_limit import (
     ConfidenceResult,
-    LimitResult,
     ballistic_limit,
     not_monotonic,
     of_limit,
     without_limit,
 )
-from armour.analysis.impact import EnergyBalance, ImpactResult, energy_balance, simulate
+from armour.analysis.impact import ImpactResult, energy_balance, simulate
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.samples import own_errors
 from armour.design.check import CheckedThreat, CheckResult, check
@@ -66,9 +65,7 @@ class Contents:
     threat: CheckedThreat  # that most likely perforates the armour
     answer: Scenario  # the armour against it
     impact: ImpactResult  # with its history
-    limit: LimitResult | None  # None where it is outside the range searched
     confidence: ConfidenceResult
-    energy: EnergyBalance
     sensitivity: SensitivityResult
     uncertainty: UncertaintyResult | None  # None without distributions that apply to the answer
     warnings: tuple[str, ...]
@@ -96,8 +93,8 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
     distributed = scenario.uncertainty is not None and bool(scenario.uncertainty.inputs())
     misplaced = [_misplaced(scenario, against) for against in faced]
     threats, sampled = list(checked.threats), []
-    for place, against in enumerate(faced):
-        if distributed and not misplaced[place] and (against.excludes_error() or own_errors(against).known.all()):
+    for place, (against, warnings) in enumerate(zip(faced, misplaced, strict=True)):
+        if distributed and not warnings and (against.excludes_error() or own_errors(against).known.all()):
             threats[place] = _sampled(threats[place], against, on_part)
             sampled.append(threats[place].threat)
     worst = min(range(len(threats)), key=lambda place: _standing(threats[place]))
@@ -106,8 +103,7 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         probabilities = {found.threat: found.probability_of_defeat for found in threats}
         best = replace(design.best, probabilities_of_defeat=probabilities)
         design = replace(design, best=best).of(**design.question)
-    impact = simulate(answer, history=True)
-    limit, sure = _limit(answer)
+    sure, not_alone = _confidence(answer)
     unused = scenario.unused_distributions() if distributed else ()
     return Contents(
         scenario=scenario,
@@ -117,28 +113,26 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         sampled=tuple(sampled),
         threat=threats[worst],
         answer=answer,
-        impact=impact,
-        limit=limit,
+        impact=simulate(answer, history=True),
         confidence=sure,
-        energy=energy_balance(answer, impact),
         sensitivity=sensitivity(answer, on_progress=on_part),
         uncertainty=uncertainty(answer, on_progress=on_part) if distributed and not misplaced[worst] else None,
         warnings=(
             *(warning for warning in (checked if design is None else design).warnings if warning not in unused),
-            *(() if limit is None else not_monotonic(limit)),
+            *not_alone,
             *dict.fromkeys(warning for found in misplaced for warning in found),
         ),
     )
 
 
-def _limit(scenario: Scenario) -> tuple[LimitResult | None, ConfidenceResult]:
-    """Return the ballistic limit, None outside the range searched, and the confidence in the armour."""
+def _confidence(scenario: Scenario) -> tuple[ConfidenceResult, Sequence[str]]:
+    """Return the confidence in the armour, and a warning where the outcome changes more than once."""
     try:
         limit = ballistic_limit(scenario)
     except NoLimitError as error:
         reason = "there is no ballistic limit in the range searched"
-        return None, without_limit(scenario, reason, above=error.above)
-    return limit, of_limit(scenario, limit.ballistic_limit_m_s, scenario.impact.velocity_m_s)
+        return without_limit(scenario, reason, above=error.above), ()
+    return of_limit(scenario, limit.ballistic_limit_m_s, scenario.impact.velocity_m_s), not_monotonic(limit)
 
 
 def _standing(found: CheckedThreat) -> tuple[bool, float]:
@@ -196,11 +190,12 @@ def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:
 def scenario_report(contents: Contents, command: str, map_command: str = "") -> Report:
     """Report the results of a scenario; the commands are those that make the report and a map of the designs."""
     passed, lead = _verdict(contents)
+    title = contents.answer.subject(threats=contents.scenario.threat)
     return Report(
-        title=_subject(contents),
+        title=title,
         lead=lead,
         passed=passed,
-        byline=_byline(contents),
+        byline=_byline(contents.scenario, title),
         sections=tuple(_sections(contents, command, map_command)),
         cards=tuple(_cards(contents)),
         warnings=tuple(_warnings(contents)),
@@ -208,16 +203,10 @@ def scenario_report(contents: Contents, command: str, map_command: str = "") -> 
     )
 
 
-def _subject(contents: Contents) -> str:
-    """Return the armour that is reported, with its threats."""
-    return contents.answer.subject(threats=contents.scenario.threat)
-
-
-def _byline(contents: Contents) -> tuple[tuple[str, str], ...]:
+def _byline(scenario: Scenario, subject: str) -> tuple[tuple[str, str], ...]:
     """Return title, project, author and date, where the scenario has them, and the version of the program."""
-    scenario = contents.scenario
     given = (
-        ("scenario", title_beside(_subject(contents), scenario.title)),
+        ("scenario", title_beside(subject, scenario.title)),
         ("project", scenario.project),
         ("author", scenario.author),
         ("date", scenario.date),
@@ -345,11 +334,8 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Se
         yield Section(f"What if, against {others}", tables=tuple(what_ifs), folded=True)
     if design is not None:
         yield _search(design)
-    if contents.uncertainty is not None:
-        chart, table = (
-            uncertainty_view.chart(contents.uncertainty),
-            uncertainty_view.estimate_table(contents.uncertainty),
-        )
+    if (sampled := contents.uncertainty) is not None:
+        chart, table = uncertainty_view.chart(sampled), uncertainty_view.estimate_table(sampled)
         yield Section("Results under uncertain inputs", charts=(chart,), tables=(table,), folded=True)
     yield _impact(contents)
     elasticities = sensitivity_view.elasticity_table(contents.sensitivity)
@@ -405,7 +391,7 @@ def _search(design: DesignResult) -> Section:
 
 def _impact(contents: Contents) -> Section:
     """Return the impact stage by stage, with where the projectile's energy goes."""
-    energy = contents.energy
+    energy = energy_balance(contents.answer, contents.impact)
     words = (
         f"Against {contents.threat.threat}, by the model. The projectile has {energy.before:.2f} J at impact and "
         f"{energy.left:.2f} J at the end; the losses, integrated along the run, balance to "

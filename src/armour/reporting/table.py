@@ -73,9 +73,9 @@ def in_words(name: str) -> str:
     return column_of(name).heading
 
 
-def between(result: Any, unit: str = "", of: str = "", *, prose: bool = False) -> Column:
+def between(result: Any, *, prose: bool = False) -> Column:
     """Return the column of intervals at the confidence level of a result."""
-    return Column(f"{percent(result.confidence)} interval{of}", unit, prose=prose)
+    return Column(f"{percent(result.confidence)} interval", prose=prose)
 
 
 def deviation_percent(value: float | None, known: float) -> float | None:

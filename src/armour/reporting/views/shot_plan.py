@@ -175,31 +175,25 @@ def chart(plan: ShotPlan) -> charts.Chart:
     known = [*plan.fired.velocities_m_s, plan.model_ballistic_limit_m_s, *(plan.limits_m_s or ())]
     x = list(plan.curve.velocity_m_s) if plan.curve else np.linspace(0.9 * min(known), 1.1 * max(known), 201).tolist()
     limits = (x[0], x[-1])
-    shots: list[charts.Series] = [*shot_points(plan.fired)]
-    if plan.curve:
-        shots.insert(
-            0,
-            charts.Line(x, plan.curve.probability, label="by the posterior" if plan.fired.complete else "by the prior"),
-        )
-    elif plan.recommended:
-        fit = plan.recommended
-        shots.insert(0, charts.Line(x, [fit.probability(v) for v in x], label=f"{fit.curve}, {fit.method}"))
-    shots += _rules(plan, limits, label=not plan.curve)
-    velocity = charts.quantity_axis(VELOCITY, limits=limits)
-    probability = charts.Axis("probability of complete penetration", limits=(-0.05, 1.05))
-    panels = [charts.Panel(velocity, probability, tuple(shots), shares_x=bool(plan.curve))]
-    if plan.operating_characteristic:
-        panels = [_operating_panel(plan)]
-    notes = [f"{plan.stopped}."] if plan.stopped else []
+    velocity, fired = charts.quantity_axis(VELOCITY, limits=limits), bool(plan.fired.complete)
+    curve: list[charts.Series] = []
+    panels = []
     if plan.curve and plan.posterior:
-        v50: list[charts.Series] = [
-            charts.Line(x, plan.curve.prior, label="prior, the model with its error", colour="purple", style="--"),
-            *([charts.Line(x, plan.curve.posterior, label="posterior, with the shots")] if plan.fired.complete else []),
-            *_rules(plan, limits, label=True),
-        ]
+        label = "by the posterior" if fired else "by the prior"
+        curve.append(charts.Line(x, plan.curve.probability, label=label))
+        prior = charts.Line(x, plan.curve.prior, "--", label="prior, the model with its error", colour="purple")
+        v50 = [prior, *[charts.Line(x, plan.curve.posterior, label="posterior, with the shots")] * fired]
         density = charts.Axis("probability density of V50", "s/m", from_zero=True)
-        panels.insert(0, charts.Panel(velocity, density, tuple(v50)))
-    return charts.Chart(_title(plan), tuple(panels), " ".join(notes))
+        panels.append(charts.Panel(velocity, density, (*v50, *_rules(plan, limits, label=True))))
+    elif fit := plan.recommended:
+        curve.append(charts.Line(x, [fit.probability(v) for v in x], label=f"{fit.curve}, {fit.method}"))
+    if plan.operating_characteristic:
+        panels.append(_operating_panel(plan))
+    else:
+        probability = charts.Axis("probability of complete penetration", limits=(-0.05, 1.05))
+        series = (*curve, *shot_points(plan.fired), *_rules(plan, limits, label=not panels))
+        panels.append(charts.Panel(velocity, probability, series, shares_x=bool(panels)))
+    return charts.Chart(_title(plan), tuple(panels), f"{plan.stopped}." if plan.stopped else "")
 
 
 def _title(plan: ShotPlan) -> str:
@@ -224,8 +218,8 @@ def _operating_panel(plan: ShotPlan) -> charts.Panel:
     if plan.consumers_risk is not None:
         risk = plan.consumers_risk
         lines.append(charts.Rule(risk, ":", vertical=False, label=f"either risk {percent(risk)}", colour="soft"))
-    if v50[0] <= (plan.requirement_m_s or 0.0) <= v50[-1]:
-        lines += [charts.Rule(plan.requirement_m_s or 0.0, "-.", colour="soft")]
+    if (at := plan.requirement_m_s) is not None and v50[0] <= at <= v50[-1]:
+        lines.append(charts.Rule(at, "-.", colour="soft"))
     fraction = charts.Axis("fraction of firings", limits=(-0.05, 1.05))
     title = f"operating characteristic at a scatter of {points[0].scatter_m_s:.0f} m/s"
     return charts.Panel(charts.Axis("V50 of the armour", "m/s"), fraction, tuple(lines), title)

@@ -29,7 +29,7 @@ def tables(result: SweepResult) -> list[Table | str]:
 def first_rows(columns: Mapping[str, Any]) -> Table:
     """Return the first rows of the columns of a sweep."""
     shown = tuple(zip(*(values[:SWEEP_ROWS].tolist() for values in columns.values()), strict=True))
-    headings = [column_of(name, ".6g" if values.dtype.kind in "iuf" else "") for name, values in columns.items()]
+    headings = [column_of(name, ".6g" if _is_number(values) else "") for name, values in columns.items()]
     return Table(tuple(headings), shown)
 
 
@@ -37,7 +37,7 @@ def chart(result: SweepResult) -> charts.Chart:
     """Describe the first quantity of a sweep that is a number over its one or two keys."""
     if len(result.keys) > 2:
         raise _undrawn(f"must be a sweep over one or two keys, found {len(result.keys)}")
-    numbers = [name for name in result.quantities if result[name].dtype.kind in "iuf"]
+    numbers = [name for name in result.quantities if _is_number(result[name])]
     if not numbers:
         raise _undrawn(f"must have a quantity that is a number, found only {', '.join(result.quantities)}")
     if np.isnan(result[numbers[0]]).all():
@@ -56,57 +56,76 @@ MAX_MARKERS = 40
 def sweep_chart(table: Mapping[str, Any], keys: Sequence[str], name: str, scenario: Scenario) -> charts.Chart:
     """Describe a quantity over one key of a sweep, as a curve, or two, as a map; thicknesses have areal densities.
 
-    Over a key of names there is a bar for each name, and over such a key and numbers a curve for each.
+    Over a key of names there is a mark for each name, and over such a key and numbers a curve for each.
     """
-    axes = [charts.quantity_axis(key) for key in keys]
-    answer = charts.quantity_axis(name, spec=".4g")
-    found = table[name]
-    title = _sweep_title(answer.label, *(axis.label for axis in axes))
-    if np.nanmin(found) < np.nanmax(found):
-        title += f": {number(np.nanmin(found), answer.spec)} to {answer.text(np.nanmax(found))}"
-    missing = np.count_nonzero(np.isnan(found))
-    note = f"{missing} of {len(found)} rows have no {answer.label}." if missing else ""
-    named = [key for key in keys if table[key].dtype.kind not in "iuf"]
+    answer, values = charts.quantity_axis(name, spec=".4g"), table[name]
+    title = _sweep_title(answer.label, *(charts.quantity_axis(key).label for key in keys))
+    if np.nanmin(values) < np.nanmax(values):
+        title += f": {number(np.nanmin(values), answer.spec)} to {answer.text(np.nanmax(values))}"
+    missing = np.count_nonzero(np.isnan(values))
+    notes = [f"{missing} of {len(values)} rows have no {answer.label}."] if missing else []
+    named = [key for key in keys if not _is_number(table[key])]
     if len(named) == len(keys):
-        names = tuple(dict.fromkeys(table[named[0]].tolist()))
-        values = {
-            label: [
-                dict(zip(table[named[0]][own].tolist(), found[own].tolist(), strict=True)).get(name) for name in names
-            ]
-            for label, own in _by_name(table, named[1:])
-        }
-        return charts.Chart(title, (charts.rows_panel(answer, names, values),), note)
-    if len(keys) == 1 or named:
-        [key] = [key for key in keys if key not in named]
-        # The axis reaches rows without an answer too, and a single row has a point.
-        across = charts.quantity_axis(
-            key, limits=charts.widened(table[key].tolist()) if missing or len(set(table[key])) == 1 else None
-        )
-        curves = []
-        for index, (label, own) in enumerate(_by_name(table, named)):
-            order = np.flatnonzero(own)[np.argsort(table[key][own], kind="stable")]
-            look = (
-                charts.look_of(index)
-                if len(order) <= MAX_MARKERS
-                else {"colour": charts.COLOURS[index % len(charts.COLOURS)]}
-            )
-            curves.append(charts.Line(table[key][order].tolist(), found[order].tolist(), label=label, **look))
-        return charts.Chart(title, (charts.Panel(across, answer, tuple(curves), height=1.1),), note)
-    x, y, z = charts.on_grid(table[keys[0]], table[keys[1]], found)
+        panel = _names_panel(table, named, answer, values)
+    elif len(keys) == 1 or named:
+        panel = _curves_panel(table, next(key for key in keys if key not in named), named, answer, values)
+    else:
+        panel = _map_panel(table, keys, name, answer, scenario)
+        if name in RESIDUALS and (stopped := np.count_nonzero(values == 0.0)):
+            notes.append(f"White: {stopped} cases that are stopped.")
+    return charts.Chart(title, (panel,), " ".join(notes))
+
+
+def _is_number(values: Any) -> bool:
+    return values.dtype.kind in "iuf"
+
+
+def _names_panel(table: Mapping[str, Any], named: Sequence[str], answer: charts.Axis, values: Any) -> charts.Panel:
+    """Describe values by the names of one key or of two."""
+    names = tuple(dict.fromkeys(table[named[0]].tolist()))
+    by_name = {
+        label: list(map(dict(zip(table[named[0]][own].tolist(), values[own].tolist(), strict=True)).get, names))
+        for label, own in _by_name(table, named[1:])
+    }
+    return charts.rows_panel(answer, names, by_name)
+
+
+def _curves_panel(
+    table: Mapping[str, Any], key: str, named: Sequence[str], answer: charts.Axis, values: Any
+) -> charts.Panel:
+    """Describe values over a key of numbers, a curve for each name of another key."""
+    x = table[key]
+    # The axis reaches rows without an answer too, and a single row has a point.
+    whole = np.isnan(values).any() or len(set(x)) == 1
+    curves = []
+    for index, (label, own) in enumerate(_by_name(table, named)):
+        order = np.flatnonzero(own)[np.argsort(x[own], kind="stable")]
+        look = charts.look_of(index)
+        if len(order) > MAX_MARKERS:
+            look = {"colour": charts.COLOURS[index % len(charts.COLOURS)]}
+        curves.append(charts.Line(x[order].tolist(), values[order].tolist(), label=label, **look))
+    across = charts.quantity_axis(key, limits=charts.widened(x.tolist()) if whole else None)
+    return charts.Panel(across, answer, tuple(curves), height=1.1)
+
+
+def _map_panel(
+    table: Mapping[str, Any], keys: Sequence[str], name: str, answer: charts.Axis, scenario: Scenario
+) -> charts.Panel:
+    """Describe a quantity over two keys of numbers."""
+    x, y, z = charts.on_grid(table[keys[0]], table[keys[1]], table[name])
     # A residual velocity of zero is no level of the perforated ones: contours towards it would follow the cells.
     some: Any = np.where(z > 0.0, z, np.nan) if name in RESIDUALS else z
     series: list[charts.Series] = [charts.Map(x, y, some, answer.heading)]
     if min(z.shape) > 1 and np.isfinite(some).any() and np.nanmin(some) < np.nanmax(some):
         series.append(charts.Contours(x, y, some, levels=CONTOURS, colour="ink"))
-    if (stopped := np.count_nonzero(z == 0.0)) and name in RESIDUALS:
-        note = f"{note} White: {stopped} cases that are stopped.".strip()
     if set(keys) == {CERAMIC, BACKING} and min(z.shape) > 1:
         ceramic, backing = np.meshgrid(x, y) if keys[0] == CERAMIC else np.meshgrid(x, y)[::-1]
         armour = scenario.core_armour()
         areal = armour.rho_c * MM * ceramic + armour.rho_B * MM * backing
         label = f"lines of equal {charts.quantity_axis('areal_density_kg_m2').heading}"
         series.append(charts.Contours(x, y, areal, "dashed", 5, label=label, colour="vermilion"))
-    return charts.Chart(title, (charts.Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
+    across, up = map(charts.quantity_axis, keys)
+    return charts.Panel(across, up, tuple(series), height=1.2)
 
 
 def _by_name(table: Mapping[str, Any], keys: Sequence[str]) -> list[tuple[str, Any]]:
