@@ -100,10 +100,10 @@ def test_brackets_are_narrowed_row_by_row():
         reached: Bools = values >= places[rows]
         return reached
 
-    found = bisect_rows(holds, 1e-6, np.zeros(3), np.ones(3))
+    found = bisect_rows(holds, np.arange(3), np.zeros(3), np.ones(3))
     assert ((found >= places) & (found < places + 1e-6)).all()
     count = len(asked)
-    again = bisect_rows(holds, 1e-6, np.zeros(3), np.ones(3), places - 1e-3, places + 1e-3)
+    again = bisect_rows(holds, np.arange(3), np.zeros(3), np.ones(3), places - 1e-3, places + 1e-3)
     assert again.tolist() == found.tolist()
     assert len(asked) - count < count
 

@@ -255,7 +255,7 @@ def test_distributions_must_follow_the_designs(uncertain: Any):
 def test_samples_that_are_not_allowed():
     threat = {"projectile": "7.62 mm AP", "velocity_m_s": 500.0, "probability_of_perforation": 0.4}
     wide = {"armour": {"ceramic_thickness_mm": {"distribution": "normal", "standard_deviation": 10.0}}}
-    with pytest.raises(InputError, match="must not reach values that are not allowed"):
+    with pytest.raises(InputError, match="must not include values that are not allowed"):
         optimise(catalogue([threat], wide))
 
 

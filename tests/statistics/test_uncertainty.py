@@ -308,7 +308,7 @@ def test_indices_are_of_values_that_are_allowed():
     case = with_section(
         samples=128, seed=9, armour={"ceramic_thickness_mm": wide}, ceramic={"flow_stress_GPa": strength}
     )
-    with pytest.raises(InputError, match="must not reach values that are not allowed"):
+    with pytest.raises(InputError, match="must not include values that are not allowed"):
         uncertainty(case)
 
 

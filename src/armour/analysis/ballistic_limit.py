@@ -68,7 +68,7 @@ class LimitResult(Result):
     warnings : tuple of str
         Ways in which the armour, or its ballistic limit, is unlike what the model was compared with.
     model_error : ModelError or None
-        Relative error of the ballistic limit by the model; None where it is not known.
+        Relative error of the ballistic limit by the model; None if it is not known.
     interval_m_s : tuple of float or None
         Interval in which the ballistic limit of the armour lies with a probability of 95 %, given this error, m/s.
     median_m_s : float or None
@@ -146,7 +146,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
 
 
 def model_error(scenario: Scenario, limit_m_s: float) -> ModelError | None:
-    """Return the error of a scenario's ballistic limit by the model, m/s; None where it is not known or not included.
+    """Return the error of a scenario's ballistic limit by the model, m/s; None if it is not known or not included.
 
     It is that of the section ``uncertainty.model`` or of tests of such armours.  With a ceramic, these are described by
     several laws of its flow stress; the limits by the others than the scenario's are computed here.
@@ -167,7 +167,7 @@ def error_of(scenario: Scenario, ratio: Mixture, armour: Parameters) -> ModelErr
 
 
 def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
-    """Return a warning where the outcome changes above the limit."""
+    """Return a warning if the outcome changes above the limit."""
     return () if limit.monotonic else (f"the outcome is not monotonic: {_listed(limit.crossings)}",)
 
 
@@ -269,10 +269,10 @@ class ConfidenceResult(Result):
     Attributes
     ----------
     probability_of_defeat : float or None
-        Probability that the ballistic limit of the armour exceeds the impact velocity; None where it is not known.
+        Probability that the ballistic limit of the armour exceeds the impact velocity; None if it is not known.
         Where no velocity of the search perforates, it is a lower bound, given if it exceeds 0.995.
     ballistic_limit_m_s : float or None
-        By the model, m/s; None where there is none in the range of the search.
+        By the model, m/s; None if there is none in the range of the search.
     model_error : ModelError or None
         Relative error of the ballistic limit by the model.
     reason : str
@@ -315,7 +315,7 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     Returns
     -------
     ConfidenceResult
-        With the reason where no ballistic limit is found or a run does not end within the maximum number of steps.
+        With the reason if no ballistic limit is found or a run does not end within the maximum number of steps.
     """
     try:
         found = of_limit(scenario, _limit(scenario, on_progress), scenario.impact.velocity_m_s)

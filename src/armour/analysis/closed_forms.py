@@ -97,7 +97,7 @@ def fit_areal_density_rule(areal_densities: Floats, limits: Floats, p: float | N
     Parameters
     ----------
     areal_densities : (n,) array
-        Areal densities of the armours, kg/m²; at least two that differ where p is fitted.
+        Areal densities of the armours, kg/m²; at least two that differ if p is fitted.
     limits : (n,) array
         Their ballistic limits, m/s.
     p : float, optional
@@ -207,7 +207,7 @@ class FlorenceResult:
     best_ballistic_limit_m_s : float
         Florence's limit of the best armour, m/s.
     model_ballistic_limit_m_s : float or None
-        Ballistic limit of the best armour by the model, m/s; None where the scenario's range contains none.
+        Ballistic limit of the best armour by the model, m/s; None if the scenario's range contains none.
     """
 
     projectile: Body

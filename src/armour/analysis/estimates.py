@@ -51,14 +51,14 @@ def mean_of_replicates(values: Floats) -> Estimate:
 def proportion_of_replicates(hits: Sequence[int], sizes: Sequence[int]) -> Estimate:
     """Estimate a proportion from the hits in independent replicates, given their sizes, with the t interval.
 
-    Where there are fewer hits, or misses, than replicates, the interval is that of Clopper and Pearson.
+    If there are fewer hits, or misses, than replicates, the interval is the Clopper-Pearson one.
     """
     samples = sum(sizes)
     plain = proportion(sum(hits), samples)
     if min(sum(hits), samples - sum(hits)) < len(sizes):
         return plain
     found = mean_of_replicates(np.divide(hits, sizes))
-    # Replicates may agree to the last hit; one hit in all of them is then still beyond what they tell.
+    # Replicates may agree to the last hit; their spread does not resolve less than one hit in all of them.
     half = max(found.high - found.value, -log(TAIL) / samples)
     return Estimate(plain.value, max(0.0, plain.value - half), min(1.0, plain.value + half))
 

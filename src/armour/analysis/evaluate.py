@@ -33,9 +33,7 @@ class Group(NamedTuple):
     variants: Variants
 
 
-def evaluate(
-    scenario: Scenario, columns: Mapping[str, Any], quantities: Sequence[str], threads: int | None = None
-) -> dict[str, Any]:
+def evaluate(scenario: Scenario, columns: Mapping[str, Any], quantities: Sequence[str]) -> dict[str, Any]:
     """Return quantities by name, each an array, (n,), for n rows of values by key of the scenario or name of input.
 
     Without values, they are those of the scenario itself.  A question without an answer gives NaN.  Raise an InputError
@@ -44,7 +42,7 @@ def evaluate(
     check_quantities(scenario, quantities, "evaluate", "quantities")
     columns = _checked(columns)
     check_keys(scenario, {key: values[0].item() for key, values in columns.items()}, quantities, "evaluate")
-    return evaluate_groups(groups_of(scenario, columns), quantities, threads)[0]
+    return evaluate_groups(groups_of(scenario, columns), quantities)[0]
 
 
 def check_quantities(scenario: Scenario, quantities: Sequence[str], file: str, key: str) -> None:
@@ -78,7 +76,7 @@ def _checked(columns: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def check_keys(scenario: Scenario, row: Mapping[str, float | str], quantities: Sequence[str], file: str) -> None:
-    """Check that each key of a table, of which a row is given, counts for the quantities."""
+    """Check that each key of a table affects the quantities, given one row."""
     row = dict(zip(canonical(row, file), row.values(), strict=True))
     try:
         made = scenario.replaced({key: value for key, value in row.items() if key not in INPUTS})
@@ -134,7 +132,7 @@ def evaluate_groups(
     groups: Sequence[Group], quantities: Sequence[str], threads: int | None = None
 ) -> tuple[dict[str, Any], Counter[str]]:
     """Evaluate quantities for groups of rows, see `evaluate`; return them, and warnings with their numbers of rows."""
-    answers = [Answers(group.variants, threads) for group in groups]
+    answers = [Answers(group.variants._replace(threads=threads)) for group in groups]
     order = np.argsort(np.concatenate([group.where for group in groups]), kind="stable")
     columns = {
         name: np.concatenate([QUANTITIES[name].compute(answer) for answer in answers])[order] for name in quantities
@@ -164,14 +162,14 @@ class Answers:
     Each computation is done once, when it is first needed.
     """
 
-    def __init__(self, variants: Variants, threads: int | None = None) -> None:
-        self.variants, self.threads = variants, threads
+    def __init__(self, variants: Variants) -> None:
+        self.variants = variants
         self._least: dict[str, searches.Least] = {}
 
     @cached_property
     def impacts(self) -> batch.Impacts:
         """Ends of the impacts."""
-        return rows.impacts(self.variants, self.threads)
+        return rows.impacts(self.variants)
 
     @cached_property
     def perforated(self) -> Bools:
@@ -181,27 +179,27 @@ class Answers:
     @cached_property
     def ballistic_limits(self) -> Floats:
         """Ballistic limits, m/s."""
-        return searches.ballistic_limits(self.variants, self.threads)
+        return searches.ballistic_limits(self.variants)
 
     def least(self, layer: str) -> searches.Least:
-        """Return the least thicknesses of a layer, a key of `LEAST`, that defeat the impacts."""
+        """Return the least thicknesses of a layer, a key of `LEAST`, that stop the impacts."""
         if layer not in self._least:
-            self._least[layer] = LEAST[layer](self.variants, self.threads)
+            self._least[layer] = LEAST[layer](self.variants)
         return self._least[layer]
 
     @cached_property
     def with_least_ceramic(self) -> Variants:
-        """The variants with the least ceramic thickness that defeats the impact."""
+        """The variants with the least ceramic thickness that stops the impact."""
         return rows.with_thicknesses(self.variants, ceramic_mm=self.least("ceramic").mm)
 
     @cached_property
     def with_least_backing(self) -> Variants:
-        """The variants with the least back plate thickness that defeats the impact."""
+        """The variants with the least back plate thickness that stops the impact."""
         return rows.with_thicknesses(self.variants, backing_mm=self.least("back plate").mm)
 
     @cached_property
     def residual_velocities(self) -> Floats:
-        """Residual velocities, m/s; 0 where the impact is defeated."""
+        """Residual velocities, m/s; 0 if the projectile is stopped."""
         return np.where(self.perforated, self.impacts.V, 0.0)
 
     @cached_property
@@ -231,22 +229,20 @@ class Answers:
 
     @property
     def plug_velocities(self) -> Floats:
-        """Velocities of the plugs, m/s; 0 where the impact is defeated."""
+        """Velocities of the plugs, m/s; 0 if the projectile is stopped."""
         return np.where(self.perforated, self.impacts.W, 0.0)
 
     @property
     def probabilities_of_defeat(self) -> Floats:
         """Probabilities of stopping the projectile, given the model error."""
-        limits = searches.limits_by_law(self.variants, self.ballistic_limits, self.threads)
+        limits = searches.limits_by_law(self.variants, self.ballistic_limits)
         return self.variants.errors.of_limits(limits).probability_above(self.variants.velocities)
 
     def changes(self, quantities: Sequence[str]) -> dict[str, int]:
         """Return ways in which quantities are not all of the answer, in words, each with its number of rows."""
         found: dict[str, Bools] = {}
         if limits := [name for name in quantities if "ballistic_limit" in QUANTITIES[name].reads]:
-            found[f"{', '.join(limits)}: {AGAIN}"] = searches.changes_above(
-                self.variants, self.ballistic_limits, self.threads
-            )
+            found[f"{', '.join(limits)}: {AGAIN}"] = searches.changes_above(self.variants, self.ballistic_limits)
         for name in quantities:
             if layer := QUANTITIES[name].least:
                 found[f"{name}: {THICKER.format(layer)}"] = self.least(layer).changes_again

@@ -115,7 +115,7 @@ def same_columns(columns: Mapping[str, Any], others: Mapping[str, Any]) -> bool:
     )
 
 
-# How much is done since the last call, and how much there is, None where not known.
+# How much is done since the last call, and how much there is, None if not known.
 OnProgress = Callable[[int, int | None], None]
 
 # Rows of the first part, of impacts and of searches, and seconds that each further part is to take.

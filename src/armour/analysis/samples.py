@@ -21,7 +21,7 @@ LEAST_RATIO = 0.01
 class Samples(NamedTuple):
     """n samples of the uncertain inputs."""
 
-    variants: Variants  # at the velocities at which the model perforates where the armour is perforated
+    variants: Variants  # at velocities at which the model perforates if the armour is perforated
     factor: Any  # ballistic limit of the armour over that of the model, (n,) or a number
 
 
@@ -32,7 +32,7 @@ def own_errors(scenario: Scenario, layers: Mapping[str, float] | None = None) ->
 
 
 def section_of(scenario: Scenario) -> Uncertainty:
-    """Return the distributions of a scenario, with that of the model error where it is known."""
+    """Return the distributions of a scenario, with that of the model error if it is known."""
     return section_at(scenario, scenario.inputs(), with_error=bool(own_errors(scenario).known.all()))
 
 
@@ -61,14 +61,14 @@ def own_values(scenario: Scenario) -> dict[str, float]:
 def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int, errors: Errors | None = None) -> Samples:
     """Return n samples of values, which the scenario must allow.
 
-    An armour whose ballistic limit is that of the model times a factor is perforated where the model perforates at the
-    impact velocity divided by the factor.  The model error, by default of the scenario's armour, is drawn at the
+    An armour whose ballistic limit is the model's times a factor is perforated if the model perforates at the impact
+    velocity divided by the factor.  The model error, by default of the scenario's armour, is drawn at the
     chances of its column; the law of the flow stress that it is drawn from is that of the sample.
     """
     problems = []
     inputs = {name: values for name, values in columns.items() if name != ERROR}
     for name, _, found in scenario.wrong_rows(inputs):
-        message = f"must not reach values that are not allowed: {found[0].message}; give it a min or max"
+        message = f"must not include values that are not allowed: {found[0].message}; give it a min or max"
         problems.append(Problem(scenario.file, f"uncertainty.{name}", message))
     refuse(problems)
     variants = variants_of(scenario, inputs, count)

@@ -1,7 +1,6 @@
 """Ballistic limits and least thicknesses of many variants of a scenario at once."""
 
 from collections.abc import Callable
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -39,14 +38,14 @@ class Least(NamedTuple):
     changes_again: Bools  # a thicker layer is known to be perforated; looked for where a row is unusual
 
 
-def ballistic_limits(variants: Variants, threads: int | None = None, *, tolerance: float | None = None) -> Floats:
+def ballistic_limits(variants: Variants, *, tolerance: float | None = None) -> Floats:
     """Return the ballistic limit of each row, m/s, to a tolerance, m/s, by default that of the section; NaN for none.
 
     It is, to the last bit, the number that `armour.analysis.ballistic_limit.ballistic_limit` finds.
     """
     section = variants.scenario.ballistic_limit
     tolerance = section.tolerance_m_s if tolerance is None else tolerance
-    found = limit_brackets(variants, section.velocity_min_m_s, section.velocity_max_m_s, tolerance, threads)
+    found = limit_brackets(variants, section.velocity_min_m_s, section.velocity_max_m_s, tolerance)
     return np.where(found.bounded, found.perforated, np.nan)
 
 
@@ -55,18 +54,17 @@ def limit_brackets(
     low: float,
     high: float,
     tolerance: float,
-    threads: int | None = None,
     points: int = SCAN_POINTS,
 ) -> batch.Brackets:
     """Return brackets of the ballistic limit of each row that a scan from low to high, m/s, sees.
 
-    It has at least a number of points, and is dense where a row is unusual.
+    The scan has at least a number of points, and the dense number if a row is unusual.
     """
     count, dense = len(variants.velocities), unusual(variants)
     brackets = batch.Brackets(np.empty(count), np.empty(count), np.empty(count, np.int64), np.empty(count, np.bool_))
     for rows, some in ((~dense, points), (dense, DENSE_SCAN_POINTS)):
         if rows.any():
-            found = _searched(variants.parameters[rows], low, high, tolerance, variants.options(threads), some)
+            found = _searched(variants.parameters[rows], low, high, tolerance, variants.options, some)
             for into, values in zip(brackets, found, strict=True):
                 into[rows] = values
     check_resolved(brackets.resolved, variants._replace(velocities=brackets.perforated))
@@ -86,10 +84,10 @@ def _searched(
     return batch.Brackets(*(np.array([value]) for value in found))
 
 
-def limits_by_law(variants: Variants, own: Floats, threads: int | None = None) -> Floats:
+def limits_by_law(variants: Variants, own: Floats) -> Floats:
     """Return the ballistic limits by each law of the model error, m/s, (laws, n), given those of the rows.
 
-    They are searched for beyond the range of the section ``ballistic_limit`` too.  None is where a row has no limit.
+    They are searched for beyond the range of the section ``ballistic_limit`` too.  A row without a limit has none.
     """
     errors, section = variants.errors, variants.scenario.ballistic_limit
     limits = np.tile(own, (len(errors.weights), 1))
@@ -98,13 +96,13 @@ def limits_by_law(variants: Variants, own: Floats, threads: int | None = None) -
         rows = variants.by_law(law, errors)
         for ends in ((section.velocity_min_m_s, section.velocity_max_m_s), (SLOWEST_M_S, FASTEST_M_S)):
             if len(where):
-                found = limit_brackets(rows.at(where), *ends, section.tolerance_m_s, threads)
+                found = limit_brackets(rows.at(where), *ends, section.tolerance_m_s)
                 limits[law, where] = found.perforated.clip(*ends)
                 where = where[~found.bounded]
     return limits
 
 
-def changes_above(variants: Variants, limits: Floats, threads: int | None = None) -> Bools:
+def changes_above(variants: Variants, limits: Floats) -> Bools:
     """Return which unusual rows are seen to stop an impact faster than their ballistic limit, (n,)."""
     section, found = variants.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
     velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, DENSE_SCAN_POINTS))
@@ -113,81 +111,65 @@ def changes_above(variants: Variants, limits: Floats, threads: int | None = None
         some = where[start : start + SCANS_AT_A_TIME]
         row, place = np.nonzero(velocities > limits[some, None])
         faster = variants.at(some[row])._replace(velocities=velocities[place])
-        found[some[row[~perforated(faster, threads)]]] = True
+        found[some[row[~perforated(faster)]]] = True
     return found
 
 
 def bisect_rows(
-    holds: Condition,
-    tolerance: float,
-    low: Floats,
-    high: Floats,
-    below: Floats | None = None,
-    above: Floats | None = None,
+    holds: Condition, rows: Ints, low: Floats, high: Floats, below: Floats | None = None, above: Floats | None = None
 ) -> Floats:
-    """Return the upper ends of brackets (low, high) after bisection; a condition holds there and not at the lower ends.
+    """Return the upper ends of brackets of rows, (low, high), mm, after bisection.
 
-    Narrower brackets (below, above) that are known to contain the change save evaluations, but do not alter the result.
+    A condition holds there and not at the lower ends.  Narrower brackets (below, above) that are known to contain the
+    change save evaluations, but do not alter the result.
     """
     low, high = low.copy(), high.copy()
     below, above = low if below is None else below, high if above is None else above
     while True:
         middle = 0.5 * (low + high)
-        rows = np.flatnonzero((high - low > tolerance) & (low < middle) & (middle < high))
-        if not len(rows):
+        places = np.flatnonzero((high - low > THICKNESS_TOLERANCE_MM) & (low < middle) & (middle < high))
+        if not len(places):
             return high
-        values = middle[rows]
-        good = values >= above[rows]
-        unknown = ~good & (values > below[rows])
-        good[unknown] = holds(values[unknown], rows[unknown])
-        high[rows[good]] = values[good]
-        low[rows[~good]] = values[~good]
+        values = middle[places]
+        good = values >= above[places]
+        unknown = ~good & (values > below[places])
+        good[unknown] = holds(values[unknown], rows[places[unknown]])
+        high[places[good]] = values[good]
+        low[places[~good]] = values[~good]
 
 
-def least_ceramics_mm(variants: Variants, threads: int | None = None) -> Least:
-    """Return the least ceramic thickness of the grid's range that defeats each impact, mm; NaN where none does."""
+def least_ceramics_mm(variants: Variants) -> Least:
+    """Return the least ceramic thickness of the grid's range that stops each impact, mm; NaN if none does."""
     low, high = variants.grid.ceramic_thickness_mm.min, variants.grid.ceramic_thickness_mm.max
     below, above = np.empty_like(variants.velocities), np.empty_like(variants.velocities)
     for cosine in np.unique(variants.cosines):
         rows = variants.cosines == cosine
         some = variants.at(rows)
         range_m = low / cosine * MM, high / cosine * MM
-        options = variants.options(threads)
         found = batch.least_thicknesses(
-            some.parameters, some.velocities, *range_m, THICKNESS_TOLERANCE_MM * MM, options
+            some.parameters, some.velocities, *range_m, THICKNESS_TOLERANCE_MM * MM, variants.options
         )
         check_resolved(found.resolved, some)
         # The perforated end of a bracket of thicknesses is the lower one.
         below[rows], above[rows] = found.perforated / MM * cosine, found.defeated / MM * cosine
     least = np.where(np.isfinite(above) & ~np.isfinite(below), low, np.nan)
     where = np.flatnonzero(np.isfinite(above) & np.isfinite(below))
-
-    def with_ceramic(values: Floats, rows: Ints) -> Variants:
-        return with_thicknesses(variants.at(rows), ceramic_mm=values)
-
-    def defeated(values: Floats, rows: Ints) -> Bools:
-        return ~perforated(with_ceramic(values, rows), threads)
-
+    stops, is_unusual = _conditions(lambda values, rows: with_thicknesses(variants.at(rows), ceramic_mm=values))
     lows, highs = np.full(len(least), low), np.full(len(least), high)
-    least[where] = bisect_rows(
-        partial(_at_rows, defeated, where),
-        *(THICKNESS_TOLERANCE_MM, lows[where], highs[where], below[where], above[where]),
-    )
-    return scanned_where_unusual(least, lambda *at: unusual(with_ceramic(*at)), defeated, lows, highs)
+    least[where] = bisect_rows(stops, where, lows[where], highs[where], below[where], above[where])
+    return scanned_where_unusual(least, stops, is_unusual, lows, highs)
 
 
-def least_backings_mm(variants: Variants, threads: int | None = None) -> Least:
-    """Return the least back plate thickness of the grid's range that defeats each impact, mm; NaN where none does."""
+def least_backings_mm(variants: Variants) -> Least:
+    """Return the least back plate thickness of the grid's range that stops each impact, mm; NaN if none does."""
     count, backing = len(variants.velocities), variants.grid.backing_thickness_mm
 
-    def with_backing(values: Floats, rows: Ints) -> Variants:
-        return with_thicknesses(variants.at(rows), backing_mm=values)
-
-    return _least(with_backing, np.full(count, backing.min), np.full(count, backing.max), threads)
+    stops, is_unusual = _conditions(lambda values, rows: with_thicknesses(variants.at(rows), backing_mm=values))
+    return least_values_mm(stops, is_unusual, np.full(count, backing.min), np.full(count, backing.max))
 
 
-def least_totals_mm(variants: Variants, threads: int | None = None) -> Least:
-    """Return the least thickness of both layers together that defeats each impact, mm; NaN where none does.
+def least_totals_mm(variants: Variants) -> Least:
+    """Return the least thickness of both layers together that stops each impact, mm; NaN if none does.
 
     The layers keep their proportion and are within the grid's ranges.
     """
@@ -205,59 +187,46 @@ def least_totals_mm(variants: Variants, threads: int | None = None) -> Least:
         return with_thicknesses(variants.at(some), ceramic_mm=ceramic_mm, backing_mm=backing_mm)
 
     least = Least(np.full(len(totals), np.nan), np.zeros(len(totals), dtype=bool))
-    found = _least(scaled, low[where] * totals[where], high[where] * totals[where], threads)
-    least.mm[where], least.changes_again[where] = found
+    ends = low[where] * totals[where], high[where] * totals[where]
+    least.mm[where], least.changes_again[where] = least_values_mm(*_conditions(scaled), *ends)
     return least
 
 
-def _least(thick: Callable[[Floats, Ints], Variants], low: Floats, high: Floats, threads: int | None) -> Least:
-    """Return the least thickness from low to high, mm, that defeats each impact, given rows of some thicknesses."""
-    return least_values_mm(lambda *at: ~perforated(thick(*at), threads), lambda *at: unusual(thick(*at)), low, high)
+def _conditions(thick: Callable[[Floats, Ints], Variants]) -> tuple[Condition, Condition]:
+    """Return whether rows with other thicknesses stop the impact, and whether they are unusual."""
+    return lambda *at: ~perforated(thick(*at)), lambda *at: unusual(thick(*at))
 
 
 def least_values_mm(
-    defeated: Condition, is_unusual: Condition, low: Floats, high: Floats, points: int = DENSE_SCAN_POINTS
+    stops: Condition, is_unusual: Condition, low: Floats, high: Floats, points: int = DENSE_SCAN_POINTS
 ) -> Least:
-    """Return the least thickness from low to high, mm, that defeats the threat in each row, by bisection or scan.
+    """Return the least thickness from low to high, mm, that stops the threat in each row, by bisection or scan.
 
-    Where a row is not unusual, the outcome is taken to change once at most; the others are scanned at some points.
+    Unless a row is unusual, the outcome is taken to change once at most; the others are scanned at some points.
     """
     rows = np.arange(len(low))
-    least = np.where(defeated(low, rows), low, np.nan)
+    least = np.where(stops(low, rows), low, np.nan)
     rest = rows[np.isnan(least)]
-    rest = rest[defeated(high[rest], rest)]
-    least[rest] = bisect_rows(partial(_at_rows, defeated, rest), THICKNESS_TOLERANCE_MM, low[rest], high[rest])
-    return scanned_where_unusual(least, is_unusual, defeated, low, high, points)
+    rest = rest[stops(high[rest], rest)]
+    least[rest] = bisect_rows(stops, rest, low[rest], high[rest])
+    return scanned_where_unusual(least, stops, is_unusual, low, high, points)
 
 
 def scanned_where_unusual(
-    least: Floats,
-    is_unusual: Condition,
-    defeated: Condition,
-    low: Floats,
-    high: Floats,
-    points: int = DENSE_SCAN_POINTS,
+    least: Floats, stops: Condition, is_unusual: Condition, low: Floats, high: Floats, points: int = DENSE_SCAN_POINTS
 ) -> Least:
-    """Return least thicknesses of rows, mm, which a scan from low to high takes the place of where a row is unusual.
+    """Return least thicknesses of rows, mm, with those of a scan from low to high for unusual rows.
 
-    Whether it is tells the least thickness that is given; where that is NaN, the other quantities of the row.
+    The least thickness given decides whether it is; if that is NaN, the other quantities of the row do.
     """
     found = Least(least.copy(), np.zeros(len(least), dtype=bool))
     where = np.flatnonzero(is_unusual(least, np.arange(len(least))))
     for start in range(0, len(where), SCANS_AT_A_TIME):
         rows = where[start : start + SCANS_AT_A_TIME]
         values = np.linspace(low[rows], high[rows], points, axis=1)
-        stops = defeated(values.ravel(), np.repeat(rows, points)).reshape(values.shape)
-        first, some = stops.argmax(axis=1), np.arange(len(rows))
-        upper = bisect_rows(
-            partial(_at_rows, defeated, rows),
-            *(THICKNESS_TOLERANCE_MM, values[some, np.maximum(first - 1, 0)], values[some, first]),
-        )
-        found.mm[rows] = np.where(stops.any(axis=1), upper, np.nan)
-        found.changes_again[rows] = (stops[:, :-1] > stops[:, 1:]).any(axis=1)
+        stopped = stops(values.ravel(), np.repeat(rows, points)).reshape(values.shape)
+        first, some = stopped.argmax(axis=1), np.arange(len(rows))
+        upper = bisect_rows(stops, rows, values[some, np.maximum(first - 1, 0)], values[some, first])
+        found.mm[rows] = np.where(stopped.any(axis=1), upper, np.nan)
+        found.changes_again[rows] = (stopped[:, :-1] > stopped[:, 1:]).any(axis=1)
     return found
-
-
-def _at_rows(holds: Condition, rows: Ints, values: Floats, places: Ints) -> Bools:
-    """Return whether a condition holds at values of some places in a selection of rows."""
-    return holds(values, rows[places])

@@ -30,18 +30,20 @@ class Variants(NamedTuple):
     parameters: Floats  # (n, fields), see `armour.engine.batch.packed`; thicknesses along the line of fire
     velocities: Floats  # impact velocities, m/s, (n,)
     cosines: Floats  # of the obliquities, (n,)
-    tensile_MPa: Floats  # tensile strengths of the back plates, (n,); NaN where not given
+    tensile_MPa: Floats  # tensile strengths of the back plates, (n,); NaN if not given
     scenario: Scenario  # which has the settings, and whose other values the rows may replace
     own_strength: bool = True  # whether the back plates have the strength of the library
+    threads: int | None = None  # on which the engine computes; None for one per core
 
     def at(self, where: Ints | Bools | slice) -> "Variants":
         """Return some of the rows."""
         return Variants._make([*(column[where] for column in self[:4]), *self[4:]])
 
-    def options(self, threads: int | None = None) -> batch.SolverOptions:
-        """Return the options of the engine."""
+    @property
+    def options(self) -> batch.SolverOptions:
+        """Options of the engine."""
         solver = self.scenario.solver
-        return batch.SolverOptions(solver.arrest_velocity_m_s, solver.time_step, solver.max_steps, threads)
+        return batch.SolverOptions(solver.arrest_velocity_m_s, solver.time_step, solver.max_steps, self.threads)
 
     @property
     def grid(self) -> Optimise:
@@ -158,16 +160,16 @@ def grid_of(scenario: Scenario) -> Optimise:
     return section
 
 
-def impacts(variants: Variants, threads: int | None = None) -> batch.Impacts:
+def impacts(variants: Variants) -> batch.Impacts:
     """Simulate the impact of each row."""
-    found = batch.impacts(variants.parameters, variants.velocities, variants.options(threads))
+    found = batch.impacts(variants.parameters, variants.velocities, variants.options)
     check_resolved(found.outcome != Outcome.UNRESOLVED, variants)
     return found
 
 
-def perforated(variants: Variants, threads: int | None = None) -> Bools:
+def perforated(variants: Variants) -> Bools:
     """Return whether the impact of each row perforates."""
-    return impacts(variants, threads).outcome == Outcome.PERFORATED
+    return impacts(variants).outcome == Outcome.PERFORATED
 
 
 def check_resolved(resolved: Bools, variants: Variants) -> None:

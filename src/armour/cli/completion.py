@@ -1,6 +1,6 @@
 """What the shell offers to complete a word, of which typer keeps what starts like it.
 
-Nothing here needs numpy, so that it comes at once. What it needs of scenarios is imported where a word is asked for,
+Nothing here needs numpy, so that it comes at once. What it needs of scenarios is imported when a word is asked for,
 since every command imports this module.
 """
 
@@ -98,7 +98,7 @@ def assignments(incomplete: str) -> list[str]:
         words[THREAT] = list(named_threats())
         choices = {name: _choices(annotation) for name, annotation in _keys(Scenario)}
         return [f"{key}={word}" for word in (choices | words).get(key, ())]
-    # The many keys of distributions are only of use where one is begun.
+    # The many keys of distributions are only of use once one is begun.
     depth = 4 if incomplete.startswith("uncertainty.") else 3
     keys = [key for key, _ in _keys(Scenario) if len(key.split(".")) <= depth]
     return [f"{key}=" for key in dict.fromkeys((*INPUTS, *keys))]

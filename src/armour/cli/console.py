@@ -77,11 +77,11 @@ def discard(stream: IO[str]) -> None:
 
 @contextmanager
 def progress(what: str, total: int | None = None, first: str = "") -> Iterator[Callable[..., None]]:
-    """Give a function that counts some more of a total: a bar with rate and time left on a terminal.
+    """Give a function to call with progress; on a terminal it moves a bar with rate and time left.
 
     The total may also be given, or given anew, with each count; without one, the bar only moves.  What was ``stored``
-    before is no part of the rate.  ``first`` says what is done before the first count; by default code
-    is compiled.
+    before is not part of the rate.  ``first`` names what is done before the first count; by default,
+    compiling.
     """
     if not sys.stderr.isatty():
         yield lambda *_count, **_stored: None

@@ -1,4 +1,4 @@
-"""Commands on tests of armours: what they tell, and what to test next."""
+"""Commands on tests of armours: estimates from them, and what to test next."""
 
 from contextlib import ExitStack
 from os.path import exists

@@ -33,7 +33,7 @@ Style = Callable[..., str]
 
 
 def plain(text: str, _colour: str = "") -> str:
-    """Return a text as it is, where no terminal shows it."""
+    """Return a text as it is, for output that no terminal shows."""
     return text
 
 
@@ -105,7 +105,7 @@ def _longest_word(texts: Iterable[str]) -> int:
 
 
 def _shared(limits: Sequence[tuple[int, int]], room: int, gap: str = GAP) -> list[int] | None:
-    """Return the widths of columns, with room for those first that lack least; None where it is too little."""
+    """Return the widths of columns, with room for those first that lack least; None if it is too little."""
     widths = [least for least, _ in limits]
     spare = room - sum(widths) - len(gap) * (len(widths) - 1)
     if spare < 0:

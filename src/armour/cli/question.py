@@ -144,7 +144,7 @@ class Answer(NamedTuple):
     file: str = ""
     # A command to go on with.
     then: str = ""
-    # Whether a check failed, which the exit code tells.
+    # Whether a check failed, so that the exit code is 3.
     failed: bool = False
     # A lock that is held until the files are written.
     held: AbstractContextManager[Any] = nullcontext()

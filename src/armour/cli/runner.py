@@ -86,10 +86,10 @@ def read_scenario(
     more: Mapping[str, tuple[str, float | None]] | None = None,
     what: str = "the answer",
 ) -> "Scenario":
-    """Read the scenario of a file, of a shipped one by its name, or of standard input where it is "-".
+    """Read the scenario of a file, of a shipped one by its name, or, for "-", of standard input.
 
     ``assignments`` are those of ``--set``, which must set keys below those that the command ``reads``; ``more`` are the
-    keys and values of other options, None where one is not given; ``what`` is what it computes, in words.  A wrong
+    keys and values of other options, None if one is not given; ``what`` is what it computes, in words.  A wrong
     value of an option is a problem of the command line.
     """
     from armour.scenario.changes import changes_of
@@ -104,13 +104,14 @@ def read_scenario(
             if key in changes and changes[key] != value:
                 raise wrong_option(option, f"must not be given with {options[key]}")
             changes[key], options[key] = value, option
-    standard = str(path) == "-"
-    named, path = path, path if standard else scenario_file(path)
-    file, folder = (STANDARD_INPUT, Path()) if standard else (str(named), path.parent)
-    if standard:
+    if str(path) == "-":
         with suppress(OSError):  # a stream that is no file
             check_unreserved(sys.stdin.fileno())
-    data = parse_toml(decoded(sys.stdin.buffer, file) if standard else read_text(path), file)
+        file, folder, text = STANDARD_INPUT, Path(), decoded(sys.stdin.buffer, STANDARD_INPUT)
+    else:
+        found = scenario_file(path)
+        file, folder, text = str(path), found.parent, read_text(found)
+    data = parse_toml(text, file)
     try:
         loaded = parse_changed(data, changes, file=file, folder=folder)
     except InputError as error:
@@ -123,6 +124,22 @@ def read_scenario(
     check_read(changes, read, what)
     check_used(changes, loaded)
     return loaded
+
+
+def accepted(changes: Iterable[str], reads: Collection[str]) -> Iterator[str]:
+    """Yield those changes of ``--set`` that a command with such ``reads`` accepts."""
+    from armour.scenario.changes import changes_of
+    from armour.scenario.reach import check_read
+
+    for change in changes:
+        with suppress(InputError):
+            check_read(changes_of([change]), reads)
+            yield change
+
+
+def set_options(changes: Iterable[str]) -> list[str]:
+    """Return changes as words of a command line."""
+    return [word for change in changes for word in ("--set", change)]
 
 
 def _blamed(problem: Problem, options: Mapping[str, str]) -> Problem:
@@ -149,7 +166,7 @@ def respond(
 ) -> None:
     """Write the files that are asked for, show an answer as tables or JSON, and warn.
 
-    ``files`` are paths with functions that make the contents, or None where there is nothing to write.  ``chart`` makes
+    ``files`` are paths with functions that make the contents, or None if there is nothing to write.  ``chart`` makes
     the chart for ``plot``.  ``of`` are the lines above tables and chart that say what was computed.
     """
 

@@ -1,6 +1,5 @@
 """Commands that answer a question about a scenario, or about many armours like it."""
 
-import re
 import shlex
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
@@ -27,7 +26,17 @@ from armour.cli.question import (
     option,
     question,
 )
-from armour.cli.runner import as_options, check_outputs, read_scenario, respond, say_if_compiling, write, wrong_option
+from armour.cli.runner import (
+    accepted,
+    as_options,
+    check_outputs,
+    read_scenario,
+    respond,
+    say_if_compiling,
+    set_options,
+    write,
+    wrong_option,
+)
 from armour.errors import InputError, NoDesignError, Problem, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, SHOT
@@ -45,14 +54,14 @@ if TYPE_CHECKING:
 CONFIDENCE = ("design.confidence", "Required probability of stopping each threat, such as 0.95.")
 # Keys of a design that a check reads.
 CHECK = ("design.confidence", "design.thickness_tolerance_mm")
-# Changes of a scenario that a check does not read, but for the confidence.
-UNCHECKED = re.compile(r"\s*(design|optimise|uncertainty(?!\.model))\b")
 # What a ballistic limit depends on, see `armour.scenario.reach`.
 LIMIT_READS = (*SHOT, "ballistic_limit", "uncertainty.model")
+IMPACT_READS = ("impact", "armour", "ballistic_limit", "uncertainty.model")
+CHECK_READS = (*SHOT, *IMPACT_READS, "threat", *CHECK)
 
 
 @question(
-    ("impact", "armour", "ballistic_limit", "uncertainty.model"),
+    IMPACT_READS,
     what="the simulated impact",
     first="computing",
     velocity=("impact.velocity_m_s", "Impact velocity, m/s; by default the scenario's."),
@@ -93,7 +102,7 @@ def compare(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
 
 
 @question(
-    (*SHOT, "impact", "threat", *CHECK, "ballistic_limit", "uncertainty.model"),
+    CHECK_READS,
     what="the check",
     first="searching",
     of_threats=True,
@@ -147,8 +156,7 @@ def optimise(
         from armour.reporting.design_page import design_page
 
         refuse(wrong_ending(page, (".html",)))
-        unused = re.compile(r"\s*(design|optimise|threat|uncertainty(?!\.model))\b")
-        needed = [change.strip() for change in changes or () if not unused.match(change)]
+        needed = accepted(changes or (), IMPACT_READS)
         drawn = design_page(scenario, ["armour", "simulate", source], needed, on_progress)
     try:
         result = armour.optimise(scenario, on_progress=on_progress, **options)
@@ -174,11 +182,12 @@ def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Se
     own = scenario.replaced(named).inputs()
     changed = {key: str(value).removesuffix(".0") for key, value in numbers.items() if own.get(key, value) != value}
     values = {**named, **changed}
-    kept = [change for change in changes if not UNCHECKED.match(change) and change.partition("=")[0] not in values]
+    said = {*values, CONFIDENCE[0]}
+    kept = [change for change in accepted(changes, CHECK_READS) if change.partition("=")[0].strip() not in said]
     kept += [f"{key}={value}" for key, value in values.items()]
-    sets = [word for change in kept for word in ("--set", change)]
     required = scenario.design and scenario.design.confidence
-    return shlex.join(["armour", "check", source, *(["--confidence", f"{required:g}"] if required else []), *sets])
+    asked = ["--confidence", f"{required:g}"] if required else []
+    return shlex.join(["armour", "check", source, *asked, *set_options(kept)])
 
 
 @question(("impact", "armour", "ballistic_limit", "optimise"), unit="designs")
@@ -328,7 +337,6 @@ def _approve(effort: "Effort", yes: bool) -> None:
 
 # What a report reads: keys that it shows, and what the results for the scenario's own armour depend on.
 BYLINE = ("author", "project", "date")
-TEXTS = re.compile(r"\s*(author|project|date|armour\.\w+_thickness_mm)\b")
 AS_IS = ("impact", "threat", *CHECK, "ballistic_limit", "uncertainty", "optimise")
 
 
@@ -362,12 +370,10 @@ def report(
     check_outputs(output, force=force)
     refuse(wrong_ending(output, REPORT_ENDINGS))
     asked = [] if confidence is None else ["--confidence", str(confidence)]
-    sets = [word for change in changes or () for word in ("--set", change)]
-    command = shlex.join(
-        ["armour", "report", str(source), "--output", str(output), *["--as-is"] * as_is, *asked, *sets]
-    )
-    # What optimise does not read is left out.
-    needed = [word for change in changes or () if not TEXTS.match(change) for word in ("--set", change)]
+    changes = changes or []
+    words = ["armour", "report", str(source), "--output", str(output), *["--as-is"] * as_is, *asked]
+    command = shlex.join([*words, *set_options(changes)])
+    needed = set_options(accepted(changes, DESIGNS))
     map_command = shlex.join(["armour", "optimise", str(source), *asked, *needed, "--map", "map.html"])
     if str(source) != "-":
         source = scenario_file(source, shipped_suites())
@@ -376,9 +382,9 @@ def report(
         if is_suite and given:
             raise wrong_option(name, "must be given with a scenario, found a suite")
     if is_suite:
-        made = _suite_report(source, changes or [], command)
+        made = _suite_report(source, changes, command)
     else:
-        contents = _contents(source, changes or [], confidence, as_is=as_is)
+        contents = _contents(source, changes, confidence, as_is=as_is)
         made = scenario_report(contents, command, map_command)
     write({output: report_text(made, output)})
 

@@ -1,6 +1,5 @@
 """Commands on suites of published values, and on the paper's figures."""
 
-import os
 from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
@@ -14,7 +13,7 @@ from armour.cli.console import progress, say, show
 from armour.cli.question import AsJson, Changes, Force, argument, option
 from armour.cli.runner import CHECK_FAILED, check_outputs, respond, say_if_compiling, write
 from armour.errors import InputError, Problem, refuse
-from armour.files import suite_file
+from armour.files import reason, suite_file
 
 if TYPE_CHECKING:
     from armour.validation.suite import Suite
@@ -33,7 +32,9 @@ def validate(
     ] = None,
     only: Annotated[str, option("Check only cases whose name contains the text.", metavar="TEXT")] = "",
     changes: Changes = None,
-    update: Annotated[bool, option("Replace the suite's regression values by the computed ones.", "--update")] = False,
+    update: Annotated[
+        bool, option("Replace the suite's regression values with the computed ones.", "--update")
+    ] = False,
     verbose: Annotated[bool, option("Show every case, and why some are not scored.", "--verbose", "-v")] = False,
     markdown: Annotated[Path | None, option("Write the result as Markdown.", "--markdown", metavar="FILE")] = None,
     junit: Annotated[Path | None, option("Write the result as JUnit XML.", "--junit", metavar="FILE")] = None,
@@ -42,7 +43,7 @@ def validate(
 ) -> None:
     """Check the model against a suite of cases.
 
-    The exit code is 3 if a value lies outside its band; with --update, only values that are not updated are judged.
+    The exit code is 3 if a value lies outside its band; with --update, if a value that is not replaced does.
     """
     from armour.reporting.report import markdown_report
     from armour.reporting.views import suite as view
@@ -51,8 +52,8 @@ def validate(
     from armour.validation.validate import kept_by_update
 
     path = suite_file("paper" if suite is None else suite)
-    wrong = ["must be given a suite; what is published stays"] if path != suite else []
-    wrong += ["must not be given with --set: the suite would not hold without"] if changes else []
+    wrong = ["must be given a suite of your own; published values are not replaced"] if path != suite else []
+    wrong += ["must not be given with --set, whose changes are not in the suite"] if changes else []
     refuse(Problem("validate", "--update", message) for message in wrong if update)
     updated = suite if update else None
     check_outputs(markdown, junit, updated=updated, force=force)
@@ -80,7 +81,7 @@ def validate(
 
 
 def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":
-    """Compute the cases; where this is interrupted, show those that are done."""
+    """Compute the cases; if interrupted, show those that are done."""
     from armour.reporting.views import suite as view
     from armour.validation.validate import result_of
     from armour.validation.validate import validate as run_suite
@@ -101,7 +102,7 @@ def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":
 
 
 def _updated(suite: Path, result: "SuiteResult") -> bytes | None:
-    """Return the suite with computed values, which are listed on standard error; None where nothing changes."""
+    """Return the suite with computed values, which are listed on standard error; None if nothing changes."""
     from armour.reporting.views.suite import update_table
     from armour.validation.validate import kept_by_update, updated_file, updates_of
 
@@ -138,12 +139,10 @@ def figures(
         message = f'must be part of a name, found "{only}"; there are {", ".join(names)}'
         raise InputError([Problem("figures", "--only", message)])
     try:
-        os.listdir(folder)
-        check_outputs(*(folder / f"{name}.{ending}" for name in chosen for ending in ("csv", image)), force=force)
-    except FileNotFoundError:
-        pass  # it is made
-    except OSError:
-        raise InputError([Problem(str(folder), "", "must be a folder or free to be made one")]) from None
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError([Problem(str(folder), "", f"cannot be made a folder: {reason(error)}")]) from None
+    check_outputs(*(folder / f"{name}.{ending}" for name in chosen for ending in ("csv", image)), force=force)
     say_if_compiling()
     # Each figure is written as soon as it is computed: all of them take a while.
     with progress("figures", len(chosen)) as count:
@@ -155,6 +154,5 @@ def figures(
                 figures = [compute_figure(section, path.parent) for section in panels[name]]
                 table, chart = suite.figure_table(figures), suite.figure_chart(figures)
             drawn = draw.rendered(chart, f".{image}")
-            folder.mkdir(parents=True, exist_ok=True)
             write({folder / f"{name}.csv": csv_text(table), folder / f"{name}.{image}": drawn})
             count(1)

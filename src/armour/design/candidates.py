@@ -66,7 +66,7 @@ def _with_more_margin(requirement: Requirement, pair: int, columns: Sequence[str
 def _of_pair(
     requirement: Requirement, pair: int, columns: Sequence[str], *, refine: bool, verify: bool = True
 ) -> Candidates:
-    """Return the candidate designs of a pair; a free thickness is NaN where no value of it passes.
+    """Return the candidate designs of a pair; a free thickness is NaN if no value of it passes.
 
     Where both thicknesses are free, they are refined around the best by each of some columns.
     """
@@ -124,7 +124,7 @@ def _least(
 ) -> Least:
     """Return the least thickness of a free layer that passes with each thickness of the other.
 
-    Searches by the outcome at the velocities required and, to verify, by the limit where one lies below them.
+    Searches by the outcome at the velocities required and, to verify, by the limit if one lies below them.
     """
 
     def defeats(values: Floats, rows: Ints) -> Bools:
@@ -166,7 +166,7 @@ def searches_of(variants: Variants) -> int:
 
 
 def least_areal_densities(variants: Variants, on_progress: OnProgress = ignore_progress) -> Floats:
-    """Return the least areal density that defeats each impact, kg/m², (n,); NaN where no design does.
+    """Return the least areal density that stops each impact, kg/m², (n,); NaN if no design does.
 
     Both thicknesses are free within the ranges of the grid.  `on_progress` is called with searches for a ceramic.
     """
@@ -192,7 +192,7 @@ def least_areal_densities(variants: Variants, on_progress: OnProgress = ignore_p
 def minimise_over_backings(
     values_of: Callable[[Floats], Floats], first: Floats, low: float, high: float, width: float
 ) -> Floats:
-    """Return the minimum of a function of the back plate thickness in each row, (n,); inf where it has no value.
+    """Return the minimum of a function of the back plate thickness in each row, (n,); inf if it has no value.
 
     The function returns values, (n, k), at thicknesses, (n, k), mm.  The first round has the thicknesses given, at a
     distance of ``width``; each further round has thicknesses from low to high closer together around the best.

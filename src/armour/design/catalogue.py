@@ -41,7 +41,7 @@ from armour.scenario.schema import (
 )
 from armour.units import MM
 
-# Largest relative constraint violation that counts as rounding.
+# Largest relative constraint violation that is rounding.
 ROUNDING = 1e-12
 COST = "cost_per_m2"
 # A probability of perforation that bounds nothing.
@@ -100,11 +100,11 @@ class Catalogue:
     section: DesignSection
     threats: tuple[Threat, ...]
     titles: tuple[str, ...]  # of the threats
-    bounds: Floats  # of the probabilities of perforation, 0.5 where none is given, (threats,)
+    bounds: Floats  # of the probabilities of perforation, 0.5 if none is given, (threats,)
     sampled: bool  # whether the bounds hold for uncertain inputs too, which are sampled
     offers: tuple[Offer, ...]
     layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, fields)
-    tensile_MPa: Floats  # tensile strengths of the back plates, (pairs,); NaN where not given
+    tensile_MPa: Floats  # tensile strengths of the back plates, (pairs,); NaN if not given
     projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, fields)
     varying: frozenset[str]  # inputs that differ from design to design or from threat to threat
     more_margin_m_s: float = 0.0  # required of every threat
@@ -137,8 +137,8 @@ class Catalogue:
     def against_each(self, candidates: Candidates, threats: Sequence[int]) -> tuple[Variants, Floats, Floats]:
         """Return designs against each of some threats, the rows of a design together, at the velocities of the threats.
 
-        With the rows, (designs times threats), are the velocities that their ballistic limits must reach for a margin,
-        m/s, and the bounds on the probabilities of perforation that the model error decides on; 1 for none.
+        With the rows, (designs times threats), are the ballistic limits that their margins require, m/s, and the bounds
+        on the probabilities of perforation that the model error decides on; 1 for none.
         """
         designs, places = np.divmod(np.arange(len(candidates.pair) * len(threats)), len(threats))
         which = np.array(threats, dtype=np.int64)[places]
@@ -152,9 +152,9 @@ class Catalogue:
         return rows, required[which], bounds[which]
 
     def required_m_s(self, candidates: Candidates) -> Floats:
-        """Return the velocities that the ballistic limits of designs must reach, (designs, threats).
+        """Return the least ballistic limits required of designs, m/s, (designs, threats).
 
-        These are infinite where a probability is bounded, and the model error is not known.  With a ceramic, the
+        These are infinite if a probability is bounded and the model error is not known.  With a ceramic, the
         limits by other laws of its flow stress are computed for a bound.
         """
         rows, required, bounds = self.against_each(candidates, range(len(self.threats)))
@@ -198,7 +198,7 @@ class Catalogue:
         )
 
     def violations(self, candidates: Candidates) -> Floats:
-        """Return the largest relative constraint violation of each design: 0 for none, inf where a thickness is NaN."""
+        """Return the largest relative constraint violation of each design: 0 for none, inf if a thickness is NaN."""
         constraints = (
             (candidates.thickness_mm, self.section.thickness_max_mm),
             (candidates.areal_density_kg_m2, self.section.areal_density_max_kg_m2),
@@ -231,7 +231,7 @@ class Catalogue:
         return f"design.{role}[{place}].thickness_mm" if listed else f"optimise.{role}_thickness_mm"
 
     def omissions(self) -> Iterator[str]:
-        """Give a warning for each range of thicknesses whose end is no whole number of steps from its start."""
+        """Warn of each range of thicknesses whose end is no whole number of steps from its start."""
         for role in LAYERS:
             for place, layer in enumerate(getattr(self.section, role)):
                 thickness = layer.thickness_mm
@@ -368,7 +368,7 @@ def _row(inputs: Mapping[str, float]) -> list[float]:
 
 
 def _section_of(scenario: Scenario) -> DesignSection:
-    """Return the section ``design``; where it lists no material, with the scenario's own in the range of the grid."""
+    """Return the section ``design``; if it lists no material, with the scenario's own in the range of the grid."""
     section, armour = scenario.design or DesignSection(), scenario.armour
     ceramics, backings = section.ceramic, section.backing
     if not ceramics:

@@ -27,11 +27,11 @@ class WhatIf:
         In words, such as "ceramic 1 mm thinner".
     velocity_m_s : float
     ballistic_limit_m_s : float or None
-        By the model, m/s; None where there is none in the range of the search.
+        By the model, m/s; None if there is none in the range of the search.
     interval_m_s : tuple of float or None
-        95 % interval of the ballistic limit with the model error, m/s; None where that is not known.
+        95 % interval of the ballistic limit with the model error, m/s; None if that is not known.
     probability_of_defeat : float or None
-        Probability that the armour stops the projectile; None where it is not known.
+        Probability that the armour stops the projectile; None if it is not known.
     """
 
     change: str
@@ -52,9 +52,9 @@ class CheckedThreat:
     projectile : str
     velocity_m_s, obliquity_deg : float
     ballistic_limit_m_s : float or None
-        By the model, m/s; None where there is none in the range of the search.
+        By the model, m/s; None if there is none in the range of the search.
     interval_m_s : tuple of float or None
-        95 % interval of the ballistic limit with the model error, m/s; None where that is not known.
+        95 % interval of the ballistic limit with the model error, m/s; None if that is not known.
     margin_m_s, required_margin_m_s : float
         Excess of the ballistic limit over the velocity, m/s, which may be None, and the required excess.
     probability_of_defeat, required_probability : float or None
@@ -64,7 +64,7 @@ class CheckedThreat:
     model_error : ModelError or None
         What the probability rests on; None if it is not known.
     passed : bool
-        Whether the armour stops the threat with the probability required or, where none is, with the margin required.
+        Whether the armour stops the threat with the required probability or, if none is, with the required margin.
     what_ifs : tuple of WhatIf
     """
 

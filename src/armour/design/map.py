@@ -31,7 +31,7 @@ class DesignMap(NamedTuple):
     limits_m_s: Floats  # lowest ballistic limits by the model, (ceramics, back plates, threats)
     probabilities: tuple[float, ...]
     # Velocities that are stopped with each of the probabilities, (ceramics, back plates, threats, probabilities), NaN
-    # where the model error is not known.
+    # if the model error is not known.
     stopped_m_s: Floats
 
     def on_grid(self, values: Floats) -> Floats:
@@ -78,7 +78,7 @@ def lightest(catalogue: Catalogue, near: DesignMap, probability: float) -> Desig
     """Return the best design on offer of a pair that stops each threat with a probability; None if there is none.
 
     No margin is asked for, and the inputs are taken as exact.  Designs are tried that a map of the pair shows to be
-    near the probability or above; where any thickness is on offer, none is found.
+    near the probability or above; if any thickness is on offer, there is none.
     """
     layers = catalogue.offers[near.pair][:2]
     if any(layer.free_range() for layer in layers):
@@ -104,7 +104,7 @@ def lightest(catalogue: Catalogue, near: DesignMap, probability: float) -> Desig
 
 
 def thicknesses_tested(catalogue: Catalogue, pair: int, threat: int) -> dict[str, tuple[float, float]]:
-    """Return the thicknesses, mm, of the tests that the model error is estimated from, where it is known.
+    """Return the thicknesses, mm, of the tests that the model error is estimated from; none if it is not known.
 
     The keys are "ceramic" and "backing".
     """

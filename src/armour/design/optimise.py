@@ -60,7 +60,7 @@ class Design:
     areal_density_kg_m2, thickness_mm : float
         Including what the section ``design`` adds.
     cost_per_m2 : float or None
-        The same, in the unit of the costs given; None where none is given.
+        The same, in the unit of the costs given; None if none is given.
     margin_m_s : float or None
         Smallest difference between ballistic limit and velocity over the threats; None if not computed.
     """
@@ -82,7 +82,7 @@ class BestDesign(Design):
     Attributes
     ----------
     ballistic_limit_m_s : float or None
-        Against the governing threat; None where it lies outside the range of the section ``ballistic_limit``.
+        Against the governing threat; None if it lies outside the range of the section ``ballistic_limit``.
     ceramic_density_kg_m3, backing_density_kg_m3 : float
     margins_m_s : dict of str to float
         By threat: the lowest ballistic limit, at most 10,000 m/s, minus the velocity of the threat.
@@ -91,7 +91,7 @@ class BestDesign(Design):
     probabilities : dict of str to Estimate
         Probabilities of perforation by threat, for threats that bound it, if uncertain inputs are sampled.
     probabilities_of_defeat : dict of str to float or None
-        By threat; None where the model error is not known.
+        By threat; None if the model error is not known.
     model_error : ModelError or None
         Relative error of the ballistic limit against the governing threat.
     """
@@ -142,13 +142,13 @@ class DesignResult(TableResult):
     frontier_governed_by : tuple of str
         Governing threat of each design of the frontier.
     refined : BestDesign or None
-        Best design with both layers free within their ranges, where it was asked for.
+        Best design with both layers free within their ranges, if requested.
     pairs : tuple of Pair
         Best first.
     criteria : tuple of str
         Criteria of the Pareto front.
     pareto : tuple of Design
-        Pareto front; empty where it was not asked for.
+        Pareto front; empty if not requested.
     designs, examined : int
         Number of designs that meet the constraints; all of them are examined.
     runs : int
@@ -158,7 +158,7 @@ class DesignResult(TableResult):
     warnings : tuple of str
         Ways in which the best design lies outside the validated range or at an end of a range of thicknesses.
     ceramic_min_mm : float or None
-        Least ceramic thickness of the best pair's range, mm: where it passes, less may be required. None where the
+        Least ceramic thickness of the best pair's range, mm: if it passes, less may be required. None if the
         ceramic has no range, or one from zero.
     without_mm : tuple of float
         Back plate thicknesses of the best pair on which no ceramic passes, mm; the frontier leaves them out.
@@ -182,7 +182,7 @@ class DesignResult(TableResult):
     without_mm: tuple[float, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain data; ``refined`` only where it was asked for."""
+        """Return the result as plain data; ``refined`` only if requested."""
         data = super().to_dict()
         if self.refined is None:
             del data["refined"]
@@ -292,14 +292,14 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
 
 
 def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
-    """Give a warning where pairs of materials are ranked apart."""
+    """Warn if pairs of materials are ranked after the others."""
     names = [f"{pair.ceramic} on {pair.backing}" for pair in pairs if pair.reason.startswith(UNTESTED)]
     if names:
-        yield f"no test is known of {', '.join(names)}, which are ranked apart; {REMEDY}"
+        yield f"the model error is not known for {', '.join(names)}, ranked after the others; {REMEDY}"
 
 
 def _unused_impact(scenario: Scenario) -> Iterator[Note]:
-    """Give a warning where the impact is none of the threats, which are used in its place."""
+    """Warn if the impact is none of the threats, which are used in its place."""
     impact = scenario.impact
     if scenario.threat and shot(impact) not in map(shot, scenario.threat):
         yield Note(f"{shot(impact)} is none of the threats, against which the armour is designed", "impact")
@@ -330,7 +330,7 @@ def _outside(search: Search, place: int) -> list[str]:
 
 
 def _changing(search: Search, columns: Sequence[tuple[int, str, float]]) -> Iterator[str]:
-    """Give a warning for each pair and layer of which a thicker one may fail, with thicknesses of the other one, mm."""
+    """Warn of each pair and layer of which a thicker one may fail, with thicknesses of the other one, mm."""
     found = search.requirement.changing
     for pair, layer, other in columns:
         found[pair, layer].add(other)
@@ -346,7 +346,7 @@ def _changing(search: Search, columns: Sequence[tuple[int, str, float]]) -> Iter
 
 
 def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[str]:
-    """Give a warning for each end of a range of thicknesses at which the best design lies."""
+    """Warn of each end of a range of thicknesses at which the best design lies."""
     for key, name, low, high in catalogue.ranges(pair):
         thickness = best.ceramic_thickness_mm if name == "ceramic" else best.backing_thickness_mm
         for end, which, beyond in ((low, "least", "thinner"), (high, "greatest", "thicker")):
@@ -361,7 +361,7 @@ def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[str]
 def _least_of_the_range(
     catalogue: Catalogue, pair: int, frontier: Sequence[Design], ceramic_min: float | None
 ) -> Iterator[str]:
-    """Give a warning where the frontier has the least ceramic of the range, which is no requirement."""
+    """Warn if the frontier has the least ceramic of the range, which is no requirement."""
     backings = [design.backing_thickness_mm for design in frontier if design.ceramic_thickness_mm == ceramic_min]
     if backings:
         [key] = [key for key, name, *_ in catalogue.ranges(pair) if name == "ceramic"]
@@ -380,7 +380,7 @@ def _pareto(search: Search, criteria: Sequence[str]) -> tuple[Design, ...]:
 
 
 def _refined(search: Search, first: int) -> BestDesign:
-    """Return the best design with both layers free; that of the search where none is better."""
+    """Return the best design with both layers free; that of the search if none is better."""
     finer = Search(search.requirement, candidates_of(search.requirement, refine=True))
     place = finer.first(np.flatnonzero(finer.values < search.values[first]))
     return _best(search, first) if place is None else _best(finer, place)
@@ -429,7 +429,7 @@ def _best(search: Search, place: int) -> BestDesign:
 
 
 def _of_defeat(catalogue: Catalogue, distributions: Mixture, sampled: dict[str, Estimate]) -> dict[str, float | None]:
-    """Return the probabilities that a design defeats each threat: of the samples, else by the model error."""
+    """Return the probabilities that a design stops each threat: of the samples, else by the model error."""
     found = distributions.probability_above(catalogue.velocities_m_s).tolist()
     own = {title: None if isnan(p) else p for title, p in zip(catalogue.titles, found, strict=True)}
     return own | {title: 1.0 - estimate.value for title, estimate in sampled.items()}

@@ -54,9 +54,9 @@ class Reliability:
         return found
 
     def within(self, bound: float, scenario: Scenario, ceramic_mm: float, backing_mm: float) -> Estimate | None:
-        """Estimate the probability of perforation of a design; None where its interval reaches beyond a bound.
+        """Estimate the probability of perforation of a design; None if its interval exceeds a bound.
 
-        Also None where the model error is not known.  Samples are taken in growing parts, only as many as it
+        Also None if the model error is not known.  Samples are taken in growing parts, only as many as it
         takes to see that the bound is exceeded.
         """
         own = own_values(scenario)

@@ -24,7 +24,7 @@ LIMITS_AT_A_TIME = 10_000
 FEW_DESIGNS = 100
 # Designs that are tried at a time at most until one passes; those after it are tried in vain.
 FIRST_AT_A_TIME = 500
-# Differences of criteria that count on a Pareto front: kg/m², mm and, for costs, as a part of the lowest.
+# Differences of criteria that matter on a Pareto front: kg/m², mm and, for costs, as a part of the lowest.
 RESOLUTION = {"areal_density_kg_m2": 0.01, "thickness_mm": 0.01, COST: 0.001}
 
 
@@ -39,11 +39,11 @@ class Requirement:
     # that a thinner one stops.
     changing: defaultdict[tuple[int, str], set[float]] = field(default_factory=lambda: defaultdict(set))
 
-    def defeats(self, candidates: Candidates, threat: int | None = None) -> Bools:
-        """Return whether designs defeat all threats, or one, at the velocities required."""
+    def defeats(self, candidates: Candidates) -> Bools:
+        """Return whether designs stop all threats at the velocities required."""
         defeated = np.ones(len(candidates.pair), dtype=bool)
-        threats = [*range(len(self.catalogue.threats))] if threat is None else [threat]
-        passes = [threats] if len(defeated) <= FEW_DESIGNS else [[each] for each in threats]
+        threats = range(len(self.catalogue.threats))
+        passes = [threats] if len(defeated) <= FEW_DESIGNS else [threats[i : i + 1] for i in threats]
         for part in portions(len(defeated), IMPACTS_AT_A_TIME, FIRST_IMPACTS):
             left = np.arange(part.start, part.stop)
             for some in passes:
@@ -113,7 +113,7 @@ class Requirement:
         """Return the lowest ballistic limits of designs against each threat, m/s, (designs, threats).
 
         The search extends beyond the range of the section ``ballistic_limit`` to 20 m/s and 10,000 m/s; a limit beyond
-        these is set to the nearer one.  Where it reaches the velocity required, velocities are scanned more densely;
+        these is set to the nearer one.  If it is at least the velocity required, velocities are scanned more densely;
         the limit is then that of the lowest change.
         """
         return self._against_all(candidates, self._lowest_limits)
@@ -160,7 +160,7 @@ class Requirement:
         return found
 
     def _counted(self, variants: Variants, low: float, high: float, points: int = SCAN_POINTS) -> Floats:
-        """Return lowest limits, m/s; -inf where the lowest velocity perforates, inf where none is seen to."""
+        """Return lowest limits, m/s; -inf if the lowest velocity perforates, inf if none is seen to."""
         tolerance = variants.scenario.ballistic_limit.tolerance_m_s
         found = limit_brackets(variants, low, high, tolerance, points=points)
         self._count(int(found.runs.sum()))
@@ -200,7 +200,7 @@ class Search:
         return self._limits[where]
 
     def passes(self, where: Ints) -> Bools:
-        """Return whether designs defeat every threat at the velocity required and have no ballistic limit below it."""
+        """Return whether designs stop every threat at the velocity required and have no ballistic limit below it."""
         passed = self.defeating[where]
         passed[passed] = (self.excess_m_s(where[passed]) >= 0.0).all(axis=1)
         return passed
@@ -210,7 +210,7 @@ class Search:
         return self.limits(where) - self.catalogue.required_m_s(self.candidates.at(where))
 
     def probabilities(self, place: int) -> dict[str, Estimate] | None:
-        """Return the probabilities of perforation of a design, by threat that bounds it; None where one is too high."""
+        """Return the probabilities of perforation of a design, by threat that bounds it; None if one is too high."""
         if self.reliability is None:
             return {}
         if place not in self._probabilities:
@@ -321,7 +321,7 @@ class Search:
         return limits - self.catalogue.velocities_m_s
 
     def _resolutions(self, costs: Floats, criteria: Sequence[str]) -> Floats:
-        """Return the difference of each criterion that counts; limits are determined to a tolerance."""
+        """Return the difference of each criterion that matters; limits are determined to a tolerance."""
         known = {**RESOLUTION, MARGIN: self.catalogue.scenario.ballistic_limit.tolerance_m_s}
         scales = (costs[:, i].min(initial=np.inf) if name == COST else 1.0 for i, name in enumerate(criteria))
         return np.array([known[name] * scale for name, scale in zip(criteria, scales, strict=True)])
