@@ -50,10 +50,9 @@ docs: $(VENV)/developing
 	$(BIN)/armour figures docs/figures --force
 	rm docs/figures/*.csv
 
-# Run the benchmarks and write docs/performance.md: some minutes, on an otherwise idle machine.
+# Run the benchmarks and write docs/performance.md: some minutes.
 bench: $(VENV)/developing
-	$(BIN)/pytest tools/benchmarks -p no:xdist --benchmark-json=$(VENV)/benchmarks.json
-	$(BIN)/python -m tools.benchmarks.report $(VENV)/benchmarks.json docs/performance.md
+	$(BIN)/python -m tools.benchmarks.report docs/performance.md
 
 # Measure which lines and branches the tests run; less than 97 % fails.
 coverage: $(VENV)/developing

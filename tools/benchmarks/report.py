@@ -1,229 +1,190 @@
-"""Write docs/performance.md: ``python -m tools.benchmarks.report RESULTS.json PAGE``, results of pytest-benchmark."""
+"""Run the benchmarks and write a page of them: ``python -m tools.benchmarks.report docs/performance.md``."""
 
-import json
 import os
+import re
 import sys
-from itertools import groupby
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from textwrap import fill
 
-import numpy as np
-
-from armour.sweeps.cluster import CHUNKS_AHEAD
 from armour.sweeps.sweep import CHUNK_S, MAX_CHUNK, duration
+from tools.benchmarks import cluster, commands, methods
+from tools.benchmarks.cluster import Cluster
+from tools.benchmarks.commands import Commands, Growth
+from tools.benchmarks.methods import ALLOWED, COUNT, Methods, Time
 
-Row = dict[str, Any]
 # A sweep beyond a machine.
 MANY_ROWS, MANY_CORES = 10**9, 1000
-# Bytes of a row on its way to a worker: a number for each of two keys.
-SENT_BYTES = 16
 # Time of a task of the scheduler by the documentation of Dask, s.
 DASK_TASK_S = 1e-3
 
 
-def page(results: dict[str, Any]) -> str:
+def page(method: Methods, command: Commands, dask: Cluster) -> str:
     """Return the page as Markdown."""
-    rows = [{**b["extra_info"], "seconds": b["stats"]["min"]} for b in results["benchmarks"]]
-    of = {
-        what: [row for row in rows if row["what"] == what]
-        for what in ("impact", "limit", "growth", "process", "cost", "workers", "tasks", "client")
-    }
-    engine = {what: next(row for row in of[what] if row["name"] == "engine, one core") for what in ("impact", "limit")}
-    limits = {row["name"]: row["each"] / row["seconds"] for row in of["limit"]}
-    cores = os.cpu_count()
-    return f"""# Performance
+    text = f"""# Performance
 
-Measured by `make bench` in one run on a machine with {cores} cores. All methods compute the same random designs for
-both projectiles of the paper, with settings for which their errors are similar. The error is the largest
-difference of a ballistic limit from that of plain Python with time steps 20 times shorter.
+Written by `make bench`, on a machine with {os.cpu_count()} cores. Times are processor time, that is, the times of all
+cores together, unless stated otherwise. Where a command uses one core only, you wait as long; where it uses all, such
+as in a large sweep, you wait less.
 
-## An impact, 5 % above the ballistic limit
+## What you wait for
 
-{_compared(of["impact"], engine["impact"])}
+{_waits(command)}
 
-Without a limit on the step, `solve_ivp` misses plates that move for less than a step, at any tolerance, and its
-ballistic limits are off by up to 10 m/s.
+The numerical code is compiled when it is first needed and kept in your cache folder: the first `armour optimise` takes
+{command.first:.1f} s. `simulate`, `ballistic-limit` and `check` do not need it.
 
-## A ballistic limit
+## What grows
 
-{_compared(of["limit"], engine["limit"])}
+The time of a command consists of a fixed part and a part proportional to the work: a sweep of 500,000 ballistic limits
+takes {_example(command)}. Up to the numbers of the examples, such sums differ by at most
+{100 * max(g.error for g in command.growth):.0f} % from the times measured.
 
-The engine finds {limits["engine, all cores"]:,.0f} limits per second on all cores and
-{limits["engine, one core"]:,.0f} on one, a ratio of {limits["engine, all cores"] / limits["engine, one core"]:.2f}.
-
-## Time by number of impacts
-
-| impacts | seconds | µs per impact |
-|---:|---:|---:|
-{_lines(f"| {row['each']:,} | {row['seconds']:.4f} | {_each(row):.2f} |" for row in of["growth"])}
-
-## Time of a whole process
-
-| process | seconds |
-|---|---:|
-{_lines(f"| {row['name']} | {row['seconds']:.2f} |" for row in of["process"])}
-
-{_cost(of["cost"])}
-
-{_scheduler(of["workers"], of["tasks"][0], of["client"])}
-
-{_beyond(of["workers"], of["tasks"][0], of["client"])}
-"""
-
-
-def _cost(rows: list[Row]) -> str:
-    """Describe how the time of commands grows, with fits of the least relative errors."""
-    summary, measured, example = [], [], ""
-    for (command, unit), group in groupby(rows, lambda row: (row["command"], row["unit"])):
-        found = list(group)
-        number, seconds = (np.array([row[key] for row in found], dtype=float) for key in ("each", "seconds"))
-        if len(found) == 1:
-            summary.append(f"| `{command}` | {unit} | {seconds[0]:.1f} | | |")
-            continue
-        columns = np.column_stack([1.0 / seconds, number / seconds])
-        fixed, each = np.linalg.lstsq(columns, np.ones(len(found)))[0]
-        fitted = fixed + each * number
-        error = np.abs(fitted / seconds - 1.0).max()
-        summary.append(f"| `{command}` | {unit} | {fixed:.1f} | {_short(each)} | {100 * error:.0f} % |")
-        if unit == "ballistic limit":
-            example = f"{fixed:.1f} s and 500,000 times {_short(each)}, {duration(fixed + 5e5 * each)}"
-        for row, prediction in zip(found, fitted, strict=True):
-            times = f"{row['seconds']:.2f} | {prediction:.2f} | {row['peak_MiB']:.0f}"
-            measured.append(f"| `{command}` | {unit} | {row['each']:,} | {times} |")
-    return f"""## What a command costs
-
-The time of a whole process on all cores consists of a fixed part and a part proportional to the work. A sweep of
-500,000 ballistic limits takes {example}. The last column is the largest error of such a prediction over the three
-decades measured.
-
-| command | for each | fixed, s | each | error |
-|---|---|---:|---:|---:|
-{_lines(summary)}
+{_growth(command)}
 
 The number of designs is that of all pairs of materials, times the threats. `uncertainty` computes a ballistic limit for
-each sample and, for a quarter of the samples, one for each input and one more. The cost of `sensitivity` is constant.
+each sample and, for a quarter of the samples, one for each input and one more. On {os.cpu_count()} cores the engine,
+that is, the compiled numerical code, finds {method.cores:.1f} times as many ballistic limits per second as on one.
 
-| command | for each | number | seconds | predicted | peak MiB |
-|---|---|---:|---:|---:|---:|
-{_lines(measured)}"""
+## Compared with C, scipy and plain Python
+
+The same {COUNT:,} random designs for both projectiles of the paper, computed on one core by each method in turn, the
+slow ones for {len(range(COUNT)[methods.SOME])} of them; medians. An impact, 5 % above the ballistic limit, takes
+{method.steps:.0f} steps in the mean, and a ballistic limit {method.runs:.1f} impacts, some of them with longer steps.
+
+| method | an impact, µs | over the engine's | a ballistic limit, µs | over the engine's |
+|---|---:|---:|---:|---:|
+{_methods(method)}
+
+{_agreement(method)}
+
+*Plain Python* runs the same functions without compiling them. The engine's ballistic limits
+differ by at most {method.error_m_s:.1g} m/s from those with steps 20 times shorter. [Steps](design.md#steps-and-events)
+and [searches](design.md#searches) are described under Design.
+
+`solve_ivp` of scipy has the loosest settings by which its limits are within {ALLOWED:g} m/s: {_settings(method)}.
+Without a limit on its steps it misses plates that move for less than a step, at any tolerance, and its ballistic limits
+are off by up to 10 m/s.
+
+## On a Dask cluster
+
+`armour sweep --scheduler` with workers of one thread each, on this machine, where client and scheduler share the cores
+with the workers; elapsed time, the shortest of {cluster.TURNS} sweeps of {cluster.ROWS:,} ballistic limits:
+
+| computed by | rows per second |
+|---|---:|
+{_lines(f"| {name} | {rate:,.0f} |" for name, rate in zip(WAYS, dask.rates, strict=True))}
+
+A chunk, of about a second of work, takes client and scheduler {_short(dask.send.chunk)}, and each of its rows
+{_short(dask.send.row)}, to hash, send, receive and write; joining the table at the end takes {_short(dask.join.row)}
+for each row.
+
+{_beyond(command, dask)}
+"""
+    return "\n\n".join(part if part.startswith(("#", "|")) else fill(part, 120) for part in text.split("\n\n")) + "\n"
 
 
-def _short(seconds: float) -> str:
-    """Return a short time with its unit."""
-    return f"{1e6 * seconds:.3g} µs" if seconds < 1e-3 else f"{1e3 * seconds:.3g} ms"
+WAYS = ("one thread, no cluster", "1 worker", "2 workers")
 
 
-def _scheduler(workers: list[Row], tasks: Row, clients: list[Row]) -> str:
-    """Describe sweeps on a cluster of this machine."""
-    kinds = {"ballistic_limit_m_s": "ballistic limits", "residual_velocity_m_s": "impacts"}
-    lines = []
-    for row in sorted(workers, key=lambda row: (row["quantity"], row["workers"])):
-        name = f"{row['workers']} worker{'s' * (row['workers'] > 1)}" if row["workers"] else "no cluster, one thread"
-        rate = row["each"] / row["seconds"]
-        lines.append(f"| {kinds[row['quantity']]} | {name} | {row['chunks']} | {row['seconds']:.1f} | {rate:,.0f} |")
-    there, here = _client(clients, cluster=True), _client(clients, cluster=False)
-    steps = (
-        ("an empty task, submitted and answered", tasks["seconds"] / tasks["each"], None),
-        ("a chunk, hashed and written but not computed", here["chunk"], here["row"]),
-        ("the same, including transfer to a worker and back", there["chunk"], there["row"]),
-        ("joining at the end", there["join_chunk"], there["join_row"]),
+def _waits(command: Commands) -> str:
+    names = {re.sub(" -.*", "", name): seconds for name, seconds in command.waits.items()}
+    rows = (f"| `armour {name}` | {seconds:.1f} |" for name, seconds in names.items())
+    return f"| command | s |\n|---|---:|\n{_lines(rows)}"
+
+
+def _growth(command: Commands) -> str:
+    head = "| command | for each | fixed, s | each | for example | s | peak MiB |\n|---|---|---:|---:|---:|---:|---:|\n"
+    rows = ((f"`{g.command}`", g.unit, f"{g.fixed:.1f}", _short(g.each), *_most_of(g)) for g in command.growth)
+    return head + _lines(f"| {' | '.join(row)} |" for row in rows)
+
+
+def _most_of(g: Growth) -> tuple[str, str, str]:
+    return f"{g.most:,}", f"{g.seconds:.1f}", f"{g.peak_MiB:.0f}"
+
+
+def _example(command: Commands) -> str:
+    [g] = [g for g in command.growth if g.unit == "ballistic limit"]
+    return f"{g.fixed:.1f} s and 500,000 times {_short(g.each)}, {duration(g.fixed + 5e5 * g.each)}"
+
+
+def _methods(method: Methods) -> str:
+    names = {"C": "C", "engine": "engine", "plain Python": "plain Python"}
+    names |= {name: name for name in method.impacts if name not in names}
+    return _lines(
+        f"| {name} | {_cells(method.impacts.get(name))} | {_cells(method.limits.get(name))} |"
+        for name in names
+        if name in method.impacts
     )
-    each = (f"| {name} | {_short(chunk)} | {'' if row is None else _short(row)} |" for name, chunk, row in steps)
-    return f"""## Sweeps on a Dask cluster
-
-`armour sweep --scheduler` on this machine, with one thread per worker and the compiled code already loaded. Client and
-scheduler share the {os.cpu_count()} cores with the workers, so more workers than cores give no speedup.
-
-| rows | computed by | chunks | seconds | rows/s |
-|---|---|---:|---:|---:|
-{_lines(lines)}
-
-Overhead of a chunk, as a time per chunk and a time per row, from chunks of 10 and of 100,000 rows on two workers:
-
-| step | per chunk | per row |
-|---|---:|---:|
-{_lines(each)}"""
 
 
-def _client(clients: list[Row], *, cluster: bool) -> dict[str, float]:
-    """Return the seconds for each chunk and row of what a client does, and the bytes of a row."""
-    rows = [row for row in clients if row["cluster"] == cluster]
-    shapes = np.array([[row["chunks"], row["each"]] for row in rows], dtype=float)
-    chunk, row = np.linalg.solve(shapes, [row["write_s"] for row in rows])
-    join_chunk, join_row = np.linalg.solve(shapes, [row["join_s"] for row in rows])
-    largest = max(rows, key=lambda row: int(row["each"]))
-    found = {"chunk": chunk, "row": row, "join_chunk": join_chunk, "join_row": join_row}
-    return found | {"check": largest["check_s"] / largest["each"], "bytes": largest["bytes"] / largest["each"]}
+def _cells(time: Time | None) -> str:
+    if time is None:
+        return " | "
+    return f"{1e6 * time.each:,.{0 if time.each > 1e-3 else 1}f} | {time.ratio:,.{0 if time.ratio > 10 else 2}f}"
 
 
-def _beyond(workers: list[Row], tasks: Row, clients: list[Row]) -> str:
-    """Describe what many rows on many cores need, from what was measured here."""
-    client = _client(clients, cluster=True)
+def _settings(method: Methods) -> str:
+    found = (
+        f"{name} a tolerance of {rtol:g} and steps of at most {longest:g} diameters"
+        for name, (rtol, longest) in method.settings.items()
+    )
+    return ", ".join(found)
+
+
+def _agreement(method: Methods) -> str:
+    """Say how near the numbers of the reference in C are to the engine's."""
+    if method.difference is None:
+        return "No C compiler was found for the comparison with C."
+    impact, limit = (1.0 / times["C"].ratio for times in (method.impacts, method.limits))
+    numbers = "to the last bit" if method.difference == 0.0 else f"to {method.difference:.0g}, relatively"
+    return f"""The engine takes {impact:.2f} times as long as C for an impact, and {limit:.2f} times for a limit.
+*C* is `tools/benchmarks/reference.c`: the same equations, steps, events and search, written by hand and
+compiled by `cc {" ".join(methods.FLAGS)}`, which allows what the engine's compiler may do. Both give the same numbers
+{numbers}: outcomes, durations, final states, brackets of the limits, and numbers of steps and runs."""
+
+
+def _beyond(command: Commands, dask: Cluster) -> str:
+    """Return the appendix on many rows on many cores, from what was measured here."""
     table: dict[str, list[str]] = {}
-    first = []
-    for quantity, name in (("ballistic_limit_m_s", "limits"), ("residual_velocity_m_s", "impacts")):
-        alone = next(row for row in workers if row["quantity"] == quantity and not row["workers"])
-        row_s = alone["seconds"] / alone["each"]
-        chunk_rows = min(CHUNK_S / row_s, MAX_CHUNK)
-        chunks = MANY_ROWS / chunk_rows
+    for unit in ("ballistic limit", "impact"):
+        [row_s] = [g.each for g in command.growth if (g.command, g.unit) == ("sweep", unit)]
+        chunks = MANY_ROWS / min(CHUNK_S / row_s, MAX_CHUNK)
+        scheduler = chunks * max(dask.task, DASK_TASK_S)
+        client = chunks * dask.send.chunk + MANY_ROWS * dask.send.row
         work = MANY_ROWS * row_s
-        stages = {
-            "scheduler": chunks * max(tasks["seconds"] / tasks["each"], DASK_TASK_S),
-            "client": chunks * client["chunk"] + MANY_ROWS * client["row"],
-        }
-        slowest = max([*stages], key=lambda stage: stages[stage])
-        first.append(f"for {name}, the {slowest} at {work / stages[slowest]:,.0f} cores")
-        sent = CHUNKS_AHEAD * MANY_CORES * chunk_rows * SENT_BYTES
         cells = {
-            "a row on one core": _short(row_s),
-            "computing": duration(work / MANY_CORES),
-            "chunks, one file each": f"{chunks:,.0f}",
-            "chunks per second": f"{chunks / (work / MANY_CORES):,.0f}",
-            "the client, checking the rows first": duration(MANY_ROWS * client["check"]),
-            "the scheduler, a task for each chunk": duration(stages["scheduler"]),
-            "the client, sending and writing": duration(stages["client"]),
-            "the client, joining at the end": duration(chunks * client["join_chunk"] + MANY_ROWS * client["join_row"]),
-            "disk": f"{2 * MANY_ROWS * client['bytes'] / 1e9:,.1f} GB",
-            "rows in transit, in the scheduler": f"{sent / 1e9:,.1f} GB",
-            **{f"cores that the {stage} keeps busy": f"{work / s:,.0f}" for stage, s in stages.items()},
+            f"computing, on {MANY_CORES:,} cores": duration(work / MANY_CORES),
+            "the scheduler, a task for each chunk": duration(scheduler),
+            "the client, checking, sending and writing": duration(MANY_ROWS * dask.check + client),
+            "the client, joining": duration(chunks * dask.join.chunk + MANY_ROWS * dask.join.row),
+            "cores that the client keeps busy": f"{work / client:,.0f}",
         }
         for key, cell in cells.items():
             table.setdefault(key, []).append(cell)
-    return f"""## Beyond a machine
+    return f"""## Appendix: a billion rows
 
-Cost of a sweep of 10^9 rows, with two keys and one quantity, to CSV on {MANY_CORES:,} cores: not measured but computed
-from the times above, with client and scheduler as fast as here, where they share cores with workers. The documentation
-of Dask gives about {_short(DASK_TASK_S)} per task for its scheduler; the longer of the two times is used.
+Not measured, but computed from the times above for a sweep of 10^9 rows with two keys and one quantity, to CSV. The
+documentation of Dask gives {_short(DASK_TASK_S)} per task for its scheduler; it took {_short(dask.task)} here, and the
+longer is used.
 
 | what | limits | impacts |
 |---|---:|---:|
 {_lines(f"| {key} | {' | '.join(cells)} |" for key, cells in table.items())}
 
-First bottleneck: {"; ".join(first)}.
-Any further cores wait.
-
-* **The client** sends and writes each row; workers group, compute and encode the rows. To use more cores, split the
-  values over several sweeps with separate output files, whose clients share nothing.
-* **The scheduler** handles one task per chunk. Longer chunks raise its limit; a kill then loses more work.
-* **Joining** starts when all rows are computed and uses one core. The disk must hold both the chunks and the table.
-* **Chunk files** are in one folder, which is listed a few times; for 100,000 files this takes seconds."""
+The client is the bottleneck. To use more cores, split the values over several sweeps with separate output files, whose
+clients share nothing. The chunks and the table take {2 * MANY_ROWS * dask.row_bytes / 1e9:,.0f} GB of disk."""
 
 
-def _compared(rows: list[Row], engine: Row) -> str:
-    head = "| method | µs each | relative to the engine | error, m/s |\n|---|---:|---:|---:|\n"
-    return head + _lines(
-        f"| {row['name']} | {_each(row):,.1f} | {_each(row) / _each(engine):,.2f} | {row['error_m_s']:.1g} |"
-        for row in sorted(rows, key=_each)
-    )
+def _short(seconds: float) -> str:
+    """Return a short time with its unit, to two digits."""
+    unit, factor = ("µs", 1e6) if seconds < 1e-3 else ("ms", 1e3)
+    return f"{float(f'{factor * seconds:.2g}'):g} {unit}"
 
 
-def _each(row: Row) -> float:
-    return 1e6 * float(row["seconds"]) / int(row["each"])
-
-
-def _lines(lines: Any) -> str:
+def _lines(lines: Iterable[str]) -> str:
     return "\n".join(lines)
 
 
 if __name__ == "__main__":
-    Path(sys.argv[2]).write_text(page(json.loads(Path(sys.argv[1]).read_text())))
+    Path(sys.argv[1]).write_text(page(methods.measured(), commands.measured(), cluster.measured()))
