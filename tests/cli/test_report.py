@@ -76,12 +76,12 @@ def test_a_confidence_and_the_command_of_the_map(cli, folder: Path):
     assert cli("report", OPTIMUM, "-o", "r.md", *options).exit_code == 0
     page = (folder / "r.md").read_text()
     assert "* Probability of stopping the projectile: **95 %**" in page
-    assert "* Asked for: **at least 95 %**; areal density of at most 70 kg/m²\n\nMeets what was asked for" in page
+    assert "* Asked for: **at least 95 %**; areal density of at most 70 kg/m²\n\nMeets the requirements" in page
     command = f"armour optimise {OPTIMUM} --confidence 0.95 --set design.areal_density_max_kg_m2=70 --map map.html"
     assert f"\n{command}\n" in page
     assert cli(*command.split()[1:]).exit_code == 0
     assert cli("report", "wilkins", "-o", "w.md", "--as-is", "--confidence", "0.9").exit_code == 0
-    assert "\nDoes not meet what was asked for, against 7.62 mm AP at 800 m/s.\n" in (folder / "w.md").read_text()
+    assert "\nDoes not meet the requirements against 7.62 mm AP at 800 m/s.\n" in (folder / "w.md").read_text()
 
 
 def test_changes_and_standard_input(cli, folder: Path):

@@ -109,7 +109,7 @@ def test_a_distribution_about_another_value_than_the_designs_is_left_out():
     grid["backing_thickness_mm"] = {"min": 4.0, "max": 10.0, "step": 1.0}
     found = contents_of(load_scenario(SCENARIOS / "uncertain.toml", {"optimise": grid}))
     assert found.uncertainty is None
-    assert any("uncertainty.armour.ceramic_thickness_mm: is given for another value than" in w for w in found.warnings)
+    assert any("uncertainty.armour.ceramic_thickness_mm: is given for a value other than" in w for w in found.warnings)
 
 
 @cache
@@ -206,10 +206,10 @@ def test_the_title_is_the_armour_reported_with_the_scenarios_beside_it():
     ("given", "passed", "lead"),
     [
         ([(0.07, None)], None, ""),
-        ([(0.96, 0.95)], True, "Meets what was asked for."),
-        ([(0.96, 0.95), (0.97, 0.95)], True, "Meets what was asked for, against every threat."),
-        ([(0.5, 0.95), (0.97, 0.95)], False, f"Does not meet what was asked for, against {THREAT}."),
-        ([(None, 0.95), (0.97, 0.95)], False, f"Not known to meet what was asked for, against {THREAT}."),
+        ([(0.96, 0.95)], True, "Meets the requirements."),
+        ([(0.96, 0.95), (0.97, 0.95)], True, "Meets the requirements against every threat."),
+        ([(0.5, 0.95), (0.97, 0.95)], False, f"Does not meet the requirements against {THREAT}."),
+        ([(None, 0.95), (0.97, 0.95)], False, f"Not known to meet the requirements against {THREAT}."),
         ([(None, None)], None, ""),
     ],
 )
@@ -350,12 +350,12 @@ def test_the_armour_is_said_to_be_the_best_design_or_the_scenarios_own():
 
     assert words(wilkins()) == "Made by:"
     assert words(designed(design_result())) == (
-        "The armour is the design found. "
-        "With --as-is, the report is on the scenario's own, 6.35 mm AD85 on 6.35 mm 6061-T6."
+        "This report is about the design found, not the scenario's own armour, 6.35 mm AD85 on 6.35 mm 6061-T6; "
+        "use --as-is for that."
     )
     grid = {"optimise": {"ceramic_thickness_mm": RANGE, "backing_thickness_mm": RANGE}}
     own = replace(wilkins(), scenario=wilkins().scenario.replaced(grid))
-    assert words(own) == "The armour is the scenario's own. Without --as-is, the report is on the best design."
+    assert words(own) == "This report is about the scenario's own armour; without --as-is it is about the design found."
 
 
 def test_author_project_and_date_are_shown_where_given():

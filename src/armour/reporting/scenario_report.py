@@ -48,7 +48,7 @@ ASSUMPTIONS = (
     ("Hits", "a single one, far from the edges and joints of an unconfined tile or plate"),
     ("Back plate", "resists by its strength and fails by a plug; dishing, petalling, tearing and cracks are left out"),
     ("Stopped", "no perforation; deformation behind the armour and spall are not assessed"),
-    ("Probability", "rests on the errors that the model had on tests; materials have the values listed here"),
+    ("Probability", "based on the errors of the model on tests; the materials have the values listed here"),
     ("Use", "does not replace firing tests: do not rely on this report alone for anyone's protection"),
 )
 
@@ -177,7 +177,7 @@ def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:
     own, found = scenario.inputs(), answer.inputs()
     return tuple(
         Note(
-            f"is given for another value than {found[name]:g}, that of the armour and threat reported; "
+            f"is given for a value other than {found[name]:g}, which the armour and threat reported have; "
             "the report has no sampled probability of perforation",
             f"uncertainty.{name}",
         )
@@ -230,10 +230,10 @@ def _verdict(contents: Contents) -> tuple[bool | None, str]:
     if not _is_asked(contents):
         return None, ""
     if failed := [of.threat for of in threats if not of.passed and not _unknown(of)]:
-        return False, f"Does not meet what was asked for, against {' and '.join(failed)}."
+        return False, f"Does not meet the requirements against {' and '.join(failed)}."
     if unknown := [of.threat for of in threats if _unknown(of)]:
-        return False, f"Not known to meet what was asked for, against {' and '.join(unknown)}."
-    return True, f"Meets what was asked for{', against every threat' if len(threats) > 1 else ''}."
+        return False, f"Not known to meet the requirements against {' and '.join(unknown)}."
+    return True, f"Meets the requirements{' against every threat' if len(threats) > 1 else ''}."
 
 
 def _cards(contents: Contents) -> Iterator[Card]:
@@ -318,7 +318,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Se
     yield Section("Threats", tables=(_threats(contents),))
     yield Section("What if", tuple(filter(None, (several, exact))), tables=(first,))
     if design is not None:
-        hint = ("A page of all designs, to be read with the pointer:",) if map_command else ()
+        hint = ("This command makes an interactive page of all designs:",) if map_command else ()
         # The title of the map is the answer, which the report begins with.
         chart = replace(design_view.map_chart(design), title="")
         yield Section("Map of the designs", hint, map_command, "console", charts=(chart,))
@@ -394,7 +394,7 @@ def _impact(contents: Contents) -> Section:
     energy = energy_balance(contents.answer, contents.impact)
     words = (
         f"Against {contents.threat.threat}, by the model. The projectile has {energy.before:.2f} J at impact and "
-        f"{energy.left:.2f} J at the end; the losses, integrated along the run, balance to "
+        f"{energy.left:.2f} J at the end; the losses, integrated along the run, account for the difference to within "
         f"{abs(energy.difference):.1g} J."
     )
     table = listing(
@@ -416,7 +416,7 @@ def _which_armour(contents: Contents) -> str:
     """Return which armour is reported where the scenario asks for a design, and how to get the other."""
     if contents.design is not None:
         own = contents.scenario.armour_words()
-        return f"The armour is the design found. With --as-is, the report is on the scenario's own, {own}."
+        return f"This report is about the design found, not the scenario's own armour, {own}; use --as-is for that."
     if asks_for_design(contents.scenario):
-        return "The armour is the scenario's own. Without --as-is, the report is on the best design."
+        return "This report is about the scenario's own armour; without --as-is it is about the design found."
     return ""

@@ -150,7 +150,7 @@ def test_a_map_has_the_frontiers_and_the_lightest_designs():
     assert [item.label for item in some(panel, Region)] == [
         "perforated more often than not",
         "stopped in 90 % of cases or more",
-        "probability unknown, too unlike tests",
+        "probability unknown: too unlike tests",
     ]
     even, best = (item for item in some(panel, Points) if item.names)
     assert not even.filled
@@ -440,6 +440,6 @@ def test_a_front_over_three_criteria_says_what_is_not_drawn():
     criteria = ("areal_density_kg_m2", "cost_per_m2", "margin_m_s")
     front = tuple(replace(design, margin_m_s=5.0) for design in design_result(pareto=True).pareto)
     found = replace(design_result(pareto=True), criteria=criteria, pareto=front)
-    note = "A design of the front that another one beats in both criteria drawn is better in margin."
+    note = "Designs that others beat in both criteria drawn are better in margin."
     assert note in design_view.pareto_chart(found).note
     assert note not in design_view.pareto_chart(replace(found, criteria=criteria[:2])).note

@@ -76,7 +76,7 @@ def test_a_mean_of_no_usual_rule_and_shots_without_a_rising_curve():
     assert "V50, mean, m/s" in {column.heading for column in v50_table(found).columns}
     notes = [item for item in v50_view.tables(found) if isinstance(item, str)]
     assert notes[0].startswith("no curve is recommended")
-    assert "none that is usual with MIL-STD-662F" in notes[1]
+    assert "MIL-STD-662F does not usually average" in notes[1]
 
 
 def test_indices_of_correlated_inputs_have_notes():
@@ -87,4 +87,4 @@ def test_indices_of_correlated_inputs_have_notes():
     assert error == "model error: unknown for such an armour, or not included"
     assert alone == SAMPLED_ALONE
     assert index == INDEX_NOTE
-    assert "their sum may exceed 1; total indices are not given" in str(note)
+    assert "may sum to more than 1; total indices are not given" in str(note)

@@ -334,7 +334,7 @@ class _MapDrawing:
                 yield charts.Region(*self.at(frontier.values), colour=frontier.look["colour"], **frontier.region)
         unknown = np.isnan(self.grid.stopped_m_s).any(axis=(-2, -1))
         if not unknown.all():
-            label = "probability unknown, too unlike tests"
+            label = "probability unknown: too unlike tests"
             yield charts.Region(*self.at(unknown), low=1e-3, colour="soft", label=label)
 
     def at(self, values: Any) -> tuple[Any, Any, Any]:
@@ -476,7 +476,7 @@ def pareto_chart(result: DesignResult) -> charts.Chart:
     notes = []
     if len(result.criteria) > 2:
         hidden = " and ".join(CRITERIA[key].label for key in result.criteria[2:])
-        notes.append(f"A design of the front that another one beats in both criteria drawn is better in {hidden}.")
+        notes.append(f"Designs that others beat in both criteria drawn are better in {hidden}.")
     if COST.key in result.criteria[:2]:
         notes.append("Costs are in the currency of the scenario.")
     return charts.Chart("Pareto front", (charts.Panel(CRITERIA[x], CRITERIA[y], tuple(series)),), " ".join(notes))

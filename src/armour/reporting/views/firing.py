@@ -74,14 +74,14 @@ def curve_table(result: FiringResult) -> Table:
     )
 
 
-PENALISED = "intervals by penalised likelihood; with few shots those of maximum likelihood are too short"
+PENALISED = "intervals by penalised likelihood; with few shots those of maximum likelihood are too narrow"
 
 
 # Notes on the mean by its rule.
 MEAN_NOTES = {
     "usual span": "the span allowed is usual with this number of shots; MIL-STD-662F leaves it to the specification",
     "given span": "the span allowed is given; MIL-STD-662F leaves it to the specification",
-    "no usual rule": "this number of shots is none that is usual with MIL-STD-662F",
+    "no usual rule": "MIL-STD-662F does not usually average this number of shots",
 }
 
 
@@ -91,11 +91,11 @@ def tables(result: FiringResult) -> list[Table | str]:
     if result.recommended is not None:
         found += [recommended_table(result.recommended, result.confidence), PENALISED]
         if result.recommended.v05_m_s is None:
-            found.append("V05 has no estimate: the curve has 5 % at a velocity below 0")
+            found.append("V05 has no estimate: the curve is at 5 % at a velocity below 0")
     elif result.fits:
         found.append("no curve is recommended: the penalised likelihood is greatest for a curve that does not rise")
     else:
-        found.append("the shots alone have no curve: none were complete, none partial, or the complete ones no faster")
+        found.append("no curve fits the shots alone: none complete, none partial, or the complete ones no faster")
     if result.prior is not None and result.posterior is not None and result.prior_share is not None:
         table = prior_table(result.prior, result.posterior, result.confidence)
         found += [table, SCATTER_ASSUMED, share_note(result.prior_share)]
@@ -106,8 +106,8 @@ def tables(result: FiringResult) -> list[Table | str]:
         found.append(curve_table(result))
     if result.separated:
         found.append(
-            "every complete penetration was faster than every partial one: by maximum likelihood any V50 between them "
-            "is as likely, and the scatter is 0"
+            "every complete penetration was faster than every partial one: by maximum likelihood every V50 between "
+            "them is equally likely, and the scatter is 0"
         )
     return found
 

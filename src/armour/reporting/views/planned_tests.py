@@ -33,12 +33,12 @@ PLANNED = re.compile(r"planned (\d+)")
 
 
 NOTE = (
-    "±: half-width of the interval to expect after the test and those before it; of a limit by the model, without the "
+    "±: expected half-width of the interval after this test and all before it; for limits by the model, without the "
     "model error"
 )
 
 
-SLOPES = "a slope is the relative change of the flow stress per projectile diameter of the layer's thickness"
+SLOPES = "slope: relative change of the flow stress per projectile diameter of layer thickness"
 
 
 def plan_table(result: PlannedTests) -> Table:

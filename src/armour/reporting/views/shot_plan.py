@@ -14,7 +14,7 @@ from armour.scenario.inputs import VELOCITY
 from armour.statistics.posterior import FiringEstimate
 from armour.statistics.v50 import Shots
 
-SCATTER_ASSUMED = "the prior of the scatter is an assumption; the model does not predict scatter"
+SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not predict scatter"
 
 
 def tables(plan: ShotPlan) -> list[Table | str]:
@@ -91,14 +91,14 @@ def scatter_note(plan: ShotPlan) -> str:
     """Return what the prior of the scatter is from."""
     firings = "an earlier firing" if plan.earlier == 1 else f"{plan.earlier} earlier firings"
     return (
-        f"the prior of the scatter, {plan.scatter_percent:.2g} % of V50 within a factor of {plan.scatter_factor:.2g}, "
-        f"is pooled from {firings} and the scatter that was expected"
+        f"the prior for the scatter, {plan.scatter_percent:.2g} % of V50 within a factor of {plan.scatter_factor:.2g}, "
+        f"combines {firings} and the scatter that was expected"
     )
 
 
 DECISION = (
-    "the decision is made by the shots alone, when a likelihood ratio is reached: neither the model's limit nor its "
-    "error takes part in it"
+    "the shots alone decide, as soon as a likelihood ratio is large enough; the model's limit and its error play no "
+    "part"
 )
 
 

@@ -209,7 +209,7 @@ def tables(result: SuiteResult) -> list[Table | str]:
     unscored = sum(check.status == "not scored" and not check.in_group for check in result.checks)
     more = [] if not unscored or every_row else [f"not scored: {unscored} cases; --verbose shows them, and why"]
     if not result.count("within", *FAILED):
-        return [*found, *more, "no case has a band to be within"]
+        return [*found, *more, "no case has a band"]
     lines = [f"{name}: {note}" for name, note in notes]
     return [*found, *(["", *lines] if lines else []), *more, Verdict.of(verdict(result), good=result.passed)]
 
@@ -237,7 +237,7 @@ def parity_table(result: SuiteResult) -> Table:
 
 
 # Cases that the chart of a suite does not show.
-LEFT_OUT = "of no table, of outcomes, of relative differences and without an answer"
+LEFT_OUT = "outcomes, relative differences, and those of no table or without an answer"
 
 
 def chart(result: SuiteResult) -> charts.Chart:
@@ -257,7 +257,7 @@ def chart(result: SuiteResult) -> charts.Chart:
         [part] = bands if len(bands) == 1 else [0.0]
         panels.append(charts.agreement_panel(quantity, "expected", groups, part or 0.1))
     left_out = len(result.checks) - len(checks)
-    note = f"{left_out} of {len(result.checks)} cases are not shown: those {LEFT_OUT}." if left_out else ""
+    note = f"{left_out} of {len(result.checks)} cases are not shown: {LEFT_OUT}." if left_out else ""
     title = "Computed and expected values"
     if relative := [check.deviation_percent for check in checks if check.deviation_percent is not None]:
         rms = sqrt(sum(part * part for part in relative) / len(relative))
@@ -268,9 +268,9 @@ def chart(result: SuiteResult) -> charts.Chart:
 # Part of the tests whose limits an allowance covers.
 COVERED = 0.95
 USABLE = (
-    "A result within its band has not changed since the band was set; it need not be close to the tests. The allowance "
-    "shows how usable computed limits are: 95 % of the measured limits exceed the computed ones lowered by it. A "
-    "probability of stopping the projectile already includes the model error."
+    "A result within its band has not changed since the band was set; it need not be close to the tests. Lowered by "
+    "the allowance, 95 % of the computed limits do not exceed the measured ones. A probability of stopping the "
+    "projectile already includes the model error."
 )
 
 
@@ -327,7 +327,7 @@ def report(result: SuiteResult, command: str = "") -> Report:
     lead = f"{'Unchanged' if result.passed else 'Changed'}: {verdict(result)}."
     return Report(
         title=result.title or result.file,
-        lead=lead if scored else "No case has a band to be within.",
+        lead=lead if scored else "No case has a band.",
         text=result.description,
         byline=(("program version", f"armour {__version__}"),),
         sections=tuple(sections),

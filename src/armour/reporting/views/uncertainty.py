@@ -9,7 +9,7 @@ from armour.reporting.text import interval, percent, with_interval
 from armour.reporting.views.confidence import DEFEAT, SAMPLED_ALONE, error_note
 from armour.statistics.uncertainty import UncertaintyResult
 
-SAMPLING_NOTE = "the intervals are of the estimates, by sampling alone; the ballistic limit spreads from V05 to V95"
+SAMPLING_NOTE = "intervals: sampling error of the estimates only; the spread of the ballistic limit is V05 to V95"
 
 
 INDEX_NOTE = "true indices lie between 0 and 1; sampling error can push estimates and intervals slightly outside"
@@ -63,8 +63,8 @@ def tables(result: UncertaintyResult) -> list[Table | str]:
         found.append(INDEX_NOTE)
     if any(index.first and not index.total for index in result.inputs):
         found.append(
-            "inputs are correlated: a first-order index includes what an input shares with those that it is correlated "
-            "with, so that their sum may exceed 1; total indices are not given"
+            "inputs are correlated: variance that they share is attributed to each of them, so that the first-order "
+            "indices may sum to more than 1; total indices are not given"
         )
     return found
 
@@ -112,7 +112,5 @@ def chart(result: UncertaintyResult) -> charts.Chart:
         swings = charts.rows_panel(x, names, values, title, found)
         panels.append(replace(swings, shares_x=True))
     title = f"Perforated with a probability of {100.0 * p.value:.0f} % at {at:g} m/s"
-    note = (
-        f"By sampling, {level} intervals: {p.low:.3f} to {p.high:.3f} at {at:g} m/s; those of the curve are its band."
-    )
+    note = f"{level} intervals by sampling: {p.low:.3f} to {p.high:.3f} at {at:g} m/s; the band for the curve."
     return charts.Chart(title, tuple(panels), note)
