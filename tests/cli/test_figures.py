@@ -36,7 +36,7 @@ def test_a_parity(cli, folder: Path):
 
 def test_a_file_in_the_way(cli, folder: Path):
     (folder / "figs").write_text("")
-    assert cli.fails(2, "figures", "figs") == ["figs: cannot be made a folder: file exists"]
+    assert cli.fails(2, "figures", "figs") == ["figs: cannot be written to: not a directory"]
 
 
 @pytest.mark.usefixtures("folder")

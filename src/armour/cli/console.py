@@ -12,7 +12,7 @@ from typing import IO, Any
 import typer
 
 from armour.cli.layout import UNLIMITED, plain, rendered
-from armour.errors import InputError, Problem
+from armour.errors import mistake
 from armour.files import reason
 from armour.reporting.table import Table
 
@@ -67,7 +67,7 @@ def emit(text: str, stream: IO[str] | None = None) -> None:
     except OSError as error:
         discard(stream)
         if stream is not sys.stderr and not isinstance(error, BrokenPipeError):
-            raise InputError([Problem("standard output", "", f"cannot be written: {reason(error)}")]) from None
+            raise mistake("standard output", "", f"cannot be written: {reason(error)}") from None
 
 
 def discard(stream: IO[str]) -> None:

@@ -10,7 +10,7 @@ from armour.cli import completion
 from armour.cli.question import Answer, Force, Output, PlotFile, argument, option, question
 from armour.cli.runner import check_outputs, read_scenario, wrong_option
 from armour.cli.scenario_commands import LIMIT_READS, grid_of
-from armour.errors import InputError, Problem
+from armour.errors import mistake
 from armour.files import table_file
 
 if TYPE_CHECKING:
@@ -138,16 +138,16 @@ def plan_shots(
         options["limits_m_s"] = (lower_m_s, upper_m_s)
     if result is None:
         if velocity_m_s is not None:
-            raise wrong_option("--velocity-m-s", "is the velocity of the shot of --result, which is not given")
+            raise wrong_option("--velocity-m-s", "must be given with --result")
         if table is not None and not exists(table):
             # A shipped table of this name is of another firing.
-            raise InputError([Problem(str(table), "", "cannot be read: no such file; --result makes it")])
+            raise mistake(table, "", "cannot be read: no such file; --result makes it")
         fired = None if table is None else armour.read_shots(table, one_kind=True)
         return Answer(armour.plan_shots(scenario, fired, on_progress=on_progress, **options))
     if table is None:
-        raise wrong_option("--result", "adds a shot to SHOTS, which is not given")
+        raise wrong_option("--result", "must be given with SHOTS, to which it adds a shot")
     if options["simulate"]:
-        raise wrong_option("--result", "is of a shot that was fired; it must not be given with --simulate")
+        raise wrong_option("--result", "must not be given with --simulate: it records a shot that was fired")
     check_outputs(plot=plot, updated=table, force=force)
     return _with_result(scenario, on_progress, table, result, velocity_m_s, options)
 
@@ -187,7 +187,7 @@ def _with_result(
         def longer() -> bytes:
             if content_of(table) != read:
                 message = "cannot be written: it has changed since it was read; repeat the command"
-                raise InputError([Problem(str(table), "", message)])
+                raise mistake(table, "", message)
             return content
 
         return Answer(plan, (*far, *plan.warnings), contents={table: longer}, held=stack.pop_all())

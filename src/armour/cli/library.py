@@ -10,7 +10,7 @@ from armour.cli import completion
 from armour.cli.console import say, show, show_json
 from armour.cli.question import AsJson, Force, argument, option
 from armour.cli.runner import check_outputs, respond, write
-from armour.errors import InputError, Problem, choices, refuse
+from armour.errors import choices, mistake, refuse
 from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests, wrong_ending
 
 # What the library lists, each by a command of its own, in the plural.
@@ -75,7 +75,7 @@ def show_entry(
     try:
         entries = shipped_library().find(name)
     except KeyError as error:
-        raise InputError([Problem("library", name, error.args[0])]) from None
+        raise mistake("library", name, error.args[0]) from None
     for entry in entries:
         respond(entry.to_dict(), entry_tables(entry), as_json=as_json, of=[f"{entry.name} ({entry.kind})"])
 
@@ -108,9 +108,9 @@ def init(
         message = (
             f'must name a shipped scenario, suite, table or notebook, found "{source}"{choices(source, list(known))}'
         )
-        raise InputError([Problem("init", "--from", message)])
+        raise mistake("init", "--from", message)
     if str(file) == "-":
-        raise InputError([Problem("init", "FILE", "must be the name of a file to write, found -")])
+        raise mistake("init", "FILE", "must be the name of a file to write, found -")
     ending = known[source].suffix
     check_outputs(file, force=force)
     refuse(wrong_ending(file, (ending,)) if {ending, file.suffix} & {".csv", ".ipynb"} else [])

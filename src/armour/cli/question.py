@@ -82,7 +82,7 @@ def options_of(function: Callable[..., Any]) -> Iterator[inspect.Parameter]:
         elif int in kinds or float in kinds:
             yield number_option(name, told)
         elif str in kinds:
-            inputs = option(told, metavar="INPUT", autocompletion=completion.inputs)
+            inputs = option(f"{told} Repeatable.", metavar="INPUT", autocompletion=completion.inputs)
             yield parameter(name, Annotated[list[str] | None, inputs])
 
 
@@ -202,7 +202,7 @@ def question(
                 settings = {f"--{name}": (key, values[name]) for name, (key, _text) in keys.items()}
                 loaded = read_scenario(values["scenario"], changes, read, settings, what)
             elif changes:
-                raise wrong_option("--set", "changes a scenario, which is not given")
+                raise wrong_option("--set", "must be given with a scenario")
             if not first:
                 say_if_compiling()
             # An option that is not given has the default of the public function.

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from armour.cli.console import say, show, show_json
-from armour.errors import ArmourError, InputError, Problem, refuse
+from armour.errors import ArmourError, InputError, Problem, mistake, refuse
 from armour.files import (
     check_unreserved,
     decoded,
@@ -37,7 +37,7 @@ PLOT_ENDINGS = (".png", ".svg", ".pdf")
 
 def wrong_option(option: str, message: str) -> InputError:
     """Return the error of a wrong option."""
-    return InputError([Problem("command line", option, message)])
+    return mistake("command line", option, message)
 
 
 def check_outputs(

@@ -37,7 +37,7 @@ from armour.cli.runner import (
     write,
     wrong_option,
 )
-from armour.errors import InputError, NoDesignError, Problem, refuse
+from armour.errors import NoDesignError, mistake, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, SHOT
 
@@ -270,11 +270,11 @@ def sweep(
     reads = reads_of(name for name in names if name in QUANTITIES)
     loaded = read_scenario(scenario, changes, (*SHOT, *reads), what="the sweep")
     if (cases is None) == (not over):
-        raise _wrong("give either --over or --cases")
+        raise wrong_option("--over", "must be given, or --cases, but not both")
     if plot is not None and len(over or []) not in (1, 2):
-        raise _wrong(f"--plot needs one or two --over keys, found {len(over or []) or 'none'}")
+        raise wrong_option("--plot", f"must be given with one or two --over keys, found {len(over or []) or 'none'}")
     if plot is not None and names[0] == "outcome":
-        raise _wrong("--plot cannot draw outcome, which is not a number")
+        raise wrong_option("--plot", "must be given with a number first in --quantities, found outcome")
     with as_options("sweep"), ExitStack() as stack:
         source = Cases(cases) if cases is not None else grid_of("--over", over or [])
         say_if_compiling()
@@ -312,10 +312,6 @@ def _notes(names: list[str], *, drawn: bool) -> Iterator[str]:
         yield f"note: --plot draws {names[0]} alone, the first of --quantities"
 
 
-def _wrong(message: str) -> InputError:
-    return InputError([Problem("sweep", "", message)])
-
-
 def grid_of(option: str, texts: Sequence[str]) -> "Grid":
     """Return the grid of the values of an option, and warn of ranges whose end is left out."""
     from armour.sweeps.cases import Grid, axis_of
@@ -330,7 +326,7 @@ def grid_of(option: str, texts: Sequence[str]) -> "Grid":
 def _approve(effort: "Effort", yes: bool) -> None:
     """Announce a sweep that is not over at once; refuse a large one without ``--yes``."""
     if effort.is_large and not yes:
-        raise _wrong(f"{effort.words}; --yes to go on")
+        raise mistake("sweep", "", f"{effort.words}; --yes to go on")
     if effort.seconds > ANNOUNCED_S:
         say(effort.words)
 

@@ -1,5 +1,6 @@
 """Commands on suites of published values, and on the paper's figures."""
 
+import os
 from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
@@ -12,7 +13,7 @@ from armour.cli import completion
 from armour.cli.console import progress, say, show
 from armour.cli.question import AsJson, Changes, Force, argument, option
 from armour.cli.runner import CHECK_FAILED, check_outputs, respond, say_if_compiling, write
-from armour.errors import InputError, Problem, refuse
+from armour.errors import Problem, mistake, refuse
 from armour.files import reason, suite_file
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def validate(
     chosen = load_suite(path, changes_of(changes or ())).only(only)
     if update and not any(case.regression for case in chosen.cases):
         message = "must be true for the suite, or a case or table without source, to be updated; other values stay"
-        refuse([Problem(str(chosen.file), "regression", message)])
+        raise mistake(chosen.file, "regression", message)
     say_if_compiling()
     start = perf_counter()
     result = _computed(chosen, quiet=as_json)
@@ -137,12 +138,14 @@ def figures(
     chosen = [name for name in names if only in name]
     if not chosen:
         message = f'must be part of a name, found "{only}"; there are {", ".join(names)}'
-        raise InputError([Problem("figures", "--only", message)])
+        raise mistake("figures", "--only", message)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        os.listdir(folder)
+        check_outputs(*(folder / f"{name}.{ending}" for name in chosen for ending in ("csv", image)), force=force)
+    except FileNotFoundError:
+        pass  # it is made with the first figure
     except OSError as error:
-        raise InputError([Problem(str(folder), "", f"cannot be made a folder: {reason(error)}")]) from None
-    check_outputs(*(folder / f"{name}.{ending}" for name in chosen for ending in ("csv", image)), force=force)
+        raise mistake(folder, "", f"cannot be written to: {reason(error)}") from None
     say_if_compiling()
     # Each figure is written as soon as it is computed: all of them take a while.
     with progress("figures", len(chosen)) as count:
@@ -154,5 +157,6 @@ def figures(
                 figures = [compute_figure(section, path.parent) for section in panels[name]]
                 table, chart = suite.figure_table(figures), suite.figure_chart(figures)
             drawn = draw.rendered(chart, f".{image}")
+            folder.mkdir(parents=True, exist_ok=True)
             write({folder / f"{name}.csv": csv_text(table), folder / f"{name}.{image}": drawn})
             count(1)
