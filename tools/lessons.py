@@ -26,8 +26,7 @@ def head(name: str, height: int) -> str:
 
 def leader(x1: float, y1: float, x2: float, y2: float) -> str:
     """Return a line from words to what they name: dark in the armour, which is light in the dark, too."""
-    ends = sorted(((x1, y1), (x2, y2)))
-    (left, up), (right, down) = ends
+    (left, up), (right, down) = sorted(((x1, y1), (x2, y2)))
     cuts = [left, *(cut for cut in (FRONT, BACK) if left < cut < right), right]
     height = [up + (down - up) * (cut - left) / (right - left) for cut in cuts]
     parts = []

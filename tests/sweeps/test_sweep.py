@@ -1,15 +1,18 @@
 """A sweep gives for every row, once, what the scenario with its values gives, interrupted or not."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.evaluate import evaluate
+from armour.analysis.evaluate import Group, evaluate, evaluate_groups
 from armour.analysis.impact import simulate
 from armour.analysis.quantities import QUANTITIES
 from armour.errors import InputError
+from armour.sweeps import sweep as sweeps
 from armour.sweeps.cases import Cases
 from armour.sweeps.store import Chunk, Store, read_table
 from armour.sweeps.sweep import duration, job_of, write_sweep
@@ -166,3 +169,18 @@ def test_rows_whose_outcome_changes_again_are_told_even_when_resumed(tmp_path: P
     assert read_table(tmp_path / "a.csv")["required_ceramic_thickness_mm"][0] == pytest.approx(9.546, abs=1e-3)
     found = sweep_in_python(narrow_ranges(), {"armour.ceramic_thickness_mm": [10.75, 40.0]})
     assert f"{AGAIN}; this concerns 1 of 2 rows" in found.warnings
+
+
+def test_slow_rows_at_the_start_make_chunks_small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    source = sweep_grid("impact.velocity_m_s=900,900,900,900,700,700,700,700,700,700,700,700,700,700,700,700")
+    clock = [0.0]
+
+    def evaluated(groups: Sequence[Group], *of: Any) -> Any:
+        """Let a fast impact take long."""
+        clock[0] += sum(float(np.where(group.variants.velocities > 800.0, 10.0, 1.0).sum()) for group in groups)
+        return evaluate_groups(groups, *of)
+
+    monkeypatch.setattr(sweeps, "perf_counter", lambda: clock[0])
+    monkeypatch.setattr(sweeps, "evaluate_groups", evaluated)
+    effort = sweeps.effort_of(sweep_scenario(), source, ["outcome"], tmp_path / "a.csv")
+    assert (effort.row_s, effort.seconds) == (10.0, 16 * 13.0 / 4)
