@@ -8,6 +8,7 @@ from armour.scenario.library import (
     Library,
     shipped_library,
 )
+from tests.helpers.cases import scenario
 
 
 def extended(tables: dict[str, Any]) -> Library:
@@ -149,3 +150,12 @@ def test_a_name_that_is_not_there_is_an_error_with_all_that_are_alike(name: str)
 def test_a_name_that_is_like_none_is_an_error_with_the_nearest():
     with pytest.raises(KeyError, match='did you mean "AD85"'):
         shipped_library().find("AD86")
+
+
+def test_a_name_that_is_none_hints_at_descriptions_and_the_list():
+    for name, message in (
+        ("carbide", r'found "carbide"; choose from SiC \(flow stress 13 GPa\), B4C'),
+        ("stone", 'found "stone"; armour library lists them'),
+    ):
+        with pytest.raises(InputError, match=message):
+            scenario(ceramic=name)

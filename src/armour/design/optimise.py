@@ -507,16 +507,15 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
     unknown = ~search.requirement.tested(own)
     bounded = bool((catalogue.bounds < NO_BOUND).any())
     unknown &= bounded
+    whole = len(pairs) == len(catalogue.offers)
     if unknown.all():
-        names = [layer.material for layer in catalogue.offers[pairs[0]][:2] if layer.material]
-        armour = " on ".join(names) if len(pairs) == 1 else "any of the designs"
         rows, *_ = catalogue.against_each(own.at(slice(0, 1)), range(len(catalogue.threats)))
         threat = int(rows.errors.known.argmin())
+        against = f" against {catalogue.titles[threat]}" if rows.errors.known.any() else ""
         why = why_unknown(Parameters(*rows.parameters[threat].tolist()), float(catalogue.cosines[threat]))
-        against = f" against {catalogue.titles[threat]}" if len(catalogue.titles) > 1 else ""
-        return f"the model error is not known for {armour}{against}: {why}"
+        # In the table of pairs, what can give the error need not stand in each row.
+        return f"the model error is not known{against}: {why if whole else why.removesuffix(f'; {REMEDY}')}"
     hint = f"; if the model error is not known, {REMEDY}" if unknown.any() else ""
-    whole = len(pairs) == len(catalogue.offers)
     if catalogue.sampled:
         near = "" if whole else f" within {section.runners_up_percent:g} % of the best"
         return f"no design{near} keeps the probability of perforation within the bound of every threat{hint}"

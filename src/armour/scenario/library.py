@@ -315,18 +315,17 @@ class LibraryEntry:
 def hint(name: str, entries: Iterable[LibraryEntry], known: Iterable[str]) -> str:
     """Return a hint at the entries with names that contain a given one, or else at the closest known name.
 
-    Without any that contains it, such as "5083-H32", names that contain its first part are meant.
+    Without any that contains it, such as "5083-H32", names that contain its first part are meant; without these,
+    descriptions, such as that of AD85, which is an alumina.
     """
     entries = list(entries)
-    for part in filter(None, (name, re.split("[ -]", name)[0])):
-        found = [
-            _in_short(entry)
-            for entry in entries
-            if any(part.casefold() in other.casefold() for other in (entry.name, *entry.aliases))
-        ]
-        if 0 < len(found) <= MOST_ALIKE:
-            return CHOOSE + ", ".join(found)
-    return suggestion(name, list(known))
+    names = {entry.name: (entry.name, *entry.aliases) for entry in entries}
+    descriptions = {entry.name: (entry.description,) for entry in entries}
+    for part, texts in ((name, names), (re.split("[ -]", name)[0], names), (name, descriptions)):
+        alike = [e for e in entries if part and any(part.casefold() in text.casefold() for text in texts[e.name])]
+        if 0 < len(alike) <= MOST_ALIKE:
+            return CHOOSE + ", ".join(map(_in_short, alike))
+    return suggestion(name, list(known)) or "; armour library lists them"
 
 
 def _in_short(entry: LibraryEntry) -> str:
