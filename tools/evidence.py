@@ -177,7 +177,7 @@ def fitted(group: Group, plates: Plates) -> tuple[Fit, Floats]:
     _, coefficients, covariance = solved(best.x)
     deviations, freedom = np.exp(best.x), len(alloys) - terms
     variance = float((deviations**2).sum())
-    return Fit(group.terms, group.reference, coefficients, covariance, variance, freedom, {}, None), deviations
+    return Fit(group.terms, group.reference, coefficients, covariance, variance, freedom), deviations
 
 
 # Series of Wilkins' tests, by their order in the table.
@@ -260,7 +260,7 @@ def fitted_law(law: FlowStressLaw, tiles: Tiles) -> tuple[Fit, float]:
     freedom = float(brentq(lambda df: np.divide(*t.ppf(MATCHED, df)) - np.divide(*wanted), 1.0, 100.0))
     factor = float(wanted[1] / t.ppf(MATCHED[1], freedom)) ** 2
     scaled = factor * covariance, factor * variance
-    return Fit(law.terms, (1.0, 1.0), coefficients, *scaled, freedom, {}, None), evidence
+    return Fit(law.terms, (1.0, 1.0), coefficients, *scaled, freedom), evidence
 
 
 def _quantiles(weights: Floats, means: Floats, deviations: Floats) -> Floats:

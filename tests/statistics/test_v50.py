@@ -96,7 +96,10 @@ def test_the_recommended_curve_is_the_penalised_probit_if_it_rises():
 @pytest.mark.parametrize(
     ("rows", "messages"),
     [
-        (["700,partial"], ["result: must have at least one partial and one complete penetration, found only partial"]),
+        (
+            ["700,partial"],
+            ["shots.csv: must have at least one partial and one complete penetration, found only partial"],
+        ),
         (
             ["700,part", "fast,complete", ",partial", "-5,no"],
             [

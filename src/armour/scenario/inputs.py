@@ -76,18 +76,14 @@ _ALL = (
 )
 # Every input by name.
 INPUTS = {one.name: one for one in _ALL}
-# Section, key and name of those that the scenario's own sections give.
-OF_SECTIONS = [(one.section, one.key, one.name) for one in _ALL if one.kind is None]
-# Names of the inputs that entries of the library give, by role, with their keys.
-OF_ROLE = {role: {name: one.key for name, one in INPUTS.items() if one.section == role} for role in ROLES}
 
 
 def inputs_of_entry(role: str, entry: "LibraryEntry") -> dict[str, float]:
     """Return the values of the inputs that an entry of the library gives in a role, by name."""
     return {
-        name: entry[key]
-        for name, key in OF_ROLE[role].items()
-        if key in entry.values and (name != YIELD or entry.derived - {key})
+        name: entry[one.key]
+        for name, one in INPUTS.items()
+        if one.section == role and one.key in entry.values and (name != YIELD or entry.derived - {one.key})
     }
 
 

@@ -11,7 +11,6 @@ from math import nan, pi
 from os import PathLike
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
-import tomli_w
 from pydantic import (
     AfterValidator,
     BeforeValidator,
@@ -447,26 +446,25 @@ class Library:
         notes = list(self.notes)
         for kind in KINDS:
             added: Mapping[str, Entry] = getattr(tables, kind)
-            found, mistakes = _resolved(kind, added, self.entries[kind], file)
-            for name, key, message in mistakes:
-                where = key_name([part for part in (prefix, kind, name, key) if part])
-                problems.append(Problem(file, where, message))
+            table = (prefix, kind) if prefix else (kind,)
+            found, mistakes = _resolved(kind, added, self.entries[kind], file, table)
+            problems += mistakes
             for name in filter(found.__contains__, added):
                 earlier = entries[kind].get(name)
                 if earlier and added[name].based_on != name:
-                    where = key_name([part for part in (prefix, kind, name) if part])
-                    notes.append(f"{file}: {where}: replaces the {name} of {earlier.file or 'the shipped library'}")
+                    replaced = f"the {name} of {earlier.file or 'the shipped library'}"
+                    notes.append(f"{file}: {key_name((*table, name))}: replaces {replaced}")
                 entries[kind][name] = found[name]
         refuse(problems)
         return Library(entries, tuple(notes))
 
 
 def _resolved(
-    kind: Kind, added: Mapping[str, Entry], known: Mapping[str, LibraryEntry], file: str
-) -> tuple[dict[str, LibraryEntry], list[tuple[str, str, str]]]:
-    """Return added entries with the values that they inherit, and the mistakes in others: name, key and message."""
+    kind: Kind, added: Mapping[str, Entry], known: Mapping[str, LibraryEntry], file: str, table: tuple[str, ...]
+) -> tuple[dict[str, LibraryEntry], list[Problem]]:
+    """Return entries that a table of a file adds, with the values that they inherit, and the mistakes in others."""
     found: dict[str, LibraryEntry] = {}
-    mistakes: list[tuple[str, str, str]] = []
+    problems: list[Problem] = []
     waiting = dict(added)
     # A base precedes what is based on it.  An entry based on its own name refers to the earlier one.
     while ready := [name for name, entry in waiting.items() if entry.based_on == name or entry.based_on not in waiting]:
@@ -477,21 +475,17 @@ def _resolved(
             if base is None or inherited:
                 made = _completed(kind, name, entry, inherited, file)
                 wrong = _mistakes(made)
-                mistakes += ((name, key, message) for key, message in wrong.items())
+                problems += (Problem(file, key_name((*table, name, key)), wrong[key]) for key in wrong)
                 if not wrong:
                     found[name] = made
             elif not is_added:  # the mistake of an added one is reported there
                 names = [*known, *(other for other in added if other != name)]
-                mistakes.append(
-                    (
-                        name,
-                        "based_on",
-                        f'must name a {kind} of the library, found "{base}"{hint(base, known.values(), names)}',
-                    )
-                )
+                message = f'must name a {kind} of the library, found "{base}"{hint(base, known.values(), names)}'
+                problems.append(Problem(file, key_name((*table, name, "based_on")), message))
     for name, entry in waiting.items():
-        mistakes.append((name, "based_on", f'must not lead back to the entry itself, found "{entry.based_on}"'))
-    return found, mistakes
+        message = f'must not lead back to the entry itself, found "{entry.based_on}"'
+        problems.append(Problem(file, key_name((*table, name, "based_on")), message))
+    return found, problems
 
 
 def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, file: str) -> LibraryEntry:
@@ -549,12 +543,6 @@ def read_library(path: str | PathLike[str], onto: Library) -> Library:
         With every mistake in the file, or if it cannot be read.
     """
     return onto.extended(read_toml(path), str(path))
-
-
-def library_toml(tables: Mapping[str, Any]) -> str:
-    """Validate entries, plain data by kind and name, and return them as the text of a library file."""
-    validated(LibraryTables, tables, "library")
-    return tomli_w.dumps(tables)
 
 
 @cache

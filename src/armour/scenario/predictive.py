@@ -88,8 +88,8 @@ class Fit(NamedTuple):
     covariance: Floats  # (terms, terms)
     variance: float  # of a new alloy, round and test
     degrees_of_freedom: float
-    flow_stress: Mapping[str, float]  # parameters of the law, of a ceramic
-    tensile: tuple[float, float] | None  # range of the tensile over the yield strength, where it is a term
+    flow_stress: Mapping[str, float] = {}  # parameters of the law, of a ceramic
+    tensile_ratio: tuple[float, float] | None = None  # range of the tensile over the yield strength, if it is a term
 
     def predicted(self, conditions: Conditions, ranges: Mapping[str, tuple[float, float]]) -> tuple[Floats, Floats]:
         """Return locations and scales of the distributions of n armours, (n,) each.
@@ -108,19 +108,12 @@ class Fit(NamedTuple):
 @cache
 def fits() -> dict[str, Fit]:
     """Return the fits by name."""
-    return {
-        name: Fit(
-            tuple(data["terms"]),
-            tuple(data["reference"]),
-            np.array(data["coefficients"]),
-            np.array(data["covariance"]),
-            data["variance"],
-            data["degrees_of_freedom"],
-            data.get("flow_stress", {}),
-            tuple(data["tensile_ratio"]) if "tensile_ratio" in data else None,
-        )
-        for name, data in shipped_data()["fit"].items()
-    }
+    found = {}
+    for name, data in shipped_data()["fit"].items():
+        given: dict[str, Any] = {key: data[key] for key in data if key in Fit._fields}
+        given |= {key: np.array(data[key]) for key in ("coefficients", "covariance")}
+        found[name] = Fit(**given)
+    return found
 
 
 class Errors(NamedTuple):
@@ -235,9 +228,9 @@ def _set_bare(errors: Errors, evidence: Evidence, where: Any, conditions: Condit
     }
     for fit in map(fits().__getitem__, evidence.fits):
         rows = np.arange(len(where))
-        if fit.tensile is not None:
-            ratio = conditions.tensile / conditions.strength
-            rows = np.flatnonzero((ratio >= fit.tensile[0]) & (ratio <= fit.tensile[1]))
+        if fit.tensile_ratio is not None:
+            (low, high), ratio = fit.tensile_ratio, conditions.tensile / conditions.strength
+            rows = np.flatnonzero((ratio >= low) & (ratio <= high))
         shifts, scales = fit.predicted(Conditions(*(values[rows] for values in conditions)), ranges)
         errors.put(0, where[rows], (1.0, shifts[None], scales, fit.degrees_of_freedom), 0.0)
 

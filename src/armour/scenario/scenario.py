@@ -24,7 +24,6 @@ from armour.scenario.inputs import (
     INPUTS,
     NAMES,
     OBLIQUITY,
-    OF_SECTIONS,
     ROLES,
     VELOCITY,
     cosine_of,
@@ -178,9 +177,9 @@ class Scenario(Section):
         entry has them, and the yield strength only if other properties of the metal are derived from it.
         """
         found: dict[str, float] = {
-            name: getattr(getattr(self, section), key)
-            for section, key, name in OF_SECTIONS
-            if name != CERAMIC or self.armour.ceramic is not None
+            name: getattr(getattr(self, one.section), one.key)
+            for name, one in INPUTS.items()
+            if one.kind is None and (name != CERAMIC or self.armour.ceramic is not None)
         }
         for role in ROLES:
             entry = self.entry_of(role)

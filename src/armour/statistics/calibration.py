@@ -17,7 +17,7 @@ from armour.scenario.keys import key_name
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
 from armour.statistics.likelihood import MIN_P_VALUE, Coefficient, Fit, fit_inputs, intervals, usable, without
-from armour.statistics.measured import LIMIT, Tests, common_of, subject_of
+from armour.statistics.measured import Tests, common_of, subject_of
 from armour.statistics.own_tests import MEDIAN, own_evidence
 
 FLOW_STRESS = "ceramic.flow_stress_GPa"
@@ -270,20 +270,20 @@ def calibrate(
         for done, found in fits
         if law == "all"
     )
-    results: list[CalibrationResult] = []
-    # A law without a leave-one-out error comes last.
-    errors = [np.inf if found.left_out_error_percent is None else found.left_out_error_percent for _, found in fits]
-    for place in np.argsort(errors, kind="stable"):
-        done, found = fits[place]
-        results.append(replace(found, coefficients=intervals(done), laws=laws))
-        estimates = {c.name: c.estimate for c in results[-1].coefficients if c.estimate is not None}
-        if len(estimates) == len(results[-1].coefficients):
+    first = None
+    # The least leave-one-out error first, and a law without one last.
+    for done, found in sorted(fits, key=lambda fit: np.inf if (e := fit[1].left_out_error_percent) is None else e):
+        found = replace(found, coefficients=intervals(done), laws=laws)
+        first = first or found
+        estimates = {c.name: c.estimate for c in found.coefficients if c.estimate is not None}
+        if len(estimates) == len(found.coefficients):
             if own := own_evidence(tests, estimates):
-                evidence, error = own
-                results[-1] = replace(results[-1], evidence=evidence.model_dump(), limit_error_percent=error)
-            results = results[-1:]
+                found = replace(found, evidence=own[0].model_dump(), limit_error_percent=own[1])
             break
-    return results[0].of(subject_of(tests), scenario=scenario, tests=tests)
+    else:
+        assert first is not None
+        found = first
+    return found.of(subject_of(tests), scenario=scenario, tests=tests)
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
@@ -293,12 +293,6 @@ def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tes
     groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
     names = dict.fromkeys([*inputs, *(f"ceramic.{key}" for key in LAWS[law])])
     return tests._replace(groups=groups, scenario=with_law(tests.scenario, law)), [*names]
-
-
-def with_scatter(tests: Tests) -> Tests:
-    """Return tests whose uncertainties, which are not given, are the error that laws are expected to leave."""
-    measurements = tuple(m._replace(uncertainty=MEDIAN * m.value) for m in tests.measurements)
-    return tests._replace(measurements=measurements, weighted=True)
 
 
 def check_fitted(fit: Sequence[str], law: str | None, function: str) -> None:
@@ -325,7 +319,9 @@ def fit_by_law(
     tests, inputs = under_law(tests, inputs, law)
     everything = np.ones(len(tests.measurements), dtype=bool)
     too_few = assumes and not tests.weighted and usable(tests, everything) <= len(inputs)
-    tests = with_scatter(tests) if too_few else tests
+    if too_few:
+        guessed = tuple(m._replace(uncertainty=MEDIAN * m.value) for m in tests.measurements)
+        tests = tests._replace(measurements=guessed, weighted=True)
     done = fit_inputs(tests, inputs, on_progress, prior=prior)
     computed, left_out = done.likelihood.predicted(done.best.x), _left_out(done)
     residuals = tuple(
@@ -424,13 +420,6 @@ def _bad_fit(done: Fit) -> tuple[str, ...]:
         f"{done.chi_squared:.2f} on {done.degrees_of_freedom:.3g} degrees of freedom, p = {done.p_value:.2g}; "
         f"the intervals are {widened}, and the {wrong} are wrong",
     )
-
-
-def left_out_errors(result: CalibrationResult) -> list[float]:
-    """Return measured over computed limits, less 1, of the measured ballistic limits predicted without their test."""
-    return [
-        r.measured / r.left_out - 1.0 for r in result.residuals if r.quantity == LIMIT and not r.bound and r.left_out
-    ]
 
 
 def _left_out(done: Fit) -> Floats:

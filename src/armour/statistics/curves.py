@@ -232,20 +232,17 @@ class Likelihood:
         """Return whether a point is in the confidence region."""
         return 2.0 * (self.mode.value - point.value) <= root**2
 
-    def bound(
-        self, profile: Callable[[float], _Point], start: float, direction: float, root: float | None = None
-    ) -> float:
+    def bound(self, profile: Callable[[float], _Point], start: float, direction: float, root: float) -> float:
         """Return the end of the interval of a quantity, from its estimate in a direction; infinite if there is none.
 
         The profile gives the maximum for a value of the quantity.  The root is that of the deviance at the end.
         """
-        end_root = self.root if root is None else root
 
         @cache
         def excess(value: float) -> float:
             """Return the root of the deviance, which is nearly linear in the quantity, less that at the end."""
             deviance = 0.0 if value == start else 2.0 * max(self.mode.value - profile(value).value, 0.0)
-            return min(sqrt(deviance), MAX_DISTANCE) - end_root
+            return min(sqrt(deviance), MAX_DISTANCE) - root
 
         step = direction * FIRST_STEP
         inner, end = start, start + step
@@ -270,14 +267,14 @@ class Likelihood:
 
         def end(direction: float) -> float:
             start = -log(self.mode.at[1])
-            return exp(self.bound(lambda log_scale: self.with_slope(exp(-log_scale)), start, direction))
+            return exp(self.bound(lambda log_scale: self.with_slope(exp(-log_scale)), start, direction, self.root))
 
         return 0.0 if self.separated else end(-1.0), inf if self.holds(self.flat, self.root) else end(1.0)
 
     def argument_interval(self, x: float) -> tuple[float, float]:
         """Return the ends of the interval of the argument of F at a velocity."""
         start = float(self.mode.at @ (1.0, x))
-        low, high = (self.bound(lambda z: self.with_value(z, x), start, direction) for direction in (-1.0, 1.0))
+        low, high = (self.bound(lambda z: self.with_value(z, x), start, side, self.root) for side in (-1.0, 1.0))
         return low, high
 
 

@@ -6,11 +6,13 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+import tomli_w
+
 from armour.errors import InputError, NoAnswerError, mistake
 from armour.files import parse_toml, write_files
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY
-from armour.scenario.library import FLOW_STRESS_LAW, LibraryEntry, library_toml, shipped_library
+from armour.scenario.library import FLOW_STRESS_LAW, LibraryEntry, shipped_library
 from armour.scenario.scenario import Scenario, parse_scenario
 from armour.statistics.calibration import FLOW_STRESS, LAWS, CalibrationResult
 from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
@@ -66,7 +68,7 @@ def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario) ->
     """
     tables, used = _entries(result, tests)
     _usable(lambda: scenario.replaced({"library": tables, **used}))
-    return _compact(library_toml(tables))
+    return _compact(tomli_w.dumps(tables))
 
 
 def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, path: Path) -> str:

@@ -206,13 +206,12 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
         if not result:
             message = f'must be "partial" or "complete", or P or C, or PP or CP, found "{text}"'
             problems.append(Problem(file, f"{row.place}: result", message))
-    if not problems and not one_kind and len(set(results)) == 1:
-        message = f"must have at least one partial and one complete penetration, found only {results[0]} ones"
-        problems.append(Problem(file, "result", message))
     refuse(in_line_order(problems))
     called = tuple(row.texts.get("shot", "") for row in rows)
     complete = tuple(result == "complete" for result in results)
-    return Shots(tuple(velocities), complete, file, called if any(called) else ())
+    shots = Shots(tuple(velocities), complete, file, called if any(called) else ())
+    check_shots(shots, one_kind=one_kind)
+    return shots
 
 
 @checked
@@ -335,7 +334,7 @@ def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
 
 
 def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
-    """Check shots that are not read from a file."""
+    """Check shots, which may be made without a file."""
     velocities = shots.velocities_m_s
     if not all(hasattr(each, "__len__") for each in (velocities, shots.complete)):
         raise mistake(shots.file, "", "must be sequences of velocities and of results")
@@ -347,7 +346,8 @@ def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
     elif wrong := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
         message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g} m/s, found {wrong[0]:g}"
     elif not one_kind and len(set(shots.complete)) != 2:
-        message = "must have at least one partial and one complete penetration"
+        found = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
+        message = f"must have at least one partial and one complete penetration, found {found}"
     if message:
         raise mistake(shots.file, "", message)
 
