@@ -102,9 +102,8 @@ def read_csv(path: Path) -> Iterator[tuple[int, list[str]]]:
             if len(line) == MAX_LINE:
                 raise mistake(path, f"line {place}", f"must be shorter than {MAX_LINE:,} characters")
             if not line.isascii() and (found := _UNDECODED.search(line)):
-                raise mistake(
-                    path, f"line {place}", f"must be UTF-8 text, found the byte {ord(found[0]) - 0xDC00:#04x}"
-                )
+                byte = ord(found[0]) - 0xDC00
+                raise mistake(path, f"line {place}", f"must be UTF-8 text, found the byte {byte:#04x}")
             yield line
 
     read = 0

@@ -150,7 +150,10 @@ def losses(folder: Path) -> Iterator[str]:
         ]
         for kind in (signal.SIGKILL, signal.SIGINT):
             child = subprocess.Popen([*command, "--quantities", quantity], stderr=subprocess.DEVNULL)
-            time.sleep(random.uniform(6.0, 9.0))
+            # On a busy machine the program takes long to start.
+            while child.poll() is None and not list(output.parent.glob("t.csv.parts/*.npz")):
+                time.sleep(0.1)
+            time.sleep(random.uniform(2.0, 5.0))
             now = time.time()
             child.send_signal(kind)
             child.wait()
@@ -295,7 +298,8 @@ def main(names: list[str]) -> int:
     """Run campaigns; return the exit code."""
     global TIME_S
     sweeps.MAX_CHUNK = CHUNK
-    kernel("impacts")
+    for name in ("impacts", "ballistic_limits", "least_thicknesses"):
+        kernel(name)
     with tempfile.TemporaryDirectory(prefix="sweeps-") as place:
         for ending in ENDINGS:
             for quantities in QUANTITIES:

@@ -268,9 +268,8 @@ def plan_tests(
         targets=targets if criterion == "I" else None,
     )
     if criterion == "I" and np.isnan(targets).any():
-        raise mistake(
-            "plan_tests", "criterion", 'must not be "I": the candidates do not determine the limit of a design'
-        )
+        message = 'must not be "I": the candidates do not determine the limit of a design'
+        raise mistake("plan_tests", "criterion", message)
     chosen = optimal_design.best_set(task, number)
     regular = not optimal_design.missing(task.information(chosen), task.rows)
     gains = np.empty(0)

@@ -37,9 +37,7 @@ class Axis:
 
     key: str
     values: tuple[float, ...] | tuple[str, ...]
-    omission: str = (
-        ""  # warning that the end of a range is left out, as it is not a whole number of steps from the start
-    )
+    omission: str = ""  # warning that the end of a range is left out, as no whole number of steps leads to it
 
 
 @dataclass(frozen=True)
@@ -88,11 +86,10 @@ class Cases:
         self.path = path
         lines = read_csv(path)
         first, header = next(lines, (0, []))
-        check_header(str(path), f"line {first}", header)
+        place = f"line {first}"
+        check_header(str(path), place, header)
         if "" in header:
-            raise mistake(
-                path, f"line {first}", f"must name a key in each column, found none in {header.index('') + 1}"
-            )
+            raise mistake(path, place, f"must name a key in each column, found none in {header.index('') + 1}")
         self.keys = tuple(header)
         self.count = 0
         blocks: list[tuple[Any, ...]] = []
