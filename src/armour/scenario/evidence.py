@@ -35,9 +35,9 @@ class ModelError:
     degrees_of_freedom : float or None
         Of this distribution.
     source : str
-        What the error is estimated from.
+        Tests, or other source, from which the error is estimated.
     extrapolated : tuple of str
-        Quantities in which the armour lies outside the tests that the error is estimated from.
+        Quantities in which the armour lies outside the tests from which the error is estimated.
     quantiles_percent : dict of str to float
         Quantiles of the error, %, by probability: "0.025", "0.05", "0.5", "0.95" and "0.975"; of an armour.
     """

@@ -41,7 +41,7 @@ class Value(Section, Generic[Number]):
     status : str
         "measured", "nominal" (as a table or a standard lists it), "fitted" or "assumed".
     source : str
-        Where it comes from; empty if none is given.
+        Its source; empty if none is given.
     tests : list of dict
         Tests that it was calibrated to: inputs and measured values by name, in the units at the ends of the names.
     """
@@ -51,9 +51,9 @@ class Value(Section, Generic[Number]):
     status: Status = "assumed"
     """How the number is known: "measured", "nominal" (as a table or a standard lists it), "fitted" or "assumed"."""
     source: str = ""
-    """Where the number comes from."""
+    """Source of the number."""
     tests: list[dict[str, NumberOrText]] = []
-    """Tests that the number was calibrated to."""
+    """Tests to which the number was calibrated."""
 
     def __repr__(self) -> str:
         return f"<Value: {self.value:g}, {self.status}{f', {self.source}' if self.source else ''}>"
@@ -85,12 +85,12 @@ Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0), NOT_TINY]], _N
 
 
 class LawEvidence(Section):
-    """What own tests tell of a law: a mixture of normal distributions, one for each standard deviation of the error."""
+    """What own tests imply for a law: a mixture of normal distributions, one for each deviation of the error."""
 
     exponent: str = ""
     """Key of the exponent of the law; empty for a value that is constant."""
     slope: float
-    """Relative change of the ballistic limit over that of the value, at the tests."""
+    """Relative change of the ballistic limit per relative change of the value, at the tests."""
     components: Items[Items[float]]
     """Of each: probability, standard deviation of the error of a limit, value and its relative standard deviation; of a
     law with an exponent, this, its standard deviation, and the correlation of both."""
@@ -136,7 +136,7 @@ class TestedRanges(Section):
 
 
 class OwnEvidence(Section):
-    """Own tests that a value of the entry was calibrated to: where they put the ballistic limits of such armours."""
+    """Own tests to which a value of the entry was calibrated, and what they imply for the limits of such armours."""
 
     source: str
     """The tests."""
@@ -160,7 +160,7 @@ class Entry(Section):
     aliases: Items[str] = ()
     """Other names of the entry."""
     evidence: OwnEvidence | None = None
-    """Own tests that it was calibrated to, which `armour calibrate` writes."""
+    """Own tests to which the entry was calibrated; written by `armour calibrate`."""
 
     def values(self) -> dict[str, Value[float]]:
         """Return the values that the entry gives, by key."""

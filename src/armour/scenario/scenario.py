@@ -100,7 +100,7 @@ class Scenario(Section):
     """
 
     title: Line = ""
-    """Title, shown below the armour and the round that are computed."""
+    """Title, shown below the armour and the round."""
     author: Line = ""
     """Author, shown in reports."""
     project: Line = ""
@@ -120,7 +120,7 @@ class Scenario(Section):
     optimise: Optimise | None = None
     """Grid of designs."""
     threat: Items[Threat] = ()
-    """Threats, all of which a design must defeat; by default [impact]."""
+    """Threats, all of which a design must stop; by default [impact]."""
     design: DesignSection | None = None
     """Catalogue of materials, with constraints and the objective; in place of the grid."""
     uncertainty: Uncertainty | None = None

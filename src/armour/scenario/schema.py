@@ -85,7 +85,7 @@ class Impact(Section):
     model_config = ConfigDict(json_schema_extra=lambda schema: _with_named(schema))
 
     threat: str | None = None
-    """Name of a threat that armour library lists; it gives what is not given beside it."""
+    """Name of a threat listed by armour library; it supplies the values that are not given here."""
     projectile: ProjectileName
     """Name of the projectile."""
     velocity_m_s: Velocity
@@ -119,7 +119,7 @@ class ArmourSection(Section):
     """The armour: a metal back plate, with or without a ceramic tile on it."""
 
     ceramic: CeramicName | None = None
-    """Name of the ceramic, none for a bare plate."""
+    """Name of the ceramic; left out for a bare plate."""
     ceramic_thickness_mm: ThicknessOrNone
     """Thickness of the ceramic tile, 0 for a bare plate."""
     backing: MetalName
@@ -150,9 +150,9 @@ class Solver(Section):
     """Settings of the solver."""
 
     time_step_us: Positive | None = None
-    """Time step; by default from size and velocity."""
+    """Time step; by default chosen from size and velocity."""
     arrest_velocity_m_s: Velocity = 1.0
-    """Velocity at which the projectile counts as arrested."""
+    """Velocity at which the projectile is considered arrested."""
 
     @property
     def time_step(self) -> float:
@@ -243,12 +243,12 @@ class Threat(Impact):
     """A projectile and a velocity that a design must stop, with a margin."""
 
     name: Line = ""
-    """Name of the threat; by default that of threat, or projectile and velocity."""
+    """Name of the threat; by default the value of threat, or projectile and velocity."""
     margin_m_s: Annotated[float, Field(ge=0.0, le=1e4)] = 0.0
     """Required excess of the ballistic limit over the velocity of the threat."""
     probability_of_perforation: Annotated[float, Field(gt=0.0, lt=0.5)] | None = None
-    """Greatest probability of perforation by the threat, with the uncertain inputs; in place of the one that the
-    confidence gives."""
+    """Greatest allowed probability of perforation, given the uncertain inputs; overrides the one that follows from
+    confidence."""
 
     @model_validator(mode="after")
     def _within_reach(self) -> "Threat":
@@ -313,7 +313,7 @@ class Layer(Section):
     material: str
     """Name of the ceramic or metal."""
     thickness_mm: Thicknesses
-    """Thicknesses to choose from: a list, a range with a step, or one without for any value."""
+    """Thicknesses to choose from: a list, a range with a step, or a range without a step for any value in it."""
     cost_per_kg: Amount = 0.0
     """Cost per mass of the material, in any currency."""
     cost_per_m2: Amount = 0.0
@@ -350,7 +350,7 @@ class BackingLayer(Layer):
     material: MetalName
     """Name of the metal."""
     thickness_mm: Annotated[Thicknesses, AfterValidator(_above_zero)]
-    """Thicknesses to choose from: a list, a range with a step, or one without for any value."""
+    """Thicknesses to choose from: a list, a range with a step, or a range without a step for any value in it."""
 
 
 Objective = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
@@ -367,15 +367,15 @@ class DesignSection(Section):
     """Catalogue of materials, constraints on a design and the objective."""
 
     minimise: Objective = "areal_density_kg_m2"
-    """Quantity of which the design has the least."""
+    """Quantity to minimise."""
     confidence: Annotated[float, Field(gt=0.5, lt=1.0)] | None = None
     """Least probability of stopping each threat."""
     thickness_tolerance_mm: ThicknessOrNone = 1.0
-    """Amount by which armour check takes each layer thinner."""
+    """Amount by which armour check makes each layer thinner."""
     pareto: Annotated[list[Criterion], Field(min_length=2, max_length=3), AfterValidator(_different)] | None = None
-    """Criteria of the Pareto front; none is drawn up by default."""
+    """Criteria of the Pareto front; by default there is none."""
     runners_up_percent: Annotated[float, Field(ge=0.0, le=100.0)] = 5.0
-    """Excess over the best up to which other pairs of materials are listed."""
+    """Other pairs of materials are listed if they exceed the best by at most this."""
     thickness_max_mm: Thickness | None = None
     """Greatest total thickness."""
     areal_density_max_kg_m2: Positive | None = None
@@ -425,9 +425,9 @@ class Distribution(Section):
     standard_deviation_percent: Width | None = None
     """Standard deviation, per cent of the mean."""
     min: Number | None = None
-    """Least value, where the distribution is truncated."""
+    """Least value; it truncates the distribution."""
     max: Annotated[Number | None, above("min")] = None
-    """Greatest value, where the distribution is truncated."""
+    """Greatest value; it truncates the distribution."""
 
     @model_validator(mode="after")
     def _complete(self) -> "Distribution":
@@ -503,18 +503,18 @@ class Correlation(Section):
 
 
 class ModelSection(Section):
-    """Relative error of the ballistic limit: that of the armour over that of the model, less 1; Student's t."""
+    """Model error: actual / computed ballistic limit - 1, with Student's t distribution."""
 
     included: bool = True
     """Whether the model error is included."""
     mean_percent: Annotated[float, Field(ge=-90.0, le=1000.0)] = 0.0
-    """Mean error of the ballistic limit, of the armour over that of the model, less 1."""
+    """Mean model error: actual / computed ballistic limit - 1."""
     scale_percent: Annotated[float, Field(ge=1e-3, le=100.0)] | None = None
     """Scale of Student's t distribution of this error."""
     degrees_of_freedom: Annotated[float, Field(ge=1.0, le=1e6)] | None = None
     """Degrees of freedom of this distribution; by default infinite: a normal distribution."""
     source: str = ""
-    """Where the error comes from."""
+    """Source of the error."""
 
     @model_validator(mode="after")
     def _complete(self) -> "ModelSection":
