@@ -6,7 +6,7 @@ Numbers of series are sequences of equal length; None or NaN is a gap.  On hover
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -255,27 +255,36 @@ def look_of(index: int) -> dict[str, Any]:
     return {"colour": COLOURS[colour], "marker": MARKERS[(colour + turn) % len(MARKERS)]}
 
 
-def agreement_panel(
-    quantity: str, word: str, groups: Mapping[str, Sequence[tuple[str, str, float, float, float]]], part: float = 0.0
-) -> Panel:
-    """Describe computed over known values, with lines of agreement and, on request, a part away from it.
+class Compared(NamedTuple):
+    """A known and a computed value, with their name, the word for the known one and its standard deviation, if any."""
 
-    Each group has points of a name, the word for the known value, this value, the computed one, and the standard
-    deviation of the known value, 0 where none is given.
-    """
+    name: str
+    word: str
+    known: float
+    computed: float
+    deviation: float = 0.0
+
+    def text(self, axis: Axis) -> str:
+        """Return both values in words."""
+        within = f" ± {axis.text(self.deviation)}" if self.deviation else ""
+        return f"{self.name}\n{self.word} {axis.text(self.known)}{within}, computed {axis.text(self.computed)}"
+
+    def ends(self) -> tuple[float, float]:
+        """Return the known value less and plus its standard deviation."""
+        return self.known - self.deviation, self.known + self.deviation
+
+
+def agreement_panel(quantity: str, word: str, groups: Mapping[str, Sequence[Compared]], part: float = 0.0) -> Panel:
+    """Describe computed over known values, with lines of agreement and, on request, a part away from it."""
     axis = quantity_axis(quantity)
     series: list[Series] = []
-    size = 5.0 if sum(map(len, groups.values())) <= MANY else 3.0
-    for index, (group, points) in enumerate(groups.items()):
-        text = tuple(
-            f"{n}\n{w} {axis.text(k)}{f' ± {axis.text(s)}' if s else ''}, computed {axis.text(c)}"
-            for n, w, k, c, s in points
-        )
-        known, computed = [point[2] for point in points], [point[3] for point in points]
-        ends = tuple((k - s, k + s) for *_, k, _, s in points) if any(point[4] for point in points) else ()
-        marks: dict[str, Any] = {"filled": False, "size": size, "x_ends": ends, "label": group, "text": text}
-        series.append(Points(known, computed, **marks, **look_of(index)))
-    span = widened(end for points in groups.values() for *_, k, c, s in points for end in (k - s, k + s, c))
+    every = [point for points in groups.values() for point in points]
+    for index, (label, points) in enumerate(groups.items()):
+        marks: dict[str, Any] = {"filled": False, "size": 5.0 if len(every) <= MANY else 3.0, "label": label}
+        marks["text"] = tuple(point.text(axis) for point in points)
+        marks["x_ends"] = tuple(point.ends() for point in points) if any(p.deviation for p in points) else ()
+        series.append(Points([p.known for p in points], [p.computed for p in points], **marks, **look_of(index)))
+    span = widened(value for point in every for value in (*point.ends(), point.computed))
     lines = [(1.0, "agreement", "-")]
     if part:
         # Few points that are near each other are shown with the lines beside them.

@@ -141,8 +141,8 @@ def chart(result: CalibrationResult) -> charts.Chart:
         by_bound = charts.grouped(residuals, lambda residual: residual.bound)
         groups = {
             words[bound] if bound else "tests": [
-                (names[residual.test], words[bound], residual.measured, residual.computed, residual.uncertainty or 0.0)
-                for residual in by_bound[bound]
+                charts.Compared(names[r.test], words[bound], r.measured, r.computed, r.uncertainty or 0.0)
+                for r in by_bound[bound]
             ]
             for bound in words
             if bound in by_bound

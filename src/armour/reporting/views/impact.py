@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import fields, replace
 from itertools import pairwise
 from math import inf
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -169,20 +169,15 @@ def _scene(result: ImpactResult, history: History) -> charts.Panel:
     """Draw armour and rod to scale along the line of fire, at the start and at the end of each stage."""
     p = result.question["scenario"].core_armour()
     length, diameter, ceramic, backing = (value / MM for value in (p.L0, p.D0, p.Hc0, p.Hb))
-    moments = [(0.0, "impact"), *_events(result)]
     fragmented = _fragmented_us(p, history)
-    if fragmented < result.duration_us and min(abs(time - fragmented) for time, _ in moments) > AT_ONCE_US:
-        moments = sorted([*moments, (fragmented, STAGES["ii.1"].begins)])
-    moments = [*moments[: PICTURES - 1], *moments[PICTURES - 1 :][-1:]]
+    moments = _moments(result, fragmented)
     times = [time for time, _ in moments]
     depths, rods, bulges, velocities = (
         np.interp(times, history.time_us, values).tolist()
         for values in (history.depth_mm, history.length_mm, history.bulge_height_mm, history.velocity_m_s)
     )
-    # Pictures are side by side, in slots of their widths but for those too narrow for words.
     left, right = np.minimum(np.subtract(depths, rods), 0.0), ceramic + backing + np.array(bulges)
-    widths = (right - left).clip(min=0.85 * np.mean(right - left)) + 0.15 * np.mean(right - left)
-    middles = np.cumsum(widths) - 0.5 * widths
+    middles, width = _side_by_side(right - left)
     starts = (middles - 0.5 * (left + right)).tolist()
     high = 0.5 * max(SHOWN_DIAMETERS * diameter, SHOWN_PART * (length + ceramic + backing))
     boxes = [
@@ -205,8 +200,22 @@ def _scene(result: ImpactResult, history: History) -> charts.Panel:
         ),
         charts.Words([starts[0] + 0.5 * (ceramic + backing)], -1.8 * high, (layers,), above=False),
     )
-    x, y = charts.Axis(limits=(0.0, float(widths.sum()))), charts.Axis(limits=(-2.65 * high, high))
+    x, y = charts.Axis(limits=(0.0, width)), charts.Axis(limits=(-2.65 * high, high))
     return charts.Panel(x, y, series, to_scale=True)
+
+
+def _moments(result: ImpactResult, fragmented_us: float) -> list[tuple[float, str]]:
+    """Return the times of the pictures, µs, and what happens then: the first events, and the last."""
+    found = [(0.0, "impact"), *_events(result)]
+    if fragmented_us < result.duration_us and min(abs(time - fragmented_us) for time, _ in found) > AT_ONCE_US:
+        found = sorted([*found, (fragmented_us, STAGES["ii.1"].begins)])
+    return [*found[: PICTURES - 1], *found[PICTURES - 1 :][-1:]]
+
+
+def _side_by_side(widths: Any) -> tuple[Any, float]:
+    """Return the middles of pictures in slots of their widths, but for those too narrow for words, and their sum."""
+    slots = widths.clip(min=0.85 * widths.mean()) + 0.15 * widths.mean()
+    return np.cumsum(slots) - 0.5 * slots, float(slots.sum())
 
 
 def _fragmented_us(p: Parameters, history: History) -> float:

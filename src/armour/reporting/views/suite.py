@@ -247,9 +247,7 @@ def chart(result: SuiteResult) -> charts.Chart:
     panels = []
     for quantity, same in charts.grouped(checks, lambda check: check.case.quantity).items():
         groups = {
-            group or "cases": [
-                (check.case.name, "expected", check.case.expected, check.computed, 0.0) for check in found
-            ]
+            group or "cases": [charts.Compared(c.case.name, "expected", c.case.expected, c.computed) for c in found]
             for group, found in charts.grouped(same, lambda check: check.case.group).items()
         }
         # A band that all have in common, as a part of the expected values; else a tenth.
