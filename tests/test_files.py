@@ -19,6 +19,7 @@ def test_shipped_data_is_found():
     [
         (b"\xff\xfe\x00", "UTF-8"),
         (b"a = ", "valid TOML"),
+        (b"a = 1\r\nvelocity_m_s = 800,5", r"at line 2, column 19\): velocity_m_s = 800,5$"),
         (b"a = " + b"[" * 5000, "nested too deeply"),
         (b".".join([b"a"] * 500) + b" = 1", "nested too deeply"),
         (b"a = " + b"1" * 5000, "valid TOML"),

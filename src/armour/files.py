@@ -1,6 +1,7 @@
 """Shipped data, reading of text and TOML files, texts made safe for files, and writing of files, all or none."""
 
 import os
+import re
 import secrets
 import shutil
 import stat
@@ -23,6 +24,8 @@ FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
 MAX_BYTES = 10_000_000
 # Deeper than any table.
 MAX_DEPTH = 50
+# Characters of a line with an error that are shown.
+MAX_SHOWN = 80
 
 _PACKAGE = Path(__file__).resolve().parent
 _CHECKOUT = _PACKAGE.parent.parent
@@ -72,6 +75,9 @@ def located(path: Path, known: Mapping[str, Path], listed: str = "") -> Path:
             return path
     except (OSError, ValueError) as error:
         if name not in known:
+            own = path.with_suffix(".toml")
+            if os.path.isfile(own):
+                raise mistake(path, "", f'cannot be read: {reason(error)}; did you mean "{own}"?') from None
             hint = suggestion(path.with_suffix("").as_posix(), [*known]) or suggestion(path.stem, [*known])
             listed = listed or f"; shipped are {', '.join(known)}"
             raise mistake(path, "", f"cannot be read: {reason(error)}{hint}{listed}") from None
@@ -143,7 +149,10 @@ def parse_toml(text: str, file: str) -> dict[str, Any]:
     except RecursionError:
         message = "must be valid TOML, found values nested too deeply"
     except ValueError as error:
-        message = f"must be valid TOML, found an error: {error}"
+        # Most errors are texts without quotes and decimal commas, which the line shows.
+        place = re.search(r"at line (\d+)", str(error))
+        line = ": " + printable(text.split("\n")[int(place[1]) - 1].strip()[:MAX_SHOWN]) if place else ""
+        message = f"must be valid TOML, found an error: {error}{line}"
     raise mistake(file, "", message)
 
 

@@ -53,3 +53,10 @@ def test_the_longest_run_allowed_ends_in_a_message(cli, monkeypatch: pytest.Monk
 )
 def test_wrong_usage(cli, words: str):
     assert cli(*words.split()).exit_code == 2
+
+
+def test_a_scenario_without_its_ending(cli, folder: Path):
+    (folder / "mine.toml").write_text((SCENARIOS / "wilkins.toml").read_text())
+    assert cli.fails(2, "check", "mine") == [
+        'mine: cannot be read: no such file or directory; did you mean "mine.toml"?'
+    ]
