@@ -149,9 +149,10 @@ def losses(folder: Path) -> Iterator[str]:
             "--yes",
         ]
         for kind in (signal.SIGKILL, signal.SIGINT):
+            before = len(list(output.parent.glob("t.csv.parts/*.npz")))
             child = subprocess.Popen([*command, "--quantities", quantity], stderr=subprocess.DEVNULL)
             # On a busy machine the program takes long to start.
-            while child.poll() is None and not list(output.parent.glob("t.csv.parts/*.npz")):
+            while child.poll() is None and len(list(output.parent.glob("t.csv.parts/*.npz"))) <= before:
                 time.sleep(0.1)
             time.sleep(random.uniform(2.0, 5.0))
             now = time.time()
