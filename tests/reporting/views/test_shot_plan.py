@@ -1,8 +1,11 @@
 """Tables and chart of a plan of shots."""
 
+from dataclasses import replace
+
 import pytest
 
 from armour.planning.firing import plan_shots
+from armour.planning.procedures import OperatingPoint
 from armour.reporting.charts import Line, Points, Rule
 from armour.reporting.table import Table
 from armour.reporting.views.shot_plan import ONE_SIDE, REPORT, chart, share_note, tables
@@ -35,7 +38,8 @@ def test_parts_of_the_prior():
 
 
 def test_no_part_is_given_where_the_shots_contradict_the_prior():
-    found = tables(plan_shots(scenario(), Shots((300.0, 1500.0), (True, False))))
+    shots = Shots((300.0, 1500.0), (True, False))
+    found = tables(plan_shots(scenario(), shots, procedure="up-and-down"))
     assert not any("of the precision" in item for item in found if isinstance(item, str))
 
 
@@ -68,7 +72,9 @@ def test_prior_posterior_shots_and_the_next_velocity():
 
 
 def test_a_requirement_is_drawn_with_its_operating_characteristic_before_the_first_shot():
-    plan = plan_shots(scenario(), requirement_m_s=700.0)
+    points = (OperatingPoint(660.0, 14.0, 0.0, 1.0, 9.0), OperatingPoint(740.0, 14.0, 1.0, 0.0, 9.0))
+    plan = plan_shots(scenario(), requirement_m_s=700.0, procedure="up-and-down")
+    plan = replace(plan, operating_characteristic=points)
     *_, panel = chart(plan).panels
     assert panel.title == "operating characteristic at a scatter of 14 m/s"
     met, not_met = (series for series in panel.series if isinstance(series, Line))
