@@ -6,6 +6,9 @@ VENV := .venv
 BIN := $(VENV)/bin
 LOWEST := $(VENV)/lowest
 
+# Every process would compile what it imports.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: demo test quick lowest check site format docs bench coverage mutants release clean
 
 demo: $(VENV)/installed

@@ -1,11 +1,14 @@
 """Settings for all tests."""
 
 import gc
+import os
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+# Small products of matrices take four times the processor time on several threads, which wait for each other.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # Most of what is made stays to the end: tests take a twentieth less time where it is seldom looked at for garbage.
 gc.set_threshold(50_000, 20, 20)
 
