@@ -48,6 +48,7 @@ OTHERS = [
     [
         (["--help"], HEAVY + READING),
         (["simulate", SCENARIOS / "wilkins.toml"], ["matplotlib", "numba", *OTHERS]),
+        (["optimise", SCENARIOS / "catalogue.toml"], ["matplotlib", "scipy.stats"]),
         (["library"], HEAVY + OTHERS),
     ],
 )

@@ -68,7 +68,7 @@ def options_of(function: Callable[..., Any]) -> Iterator[inspect.Parameter]:
         kinds = get_args(hints[name]) if get_origin(hints[name]) in (Union, UnionType) else (hints[name],)
         words = [word for kind in kinds if get_origin(kind) is Literal for word in get_args(kind)]
         told = " ".join(meanings.get(name, "").split()).replace("`", "")
-        if each.default and each.default is not each.empty and "default" not in told:
+        if isinstance(each.default, str | int | float) and each.default is not False and "default" not in told:
             told = f"{told} By default {each.default}." if ". " in told else f"{told[:-1]}; by default {each.default}."
         if bool in kinds:
             told = told.removeprefix("Whether to ")

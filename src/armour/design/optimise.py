@@ -14,7 +14,6 @@ from armour.analysis.variants import Bools, Ints
 from armour.core.state import Parameters
 from armour.design.candidates import candidates_of
 from armour.design.catalogue import MARGIN, NO_BOUND, Candidates, Catalogue, catalogue_of
-from armour.design.reliability import Reliability
 from armour.design.search import Requirement, Search
 from armour.errors import NoDesignError, Note, Problem, refuse
 from armour.scenario.checked import checked
@@ -244,7 +243,11 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     if refine and not any(layer.free_range(refine=True) for offer in catalogue.offers for layer in offer[:2]):
         problems.append(Problem(scenario.file, "--refine", "needs a thickness given as a range"))
     refuse(problems)
-    reliability = Reliability(catalogue, on_progress) if catalogue.sampled else None
+    reliability = None
+    if catalogue.sampled:
+        from armour.design.reliability import Reliability  # imports scipy.stats, which takes half a second
+
+        reliability = Reliability(catalogue, on_progress)
     requirement = Requirement(catalogue, on_progress)
     search = Search(requirement, candidates_of(requirement), reliability)
     tested = requirement.tested(search.candidates)

@@ -4,6 +4,7 @@ from bisect import bisect_left, bisect_right
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,8 +14,10 @@ from armour.analysis.searches import limit_brackets
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated
 from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS
 from armour.design.catalogue import COST, MARGIN, NO_BOUND, Candidates, Catalogue, first_backings, least_of_law
-from armour.design.reliability import Reliability
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
+
+if TYPE_CHECKING:
+    from armour.design.reliability import Reliability
 
 # Impacts and limits that are computed at a time, which bounds the memory.
 IMPACTS_AT_A_TIME = 50_000
@@ -174,7 +177,7 @@ class Search:
     """
 
     def __init__(
-        self, requirement: Requirement, candidates: Candidates, reliability: Reliability | None = None
+        self, requirement: Requirement, candidates: Candidates, reliability: "Reliability | None" = None
     ) -> None:
         self.requirement, self.candidates, self.reliability = requirement, candidates, reliability
         self.catalogue = requirement.catalogue
