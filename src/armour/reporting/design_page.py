@@ -157,8 +157,8 @@ def _nodes(layer: Layer, nodes: int, free: int) -> Floats:
     offered = layer.thicknesses()
     if layer.free_range():
         return np.linspace(offered[0], offered[-1], free)
-    parts = -(-nodes // len(offered)) if len(offered) > 1 else 1
-    between = [np.linspace(low, high, max(parts, 1), endpoint=False) for low, high in pairwise(offered)]
+    parts = max(-(-nodes // len(offered)), 1)
+    between = [np.linspace(low, high, parts, endpoint=False) for low, high in pairwise(offered)]
     return np.concatenate([*between, offered[-1:]])
 
 

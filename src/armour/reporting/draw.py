@@ -158,7 +158,7 @@ def _height(panel: charts.Panel, width: float) -> float:
 
 
 def _category(name: str) -> str:
-    return "\n".join(wrapped(name, CATEGORY_CHARACTERS)) or name
+    return "\n".join(wrapped(name, CATEGORY_CHARACTERS))
 
 
 def _draw_panel(axes: Axes, panel: charts.Panel) -> None:
@@ -236,7 +236,7 @@ def _(item: charts.Points, axes: Axes) -> None:
 
 @_draw_series.register
 def _(item: charts.Band, axes: Axes) -> None:
-    style: Any = {"color": item.colour, "alpha": 0.3, "linewidth": 0, "label": item.label or None}
+    style: Any = {"color": item.colour, "alpha": 0.3, "linewidth": 0, "label": item.label}
     axes.fill_between(*np.array([item.x, item.low, item.high], float), **style)
 
 
@@ -260,7 +260,7 @@ def _(item: charts.Words, axes: Axes) -> None:
 @_draw_series.register
 def _(item: charts.Rule, axes: Axes) -> None:
     draw_line = axes.axvline if item.vertical else axes.axhline
-    draw_line(item.at, color=item.colour, linestyle=item.style, linewidth=1.0, label=item.label or None)
+    draw_line(item.at, color=item.colour, linestyle=item.style, linewidth=1.0, label=item.label)
 
 
 @_draw_series.register

@@ -25,8 +25,8 @@ class Verdict(str):
         return made
 
 
-# The space between a number and its unit.
-BEFORE_UNIT = re.compile(rf"(?<=\d) (?=({'|'.join(map(re.escape, [*ENDINGS.values(), 'J']))})(?![\w/]))")
+# The space between a number and its unit, or after ±.
+BESIDE_NUMBER = re.compile(rf"(?<=\d) (?=({'|'.join(map(re.escape, [*ENDINGS.values(), 'J']))})(?![\w/]))|(?<=±) ")
 
 
 def printable_lines(text: str) -> str:
@@ -35,8 +35,8 @@ def printable_lines(text: str) -> str:
 
 
 def unbroken(text: str) -> str:
-    """Return a text in which no line ends between a number and its unit: the space there does not break."""
-    return BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", text)
+    """Return a text in which no line ends between a number and its unit or ±: the space there does not break."""
+    return BESIDE_NUMBER.sub("\N{NO-BREAK SPACE}", text)
 
 
 def wrapped(text: str, width: int) -> list[str]:
