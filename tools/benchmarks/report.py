@@ -10,7 +10,7 @@ from textwrap import fill
 from armour.sweeps.sweep import CHUNK_S, MAX_CHUNK, duration
 from tools.benchmarks import cluster, commands, methods
 from tools.benchmarks.cluster import Cluster
-from tools.benchmarks.commands import Commands, Growth
+from tools.benchmarks.commands import Commands
 from tools.benchmarks.methods import ALLOWED, COUNT, Methods, Time
 
 # A sweep beyond a machine.
@@ -42,7 +42,8 @@ takes {_example(command)}. Up to the numbers of the examples, such sums differ b
 
 {_growth(command)}
 
-The number of designs is that of all pairs of materials, times the threats. `uncertainty` computes a ballistic limit for
+MiB are the most memory of the example. The number of designs is that of all pairs of materials, times the threats.
+`uncertainty` computes a ballistic limit for
 each sample and, for a quarter of the samples, one for each input and one more. On {os.cpu_count()} cores the engine,
 that is, the compiled numerical code, finds {method.cores:.1f} times as many ballistic limits per second as on one.
 
@@ -51,8 +52,9 @@ that is, the compiled numerical code, finds {method.cores:.1f} times as many bal
 The same {COUNT:,} random designs for both projectiles of the paper, computed on one core by each method in turn, the
 slow ones for {len(range(COUNT)[methods.SOME])} of them; medians. An impact, 5 % above the ballistic limit, takes
 {method.steps:.0f} steps in the mean, and a ballistic limit {method.runs:.1f} impacts, some of them with longer steps.
+Ratios are those to the engine.
 
-| method | an impact, µs | over the engine's | a ballistic limit, µs | over the engine's |
+| method | impact, µs | ratio | limit, µs | ratio |
 |---|---:|---:|---:|---:|
 {_methods(method)}
 
@@ -89,18 +91,16 @@ WAYS = ("one thread, no cluster", "1 worker", "2 workers")
 
 def _waits(command: Commands) -> str:
     names = {re.sub(" -.*", "", name): seconds for name, seconds in command.waits.items()}
-    rows = (f"| `armour {name}` | {seconds:.1f} |" for name, seconds in names.items())
-    return f"| command | s |\n|---|---:|\n{_lines(rows)}"
+    rows = (f"| `{name}` | {seconds:.1f} |" for name, seconds in names.items())
+    return f"| armour | s |\n|---|---:|\n{_lines(rows)}"
 
 
 def _growth(command: Commands) -> str:
-    head = "| command | for each | fixed, s | each | for example | s | peak MiB |\n|---|---|---:|---:|---:|---:|---:|\n"
-    rows = ((f"`{g.command}`", g.unit, f"{g.fixed:.1f}", _short(g.each), *_most_of(g)) for g in command.growth)
-    return head + _lines(f"| {' | '.join(row)} |" for row in rows)
-
-
-def _most_of(g: Growth) -> tuple[str, str, str]:
-    return f"{g.most:,}", f"{g.seconds:.1f}", f"{g.peak_MiB:.0f}"
+    rows = []
+    for g in command.growth:
+        example = f"{g.most:,}: {g.seconds:.1f} s | {g.peak_MiB:.0f}"
+        rows.append(f"| `{g.command}`: {g.unit} | {g.fixed:.1f} | {_short(g.each)} | {example} |")
+    return f"| for each | fixed, s | each | example | MiB |\n|---|---:|---:|---:|---:|\n{_lines(rows)}"
 
 
 def _example(command: Commands) -> str:
@@ -125,11 +125,10 @@ def _cells(time: Time | None) -> str:
 
 
 def _settings(method: Methods) -> str:
-    found = (
-        f"{name} a tolerance of {rtol:g} and steps of at most {longest:g} diameters"
-        for name, (rtol, longest) in method.settings.items()
-    )
-    return ", ".join(found)
+    found: dict[str, list[str]] = {}
+    for name, (rtol, longest) in method.settings.items():
+        found.setdefault(f"a tolerance of {rtol:g} and steps of at most {longest:g} diameters", []).append(name)
+    return "; ".join(f"{words}, by {' and '.join(names)}" for words, names in found.items())
 
 
 def _agreement(method: Methods) -> str:
@@ -138,17 +137,20 @@ def _agreement(method: Methods) -> str:
         return "No C compiler was found for the comparison with C."
     impact, limit = (1.0 / times["C"].ratio for times in (method.impacts, method.limits))
     numbers = "to the last bit" if method.difference == 0.0 else f"to {method.difference:.0g}, relatively"
+    other = abs(method.runs_in_C - method.runs) > 0.05
+    runs = f"; C finds a limit in {method.runs_in_C:.1f} impacts by an earlier search" if other else ""
     return f"""The engine takes {impact:.2f} times as long as C for an impact, and {limit:.2f} times for a limit.
 *C* is `tools/benchmarks/reference.c`: the same equations, steps, events and search, written by hand and
 compiled by `cc {" ".join(methods.FLAGS)}`, which allows what the engine's compiler may do. Both give the same numbers
-{numbers}: outcomes, durations, final states, brackets of the limits, and numbers of steps and runs."""
+{numbers}: outcomes, durations, final states and brackets of the limits{runs}."""
 
 
 def _beyond(command: Commands, dask: Cluster) -> str:
     """Return the appendix on many rows on many cores, from what was measured here."""
     table: dict[str, list[str]] = {}
     for unit in ("ballistic limit", "impact"):
-        [row_s] = [g.each for g in command.growth if (g.command, g.unit) == ("sweep", unit)]
+        [each] = [g.each for g in command.growth if (g.command, g.unit) == ("sweep", unit)]
+        row_s = each - dask.join.row
         chunks = MANY_ROWS / min(CHUNK_S / row_s, MAX_CHUNK)
         scheduler = chunks * max(dask.task, DASK_TASK_S)
         client = chunks * dask.send.chunk + MANY_ROWS * dask.send.row
