@@ -35,6 +35,7 @@ from armour.statistics.posterior import narrowed
 TESTED_GPA, TESTED, UNTESTED = 5.2, 0.10, 0.40
 EXPONENT = (0.33, 0.15)  # with its standard deviation
 MEDIAN, FACTOR, DEVIATIONS = 0.04, 2.0, np.linspace(-2.1, 2.1, 8)
+SCALES = MEDIAN * FACTOR**DEVIATIONS
 # Nodes of flow stress and exponent, how far they reach in standard deviations of the prior, and how often they are
 # narrowed to where the logarithm of the posterior is within a depth of its maximum.
 NODES, REACH, NARROWINGS, DEPTH = (61, 41), 4.5, 3, 16.0
@@ -110,9 +111,8 @@ def evidence_of(
     found = [_of_law(measured, each, centre, deviation, exponent) for each in covariates]
     greatest = max(log_weights.max() for log_weights, *_ in found)
     total = sum(np.exp(log_weights - greatest).sum() for log_weights, *_ in found)
-    scales = MEDIAN * FACTOR**DEVIATIONS
     return [
-        LawPosterior(np.exp(log_weights - greatest) / total, scales, means, covariances, slope)
+        LawPosterior(np.exp(log_weights - greatest) / total, SCALES, means, covariances, slope)
         for log_weights, means, covariances, slope in found
     ]
 
@@ -126,7 +126,6 @@ def _of_law(
 ) -> tuple[Floats, Floats, Floats, float]:
     """Return logarithms of the weights, (k,), means and covariances of a law by the error, and the slope."""
     ends = np.array([[centre], [prior[0]]]) + REACH * np.outer([deviation, prior[1]], [-1.0, 1.0])
-    scales = MEDIAN * FACTOR**DEVIATIONS
     for _ in range(NARROWINGS):
         stress, exponent = (np.linspace(low, high, count) for (low, high), count in zip(ends, NODES, strict=True))
         if covariate is None:
@@ -137,7 +136,7 @@ def _of_law(
         for i, curve in enumerate(measured.curves):
             shift = 0.0 if covariate is None else exponent * covariate[i]
             away = curve((stress[:, None] + shift).ravel()).reshape(len(stress), -1) - measured.values[i]
-            spread = np.hypot(scales, measured.uncertainties[i])[:, None, None]
+            spread = np.hypot(SCALES, measured.uncertainties[i])[:, None, None]
             side = measured.sides[i]
             logarithm += log_ndtr(side * away / spread) if side else -0.5 * (away / spread) ** 2 - np.log(spread)
         kept = logarithm > logarithm.max() - DEPTH
@@ -150,7 +149,7 @@ def _of_law(
     totals = weights.sum(axis=(1, 2))
     points = np.stack(np.meshgrid(stress, exponent, indexing="ij"), axis=-1).reshape(-1, 2)
     points = points[:, : 1 if covariate is None else 2]
-    parts = (weights / totals[:, None, None]).reshape(len(scales), -1)
+    parts = (weights / totals[:, None, None]).reshape(len(SCALES), -1)
     means = parts @ points
     away = points - means[:, None]
     covariances = np.einsum("kn,kni,knj->kij", parts, away, away)
