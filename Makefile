@@ -9,7 +9,8 @@ LOWEST := $(VENV)/lowest
 # Every process would compile what it imports.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test quick lowest check site format docs bench coverage mutants release clean
+
+.PHONY: demo test quick lowest check site format docs bench campaigns coverage mutants release clean
 
 demo: $(VENV)/installed
 	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine
@@ -69,11 +70,13 @@ coverage: $(VENV)/developing
 release: $(VENV)/developing
 	$(BIN)/python tools/release.py
 
-# Run the mutation tests of core/ in plain Python: an hour or two. tools/mutants.md summarises the results.
-mutants: $(VENV)/developing
-	$(BIN)/pip install --quiet --disable-pip-version-check 'mutmut>=3.8'
-	NUMBA_DISABLE_JIT=1 $(BIN)/mutmut run
-	$(BIN)/mutmut results
+# Run the campaigns, which take longer than tests, and write docs/campaigns.md: about three hours of one core.
+campaigns: $(VENV)/developing $(VENV)/mutating
+	$(BIN)/python -m tools.campaigns
+
+# Run the mutation tests of core/ alone: about an hour. tools/mutants.md summarises the results.
+mutants: $(VENV)/developing $(VENV)/mutating
+	$(BIN)/python -m tools.campaigns mutants
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
@@ -85,6 +88,11 @@ $(VENV)/installed: pyproject.toml | $(VENV)/bin/python
 $(VENV)/developing: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/pip install --quiet --disable-pip-version-check -e '.[dev,docs]'
 	touch $@ $(VENV)/installed
+
+# Its functions for making mutants are not public: other versions may differ.
+$(VENV)/mutating: | $(VENV)/developing
+	$(BIN)/pip install --quiet --disable-pip-version-check mutmut==3.8.1
+	touch $@
 
 $(LOWEST)/installed: pyproject.toml tools/lowest.py
 	$(PYTHON) -m venv --clear $(LOWEST)

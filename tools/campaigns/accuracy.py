@@ -1,12 +1,14 @@
-"""Error of the ballistic limits that the engine finds: of armours of the paper's materials, bare plates and others.
+"""Compare the ballistic limits of the engine with those by steps 100 times shorter.
 
-The reference has steps 100 times shorter, everywhere.  A limit is within a distance of it if, by these steps, an impact
-faster than the limit by the distance perforates and one slower by it is defeated.  Run it by
+The armours are of the paper's materials, bare plates, and of values over a decade. The reference has steps 100 times
+shorter, everywhere. A limit is within a distance of it if, by these steps, an impact faster than the limit by the
+distance perforates and one slower by it is defeated.
 
     python -m tools.campaigns.accuracy
 """
 
 import argparse
+import sys
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
@@ -20,6 +22,7 @@ from armour.engine import batch, kernels
 from armour.engine.kernels import Kernel
 from tests.helpers.cases import armour
 from tests.helpers.runs import random_designs
+from tools.campaigns.verdict import verdict
 
 TOLERANCE = 1e-5  # m/s
 LOW, HIGH = 20.0, 4000.0  # m/s
@@ -27,7 +30,8 @@ PART = 1.0 / 100.0
 MAX_STEPS = 50_000_000
 # Errors that are told apart, m/s.
 BOUNDS = np.concatenate([np.arange(1, 100) * 1e-4, np.geomspace(1e-2, 1e2, 41)])
-CLAIMED = (1e-3, 5e-3)  # m/s
+# What the errors are stated to be, m/s.
+CLAIMED = {"the paper's materials": 1e-3, "bare plates": 1e-3, "all over a decade": 5e-3}
 
 
 def bare_plates(count: int) -> list[Parameters]:
@@ -96,11 +100,11 @@ def errors(rows: batch.Floats, limits: batch.Floats, pool: ProcessPoolExecutor) 
     return bounds
 
 
-def main() -> None:
+def main() -> int:
     """Print the errors, and the steps of an impact at the limit."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--designs", type=int, default=10_000)
-    parser.add_argument("--plates", type=int, default=1_000)
+    parser.add_argument("--designs", type=int, default=1_000)
+    parser.add_argument("--plates", type=int, default=300)
     parser.add_argument("--spread", type=int, default=1_000)
     parser.add_argument("--seed", type=int, default=24)
     asked = parser.parse_args()
@@ -109,6 +113,7 @@ def main() -> None:
         "bare plates": bare_plates(asked.plates),
         "all over a decade": spread_designs(asked.spread, asked.seed),
     }
+    texts, over = [], 0
     with ProcessPoolExecutor(batch.available_cores(), get_context("spawn"), prepare) as pool:
         for name, designs in populations.items():
             rows = batch.packed(designs)
@@ -117,9 +122,11 @@ def main() -> None:
             steps = batch.impacts(rows, limits).steps
             known = errors(rows, limits, pool)
             shares = ", ".join(f"{q:g} %: {np.percentile(known, q):.4f}" for q in (50, 99, 99.5, 100))
-            over = ", ".join(f"{(known > 1.0001 * claim).sum()} above {claim}" for claim in CLAIMED)
-            print(f"{name}: {len(known)} limits; error within, m/s: {shares}; {over}; steps: {steps.mean():.2f}")
+            print(f"{name}: {len(known)} limits; error within, m/s: {shares}; steps: {steps.mean():.2f}")
+            texts.append(f"{name} {known.max():.4f} ({len(known):,} limits)")
+            over += int((known > 1.0001 * CLAIMED[name]).sum())
+    return verdict(f"greatest error, m/s: {', '.join(texts)}", right=not over)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,6 +1,6 @@
 """Count how often the intervals of `armour v50` hold the true values, in simulated firings of a normal curve.
 
-    python -m tools.campaigns.coverage --samples 2000 --seed 1
+    python -m tools.campaigns.coverage
 
 V50 is 720 m/s and the scale 10 m/s.  The velocities are those of an up-and-down rule, with steps of 15 m/s from a start
 that misses V50 by 15 m/s and velocities that miss their aim by 5 m/s (standard deviations), or of five levels from two
@@ -8,21 +8,24 @@ scales below V50 to two scales above it.  Samples for which the program gives no
 """
 
 import argparse
+import sys
 from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
-from math import sqrt
 
 import numpy as np
 
 from armour.errors import NoAnswerError
-from armour.statistics.curves import Z95, FittedCurve, Interval, Link, fit_curve
+from armour.statistics.curves import Z95, FittedCurve, Interval, fit_curve
 from armour.statistics.v50 import Shots
+from tools.campaigns import verdict
 
 V50, SCALE = 720.0, 10.0
 TRUE = {"V50": V50, "scale": SCALE, "V05": V50 - Z95["probit"] * SCALE, "V95": V50 + Z95["probit"] * SCALE}
 START, STEP, MISS = 15.0, 15.0, 5.0
 LEVELS = (700.0, 710.0, 720.0, 730.0, 740.0)
+# Least share of intervals that must contain the truth, per cent.
+LEAST = 92.0
 
 
 def up_and_down(shots: int, dice: np.random.Generator) -> Shots:
@@ -64,7 +67,7 @@ def _holds(interval: Interval, value: float) -> bool:
     return (low is None or low <= value) and (high is None or value <= high)
 
 
-def simulate(rule: str, shots: int, samples: int, seed: int, link: Link = "probit") -> Counter[str]:
+def simulate(rule: str, shots: int, samples: int, seed: int) -> Counter[str]:
     """Count how often each interval of each method holds the true value, and the samples that have no V50."""
     dice, found = np.random.default_rng([seed, shots]), Counter({"no V50": 0})
     fitted = 0
@@ -74,34 +77,37 @@ def simulate(rule: str, shots: int, samples: int, seed: int, link: Link = "probi
         penalised = None
         if partial and complete:
             with suppress(NoAnswerError):
-                penalised = fit_curve(partial, complete, link, penalised=True)
+                penalised = fit_curve(partial, complete, "probit", penalised=True)
         if penalised is None:
             found["no V50"] += 1
             continue
         fitted += 1
         found["separated"] += partial[-1] < complete[0]
         found["V50 not bounded"] += None in penalised.v50_interval_m_s
-        for fit in (penalised, fit_curve(partial, complete, link)):
+        for fit in (penalised, fit_curve(partial, complete, "probit")):
             assert fit is not None
             found.update(f"{fit.method}: {name}" for name in held(fit))
     return found
 
 
-def main() -> None:
+def main() -> int:
     """Print the shares, per cent."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--samples", type=int, default=2000)
+    parser.add_argument("--samples", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--link", choices=("probit", "logit"), default="probit")
     given = parser.parse_args()
-    print(f"standard error of 95 %: {100.0 * sqrt(0.95 * 0.05 / given.samples):.2f} %")
+    shares = []
     for rule in RULES:
         for shots in (10, 20, 60):
-            found = simulate(rule, shots, given.samples, given.seed, given.link)
+            found = simulate(rule, shots, given.samples, given.seed)
             print(f"{rule}, {shots} shots, {found.pop('no V50')} more without a V50", flush=True)
             for name, number in sorted(found.items()):
-                print(f"  {name}: {100.0 * number / given.samples:.1f} %", flush=True)
+                share = 100.0 * number / given.samples
+                print(f"  {name}: {share:.1f} %", flush=True)
+                if name.removeprefix("penalised likelihood: ") in TRUE:
+                    shares.append(share)
+    return verdict.coverage(shares, given.samples, LEAST)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

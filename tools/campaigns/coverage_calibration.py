@@ -1,6 +1,6 @@
 """Count how often the 95 % intervals of `armour calibrate` hold the true values, in simulated tests.
 
-    python -m tools.campaigns.coverage_calibration --samples 1000 --seed 1
+    python -m tools.campaigns.coverage_calibration
 
 The tests are Wilkins' armours with a known flow stress of the ceramic or, with a prior, one that is drawn from it.
 Ballistic limits are normal about the model's, with a standard deviation of 15 m/s where it is given to the fit, and of
@@ -8,10 +8,10 @@ Ballistic limits are normal about the model's, with a standard deviation of 15 m
 """
 
 import argparse
+import sys
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from math import sqrt
 from pathlib import Path
 
 import numpy as np
@@ -28,10 +28,13 @@ from armour.statistics import likelihood as likelihood_fit
 from armour.statistics.calibration import FLOW_STRESS, LAWS, Law, with_ceramic, with_law
 from armour.statistics.measured import LIMIT, Measurement, Tests, read_tests
 from armour.units import GPA
+from tools.campaigns import verdict
 
 ROOT = Path(__file__).resolve().parents[2]
 TRUE_GPA, TRUE_EXPONENT = 5.2, 0.3
 GIVEN_M_S, RELATIVE = 15.0, 0.02
+# Least share of intervals that must contain the truth, per cent.
+LEAST = 93.0
 # Wilkins' armours of which limits are measured, in the cases with few.
 SIX = (0, 3, 4, 8, 9, 12)
 # Flow stresses of the table, GPa.
@@ -164,21 +167,25 @@ class Simulation:
                 yield f"open intervals of {found.name}"
 
 
-def main() -> None:
+def main() -> int:
     """Print the shares, per cent."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--samples", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     likelihood_fit.MODELS[LIMIT] = Table(likelihood_fit.MODELS[LIMIT])
-    print(f"standard error of 95 %: {100.0 * sqrt(0.95 * 0.05 / given.samples):.2f} %")
+    shares = []
     for case in CASES:
         simulation, dice = Simulation(case), np.random.default_rng(given.seed)
         count = Counter(name for _ in range(given.samples) for name in simulation.held(dice))
         print(case.name, flush=True)
         for name, number in sorted(count.items()):
-            print(f"  {name}: {100.0 * number / given.samples:.1f} %", flush=True)
+            share = 100.0 * number / given.samples
+            print(f"  {name}: {share:.1f} %", flush=True)
+            if name in simulation.truth:
+                shares.append(share)
+    return verdict.coverage(shares, given.samples, LEAST)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

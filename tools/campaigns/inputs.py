@@ -1,9 +1,11 @@
-"""Run every command on mutated inputs and report what no command may do.
+"""Run every command, with every option, on mutated inputs and report what no command may do.
 
-A command may end with exit codes 0 to 3 only, within 60 s and 1 GiB; it prints no traceback, answers and files hold no
-NaN or infinity, and a command that fails leaves no file.
+A command may end with exit codes 0 to 3 only, or 130 where it is interrupted, within 60 s of computing and 1 GiB; it
+prints no traceback, answers and files contain no NaN or infinity, and a command that fails leaves no file.
 
     python -m tools.campaigns.inputs --trials 20000 --seed 1
+
+The commands and their options are those of the program; one without a value in `VALUES` ends the campaign.
 """
 
 import argparse
@@ -17,25 +19,38 @@ import select
 import signal
 import sys
 import tempfile
-import time
 import tomllib
-from collections import Counter
-from collections.abc import Callable
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import tomli_w
+import typer
+
+from tools.campaigns.verdict import verdict
 
 ROOT = Path(__file__).resolve().parents[2]
-LIMIT_S, LIMIT_MIB = 60.0, 1024.0
-CHECK_FAILED = 3
+# Time of computing, and any.
+LIMIT_S, HANGING_S = 60.0, 600.0
+LIMIT_MIB = 1024.0
+DONE, CHECK_FAILED, INTERRUPTED = 0, 3, 130
+# Parts of the trials that are gentle, that read the scenario from standard input, and that are interrupted.
+GENTLE, PIPED, STOPPED = 0.6, 0.05, 0.03
 
 SCENARIOS = sorted(ROOT.glob("scenarios/**/*.toml"))
-SUITES = [ROOT / "suites/paper.toml", ROOT / "tests/validation/regression.toml"]
-TESTS, SHOTS = ROOT / "scenarios/tests/wilkins.csv", ROOT / "scenarios/tests/shots.csv"
+NAMED = {path.relative_to(ROOT / "scenarios").with_suffix("").as_posix(): path for path in SCENARIOS}
+SUITES = [ROOT / "suites/paper.toml", ROOT / "suites/plates.toml", ROOT / "tests/validation/regression.toml"]
+TESTS = {name: ROOT / f"scenarios/tests/{name}.csv" for name in ("wilkins", "unknown_ceramic")}
+SHOTS = ROOT / "scenarios/tests/shots.csv"
 CASES = "armour.ceramic_thickness_mm,impact.velocity_m_s\n6.35,800\n7.0,650\n8.5,900\n"
+CANDIDATES = "armour.ceramic_thickness_mm,armour.backing_thickness_mm,cost\n6,6,1000\n7,8,1200\n9,5,1500\n8,8,900\n"
+# Every key there is.
+TEMPLATE = re.sub(r"^# (?=[\[a-z])", "", (ROOT / "scenarios/template.toml").read_text(), flags=re.MULTILINE)
 
+SCRIPT = "<script>alert(1)</script>"
 NUMBERS: list[Any] = [
     *(0, -1, 1, 2, 1e-3, 1e3, 1e6, 1e9, 1e-9, 1e300, -1e300, 5e-324, 1e-300, 1.7976931348623157e308),
     *(float("nan"), float("inf"), float("-inf"), 10**18, 2**63, 10**400, -0.0, 0.1, 3.0, 50.0, 400.0, 99999.5),
@@ -56,19 +71,11 @@ TEXTS = [
         "@x",
         "$\\frac{1}{0}$",
     ),
-    *(
-        "<script>alert(1)</script>",
-        "<!--<script>",
-        "]]>",
-        "a|b\n# c",
-        "\x1b[31mred",
-        "\x00",
-        "\ufffe",
-        "é µ ²",
-        "[bold]",
-    ),
+    *(SCRIPT, "<!--<script>", "]]>", "a|b\n# c", "\x1b[31mred", "\x00", "\ufffe", "é µ ²", "[bold]"),
     *("../../etc/passwd", "/dev/zero", "/dev/full", ".", "a" * 300, "\u202e", "\U0001f4a5", "{{ 7 * 7 }}", "%s%n"),
 ]
+QUANTITIES = ("ballistic_limit_m_s", "outcome", "residual_velocity_m_s", "probability_of_defeat", "mass_lost_percent",
+              "required_areal_density_kg_m2")  # fmt: skip
 ASSIGNMENTS = [
     *("impact.velocity_m_s={}", "armour.ceramic_thickness_mm={}", "armour.backing_thickness_mm={}"),
     *("armour.ceramic={}", "armour.backing={}", "impact.projectile={}", "solver.time_step_us={}"),
@@ -77,23 +84,22 @@ ASSIGNMENTS = [
     *("optimise.backing_thickness_mm.max={}", "library.ceramic.AD85.flow_stress_GPa={}", "armour.ceramic.x={}"),
     *("ceramic.flow_stress_GPa={}", "{}=1", "design={}", "threat={}", "uncertainty.samples={}", "title={}", "{}"),
 ]
-LAWS = ["constant", "ceramic", "backing", "product", "linear", "all", "x"]
-FITS = ["ceramic.flow_stress_GPa", "backing.flow_stress_GPa", "projectile.density_kg_m3", "x"]
-QUANTITIES = ["ballistic_limit_m_s", "outcome", "residual_velocity_m_s", "required_areal_density_kg_m2", "nothing"]
 
 
 class Trial(NamedTuple):
-    """A command line, its input files by name and what it reads from standard input."""
+    """A command line, its input files by name, what it reads from standard input, and when it is interrupted, s."""
 
     arguments: list[str]
     files: dict[str, bytes]
+    stdin: bytes = b""
+    interrupted_s: float = 0.0
 
 
 class Outcome(NamedTuple):
     """How a trial ended, with what was wrong."""
 
     code: int
-    seconds: float
+    seconds: float  # of computing
     mib: float
     faults: list[str]
     stderr: str
@@ -214,227 +220,262 @@ def mutated(content: bytes, dice: Dice, table: bool = False) -> bytes:
         return content
 
 
-def scenario_files(dice: Dice, source: Path | None = None) -> tuple[str, dict[str, bytes]]:
-    """Return a mutated scenario; one in six has a mutated library file as well."""
-    content = (source or dice.choice(SCENARIOS)).read_bytes()
-    if dice.random() < 1 / 6:
-        kind, name = dice.choice([("ceramics", "ceramic"), ("metals", "metal"), ("projectiles", "projectile")])
-        library = tomllib.loads((ROOT / f"configs/{kind}.toml").read_text())
-        some = dice.sample(sorted(library[name]), min(3, len(library[name])))
-        entries = {name: {f"{key} own": library[name][key] for key in some}}
-        data = tomllib.loads(content.decode())
-        data.setdefault("library", {})["files"] = ["own.toml"]
-        plain = tomli_w.dumps(data).encode()
-        return "s.toml", {"s.toml": mutated(plain, dice), "own.toml": mutated(tomli_w.dumps(entries).encode(), dice)}
-    return "s.toml", {"s.toml": mutated(content, dice)}
+class Maker:
+    """Makes the words of a command line, and its files."""
+
+    def __init__(self, command: str, dice: Dice) -> None:
+        self.command, self.dice = command, dice
+        self.files: dict[str, bytes] = {}
+        self.suited = dice.choice(SUITED.get(command, [*NAMED]))
+
+    def scenario(self, name: str = "s.toml") -> str:
+        """Return the name of a scenario: a mutated one; one in six has a mutated library file as well."""
+        dice, chance = self.dice, self.dice.random()
+        if chance < 0.05:
+            return self.suited
+        content = NAMED[self.suited if chance < 0.8 else dice.choice([*NAMED])].read_bytes()
+        if chance > 0.95:
+            content = TEMPLATE.encode()
+        if dice.random() < 1 / 6:
+            kind, section = dice.choice([("ceramics", "ceramic"), ("metals", "metal"), ("projectiles", "projectile")])
+            library = tomllib.loads((ROOT / f"configs/{kind}.toml").read_text())
+            some = dice.sample(sorted(library[section]), min(3, len(library[section])))
+            entries = {section: {f"{key} own": library[section][key] for key in some}}
+            self.files["own.toml"] = mutated(tomli_w.dumps(entries).encode(), dice)
+            data = tomllib.loads(content.decode())
+            data.setdefault("library", {})["files"] = ["own.toml"]
+            content = tomli_w.dumps(data).encode()
+        return self.file(name, mutated(content, dice))
+
+    def suite(self) -> str:
+        """Return the name of a mutated suite of a few cases."""
+        path = self.dice.choice(SUITES)
+        suite = tomllib.loads(path.read_text())
+        for kind in ("case", "table"):
+            if kind in suite:
+                suite[kind] = self.dice.sample(suite[kind], min(2, len(suite[kind])))
+                for section in suite[kind]:
+                    for key in ("scenario", "cases"):
+                        if isinstance(section.get(key), str):
+                            section[key] = str((path.parent / section[key]).resolve())
+        return self.file("suite.toml", mutated(tomli_w.dumps(suite).encode(), self.dice))
+
+    def table(self, name: str, content: bytes) -> str:
+        """Return the name of a mutated table."""
+        return self.file(name, mutated(content, self.dice, table=True))
+
+    def tests(self) -> str:
+        """Return the name of tests, mostly those of the scenario."""
+        return self.table("t.csv", TESTS.get(self.suited, TESTS["wilkins"]).read_bytes())
+
+    def file(self, name: str, content: bytes) -> str:
+        """Return the name of a file."""
+        self.files[name] = content
+        return (
+            name if self.dice.gentle or self.dice.random() < 0.97 else self.dice.choice(["missing", ".", "/dev/null"])
+        )
+
+    def assignment(self) -> str:
+        """Return a change of a scenario."""
+        found = self.dice.choice([value(self.dice), self.dice.uniform(0.01, 2000)])
+        return self.dice.choice(ASSIGNMENTS).format(found) if not self.dice.gentle else self.dice.choice(
+            ["impact.velocity_m_s=700", "impact.obliquity_deg=30", "armour.ceramic_thickness_mm=9"]
+        )  # fmt: skip
+
+    def values(self) -> str:
+        """Return a key with values."""
+        dice = self.dice
+        key = dice.choice(ASSIGNMENTS[: 3 if dice.gentle else None]).partition("=")[0].replace("{}", "x")
+        wild = [str(value(dice)), f"1:{dice.choice(NUMBERS)}:{dice.choice(NUMBERS)}"]
+        return f"{key}={dice.choice(['4:8:1', '600,700,800', '5', *([] if dice.gentle else wild)])}"
+
+    def candidates(self) -> str:
+        """Return thicknesses to choose from."""
+        if not self.dice.gentle:
+            return self.values()
+        if "a.csv" not in self.files and self.dice.random() < 0.3:
+            return self.table("a.csv", CANDIDATES.encode())
+        return self.dice.choice(["armour.ceramic_thickness_mm=4:12:2", "armour.backing_thickness_mm=4,6,9"])
+
+    def written(self, *names: str) -> str:
+        """Return the name of a file to write."""
+        wild = ["s.toml", "shots.csv", "p.txt", "no/p.svg", ".", "a" * 300, "/dev/full", "p.svg", ""]
+        return self.dice.choice(names if self.dice.gentle or self.dice.random() < 0.8 else wild)
+
+    def among(self, *some: object) -> str:
+        """Return one of some words or numbers; of three numbers, the first two may be ends."""
+        if not self.dice.gentle and self.dice.random() < 0.3:
+            return str(value(self.dice))
+        return str(self.dice.choice(some))
+
+    def between(self, low: float, high: float) -> str:
+        """Return a number."""
+        return self.among(round(self.dice.uniform(low, high), self.dice.choice([0, 2, 15])))
+
+    def words(self) -> Iterator[str]:
+        """Yield the words of the command line."""
+        yield from self.command.split()
+        for param in COMMANDS[self.command]:
+            name, often = param.opts[-1 if param.opts[-1].startswith("--") else 0], 1.0 if param.required else 0.2
+            if not param.required and self.dice.random() > OFTEN.get(f"{self.command} {name}", OFTEN.get(name, often)):
+                continue
+            if param.is_flag if isinstance(param, typer.core.TyperOption) else False:
+                yield name
+                continue
+            make = VALUES.get(f"{self.command} {name}") or VALUES[name]
+            for _ in range(self.dice.choice([1, 1, 2]) if param.multiple else 1):
+                found = make(self).replace("\0", "").encode(errors="replace").decode()
+                yield from [name, found] if name.startswith("-") else [found]
 
 
-def options(dice: Dice) -> list[str]:
-    """Return some --set options."""
-    if dice.gentle or dice.random() < 0.7:
-        return []
-    return [
-        "--set",
-        dice.choice(ASSIGNMENTS).format(dice.choice([value(dice), dice.uniform(0.01, 2000)])).replace("\0", ""),
-    ]
+def leaves(command: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, list[Any]]]:
+    """Yield the commands that are no groups, or do without a command, with their parameters."""
+    for name, inner in getattr(command, "commands", {}).items():
+        yield from leaves(inner, (*path, name))
+    if path and (not hasattr(command, "commands") or command.invoke_without_command):
+        yield " ".join(path), list(command.params)
+
+
+def ends(low: float, high: float) -> Callable[[Maker], str]:
+    """Return a maker of numbers between ends."""
+    return lambda maker: maker.between(low, high)
+
+
+def of(*some: object) -> Callable[[Maker], str]:
+    """Return a maker of some words or numbers."""
+    return lambda maker: maker.among(*some)
+
+
+def to(*names: str) -> Callable[[Maker], str]:
+    """Return a maker of names of files to write."""
+    return lambda maker: maker.written(*names)
+
+
+def read(name: str, path: Path) -> Callable[[Maker], str]:
+    """Return a maker of mutated tables."""
+    return lambda maker: maker.table(name, path.read_bytes())
+
+
+# Values of the parameters, by the name of an option or an argument, perhaps with its command.
+VALUES: dict[str, Callable[[Maker], str]] = {
+    "scenario": Maker.scenario,
+    "source": lambda maker: maker.scenario() if maker.dice.random() < 0.7 else maker.suite(),
+    "suite": Maker.suite,
+    "shots": read("shots.csv", SHOTS),
+    "table": read("shots.csv", SHOTS),
+    "tests": Maker.tests,
+    "name": of(*TEXTS, "STANAG 4569 level 3, B32", "HHA Class 1"),
+    "file": to("n.toml", "n.csv", "n.ipynb", "no/n.toml"),
+    "folder": to("new", "."),
+    "--set": Maker.assignment,
+    "--plot": to("p.svg", "p.svg", "p.png", "p.pdf"),
+    "--history": to("h.csv"),
+    "--junit": to("j.xml"),
+    "--csv": to("f.csv"),
+    "--map": to("m.html"),
+    "--markdown": to("v.md"),
+    "--write": to("w.toml"),
+    "--write-scenario": to("fitted.toml"),
+    "report --output": to("r.html", "r.md"),
+    "--output": to("o.csv", "o.csv", "o.parquet"),
+    "--over": Maker.values,
+    "plan tests --candidates": Maker.candidates,
+    "--cases": lambda maker: maker.table("c.csv", CASES.encode()),
+    "--tests": Maker.tests,
+    "--design": partial(Maker.scenario, name="d.toml"),
+    "--earlier": read("e.csv", SHOTS),
+    "--quantities": lambda maker: ",".join({maker.among(*QUANTITIES) for _ in range(2)}),
+    "--threads": of(1, 2),
+    "--scheduler": of("x", "tcp://", "x:y:z"),
+    "--velocity": ends(300.0, 1500.0),
+    "--confidence": ends(0.5, 0.999),
+    "--samples": of(128, 256, 1024, "512"),
+    "--only": of("fig09", "fig10", "x", "7.62"),
+    "--format": of("png", "svg"),
+    "--from": of("wilkins", "paper", "shots.csv", "study.ipynb", "template", "threats/nij_iv", "x", "../x"),
+    "--fit": of("ceramic.flow_stress_GPa", "backing.flow_stress_GPa", "projectile.density_kg_m3"),
+    "--law": of("constant", "ceramic", "backing", "product", "linear", "all"),
+    "--pairs": of(1, 2, 3, 5),
+    "--span-m-s": ends(10.0, 60.0),
+    "--procedure": of("bayesian", "neyer", "langlie", "up-and-down"),
+    "--half-width-m-s": ends(5.0, 60.0),
+    "--requirement-m-s": ends(500.0, 1000.0),
+    "--requirement-fraction": ends(0.01, 0.9),
+    "--scatter-percent": ends(0.5, 8.0),
+    "--scatter-factor": ends(1.1, 4.0),
+    "--true-v50-m-s": ends(600.0, 1000.0),
+    "--true-scatter-m-s": ends(5.0, 40.0),
+    "--seed": of(0, 1, 7),
+    "--lower-m-s": ends(300.0, 700.0),
+    "--upper-m-s": ends(800.0, 1500.0),
+    "--result": of("partial", "complete", "p", "cp"),
+    "--velocity-m-s": ends(500.0, 1000.0),
+    "--number": of(1, 2, 4, 8),
+    "--criterion": of("D", "I"),
+    "--measure": of("limit", "outcome"),
+    "--cost": ends(0.0, 5000.0),
+}
+# How often an option is given that is not given in a fifth of the trials.
+OFTEN = {
+    **{"--json": 0.5, "--set": 0.15, "--plot": 0.1, "--force": 0.1, "--list": 0.05, "--update": 0.1, "--prior": 0.1},
+    **{"--only": 0.7, "--scheduler": 0.02, "--simulate": 0.05, "--over": 0.6, "plan tests --scatter-percent": 0.8},
+    **{"suite": 0.95, "table": 0.7, "--yes": 0.0},
+}
+# Scenarios of which a command mostly reads one.
+SUITED = {
+    "optimise": [name for name, path in NAMED.items() if re.search(rb"\[optimise\]|\[design\]", path.read_bytes())],
+    "check": ["wilkins", "oblique", "catalogue", "reliable", "threats/nij_iv", "paper/optimum_7.62mm_AP"],
+    "uncertainty": ["uncertain", "reliable"],
+    "calibrate": ["wilkins", "unknown_ceramic"],
+    "plan tests": ["wilkins", "unknown_ceramic"],
+    "plan shots": ["wilkins", "bare_plate", "paper/optimum_7.62mm_AP", "unknown_ceramic"],
+}
+COMMANDS: dict[str, list[Any]] = {}
+# Commands that take long on any input, or whose input is simple: a tenth of the trials of others.
+SELDOM = ("figures", "schema", "library projectiles", "library ceramics", "library metals", "library threats")
 
 
 def trial(dice: Dice) -> Trial:
     """Make a trial."""
-    command = dice.choice(sorted(MAKERS))
-    dice.gentle = dice.random() < 0.6
-    made = MAKERS[command](dice)
-    arguments = [command, *made.arguments]
-    if command in ("figures", "init", "report"):
-        return Trial(arguments, made.files)
-    if dice.random() < 0.5:
-        arguments.append("--json")
-    if command in PLOTTING and dice.random() < 0.15:
-        arguments += [
-            "--plot",
-            dice.choice(["p.svg", "p.svg", "p.png", "p.svg", *([] if dice.gentle else ["p.txt", "no/p.svg"])]),
-        ]
-    return Trial(arguments, made.files)
-
-
-def on_scenario(*more: str) -> Callable[[Dice], Trial]:
-    """Return a maker of trials of a command that reads a scenario."""
-
-    def make(dice: Dice) -> Trial:
-        name, files = scenario_files(dice)
-        extra = [word for word in more if dice.random() < 0.3]
-        return Trial([name, *options(dice), *extra], files)
-
-    return make
-
-
-def simulate_trial(dice: Dice) -> Trial:
-    """Make arguments of `simulate`."""
-    name, files = scenario_files(dice)
-    velocity = ["--velocity", str(dice.choice([800.0] if dice.gentle else NUMBERS))] if dice.random() < 0.3 else []
-    history = ["--history", "h.csv"] if dice.random() < 0.3 else []
-    return Trial([name, *options(dice), *velocity, *history], files)
-
-
-def optimise_trial(dice: Dice) -> Trial:
-    """Make arguments of `optimise`."""
-    with_grid = [path for path in SCENARIOS if b"[optimise]" in path.read_bytes() or b"[design]" in path.read_bytes()]
-    name, files = scenario_files(dice, dice.choice(with_grid))
-    return Trial([name, *options(dice), *(["--refine"] if dice.random() < 0.2 else []), "--csv", "f.csv"], files)
-
-
-def uncertainty_trial(dice: Dice) -> Trial:
-    """Make arguments of `uncertainty`."""
-    name, files = scenario_files(
-        dice, dice.choice([ROOT / "scenarios/uncertain.toml", ROOT / "scenarios/reliable.toml"])
-    )
-    return Trial(
-        [
-            name,
-            *options(dice),
-            "--samples",
-            str(dice.choice([128, 256, 1024, *([] if dice.gentle else [100, 0, -5, 10**7, 10**30])])),
-        ],
-        files,
-    )
-
-
-def sweep_trial(dice: Dice) -> Trial:
-    """Make arguments of `sweep`."""
-    name, files = scenario_files(dice)
-    arguments = [
-        name,
-        *options(dice),
-        "-o",
-        dice.choice(["t.csv", "t.csv", "t.parquet", "t.csv" if dice.gentle else "t.txt"]),
-    ]
-    arguments += [
-        "--quantities",
-        ",".join(dice.sample(QUANTITIES[: dice.choice([3, 3, 4]) if dice.gentle else 5], dice.choice([1, 2]))),
-    ]
-    if dice.random() < 0.5:
-        return Trial([*arguments, "--cases", "c.csv"], {**files, "c.csv": mutated(CASES.encode(), dice, table=True)})
-    for _ in range(dice.choice([1, 2])):
-        key = dice.choice(ASSIGNMENTS[: 3 if dice.gentle else None]).partition("=")[0].replace("{}", "x")
-        values = (
-            "4:8:1"
-            if dice.gentle
-            else dice.choice(
-                ["4:8:1", "600,700,800", str(value(dice)), f"1:{dice.choice(NUMBERS)}:{dice.choice(NUMBERS)}"]
-            )
-        )
-        arguments += ["--over", f"{key}={values}".replace("\0", "")]
-    return Trial(arguments, files)
-
-
-def calibrate_trial(dice: Dice) -> Trial:
-    """Make arguments of `calibrate`."""
-    name, files = scenario_files(dice, ROOT / "scenarios/wilkins.toml")
-    fits = dice.sample(FITS[: 3 if dice.gentle else 4], dice.choice([0, 1, 2]))
-    chosen = [word for fit in fits for word in ("--fit", fit)]
-    law = ["--law", dice.choice(LAWS[: 6 if dice.gentle else 7])] if dice.random() < 0.3 else []
-    tests = mutated(TESTS.read_bytes(), dice, table=True)
-    writes = ["--write", "w.toml", "--write-scenario", "fitted.toml"]
-    return Trial(["t.csv", name, *chosen, *law, *writes], {**files, "t.csv": tests})
-
-
-def v50_trial(dice: Dice) -> Trial:
-    """Make arguments of `v50`."""
-    files = {"shots.csv": mutated(SHOTS.read_bytes(), dice, table=True)}
-    arguments = ["shots.csv"]
-    if dice.random() < 0.4:
-        name, more = scenario_files(dice)
-        files, arguments = {**files, **more}, [*arguments, name, *options(dice)]
-    for option in ("--pairs", "--span-m-s", "--confidence"):
-        if not dice.gentle and dice.random() < 0.15:
-            arguments += [option, str(dice.choice(NUMBERS[:-8]))]
-    return Trial(arguments, files)
-
-
-def validate_trial(dice: Dice) -> Trial:
-    """Make arguments of `validate`."""
-    path = dice.choice(SUITES)
-    suite = tomllib.loads(path.read_text())
-    for kind in ("case", "table"):
-        if kind in suite:
-            suite[kind] = dice.sample(suite[kind], min(2, len(suite[kind])))
-    for section in (*suite.get("case", []), *suite.get("table", [])):
-        section["scenario"] = str((path.parent / section["scenario"]).resolve())
-    files = {"suite.toml": mutated(tomli_w.dumps(suite).encode(), dice)}
-    outputs = [word for pair in (["--markdown", "v.md"], ["--junit", "v.xml"]) if dice.random() < 0.4 for word in pair]
-    return Trial(["suite.toml", *options(dice), *outputs, *(["--update"] if dice.random() < 0.1 else [])], files)
-
-
-def report_trial(dice: Dice) -> Trial:
-    """Make arguments of `report`."""
-    name, files = scenario_files(dice)
-    return Trial(
-        [name, *options(dice), "-o", dice.choice(["r.html", "r.md", *([] if dice.gentle else ["r.txt", "s.toml"])])],
-        files,
-    )
-
-
-def library_trial(dice: Dice) -> Trial:
-    """Make arguments of `library`."""
-    text = dice.choice(TEXTS).replace("\0", "")
-    return Trial(["show", text] if dice.random() < 0.7 else [], {})
-
-
-def init_trial(dice: Dice) -> Trial:
-    """Make arguments of `init`."""
-    return Trial(
-        [dice.choice(["n.toml", "no/n.toml", ".", "a" * 252]), "--from", dice.choice(["wilkins", "x", "../x"])], {}
-    )
-
-
-MAKERS: dict[str, Callable[[Dice], Trial]] = {
-    "simulate": simulate_trial,
-    "ballistic-limit": on_scenario(),
-    "optimise": optimise_trial,
-    "sweep": sweep_trial,
-    "calibrate": calibrate_trial,
-    "uncertainty": uncertainty_trial,
-    "sensitivity": on_scenario(),
-    "v50": v50_trial,
-    "report": report_trial,
-    "compare": on_scenario(),
-    "validate": validate_trial,
-    "library": library_trial,
-    "init": init_trial,
-}
-PLOTTING = (
-    "simulate",
-    "ballistic-limit",
-    "optimise",
-    "sweep",
-    "calibrate",
-    "uncertainty",
-    "sensitivity",
-    "v50",
-    "compare",
-)
+    weights = [0.1 if name in SELDOM else 1.0 for name in COMMANDS]
+    [command] = dice.choices([*COMMANDS], weights)
+    dice.gentle = dice.random() < GENTLE
+    maker = Maker(command, dice)
+    words = [*maker.words()]
+    stdin = b""
+    if "s.toml" in words and dice.random() < PIPED:
+        words[words.index("s.toml")], stdin = "-", maker.files["s.toml"]
+    return Trial(words, maker.files, stdin, dice.uniform(0.01, 1.0) if dice.random() < STOPPED else 0.0)
 
 
 def run(made: Trial, folder: Path) -> Outcome:
     """Run a trial in a child of this process, which has imported the program."""
     for name, content in made.files.items():
         (folder / name).write_bytes(content)
+    (folder.parent / "in").write_bytes(made.stdin)
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-    start = time.monotonic()
+    # Before the program handles an interruption, none may come.
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     child = os.fork()
     if not child:
         in_child(made, folder)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     pidfd = os.pidfd_open(child)
-    ended, _, _ = select.select([pidfd], [], [], LIMIT_S)
+    ended = False
+    if made.interrupted_s:
+        ended = bool(select.select([pidfd], [], [], made.interrupted_s)[0])
+        if not ended:
+            os.kill(child, signal.SIGINT)
+    ended = ended or bool(select.select([pidfd], [], [], HANGING_S)[0])
     os.close(pidfd)
     if not ended:
         os.kill(child, signal.SIGKILL)
     _, status, usage = os.wait4(child, 0)
-    seconds = time.monotonic() - start
+    seconds = usage.ru_utime + usage.ru_stime
     code = os.waitstatus_to_exitcode(status)
     stdout, stderr = ((folder.parent / name).read_text(errors="replace") for name in ("out", "err"))
-    faults = [] if ended else [f"longer than {LIMIT_S:g} s"]
-    if code not in (0, 1, 2, CHECK_FAILED):
+    faults = [] if ended and code != -signal.SIGPROF else [f"longer than {LIMIT_S if ended else HANGING_S:g} s"]
+    if not faults and code not in (*range(CHECK_FAILED + 1), *([INTERRUPTED] if made.interrupted_s else [])):
         faults.append(f"exit code {code}")
     if "Traceback" in stderr:
         faults.append("traceback")
@@ -442,30 +483,35 @@ def run(made: Trial, folder: Path) -> Outcome:
         faults.append(f"{usage.ru_maxrss / 1024:.0f} MiB")
     after = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     written = [path for path in after if after[path] != before.get(path)]
-    if code and code != CHECK_FAILED and (written or set(before) - set(after)):
-        faults.append(f"files of a failed command: {[path.name for path in written]}")
-    if not code and "--json" in made.arguments:
+    # An interrupted sweep keeps its chunks.
+    left = [path.name for path in written if not (code == INTERRUPTED and path.parent.suffix == ".parts")]
+    if code not in (DONE, CHECK_FAILED) and (left or set(before) - set(after)):
+        faults.append(f"files of a failed command: {left}")
+    if code == DONE and "--json" in made.arguments:
         faults += not_strict_json(stdout)
-    elif not code:
+    elif code == DONE:
         faults += ["nan or inf in the answer"] if re.search(r"(?<![\w\"'=.-])[-+]?(nan|inf)(?![\w\"'])", stdout) else []
-    for path in written:
+    for path in written if code in (DONE, CHECK_FAILED) else ():
         faults += malformed(path)
     return Outcome(code, seconds, usage.ru_maxrss / 1024, faults, stderr)
 
 
 def in_child(made: Trial, folder: Path) -> None:
     """Run the command line in this process, which ends."""
-    from armour.cli.app import app
+    from armour.cli.main import main as armour
 
     os.chdir(folder)
     os.setpgrp()
+    os.dup2(os.open(folder.parent / "in", os.O_RDONLY), 0)
     for descriptor, name in ((1, "out"), (2, "err")):
-        file = os.open(folder.parent / name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
-        os.dup2(file, descriptor)
-    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+        os.dup2(os.open(folder.parent / name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), descriptor)
+    signal.setitimer(signal.ITIMER_PROF, LIMIT_S)
+    signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    sys.argv = ["armour", *made.arguments]
     code = 99
     try:
-        app(made.arguments, prog_name="armour")
+        armour()
     except SystemExit as end:
         code = end.code if isinstance(end.code, int) else 0 if end.code is None else 98
     except BaseException:
@@ -479,28 +525,35 @@ def in_child(made: Trial, folder: Path) -> None:
 
 
 def warm_up() -> None:
-    """Import all that the commands need, so that each trial starts with it."""
+    """Import all that the commands need, so that each trial starts with it, and list the commands."""
     from typer.testing import CliRunner
 
     from armour.cli.app import app
 
+    wilkins, optimum = "wilkins", "paper/optimum_7.62mm_AP"
     with tempfile.TemporaryDirectory() as folder:
-        wilkins, shots_file = str(ROOT / "scenarios/wilkins.toml"), str(SHOTS)
         for words in (
             ["simulate", wilkins, "--plot", f"{folder}/p.svg"],
-            ["ballistic-limit", wilkins],
-            ["optimise", wilkins],
+            ["check", wilkins, "--junit", f"{folder}/j.xml"],
+            ["optimise", optimum, "--map", f"{folder}/m.html"],
             ["sensitivity", wilkins],
             ["compare", wilkins],
-            ["v50", shots_file, wilkins],
-            ["calibrate", str(TESTS), wilkins],
-            ["uncertainty", str(ROOT / "scenarios/uncertain.toml"), "--samples", "128"],
+            ["v50", str(SHOTS), wilkins],
+            ["calibrate", str(TESTS["wilkins"]), wilkins],
+            ["plan", "shots", wilkins],
+            ["plan", "tests", wilkins, "--candidates", "armour.ceramic_thickness_mm=4:12:4", "--scatter-percent", "3"],
+            ["uncertainty", "uncertain", "--samples", "128"],
             ["report", wilkins, "-o", f"{folder}/r.html"],
-            ["validate", "--only", "fig"],
+            ["validate", "--only", "7.62"],
+            ["library"],
+            ["schema"],
         ):
-            CliRunner().invoke(app, words)
+            found = CliRunner().invoke(app, words)
+            assert found.exit_code in (DONE, CHECK_FAILED), (words, found.output)
     import pyarrow.csv
     import pyarrow.parquet  # noqa: F401
+
+    COMMANDS.update(leaves(typer.main.get_command(app)))
 
 
 def not_strict_json(text: str) -> list[str]:
@@ -523,6 +576,15 @@ def malformed(path: Path) -> list[str]:
             ElementTree.parse(path)
         except ElementTree.ParseError as error:
             return [f"{path.name}: {error}"]
+    if path.suffix in (".html", ".md", ".toml"):
+        text = path.read_text(errors="replace")
+        faults = ["a script of the input"] if path.suffix == ".html" and SCRIPT in text else []
+        # In a cell or after a key, and in the data of a map.
+        if re.search(r"[>|=] *-?(nan|inf)\b|[\[,:] ?-?(NaN|Infinity)[,\]}]", text):
+            faults.append("nan or inf")
+        return [f"{path.name}: {fault}" for fault in faults]
+    if path.suffix == ".ipynb":
+        return not_strict_json(path.read_text())
     if path.suffix == ".csv":
         with path.open(newline="") as file:
             cells = {cell.strip().lower() for row in csv.reader(file) for cell in row}
@@ -534,34 +596,61 @@ def malformed(path: Path) -> list[str]:
 def main() -> int:
     """Run the trials and print what was wrong."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("--trials", type=int, default=1000)
+    parser.add_argument("--trials", type=int, default=20_000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", type=int, help="run the trial of this number alone and show it")
     arguments = parser.parse_args()
     warm_up()
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    codes: Counter[tuple[str, int]] = Counter()
-    faulty, slowest, largest = 0, 0.0, 0.0
-    numbers = range(arguments.trials) if arguments.only is None else [arguments.only]
-    for number in numbers:
-        made = trial(Dice(f"{arguments.seed} {number}"))
-        with tempfile.TemporaryDirectory() as name:
-            folder = Path(name) / "work"
-            folder.mkdir()
-            outcome = run(made, folder)
-        codes[made.arguments[0], outcome.code] += 1
+    if arguments.only is not None:
+        show(arguments.seed, arguments.only)
+        return 0
+    codes: defaultdict[str, Counter[int]] = defaultdict(Counter)
+    seconds: defaultdict[str, float] = defaultdict(float)
+    kinds: Counter[str] = Counter()
+    options: set[tuple[str, str]] = set()
+    slowest, largest = 0.0, 0.0
+    for number in range(arguments.trials):
+        made, outcome = tried(arguments.seed, number)
+        command = next(
+            name for name in sorted(COMMANDS, reverse=True) if made.arguments[: len(name.split())] == name.split()
+        )
+        codes[command][outcome.code] += 1
+        seconds[command] += outcome.seconds
+        options |= {(command, word) for word in made.arguments if word.startswith("--")}
         slowest, largest = max(slowest, outcome.seconds), max(largest, outcome.mib)
-        if outcome.faults or arguments.only is not None:
-            faulty += bool(outcome.faults)
-            last = outcome.stderr.strip().splitlines()[-1:] if arguments.only is None else [outcome.stderr]
+        kinds.update({f"{command}: {re.sub(r'[0-9]+', '#', fault)}" for fault in outcome.faults})
+        if outcome.faults:
+            last = outcome.stderr.strip().splitlines()[-1:]
             print(number, made.arguments, outcome.code, f"{outcome.seconds:.1f} s", outcome.faults, *last, flush=True)
-        if arguments.only is not None:
-            for file, content in made.files.items():
-                print(f"--- {file}\n{content.decode(errors='replace')}")
-    for (command, code), count in sorted(codes.items()):
-        print(f"{command:16} exit code {code:4} {count:6}")
-    print(f"{len(numbers)} trials, {faulty} faulty; slowest {slowest:.1f} s, largest {largest:.0f} MiB")
-    return 1 if faulty else 0
+    for command, found in sorted(codes.items()):
+        ends = ", ".join(f"exit code {code}: {count}" for code, count in sorted(found.items()))
+        print(f"{command:20} {seconds[command] / found.total():6.2f} s, {ends}")
+    for kind, count in kinds.most_common():
+        print(f"{count} times: {kind}")
+    ended = sum(codes.values(), Counter())
+    return verdict(
+        f"{arguments.trials:,} trials of {len(codes)} commands with {len(options)} options, {ended[DONE]:,} of which "
+        f"ended with exit code 0: {kinds.total()} faults; at most {slowest:.0f} s and {largest:.0f} MiB",
+        right=not kinds,
+    )
+
+
+def tried(seed: int, number: int) -> tuple[Trial, Outcome]:
+    """Make and run a trial."""
+    made = trial(Dice(f"{seed} {number}"))
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name) / "work"
+        folder.mkdir()
+        return made, run(made, folder)
+
+
+def show(seed: int, number: int) -> None:
+    """Run a trial and print all of it."""
+    made, outcome = tried(seed, number)
+    print(made.arguments, outcome.code, f"{outcome.seconds:.1f} s", outcome.faults, outcome.stderr)
+    for file, content in made.files.items():
+        print(f"--- {file}\n{content.decode(errors='replace')}")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,9 @@
 """Run every example of the documentation and of the help as a newcomer does: from a wheel, in an empty folder.
 
 The tests of the examples, each of which works in a folder of its own, are run with the unpacked wheel in place of the
-sources.  ``python -m tools.campaigns.newcomer`` takes about a minute.
+sources.
+
+    python -m tools.campaigns.newcomer
 """
 
 import os
@@ -10,6 +12,8 @@ import sys
 import zipfile
 from pathlib import Path
 from tempfile import TemporaryDirectory
+
+from tools.campaigns.verdict import verdict
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 EXAMPLES = ("tests/cli/test_docs.py", "tests/cli/test_habits.py", "tests/cli/test_notebook.py")
@@ -29,8 +33,10 @@ def main() -> int:
         if not found.stdout.startswith(name):
             print(f"armour is not that of the wheel: {found.stdout}", end="")
             return 1
-        tests = [sys.executable, "-m", "pytest", "-q", "-n", "auto", *EXAMPLES]
-        return subprocess.run(tests, env=environment, cwd=REPOSITORY, check=False).returncode
+        tests = [sys.executable, "-m", "pytest", "-o", "addopts=", "-n0", "--tb=short", "-q", *EXAMPLES]
+        done = subprocess.run(tests, env=environment, cwd=REPOSITORY, check=False, stdout=subprocess.PIPE, text=True)
+        print(done.stdout, end="")
+        return verdict(f"tests of the examples: {done.stdout.strip().splitlines()[-1]}", right=not done.returncode)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Compare planned tests with Wilkins' 13 armours: intervals of the flow stress and of the limit of a design.
 
-    python -m tools.campaigns.optimal_tests --samples 200 --seed 1
+    python -m tools.campaigns.optimal_tests
 
 For each law of the flow stress the true inputs are those of the fit to Wilkins' tests.  The sets of 13 tests are
 Wilkins' armours, and those that `armour plan tests` chooses from ceramics of 4 to 12 mm and back plates of 3 to 10 mm,
@@ -11,6 +11,7 @@ value.  In the simulation limits are interpolated between those of a table.
 """
 
 import argparse
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import sqrt
@@ -27,9 +28,12 @@ from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics import likelihood as likelihood_fit
 from armour.statistics.calibration import FLOW_STRESS, LAWS, Law, calibrate, with_ceramic, with_law
 from armour.statistics.measured import LIMIT, MaterialGroup, Measurement, Tests, read_tests
+from tools.campaigns import verdict
 from tools.campaigns.coverage_calibration import ROOT, Table
 
 SCATTER, NUMBER = 0.03, 13
+# Least share of intervals that must contain the truth, per cent.
+LEAST = 90.0
 CANDIDATES = {
     CERAMIC: {"min": 4.0, "max": 12.0, "step": 0.5},
     BACKING: {"min": 3.0, "max": 10.0, "step": 0.5},
@@ -131,7 +135,7 @@ def sets_of(law: Law) -> Iterator[Set]:
         yield Set(f"{criterion}-optimal", law, armours, true, design)
 
 
-def main() -> None:
+def main() -> int:
     """Print half-widths."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--samples", type=int, default=200)
@@ -139,6 +143,7 @@ def main() -> None:
     given = parser.parse_args()
     exact, table = likelihood_fit.MODELS[LIMIT], Table(likelihood_fit.MODELS[LIMIT])
     print("half-widths of the flow stress, GPa, and of the limit, m/s: formula; mean and share that holds the truth")
+    shares = []
     for law in LAWS:
         likelihood_fit.MODELS[LIMIT] = exact
         for some in sets_of(law):
@@ -147,6 +152,7 @@ def main() -> None:
             likelihood_fit.MODELS[LIMIT] = table
             found = np.array([*some.simulated(given.samples, given.seed)], dtype=float)
             means = found.mean(axis=0)
+            shares += [100.0 * float(means[1]), 100.0 * float(means[3])]
             pairs, counts = np.unique(np.column_stack([*some.armours.values()]), axis=0, return_counts=True)
             print(
                 f"{law:9} {some.name:10} {stress:.3f}  {means[0]:.3f}  {100 * means[1]:.1f} %   "
@@ -154,7 +160,8 @@ def main() -> None:
             )
             if some.name != "Wilkins":
                 print("   ", "; ".join(f"{n} x {c:g}/{b:g}" for (c, b), n in zip(pairs, counts, strict=True)))
+    return verdict.coverage(shares, given.samples, LEAST)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

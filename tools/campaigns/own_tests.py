@@ -1,6 +1,6 @@
 """Count how often the distributions that `armour calibrate` gives from own tests hold the limits of other armours.
 
-    python -m tools.campaigns.own_tests --samples 400 --seed 1
+    python -m tools.campaigns.own_tests
 
 Armour of AD85 on 6061-T6 follows one of three laws of the flow stress, each as often, with the exponents of the library
 or, in the cases of "other exponents", normal about them with a standard deviation of 0.1.  A series has an error of 5 %
@@ -14,6 +14,7 @@ the exponents, 0.20 with a standard deviation of 0.25, that does not rest on the
 """
 
 import argparse
+import sys
 from collections.abc import Callable
 from functools import cache
 from itertools import combinations
@@ -33,8 +34,11 @@ from armour.statistics.likelihood import MODELS
 from armour.statistics.measured import LIMIT, read_tests
 from armour.statistics.own_tests import EXPONENTS, TESTED, TESTED_GPA, LawPosterior, Measured, covariate, evidence_of
 from armour.units import MM
+from tools.campaigns import verdict
 
 STRESSES_GPA = np.geomspace(0.8, 30.0, 60)
+# Least share of intervals, and of stated 95 %, that must contain the truth, per cent.
+LEAST = 95.0
 # Entries of the library that have the laws.
 ENTRIES = ("AD85", "AD85 backing law", "AD85 product law")
 SERIES, OTHER_EXPONENTS = 0.05, 0.1
@@ -158,26 +162,28 @@ def wilkins(own: int) -> Outcome:
     return Outcome(*np.array(rows, dtype=float).T)
 
 
-def main() -> None:
+def main() -> int:
     """Print the shares, per cent."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--samples", type=int, default=400)
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
-    print(f"standard error of 95 %: {100.0 * sqrt(0.95 * 0.05 / given.samples):.1f} %")
     print("tests | scatter, % | design | in 95 % | stated 95 % | RMS, %")
+    shares: list[float] = []
     for case in CASES:
         for name, found in simulate(case, given.samples, given.seed).items():
-            _show(f"{case.name} | {100.0 * case.scatter:g} | {name}", found)
+            shares += shown(f"{case.name} | {100.0 * case.scatter:g} | {name}", found)
     for own in (1, 2, 3):
-        _show(f"{own} tests of a series of Wilkins' | | the others of it", wilkins(own))
+        shown(f"{own} tests of a series of Wilkins' | | the others of it", wilkins(own))
+    return verdict.coverage(shares, given.samples, LEAST)
 
 
-def _show(case: str, found: Outcome) -> None:
-    """Print a row."""
-    shares = f"{100.0 * found.held.mean():.1f} | {100.0 * found.above.mean():.1f}"
-    print(f"{case} | {shares} | {100.0 * sqrt(np.mean(found.errors**2)):.1f}", flush=True)
+def shown(case: str, found: Outcome) -> tuple[float, float]:
+    """Print a row and return its shares."""
+    shares = 100.0 * float(found.held.mean()), 100.0 * float(found.above.mean())
+    print(f"{case} | {shares[0]:.1f} | {shares[1]:.1f} | {100.0 * sqrt(np.mean(found.errors**2)):.1f}", flush=True)
+    return shares
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

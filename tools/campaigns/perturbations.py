@@ -20,6 +20,7 @@ from armour.scenario.library import Kind
 from armour.scenario.scenario import Scenario
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.validate import FAILED, paper_suite, validate
+from tools.campaigns.verdict import verdict
 
 # Changes of an input, from the least: a result need not depend on it monotonically.
 STEPS = (0.01, 0.02, 0.03, 0.05, 0.08, 0.1, 0.15, 0.2)
@@ -114,7 +115,9 @@ def main() -> int:
     left = survivors(suite, perturbations(suite))
     for name in left:
         print(f"{name}: no perturbation of up to {100.0 * STEPS[-1]:.0f} % makes it fail")
-    return 3 if left else 0
+    return verdict(
+        f"{len(scored(suite)) - len(left)} of {len(scored(suite))} scored values leave their bands", right=not left
+    )
 
 
 if __name__ == "__main__":

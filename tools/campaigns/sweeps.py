@@ -1,4 +1,4 @@
-"""Kill, damage, race and starve sweeps: each must end in the right table, or in a message and exit code 2.
+"""Kill sweeps, damage their chunks, start two to one output, and fill disks: each ends right or with a message.
 
     python -m tools.campaigns.sweeps [NAME]...
 
@@ -25,6 +25,7 @@ from armour.engine.cache import kernel
 from armour.sweeps import sweep as sweeps
 from tests.helpers.cases import SCENARIOS
 from tests.helpers.faults import Fault, faults, full_disk
+from tools.campaigns.verdict import verdict
 
 OVER = ["--over", "armour.ceramic_thickness_mm=2:12:0.05", "--over", "impact.velocity_m_s=700:900:20"]
 QUANTITIES = ("residual_velocity_m_s,outcome", "penetration_depth_mm")
@@ -65,7 +66,13 @@ def forked(run: Callable[..., int], *args: object) -> int:
     """Run a function in a process of its own and return its id."""
     child = os.fork()
     if not child:
-        os._exit(run(*args) % 256)
+        code = 70
+        try:
+            code = run(*args) % 256
+        except BaseException:
+            traceback.print_exc()
+        finally:
+            os._exit(code)
     return child
 
 
@@ -281,9 +288,10 @@ TIME_S = 60.0
 def run(campaigns: Mapping[str, Callable[[Path], Iterator[str]]], place: Path) -> int:
     """Run campaigns, each in a folder of its own, and print how many of their trials had each outcome.
 
-    Returns 3 where an outcome was wrong, 0 otherwise.
+    Returns the exit code.
     """
-    failed = False
+    trials: Counter[str] = Counter()
+    failed = 0
     for name, campaign in campaigns.items():
         folder = place / name
         folder.mkdir()
@@ -291,8 +299,10 @@ def run(campaigns: Mapping[str, Callable[[Path], Iterator[str]]], place: Path) -
         print(f"{name}: {outcomes.total()} trials")
         for outcome, number in outcomes.most_common():
             print(f"  {number:4d}  {outcome}", flush=True)
-        failed |= any(WRONG in outcome for outcome in outcomes)
-    return 3 if failed else 0
+        trials[name] = outcomes.total()
+        failed += sum(number for outcome, number in outcomes.items() if WRONG in outcome)
+    told = ", ".join(f"{number} {name}" for name, number in trials.items())
+    return verdict(f"{trials.total():,} trials ({told}), {failed} ended wrong", right=not failed)
 
 
 def main(names: list[str]) -> int:

@@ -1,0 +1,90 @@
+"""Run the campaigns and write docs/campaigns.md, with what each has found.
+
+    python -m tools.campaigns [NAME]...
+
+runs the named campaigns, by default all, one after the other.  A campaign ends with a line for the page and exit code
+0, or 3 if something is not as it should be.  The page is written after each one: an interrupted run keeps what it has.
+"""
+
+import ast
+import json
+import subprocess
+import sys
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+
+from armour import MODEL_VERSION, __version__
+from tools.campaigns.verdict import RESULT, WRONG
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE, KNOWN = ROOT / "docs" / "campaigns.md", Path(__file__).with_name("results.json")
+CAMPAIGNS = {
+    "Faults and inputs": ("inputs", "sweeps", "tables", "cache", "newcomer"),
+    "Numbers": ("accuracy", "unusual", "perturbations", "obliquity", "mutants"),
+    "Statistics": ("coverage", "coverage_calibration", "coverage_uncertainty", "own_tests", "optimal_tests", "shots",
+                   "evidence"),
+}  # fmt: skip
+ENDINGS = {0: "yes", WRONG: "**no**"}
+TEXT = """# Campaigns
+
+This page is written by `make campaigns`, which runs the programs of `tools/campaigns`, each also run alone by `python
+-m tools.campaigns NAME`. They try what takes too long for the tests: many inputs, faults at every step, and how often
+the stated intervals contain the truth. "As expected" is "yes" if the program found nothing wrong: no fault, no share
+below the least that it requires. Minutes are those of one core, which others may have used as well.
+"""
+HEAD = """| program | what it does | result | as expected | minutes | version, model, commit, date |
+|---|---|---|---|--:|---|
+"""
+
+
+def run(name: str) -> dict[str, str]:
+    """Run a campaign, show what it prints, and return what the page tells of it."""
+    start, lines = time.monotonic(), []
+    command = [sys.executable, "-m", f"tools.campaigns.{name}"]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            print(line, end="", flush=True)
+            lines.append(line.strip())
+    results = [line.removeprefix(RESULT) for line in lines if line.startswith(RESULT)]
+    commit = ["git", "describe", "--always", "--dirty"]
+    return {
+        "purpose": purpose(name),
+        "result": "; ".join(results),
+        "ending": ENDINGS.get(process.returncode, f"**ended with exit code {process.returncode}**"),
+        "minutes": f"{(time.monotonic() - start) / 60.0:.1f}",
+        "version": f"{__version__}, {MODEL_VERSION}, "
+        f"{subprocess.check_output(commit, cwd=ROOT, text=True).strip()}, {datetime.now(UTC):%Y-%m-%d}",
+    }
+
+
+def page(known: dict[str, dict[str, str]]) -> str:
+    """Return the page of what is known."""
+    parts = [TEXT]
+    for heading, names in CAMPAIGNS.items():
+        rows = [f"| `{name}` | {' | '.join(known[name].values())} |\n" for name in names if name in known]
+        parts += [f"## {heading}\n", HEAD + "".join(rows)]
+    return "\n".join(parts)
+
+
+def purpose(name: str) -> str:
+    """Return what a campaign does: the first line of its docstring."""
+    docstring = ast.get_docstring(ast.parse(Path(__file__).with_name(f"{name}.py").read_text(encoding="utf-8")))
+    return " ".join((docstring or "").partition("\n\n")[0].split())
+
+
+def main(names: list[str]) -> int:
+    """Run campaigns; the exit code is 3 if one did not end as it should."""
+    known = json.loads(KNOWN.read_text(encoding="utf-8")) if KNOWN.exists() else {}
+    ran = names or [name for some in CAMPAIGNS.values() for name in some]
+    for name in ran:
+        print(f"{name}: {purpose(name)}", flush=True)
+        known[name] = run(name)
+        KNOWN.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
+        PAGE.write_text(page(known), encoding="utf-8")
+    return WRONG if any(known[name]["ending"] != ENDINGS[0] for name in ran) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
