@@ -64,7 +64,7 @@ def page(known: dict[str, dict[str, str]]) -> str:
     parts = [TEXT]
     for heading, names in CAMPAIGNS.items():
         rows = [f"| `{name}` | {' | '.join(known[name].values())} |\n" for name in names if name in known]
-        parts += [f"## {heading}\n", HEAD + "".join(rows)]
+        parts += [f"## {heading}\n", HEAD + "".join(rows)] if rows else []
     return "\n".join(parts)
 
 

@@ -431,14 +431,15 @@ SUITED = {
     "plan shots": ["wilkins", "bare_plate", "paper/optimum_7.62mm_AP", "unknown_ceramic"],
 }
 COMMANDS: dict[str, list[Any]] = {}
-# Commands that take long on any input, or whose input is simple: a tenth of the trials of others.
-SELDOM = ("figures", "schema", "library projectiles", "library ceramics", "library metals", "library threats")
+# Numbers of trials relative to other commands: of some that take long on any input, or whose input is simple.
+WEIGHTS = dict.fromkeys(("calibrate", "report", "sensitivity", "uncertainty"), 0.5) | dict.fromkeys(
+    ("figures", "schema", "library projectiles", "library ceramics", "library metals", "library threats"), 0.1
+)
 
 
 def trial(dice: Dice) -> Trial:
     """Make a trial."""
-    weights = [0.1 if name in SELDOM else 1.0 for name in COMMANDS]
-    [command] = dice.choices([*COMMANDS], weights)
+    [command] = dice.choices([*COMMANDS], [WEIGHTS.get(name, 1.0) for name in COMMANDS])
     dice.gentle = dice.random() < GENTLE
     maker = Maker(command, dice)
     words = [*maker.words()]

@@ -1,4 +1,4 @@
-"""Run every example of the documentation and of the help as a newcomer does: from a wheel, in an empty folder.
+"""Run every example of the pages and of the help from a wheel, each in an empty folder.
 
 The tests of the examples, each of which works in a folder of its own, are run with the unpacked wheel in place of the
 sources.

@@ -1,4 +1,4 @@
-"""Rules for plates at an angle, compared on the oblique tests of the shipped table, left out alloy by alloy.
+"""Compare rules for plates at an angle on the oblique tests of the shipped table, left out alloy by alloy.
 
     python -m tools.campaigns.obliquity
 

@@ -1,4 +1,4 @@
-"""Perturb every input of the library that the paper's suite uses, and tell which cases no perturbation makes fail.
+"""Perturb every input of the library that the paper's suite uses; every scored case must fail under one of them.
 
 A case that stays within its band whatever changes by up to 20 % is no case: it may be shown, but must not be scored.
 
