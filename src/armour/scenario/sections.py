@@ -114,10 +114,12 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
 
 
 def _meant(detail: Any) -> str:
-    """Return a hint at the word, or the probability in place of per cent, that is meant; "" if there is none."""
+    """Return a hint at the word, list or probability in place of per cent that is meant; "" if there is none."""
     given, context = detail["input"], detail.get("ctx", {})
     if detail["type"] == "literal_error":
         return suggestion(str(given), re.findall('"(.*?)"', context["expected"]))
+    if detail["type"] in ("list_type", "tuple_type") and isinstance(given, dict):
+        return "; write its heading in double brackets"
     most = context.get("le", context.get("lt", inf))
     return f"; did you mean {given / 100.0:g}?" if most <= 1.0 < 50.0 <= given <= 100.0 * most else ""
 
