@@ -243,7 +243,7 @@ def velocity_rule(label: str, velocity: float, colour: str, style: Style = "-") 
     return Rule(velocity, style, label=f"{label} {velocity:.1f} m/s", colour=colour)
 
 
-def residual_velocity_panel(series: Iterable[Series], limits: tuple[float, float] | None = None) -> Panel:
+def residual_velocity_panel(series: Iterable[Series], limits: tuple[float, float]) -> Panel:
     """Describe residual over impact velocity."""
     x = quantity_axis(VELOCITY, limits=limits)
     return Panel(x, quantity_axis("residual_velocity_m_s", from_zero=True), tuple(series), height=1.2)

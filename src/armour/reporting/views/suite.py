@@ -63,8 +63,9 @@ def failure(check: Check) -> str:
 
 def summary_table(result: SuiteResult) -> Table:
     """Return the deviations of each table of a suite as a whole, except those of rows in files."""
+    of_files = {check.case.group for check in result.checks if check.case.cells}
     return listing(
-        [summary for summary in result.summaries if not _of_file(result, summary.name)],
+        [summary for summary in result.summaries if summary.name not in of_files],
         column_of("name", label="table", prose=True),
         column_of("count", "d", "rows"),
         column_of("unit"),
@@ -101,10 +102,6 @@ def held_to(summary: TableSummary) -> str:
         band = f"{summary.mean_expected:+g} ± {summary.mean_band:g} {unit}"
         parts.append(f"mean {summary.mean:+.2f} {unit}, mean band {band}")
     return ", ".join(parts)
-
-
-def _of_file(result: SuiteResult, table: str) -> bool:
-    return any(check.case.cells for check in result.checks if check.case.group == table)
 
 
 def error_tables(errors: Sequence[Error]) -> list[Table]:
