@@ -293,7 +293,7 @@ class FreeRange(Section):
 
 def _kind_of_range(value: object) -> str:
     """Return the tag of the form in which thicknesses are given."""
-    if isinstance(value, list):
+    if not isinstance(value, dict | Range | FreeRange):
         return LIST_TAG
     stepped = isinstance(value, Range) or (isinstance(value, dict) and "step" in value)
     return RANGE_TAG if stepped else FREE_TAG
