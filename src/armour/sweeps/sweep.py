@@ -37,9 +37,9 @@ MAX_ROWS = 10_000_000
 # A chunk takes about this time, so that a kill costs little, and has at most this many rows.
 CHUNK_S = 1.0
 MAX_CHUNK = 100_000
-# Samples grow until one takes this time.
+# Samples grow until one takes this time, after the first, which also loads the compiled code.
 SAMPLE_S = 0.1
-SAMPLES = (1, 4, 32, 256, 2048)
+SAMPLES = (4, 4, 32, 256, 2048)
 # What a sweep may take without approval.
 LONG_S = 3600.0
 MANY_ROWS = 10**8
@@ -365,7 +365,7 @@ def effort_of(
 ) -> Effort:
     """Measure some rows of a sweep: from all over it, and as many at its start, where they may be slow."""
     each = slowest = bytes_each = 0.0
-    for number in SAMPLES:
+    for earlier, number in enumerate(SAMPLES):
         count = min(number, source.count)
         spread = groups_of(scenario, rows := source.rows(np.linspace(0, source.count - 1, count).astype(np.int64)))
         begun = perf_counter()
@@ -375,11 +375,10 @@ def effort_of(
         first = groups_of(scenario, source.rows(np.arange(count)))
         grouped = perf_counter()
         evaluate_groups(first, quantities, 1 if workers else threads)
-        # The first row also loads the compiled code.
         each, slowest = ((end - start) / count for start, end in ((begun, grouped), (evaluated, perf_counter())))
         slowest = max(each, slowest)
         bytes_each = len(csv_of({**rows, **results})) / count
-        if count < number or (number > 1 and slowest * count > SAMPLE_S):
+        if count < number or (earlier and slowest * count > SAMPLE_S):
             break
     seconds = each * source.count / (workers.number if workers else 1)
     needed, free = 2.0 * bytes_each * source.count, shutil.disk_usage(output.parent).free
