@@ -6,9 +6,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 LOWEST := $(VENV)/lowest
 
-# Every process would compile what it imports.
+# What is imported is compiled then, once: pip would compile all that it installs.
 unexport PYTHONDONTWRITEBYTECODE
-
 
 .PHONY: demo test quick lowest check site format docs bench campaigns coverage mutants release clean
 
@@ -82,22 +81,22 @@ $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/installed: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/pip install --quiet --disable-pip-version-check -e .
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile -e .
 	touch $@
 
 $(VENV)/developing: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/pip install --quiet --disable-pip-version-check -e '.[dev,docs]'
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile -e '.[dev,docs]'
 	touch $@ $(VENV)/installed
 
 # Its functions for making mutants are not public: other versions may differ.
 $(VENV)/mutating: | $(VENV)/developing
-	$(BIN)/pip install --quiet --disable-pip-version-check mutmut==3.8.1
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile mutmut==3.8.1
 	touch $@
 
 $(LOWEST)/installed: pyproject.toml tools/lowest.py
 	$(PYTHON) -m venv --clear $(LOWEST)
 	$(PYTHON) tools/lowest.py > $(LOWEST)/versions.txt
-	$(LOWEST)/bin/pip install --quiet --disable-pip-version-check -e '.[cluster,dev]' -c $(LOWEST)/versions.txt
+	$(LOWEST)/bin/pip install --quiet --disable-pip-version-check --no-compile -e '.[cluster,dev]' -c $(LOWEST)/versions.txt
 	touch $@
 
 clean:

@@ -18,6 +18,19 @@ def pytest_collection_finish() -> None:
     gc.freeze()
 
 
+@pytest.fixture(autouse=True, scope="session")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Compile the engine before the first test, which would say so, in one of the processes for all of them."""
+    from filelock import FileLock
+
+    from armour.engine.cache import is_compiled, kernel
+
+    with FileLock(tmp_path_factory.getbasetemp().parent / "compiling.lock"):
+        for name in ("impacts", "ballistic_limits", "least_thicknesses"):
+            if not is_compiled(name):
+                kernel(name)
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """A folder with the Wilkins case as wilkins.toml."""

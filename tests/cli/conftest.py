@@ -3,7 +3,6 @@ from pathlib import Path
 import pytest
 from typer.testing import Result
 
-from armour.engine.cache import kernel
 from armour.reporting.charts import printable_chart
 from tests.helpers.commands import invoke
 
@@ -22,12 +21,6 @@ class Cli:
         assert "Traceback" not in result.output
         assert not result.stdout
         return result.stderr.splitlines()
-
-
-@pytest.fixture(autouse=True, scope="session")
-def compiled() -> None:
-    """The engine compiled before the first command, which would say so."""
-    kernel("impacts")
 
 
 @pytest.fixture
