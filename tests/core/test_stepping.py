@@ -89,6 +89,22 @@ def test_the_response_in_the_plate():
     assert response_rate(deep, RATES, rigid, p) == pytest.approx(expected)
 
 
+def test_the_rate_of_the_penetration_velocity_counts_only_where_both_sides_yield():
+    p = armour()
+    deep, sudden = STATE._replace(Z=8e-3), RATES._replace(W=1e10)
+    for eroding, penetrated in ((True, True), (True, False), (False, True)):
+        s = in_stage(Medium.PLATE, eroding, penetrated, True)
+        raised = response_rate(deep, sudden, s, p) > 1.1 * response_rate(deep, RATES, s, p)
+        assert raised == (eroding and penetrated)
+
+
+def test_only_the_strength_of_fragments_that_are_penetrated_depends_on_the_velocity():
+    for medium in Medium:
+        for penetrated in (True, False):
+            found = strength_by_velocity(STATE, in_stage(medium, True, penetrated, True), armour())
+            assert (found == 0.0) == (medium != Medium.FRAGMENTED or not penetrated)
+
+
 def test_the_default_step_is_the_characteristic_time():
     p = armour()
     slowing = p.Yp / (p.rho_p * p.L0 * 800.0)
@@ -170,7 +186,7 @@ def test_the_response_of_the_penetration_velocity(medium: Medium, rising: bool):
     y = STATE._replace(V=900.0, W=W)
     k = rates(y, s, p)
     # The strength of fragments falls with V.
-    k = k._replace(V=-1e8 if rising == (medium == Medium.FRAGMENTED) else 1e8, W=0.0)
+    k = k._replace(V=-1e8 if rising == (medium == Medium.FRAGMENTED) else 1e8, W=2e7 if s.moving else 0.0)
     dt = 1e-12
     change = (front_velocity(advance(y, k, dt), s, p) - front_velocity(advance(y, k, -dt), s, p)) / (2.0 * dt)
     _, rho = medium_ahead(y, s, p)

@@ -36,7 +36,7 @@ ROOT = Path(__file__).resolve().parents[2]
 # Time of computing, and any.
 LIMIT_S, HANGING_S = 60.0, 600.0
 LIMIT_MIB = 1024.0
-DONE, CHECK_FAILED, INTERRUPTED = 0, 3, 130
+DONE, NO_ANSWER, CHECK_FAILED, INTERRUPTED = 0, 1, 3, 130
 # Parts of the trials that are gentle, that read the scenario from standard input, and that are interrupted.
 GENTLE, PIPED, STOPPED = 0.6, 0.05, 0.03
 
@@ -484,8 +484,7 @@ def run(made: Trial, folder: Path) -> Outcome:
         faults.append(f"{usage.ru_maxrss / 1024:.0f} MiB")
     after = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     written = [path for path in after if after[path] != before.get(path)]
-    # An interrupted sweep keeps its chunks.
-    left = [path.name for path in written if not (code == INTERRUPTED and path.parent.suffix == ".parts")]
+    left = [path.name for path in written if not may_be_left(path, code, made.arguments)]
     if code not in (DONE, CHECK_FAILED) and (left or set(before) - set(after)):
         faults.append(f"files of a failed command: {left}")
     if code == DONE and "--json" in made.arguments:
@@ -495,6 +494,15 @@ def run(made: Trial, folder: Path) -> Outcome:
     for path in written if code in (DONE, CHECK_FAILED) else ():
         faults += malformed(path)
     return Outcome(code, seconds, usage.ru_maxrss / 1024, faults, stderr)
+
+
+def may_be_left(path: Path, code: int, arguments: list[str]) -> bool:
+    """Return whether a command that fails may leave a file, as the pages say."""
+    if path.parent.suffix == ".parts":  # chunks of a sweep
+        return code == INTERRUPTED
+    if code == NO_ANSWER and "--map" in arguments:  # how far the designs are from what is required
+        return path.suffix == ".html"
+    return path.suffix == ".lock"
 
 
 def in_child(made: Trial, folder: Path) -> None:
