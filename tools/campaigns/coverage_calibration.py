@@ -170,7 +170,7 @@ class Simulation:
 def main() -> int:
     """Print the shares, per cent."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--samples", type=int, default=1000)
+    parser.add_argument("--samples", type=int, default=300)
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     likelihood_fit.MODELS[LIMIT] = Table(likelihood_fit.MODELS[LIMIT])

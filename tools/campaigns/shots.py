@@ -247,7 +247,7 @@ def simulate(
 def main() -> int:
     """Print tables of shots and coverage, and of decisions on a requirement."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--firings", type=int, default=500)
+    parser.add_argument("--firings", type=int, default=250)
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     print(
