@@ -23,6 +23,8 @@ class Run(NamedTuple):
     t: float  # duration, s
     y: State  # state at the end
     steps: int
+    # dV/dt at the end if it is constant up to the end of the armour (31), (33), m/s^2; else 0
+    constant_dV: float
 
 
 def run(
@@ -53,7 +55,7 @@ def run(
         trace.append(Instant(t, y, s))
     while outcome == Outcome.RUNNING:
         if steps == max_steps:
-            return Run(Outcome.UNRESOLVED, t, y, steps)
+            return Run(Outcome.UNRESOLVED, t, y, steps, 0.0)
         longest = step_length(y, k, s, p, dt, rough)
         whole = min(rest, longest) if rest > 0.0 else longest
         event, taken, y, k, g = step_to_event(t, y, k, g, s, p, whole, V_arrest, rough)
@@ -68,4 +70,4 @@ def run(
             trace.append(Instant(t, y, ended))
             if s != ended:
                 trace.append(Instant(t, y, s))
-    return Run(outcome, t, y, steps)
+    return Run(outcome, t, y, steps, 0.0 if s.eroding or s.penetrated else k.V)

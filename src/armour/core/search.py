@@ -5,13 +5,15 @@ velocities sees.  Perforation, or defeat, between two scanned velocities is sear
 it: at a maximum of the penetration depth, at a minimum of the residual velocity, and where defeated projectiles stop at
 one velocity and are used up at the next.
 
-The scan starts at the highest velocity below which no projectile has the energy to perforate.  Its runs are rough, with
-longer time steps, and are repeated with the usual ones where the outcome is close.  A change is then narrowed by rough
-runs and, from where these lead, by usual ones: of the final bracket no end is rough.
+The scan starts at the highest velocity below which no projectile has the energy to perforate, and passes over the next
+velocity as long as the depth is small and rises.  Its runs are rough, with longer time steps, and are repeated with the
+usual ones where the outcome is close.  A change is then narrowed by rough runs and, from where these lead, by two or
+three usual ones.
 
-Just above the ballistic limit the square of the residual velocity is linear in the impact velocity, and in the ceramic
-thickness.  Within a bracket, each run is therefore placed just on the perforated side of the root of a polynomial
-through the last perforations, or at the middle of the bracket where that root lies outside it.
+The square of the residual velocity is nearly linear in the square of the impact velocity, and in the ceramic thickness.
+Where a projectile stops together with all material ahead, its deceleration is constant, and the energy that it lacks
+continues the function below the limit (`residual_energy`).  Each run is placed at the root of a polynomial through the
+last runs, at the perforated side of it where one side alone is known, or at the middle of the bracket.
 """
 
 from collections.abc import Sequence
@@ -34,15 +36,23 @@ SCAN_POINTS = 33
 DENSE_SCAN_POINTS = 1025
 # Ratio of two velocities up to which the outcome of a rough run between them may be wrong.
 NEAR = 1.05
+# Part of the armour within which a projectile has stopped if the next velocity may be passed over.
+FAR = 0.6
 # Runs of a search between scanned velocities.
 HIDDEN_RUNS = 10
-# Error of a parabola through three perforations as a part of its difference from the line.
+# Error of a parabola through three points as a part of its difference from the line.
 PARABOLA_ERROR = 0.1
 # How near to the other outcome a rough impact is repeated: parts of the thickness and of the square of the velocity.
 CLOSE = 0.01
-# Usual error of a limit by rough runs and, with these, of the slope of the square of the residual velocity there.
-ROUGH_ERROR = 1e-4
-SLOPE_ERROR = 2e-3
+# Error of a limit at which rough runs end, as a part of it, and of the slope of the residual energy that they give.
+ROUGH_ERROR = 5e-4
+SLOPE_ERROR = 0.02
+# Greatest change of that slope with the velocity, both as parts.
+BEND = 20.0
+# Estimates of a limit that agree to this part of it, by a slope this well known or by a few runs, are trusted.
+AGREEMENT = 3e-3
+GREATEST_DOUBT = 0.3
+TRUSTED_RUNS = 4
 # Part of the larger interval at which a search of a maximum by golden section places its next run.
 GOLDEN = (3.0 - sqrt(5.0)) / 2.0
 
@@ -62,9 +72,9 @@ class Impact(NamedTuple):
     perforated: bool
     eroded: bool  # the projectile was used up
     resolved: bool  # the run ended within the maximum number of steps
-    # How near it is to the other outcome: the penetration depth, m, or if perforated the square of the arrest velocity
-    # less that of the residual velocity, m^2/s^2.
+    # How near it is to the other outcome: the penetration depth, m, or if perforated -f.
     nearness: float
+    f: float  # residual energy, see `residual_energy`, m^2/s^2
 
 
 class Change(NamedTuple):
@@ -80,6 +90,7 @@ class Root(NamedTuple):
 
     x: float
     slope: float  # derivative of the point by f, see `Bracket`
+    doubt: float  # error of the slope, as a part of it
     runs: int
     resolved: bool
 
@@ -88,21 +99,32 @@ class Bracket(NamedTuple):
     """Interval that contains the root, and the points of the interpolation.
 
     A run at ``low`` is defeated if ``low_known``; a run at ``high`` perforates if ``high_known``.  The function ``f``
-    is the square of the residual velocity less that of the arrest velocity, m^2/s^2.
+    is the residual energy of `residual_energy`, m^2/s^2.
     """
 
     low: float
     high: float
     low_known: bool
     high_known: bool
-    points: int  # number of perforations that the estimate uses, at most 3
-    x1: float  # last perforation
+    smooth: bool  # f is known at ``low``
+    points: int  # number of points that the estimate uses, at most 3
+    x1: float  # last point
     f1: float
     x2: float  # the one before it
     f2: float
     estimate: float  # estimate of the root
     error: float  # error of the estimate
     runs: int
+
+
+class Zero(NamedTuple):
+    """Where usual runs estimate that the residual energy f is zero, by the last run and the slope there."""
+
+    x: float
+    error: float  # inf where it is not trusted
+    slope: float  # derivative of the point by f
+    x1: float  # last run with a known f
+    f1: float  # -inf before the first
 
 
 class SearchResult(NamedTuple):
@@ -116,12 +138,19 @@ class SearchResult(NamedTuple):
 
 def initial_bracket(low: float, high: float) -> Bracket:
     """Return a bracket before the first run."""
-    return Bracket(low, high, False, False, 0, 0.0, 0.0, 0.0, 0.0, 0.0, inf, 0)
+    return Bracket(low, high, False, False, False, 0, 0.0, 0.0, 0.0, 0.0, 0.0, inf, 0)
 
 
-def after_defeat(b: Bracket, x: float) -> Bracket:
-    """Return the bracket after a defeated run at x."""
-    return Bracket(x, b.high, True, b.high_known, b.points, b.x1, b.f1, b.x2, b.f2, b.estimate, b.error, b.runs + 1)
+def after_defeat(b: Bracket, x: float, f: float) -> Bracket:
+    """Return the bracket after a defeated run at x; f is -inf where it is not known."""
+    if f == -inf or b.points == 0:
+        return Bracket(
+            x, b.high, True, b.high_known, False, b.points, b.x1, b.f1, b.x2, b.f2, b.estimate, b.error, b.runs + 1
+        )
+    estimate = estimated_root(b.points, x, f, b.x1, b.f1, b.x2, b.f2)
+    error = abs(estimate - b.estimate)
+    points = min(b.points + 1, 3)
+    return Bracket(x, b.high, True, b.high_known, True, points, x, f, b.x1, b.f1, estimate, error, b.runs + 1)
 
 
 def after_perforation(b: Bracket, x: float, f: float, first_estimate: float, first_error: float) -> Bracket:
@@ -129,13 +158,13 @@ def after_perforation(b: Bracket, x: float, f: float, first_estimate: float, fir
     if b.points == 0:
         estimate, error = first_estimate, first_error
     else:
-        estimate = extrapolated_root(b.points, x, f, b.x1, b.f1, b.x2, b.f2)
+        estimate = estimated_root(b.points, x, f, b.x1, b.f1, b.x2, b.f2)
         error = abs(estimate - b.estimate)
     points = min(b.points + 1, 3)
-    return Bracket(b.low, x, b.low_known, True, points, x, f, b.x1, b.f1, estimate, error, b.runs + 1)
+    return Bracket(b.low, x, b.low_known, True, b.smooth, points, x, f, b.x1, b.f1, estimate, error, b.runs + 1)
 
 
-def extrapolated_root(earlier: int, x1: float, f1: float, x2: float, f2: float, x3: float, f3: float) -> float:
+def estimated_root(earlier: int, x1: float, f1: float, x2: float, f2: float, x3: float, f3: float) -> float:
     """Return the root of x as a polynomial of f through a point and one or two earlier ones, by Neville's scheme."""
     if f1 == f2:
         return x1
@@ -169,7 +198,7 @@ def next_point(b: Bracket, tolerance: float) -> float:
     if away <= 0.7 * tolerance:
         x = b.high - 0.9 * tolerance
     else:
-        margin = (0.0, b.error, 0.03 * away, PARABOLA_ERROR * b.error)[b.points]
+        margin = 0.0 if b.smooth else (0.0, b.error, 0.03 * away, PARABOLA_ERROR * b.error)[b.points]
         x = b.estimate + max(margin, tolerance / 3.0)
         if x <= b.low:
             x = b.low + 4.0 * max(margin, b.low - b.estimate)
@@ -204,9 +233,23 @@ def scanned_impact(p: Parameters, V: float, solver: Solver) -> Impact:
 def impact_of(end: Run, p: Parameters, V: float, solver: Solver) -> Impact:
     """Return the impact at a velocity, m/s, of which a run is given."""
     resolved = end.outcome != Outcome.UNRESOLVED
+    f = residual_energy(end, p, solver.V_arrest)
     if end.outcome == Outcome.PERFORATED:
-        return Impact(V, True, False, resolved, solver.V_arrest * solver.V_arrest - end.y.V * end.y.V)
-    return Impact(V, False, end.y.L < ERODED_FRACTION * p.L0, resolved, end.y.Z)
+        return Impact(V, True, False, resolved, -f, f)
+    return Impact(V, False, end.y.L < ERODED_FRACTION * p.L0, resolved, end.y.Z, f)
+
+
+def residual_energy(end: Run, p: Parameters, V_arrest: float) -> float:
+    """Return the square of the residual velocity less that of the arrest velocity, m^2/s^2.
+
+    A projectile that stops together with all material ahead, at a constant deceleration (33), would have perforated
+    with more energy in proportion to the armour that is left: this continues the function below the limit without a
+    bend.  It is -inf for other projectiles that stop.
+    """
+    f = end.y.V * end.y.V - V_arrest * V_arrest
+    if end.outcome == Outcome.PERFORATED:
+        return f
+    return f + 2.0 * end.constant_dV * (p.Hc0 + p.Hb - end.y.Z) if end.constant_dV < 0.0 else -inf
 
 
 def first_impacts(p: Parameters, velocities: Sequence[float], solver: Solver) -> tuple[Impact, Impact]:
@@ -221,7 +264,7 @@ def first_impacts(p: Parameters, velocities: Sequence[float], solver: Solver) ->
     start = scanned_impact(p, velocities[i], solver)
     if i == 0:
         return start, start
-    return Impact(velocities[i - 1], False, start.eroded, True, -inf), start
+    return Impact(velocities[i - 1], False, start.eroded, True, -inf, -inf), start
 
 
 def find_ballistic_limit(
@@ -254,12 +297,23 @@ def next_change(p: Parameters, before: Impact, start: Impact, velocities: Sequen
     ``before`` is the impact below it, or the same.  The search ends at an unresolved run, which is then the impact
     above.
     """
-    last, runs = start, 0
-    for V in velocities:
-        if V <= start.V:
-            continue
-        end = scanned_impact(p, V, solver)
-        runs += 1
+    last, ahead, runs = start, start, 0
+    i = 0
+    while i < len(velocities) and velocities[i] <= start.V:
+        i += 1
+    while i < len(velocities):
+        V = velocities[i]
+        if is_far(p, last, V) and i + 1 < len(velocities):
+            ahead = scanned_impact(p, velocities[i + 1], solver)
+            runs += 1
+            if rises(last, ahead):
+                V = ahead.V
+                i += 1
+        end = ahead
+        if V != ahead.V:
+            end = scanned_impact(p, V, solver)
+            runs += 1
+        i += 1
         if end.resolved and end.perforated != last.perforated and V < NEAR * last.V:
             sure = confirmed(p, start, Change(last, end, 0), solver)
             runs += sure.runs
@@ -279,6 +333,16 @@ def next_change(p: Parameters, before: Impact, start: Impact, velocities: Sequen
             return Change(hidden.below, hidden.above, runs)
         before, last = last, end
     return Change(last, last, runs)
+
+
+def is_far(p: Parameters, last: Impact, V: float) -> bool:
+    """Return whether a scan may pass over a velocity, m/s: the last impact has stopped far from the back face."""
+    return not last.perforated and NEAR * last.V < V and last.nearness < FAR * (p.Hc0 + p.Hb)
+
+
+def rises(last: Impact, ahead: Impact) -> bool:
+    """Return whether a faster projectile stops as the last one did, and deeper: between them none perforates."""
+    return ahead.resolved and not ahead.perforated and ahead.eroded == last.eroded and ahead.nearness > last.nearness
 
 
 def confirmed(p: Parameters, start: Impact, change: Change, solver: Solver) -> Change:
@@ -335,66 +399,96 @@ def change_between_causes(p: Parameters, below: Impact, above: Impact, solver: S
 def narrowed(p: Parameters, change: Change, tolerance: float, solver: Solver) -> SearchResult:
     """Narrow a change of the outcome to the bracket that bisection to a tolerance, m/s, finds, in fewer runs.
 
-    The bracket is in ascending order of velocity.
+    Usual runs at ends of the intervals of bisection estimate where the residual energy is zero.  An end of the bracket
+    that is further away than the error of the estimate needs no run, unless the change is between near velocities.  The
+    bracket is in ascending order of velocity.
     """
     # The upper end of a bracket perforates: velocities are negative where the outcome above the change is defeat.
     sign = 1.0 if change.above.perforated else -1.0
     first, other = (change.above, change.below) if change.above.perforated else (change.below, change.above)
     low, high = sign * other.V, sign * first.V
-    rough = rough_root(p, low, high, first, sign, solver)
+    rough = rough_root(p, low, high, first, other, sign, solver)
     if not rough.resolved:
         return SearchResult(rough.x, rough.x, rough.runs, False)
-    b = Bracket(low, high, True, True, 0, 0.0, 0.0, 0.0, 0.0, rough.x, inf, rough.runs)
-    start, end = bisected(low, low, high, tolerance)
-    cell = end - start
-    beyond = 0.0
-    while not is_converged(b, tolerance):
-        x = next_point(b, 0.0)
-        if b.points == 0 and b.runs < MAX_INTERPOLATED_RUNS:
-            x = rough.x + beyond
-            beyond = 4.0 * beyond + ROUGH_ERROR * abs(rough.x)
-        # The upper end of the interval of bisection in which x lies, but for the last, which is known.
-        _, x = bisected(min(max(x, b.low), b.high - 1.5 * cell), low, high, tolerance)
-        if not b.low < x < b.high:
-            x = 0.5 * (b.low + b.high)
+    trusted = TRUSTED_RUNS if change.above.V > NEAR * change.below.V else 0
+    zero = Zero(rough.x, inf, rough.slope, 0.0, -inf)
+    stopped, perforated = low, high
+    beyond, runs = 0.0, 0
+    while True:
+        if runs > MAX_INTERPOLATED_RUNS or not stopped <= zero.x < perforated:
+            zero = zero_at(zero, 0.5 * (stopped + perforated))
+        start, end = bisected(zero.x, low, high, tolerance)
+        start_known = stopped >= start or zero.x - start > zero.error
+        end_known = perforated <= end or end - zero.x > zero.error
+        if start_known and end_known:
+            break
+        x = start if end_known or (not start_known and zero.x - start < end - zero.x) else end
         tried = impact(p, sign * x, solver)
+        runs += 1
         if not tried.resolved:
-            return SearchResult(tried.V, tried.V, b.runs + 1, False)
+            return SearchResult(tried.V, tried.V, rough.runs + runs, False)
         if tried.perforated:
-            estimate = x + rough.slope * tried.nearness
-            b = after_perforation(b, x, -tried.nearness, estimate, SLOPE_ERROR * (x - estimate))
+            perforated = x
         else:
-            b = after_defeat(b, x)
+            stopped = x
+        if tried.f > -inf:
+            zero = after_usual(zero, rough, x, tried.f, runs <= trusted)
+        else:
+            beyond = 4.0 * beyond + ROUGH_ERROR * abs(x)
+            zero = zero_at(zero, x + beyond)
     if sign < 0.0:
-        return SearchResult(-b.high, -b.low, b.runs, True)
-    return SearchResult(b.low, b.high, b.runs, True)
+        return SearchResult(-end, -start, rough.runs + runs, True)
+    return SearchResult(start, end, rough.runs + runs, True)
 
 
-def rough_root(p: Parameters, low: float, high: float, first: Impact, sign: float, solver: Solver) -> Root:
+def zero_at(zero: Zero, x: float) -> Zero:
+    """Return an estimate of the zero at x without trust."""
+    return Zero(x, inf, zero.slope, zero.x1, zero.f1)
+
+
+def after_usual(zero: Zero, rough: Root, x: float, f: float, trusted: bool) -> Zero:
+    """Return the estimate of the zero after a usual run at x with the residual energy f.
+
+    Its error is the part by which the slope may be wrong of the distance of x.  It is trusted if it agrees with the one
+    before it, unless it rests on one run and a doubtful slope of rough runs.
+    """
+    if zero.f1 == -inf or zero.f1 == f:
+        slope, doubt = zero.slope, 1.0 + rough.doubt
+        trusted = trusted and rough.doubt <= GREATEST_DOUBT
+    else:
+        slope = (x - zero.x1) / (f - zero.f1)
+        doubt = rough.doubt + abs(slope / zero.slope - 1.0) + BEND * abs((x - zero.x1) / x)
+    root = x - slope * f
+    trusted = trusted and abs(root - zero.x) <= AGREEMENT * abs(x)
+    return Zero(root, doubt * abs(x - root) if trusted else inf, slope, x, f)
+
+
+def rough_root(
+    p: Parameters, low: float, high: float, first: Impact, other: Impact, sign: float, solver: Solver
+) -> Root:
     """Return about where the outcome changes between two signed velocities, m/s, by rough runs.
 
-    ``first`` is the impact at ``high``, which perforates.  The search is for the signed square of the velocity, in
-    which the square of the residual velocity is nearly linear.
+    ``first`` is the impact at ``high``, which perforates, and ``other`` that at ``low``.  The search is for the signed
+    square of the velocity, in which the residual energy is nearly linear.
     """
-    b = after_defeat(initial_bracket(sign * low * low, sign * high * high), sign * low * low)
+    b = initial_bracket(sign * low * low, sign * high * high)
     guess = sign * (first.V * first.V + first.nearness / ENERGY_LEFT)
-    b = after_perforation(b, b.high, -first.nearness, guess, 0.2 * (b.high - guess))
-    slope = 1.0 / ENERGY_LEFT
+    b = after_perforation(b, b.high, first.f, guess, 0.2 * (b.high - guess))
+    b = after_defeat(b, b.low, other.f)
+    slope, doubt = 1.0 / ENERGY_LEFT, 1.0
     tolerance = 2.0 * ROUGH_ERROR * high * high
     # The error of a parabola is a small part of its difference from the line.
     while (b.error if b.points < 3 else PARABOLA_ERROR * b.error) > tolerance and not is_converged(b, tolerance):
         x = next_point(b, tolerance)
         tried = rough_impact(p, sqrt(abs(x)), solver)
         if not tried.resolved:
-            return Root(tried.V, slope, b.runs - 1, False)
-        if tried.perforated:
-            b = after_perforation(b, x, -tried.nearness, 0.0, 0.0)
-            if b.f1 > 0.0 and b.f2 > 0.0 and b.f1 != b.f2:
-                slope = slope_at_root(b.estimate, b.x1, b.f1, b.x2, b.f2)
-        else:
-            b = after_defeat(b, x)
+            return Root(tried.V, slope, doubt, b.runs - 1, False)
+        b = after_perforation(b, x, tried.f, 0.0, 0.0) if tried.perforated else after_defeat(b, x, tried.f)
+    if b.points > 2 and b.x1 != b.estimate and b.f1 != b.f2:
+        slope = slope_at_root(b.estimate, b.x1, b.f1, b.x2, b.f2)
+        doubt = SLOPE_ERROR + abs((b.x1 - b.estimate) / (b.f1 * slope) - 1.0)
     V = sqrt(abs(min(max(b.estimate, b.low), b.high)))
-    return Root(sign * V, 0.5 * slope / V, b.runs - 2, True)
+    return Root(sign * V, 0.5 * slope / V, doubt, b.runs - 2, True)
 
 
 def bisected(x: float, low: float, high: float, tolerance: float) -> tuple[float, float]:
@@ -425,8 +519,8 @@ def find_least_ceramic_thickness(
         end = run(tried, Vi, time_step(tried, Vi, given), V_arrest, max_steps, None, False)
         if end.outcome == Outcome.UNRESOLVED:
             return SearchResult(-inf, inf, b.runs + 1, False)
+        f = residual_energy(end, tried, V_arrest)
         if end.outcome == Outcome.PERFORATED:
-            f = end.y.V * end.y.V - V_arrest * V_arrest
             # The limit is about proportional to the thickness.
             limit = sqrt(max(Vi * Vi - f / ENERGY_LEFT, 0.01 * Vi * Vi))
             estimate = -max(Hc0, 0.1 * p.D0) * Vi / limit
@@ -434,7 +528,7 @@ def find_least_ceramic_thickness(
             if Hc0 >= thick:
                 return SearchResult(-inf, -Hc0, b.runs, True)
         else:
-            b = after_defeat(b, -Hc0)
+            b = after_defeat(b, -Hc0, f)
             if Hc0 <= thin:
                 return SearchResult(-Hc0, inf, b.runs, True)
         if is_converged(b, tolerance):

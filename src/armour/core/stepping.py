@@ -8,7 +8,7 @@ from armour.core.state import Medium, Parameters, Stage, State
 
 # Longest step as a fraction of the response time of the motion, and that of a rough run.
 LONGEST_RESPONSE = 0.23
-ROUGH_RESPONSE = 0.6
+ROUGH_RESPONSE = 0.75
 # The latter grows by this where the velocity falls as 1/t.
 ROUGH_SLOWING = 4.0
 # Rates of response of a penetration velocity that rises and of one that falls, over the rate of D, see `front_rate`.
@@ -96,16 +96,15 @@ def response_rate(y: State, k: State, s: Stage, p: Parameters) -> float:
         rate += per_mass * (rho * (y.V - y.W) if s.penetrated else p.rho_p * y.V)
     if s.moving and s.penetrated and s.medium == Medium.PLATE:
         rate += sqrt(per_mass * (4.0 * p.tau / p.D0))
-    return max(rate, front_rate(y, k, s, p, damping)) if s.eroding and s.penetrated else rate
+    return max(rate, front_rate(y, k, p, rho, damping)) if s.eroding and s.penetrated else rate
 
 
-def front_rate(y: State, k: State, s: Stage, p: Parameters, damping: float) -> float:
+def front_rate(y: State, k: State, p: Parameters, rho: float, damping: float) -> float:
     """Return the rate of response of the penetration velocity U where both sides yield, 1/s.
 
     By the equal pressures (5), (8), (20), D U' = rho_p (2 V - U) V' + rho U W' - Y' with D = rho_p V + rho (2 U - W).
     U is nearly linear in time while D is nearly constant: the rate is in proportion to that of D by U, 2 rho U'/D.
     """
-    _, rho = medium_ahead(y, s, p)
     D = p.rho_p * y.V + rho * (2.0 * k.Z - y.W)
     rising = p.rho_p * (2.0 * y.V - k.Z) * k.V + rho * k.Z * k.W - damping * (k.V - k.W)
     bend = 2.0 * rho * rising / (D * D)

@@ -29,7 +29,7 @@ OPTIONS: Any = {"no_cfunc_wrapper": True, "_nrt": False}
 _float, _int = types.float64, types.int64
 _parameters = types.NamedTuple([*[_float] * (len(Parameters._fields) - 1), _int], Parameters)
 _state = types.NamedUniTuple(_float, len(State._fields), State)
-_run = types.NamedTuple([types.IntEnumMember(Outcome, _int), _float, _state, _int], Run)
+_run = types.NamedTuple([types.IntEnumMember(Outcome, _int), _float, _state, _int, _float], Run)
 # Compiled once and called by name, which takes a third off the time: of any other function, numba compiles a copy into
 # each that calls it.
 RUN = _run(_parameters, _float, _float, _float, _int, types.none, types.boolean)
