@@ -193,7 +193,7 @@ def test_the_response_of_the_penetration_velocity(medium: Medium, rising: bool):
     bend = 2.0 * rho * change / (p.rho_p * y.V + rho * (2.0 * k.Z - y.W))
     assert (bend > 0.0) == rising
     expected = (BEND_RISING if rising else -BEND_FALLING) * bend
-    assert front_rate(y, k, s, p, strength_by_velocity(y, s, p)) == pytest.approx(expected, rel=1e-4)
+    assert front_rate(y, k, p, rho, strength_by_velocity(y, s, p)) == pytest.approx(expected, rel=1e-4)
 
 
 UNUSUAL = [

@@ -303,7 +303,7 @@ def next_change(p: Parameters, before: Impact, start: Impact, velocities: Sequen
         i += 1
     while i < len(velocities):
         V = velocities[i]
-        if is_far(p, last, V) and i + 1 < len(velocities):
+        if V > ahead.V and i + 1 < len(velocities) and is_far(p, last, V):
             ahead = scanned_impact(p, velocities[i + 1], solver)
             runs += 1
             if rises(last, ahead):
@@ -519,8 +519,8 @@ def find_least_ceramic_thickness(
         end = run(tried, Vi, time_step(tried, Vi, given), V_arrest, max_steps, None, False)
         if end.outcome == Outcome.UNRESOLVED:
             return SearchResult(-inf, inf, b.runs + 1, False)
-        f = residual_energy(end, tried, V_arrest)
         if end.outcome == Outcome.PERFORATED:
+            f = residual_energy(end, tried, V_arrest)
             # The limit is about proportional to the thickness.
             limit = sqrt(max(Vi * Vi - f / ENERGY_LEFT, 0.01 * Vi * Vi))
             estimate = -max(Hc0, 0.1 * p.D0) * Vi / limit
@@ -528,7 +528,7 @@ def find_least_ceramic_thickness(
             if Hc0 >= thick:
                 return SearchResult(-inf, -Hc0, b.runs, True)
         else:
-            b = after_defeat(b, -Hc0, f)
+            b = after_defeat(b, -Hc0, -inf)
             if Hc0 <= thin:
                 return SearchResult(-Hc0, inf, b.runs, True)
         if is_converged(b, tolerance):
