@@ -1,8 +1,8 @@
 /* One impact and one ballistic limit in C, as a reference for the speed of the compiled engine.
 
-   The equations, steps, events, searches and tolerances are those of src/armour/core, written out by hand; numbers in parentheses
-   are equations of the paper. All quantities are in SI units and in the symbols of src/armour/core/state.py. Left out are
-   the law of the ceramic's flow stress, time steps given by the user, and records of instants. */
+   The equations, steps, events, searches and tolerances are those of src/armour/core, written out by hand; numbers in
+   parentheses are equations of the paper. All quantities are in SI units, in the symbols of src/armour/core/state.py.
+   Left out are the law of the ceramic's flow stress, time steps given by the user, and records of instants. */
 
 #include <math.h>
 #include <stdbool.h>
@@ -28,7 +28,8 @@ typedef struct {
     double Vs1, h_s;
 } Stage;
 
-typedef struct { enum Outcome outcome; double t; State y; long steps; } Run;
+/* Result of a run; constant_dV is dV/dt at its end if that is constant up to the end of the armour, else 0. */
+typedef struct { enum Outcome outcome; double t; State y; long steps; double constant_dV; } Run;
 
 static const double ERODED_FRACTION = 1e-3, EVENT_TOLERANCE = 1e-11, CUBIC_TOLERANCE = 1e-4, GREATEST_BEND = 0.05;
 static const int MAX_TRIALS = 8;
@@ -233,7 +234,7 @@ static double step_length(const State *y, const State *k, const Stage *s, const 
 {
     if (!s->eroding && !s->penetrated)
         return time_to_end(y, k, s, p);
-    double response = rough ? 0.6 : 0.23;
+    double response = rough ? 0.75 : 0.23;
     if (s->medium == FRAGMENTED && !s->eroding && !s->moving) {
         dt *= s->Vs1 / y->V;
         response *= rough ? 4.0 : 1.0;
@@ -314,7 +315,8 @@ static double event_function(int j, const Step *w, double x, const State *y, con
 }
 
 /* Fraction of a step at which event j happens on its cubic, by secants; also a fraction after it, and the slope. */
-static double root_on_cubic(int j, const Step *w, const Parameters *p, double g1, double g2, double *high, double *slope)
+static double root_on_cubic(int j, const Step *w, const Parameters *p, double g1, double g2, double *high,
+                            double *slope)
 {
     double low = 0.0, x1 = 0.0, x2 = *high;
     for (int i = 0; i < MAX_TRIALS; i++) {
@@ -448,7 +450,7 @@ static enum Outcome after_event(int event, State *y, Stage *s, const Parameters 
 /* An impact at Vi, with steps of at most dt. */
 static Run run(const Parameters *p, double Vi, double dt, double V_arrest, long max_steps, bool rough)
 {
-    Run r = {Vi >= V_arrest ? RUNNING : DEFEATED, 0.0, {0.0, p->L0, Vi, 0.0, 0.0}, 0};
+    Run r = {Vi >= V_arrest ? RUNNING : DEFEATED, 0.0, {0.0, p->L0, Vi, 0.0, 0.0}, 0, 0.0};
     Stage s = select_stage(p->Hc0 > 0.0 ? INTACT : PLATE, &r.y, p, Vi, 0.0);
     State k = rates(&r.y, &s, p);
     double g[EVENTS], rest = 0.0, taken;
@@ -456,7 +458,7 @@ static Run run(const Parameters *p, double Vi, double dt, double V_arrest, long 
     while (r.outcome == RUNNING) {
         if (r.steps == max_steps) {
             r.outcome = UNRESOLVED;
-            break;
+            return r;
         }
         double longest = step_length(&r.y, &k, &s, p, dt, rough);
         double whole = rest > 0.0 ? least(rest, longest) : longest;
@@ -470,6 +472,7 @@ static Run run(const Parameters *p, double Vi, double dt, double V_arrest, long 
             event_functions(r.t, &r.y, &s, p, V_arrest, g);
         }
     }
+    r.constant_dV = s.eroding || s.penetrated ? 0.0 : k.V;
     return r;
 }
 
@@ -506,19 +509,21 @@ static bool may_perforate(const Parameters *p, double V)
 
 typedef struct { double V_arrest; long max_steps; } Solver;
 
-/* An impact, its outcome, and how near it is to the other one: the depth, or the negative residual energy. */
+/* An impact, its outcome, how near it is to the other one (the depth, or -f if perforated), and the residual energy f:
+   the square of the residual velocity less that of the arrest velocity, continued below the limit, or -inf. */
 typedef struct {
     double V;
     bool perforated, eroded, resolved;
-    double nearness;
+    double nearness, f;
 } Impact;
 
 /* Two impacts between which the outcome changes; the outcome is the same at both if no change is seen. */
 typedef struct { Impact below, above; long runs; } Change;
 
-/* A bracket, and the last perforations: points x1, x2 with the residual energies f1, f2. */
+/* A bracket, and the last points x1, x2 with the residual energies f1, f2; smooth if that is known at its lower end. */
 typedef struct {
     double low, high;
+    bool smooth;
     int points;
     double x1, f1, x2, f2, estimate, error;
     long runs;
@@ -526,17 +531,20 @@ typedef struct {
 
 typedef struct { double low, high; long runs; bool resolved; } Found;
 
-static const double NEAR = 1.05, CLOSE = 0.01, ENERGY_LEFT = 0.65, PARABOLA_ERROR = 0.1, ROUGH_ERROR = 1e-4;
-static const double SLOPE_ERROR = 2e-3;
-static const int HIDDEN_RUNS = 10, MAX_INTERPOLATED_RUNS = 30;
+static const double NEAR = 1.05, FAR = 0.6, CLOSE = 0.01, ENERGY_LEFT = 0.65, PARABOLA_ERROR = 0.1, ROUGH_ERROR = 5e-4;
+static const double SLOPE_ERROR = 0.02, BEND = 20.0, AGREEMENT = 3e-3, GREATEST_DOUBT = 0.3;
+static const int HIDDEN_RUNS = 10, MAX_INTERPOLATED_RUNS = 30, TRUSTED_RUNS = 4;
 
 static Impact impact(const Parameters *p, double V, const Solver *solver, bool rough)
 {
     Run end = run(p, V, longest_step(p, V), solver->V_arrest, solver->max_steps, rough);
     bool resolved = end.outcome != UNRESOLVED;
+    double f = end.y.V * end.y.V - solver->V_arrest * solver->V_arrest;
     if (end.outcome == PERFORATED)
-        return (Impact){V, true, false, resolved, solver->V_arrest * solver->V_arrest - end.y.V * end.y.V};
-    return (Impact){V, false, end.y.L < ERODED_FRACTION * p->L0, resolved, end.y.Z};
+        return (Impact){V, true, false, resolved, -f, f};
+    /* A projectile that stops at a constant deceleration (33) lacks energy in proportion to the armour that is left. */
+    f = end.constant_dV < 0.0 ? f + 2.0 * end.constant_dV * (p->Hc0 + p->Hb - end.y.Z) : -INFINITY;
+    return (Impact){V, false, end.y.L < ERODED_FRACTION * p->L0, resolved, end.y.Z, f};
 }
 
 /* An impact by a rough run or, where it is close to the other outcome, by a usual one. */
@@ -601,18 +609,37 @@ static bool differs(const Impact *impact, const Impact *other)
     return !impact->resolved || impact->perforated != other->perforated;
 }
 
+/* Whether a scan may pass over a velocity: the last impact has stopped far from the back face. */
+static bool is_far(const Parameters *p, const Impact *last, double V)
+{
+    return !last->perforated && NEAR * last->V < V && last->nearness < FAR * (p->Hc0 + p->Hb);
+}
+
+/* Whether a faster projectile stops as the last one did, and deeper: between them none perforates. */
+static bool rises(const Impact *last, const Impact *ahead)
+{
+    return ahead->resolved && !ahead->perforated && ahead->eroded == last->eroded && ahead->nearness > last->nearness;
+}
+
 /* The lowest change of the outcome above an impact that a scan sees. */
 static Change next_change(const Parameters *p, Impact before, Impact start, const double *velocities, long n,
                           const Solver *solver)
 {
-    Impact last = start;
-    long runs = 0;
-    for (long i = 0; i < n; i++) {
+    Impact last = start, ahead = start;
+    long i = 0, runs = 0;
+    while (i < n && velocities[i] <= start.V)
+        i++;
+    for (; i < n; i++) {
         double V = velocities[i];
-        if (V <= start.V)
-            continue;
-        Impact end = scanned_impact(p, V, solver);
-        runs++;
+        if (is_far(p, &last, V) && i + 1 < n) {
+            ahead = scanned_impact(p, velocities[i + 1], solver);
+            runs++;
+            if (rises(&last, &ahead))
+                V = ahead.V, i++;
+        }
+        Impact end = ahead;
+        if (V != ahead.V)
+            end = scanned_impact(p, V, solver), runs++;
         if (end.resolved && end.perforated != last.perforated && V < NEAR * last.V) {
             Change sure = confirmed(p, &start, (Change){last, end, 0}, solver);
             runs += sure.runs, last = sure.below, end = sure.above;
@@ -648,13 +675,24 @@ static double extrapolated_root(const Bracket *b, double x, double f)
     return line - f * (other - line) / (b->f2 - f);
 }
 
-static void perforates(Bracket *b, double x, double f, double first_estimate, double first_error)
+/* Add a point to a bracket, except the first, of which the estimate and its error are given. */
+static void add_point(Bracket *b, double x, double f)
 {
-    double estimate = b->points ? extrapolated_root(b, x, f) : first_estimate;
-    b->error = b->points ? fabs(estimate - b->estimate) : first_error;
+    double estimate = extrapolated_root(b, x, f);
+    b->error = fabs(estimate - b->estimate), b->estimate = estimate;
     b->points = b->points < 3 ? b->points + 1 : 3;
     b->x2 = b->x1, b->f2 = b->f1, b->x1 = x, b->f1 = f;
-    b->estimate = estimate, b->high = x, b->runs++;
+}
+
+/* Narrow a bracket by an impact at x. */
+static void after(Bracket *b, double x, const Impact *tried)
+{
+    if (!tried->perforated)
+        b->smooth = tried->f > -INFINITY;
+    if (tried->f > -INFINITY)
+        add_point(b, x, tried->f);
+    *(tried->perforated ? &b->high : &b->low) = x;
+    b->runs++;
 }
 
 static bool is_converged(const Bracket *b, double tolerance)
@@ -672,9 +710,10 @@ static double next_point(const Bracket *b, double tolerance)
         x = b->high - 0.9 * tolerance;
     } else {
         const double margins[] = {0.0, b->error, 0.03 * away, PARABOLA_ERROR * b->error};
-        x = b->estimate + greatest(margins[b->points], tolerance / 3.0);
+        double margin = b->smooth ? 0.0 : margins[b->points];
+        x = b->estimate + greatest(margin, tolerance / 3.0);
         if (x <= b->low)
-            x = b->low + 4.0 * greatest(margins[b->points], b->low - b->estimate);
+            x = b->low + 4.0 * greatest(margin, b->low - b->estimate);
     }
     return b->low < x && x < b->high ? x : middle;
 }
@@ -690,70 +729,95 @@ static void bisected(double x, double *low, double *high, double tolerance)
     }
 }
 
-/* About where the outcome changes between two signed velocities, and the derivative of the velocity by the residual
-   energy, by rough runs; unresolved, the velocity and -1. */
-static bool rough_root(const Parameters *p, double low, double high, const Impact *first, double sign,
-                       const Solver *solver, double *root, double *derivative, long *runs)
+/* Where the outcome changes by rough runs, the derivative of the velocity by the residual energy, and its error. */
+typedef struct {
+    double x, slope, doubt;
+    long runs;
+    bool resolved;
+} Root;
+
+/* Search between two signed velocities, by rough runs, for the signed square of the velocity. */
+static Root rough_root(const Parameters *p, double low, double high, const Impact *first, const Impact *other,
+                       double sign, const Solver *solver)
 {
     double guess = sign * (first->V * first->V + first->nearness / ENERGY_LEFT);
-    Bracket b = {.low = sign * low * low, .high = sign * high * high, .runs = 1};
-    perforates(&b, b.high, -first->nearness, guess, 0.2 * (b.high - guess));
-    double slope = 1.0 / ENERGY_LEFT, tolerance = 2.0 * ROUGH_ERROR * high * high;
+    double slope = 1.0 / ENERGY_LEFT, doubt = 1.0, tolerance = 2.0 * ROUGH_ERROR * high * high;
+    Bracket b = {.low = sign * low * low, .high = sign * high * high, .points = 1, .estimate = guess, .runs = 1};
+    b.x1 = b.high, b.f1 = first->f, b.error = 0.2 * (b.high - guess);
+    after(&b, b.low, other);
     while ((b.points < 3 ? b.error : PARABOLA_ERROR * b.error) > tolerance && !is_converged(&b, tolerance)) {
         double x = next_point(&b, tolerance);
         Impact tried = impact(p, sqrt(fabs(x)), solver, true);
-        if (!tried.resolved) {
-            *root = tried.V, *runs = b.runs - 1;
-            return false;
-        }
-        if (!tried.perforated) {
-            b.low = x, b.runs++;
-            continue;
-        }
-        perforates(&b, x, -tried.nearness, 0.0, 0.0);
-        if (b.f1 > 0.0 && b.f2 > 0.0 && b.f1 != b.f2) {
-            double s1 = (b.x1 - b.estimate) / b.f1, s2 = (b.x2 - b.estimate) / b.f2;
-            slope = (s1 * b.f2 - s2 * b.f1) / (b.f2 - b.f1);
-        }
+        if (!tried.resolved)
+            return (Root){tried.V, slope, doubt, b.runs - 1, false};
+        after(&b, x, &tried);
+    }
+    if (b.points > 2 && b.x1 != b.estimate && b.f1 != b.f2) {
+        double s1 = (b.x1 - b.estimate) / b.f1, s2 = (b.x2 - b.estimate) / b.f2;
+        slope = (s1 * b.f2 - s2 * b.f1) / (b.f2 - b.f1);
+        doubt = SLOPE_ERROR + fabs((b.x1 - b.estimate) / (b.f1 * slope) - 1.0);
     }
     double V = sqrt(fabs(least(greatest(b.estimate, b.low), b.high)));
-    *root = sign * V, *derivative = 0.5 * slope / V, *runs = b.runs - 2;
-    return true;
+    return (Root){sign * V, 0.5 * slope / V, doubt, b.runs - 2, true};
 }
 
-/* Narrow a change of the outcome to the bracket that bisection finds; velocities are negative where the outcome above
-   the change is defeat. */
+/* An estimate of where the residual energy is zero, its error, and the last usual run with a known f. */
+typedef struct { double x, error, slope, x1, f1; } Zero;
+
+/* Move the estimate after a usual run at x; it is trusted if it agrees with the one before it. */
+static void after_usual(Zero *zero, const Root *rough, double x, double f, bool trusted)
+{
+    double doubt = 1.0 + rough->doubt;
+    if (zero->f1 == -INFINITY || zero->f1 == f) {
+        trusted = trusted && rough->doubt <= GREATEST_DOUBT;
+    } else {
+        double slope = (x - zero->x1) / (f - zero->f1);
+        doubt = rough->doubt + fabs(slope / zero->slope - 1.0) + BEND * fabs((x - zero->x1) / x);
+        zero->slope = slope;
+    }
+    double root = x - zero->slope * f;
+    trusted = trusted && fabs(root - zero->x) <= AGREEMENT * fabs(x);
+    *zero = (Zero){root, trusted ? doubt * fabs(x - root) : INFINITY, zero->slope, x, f};
+}
+
+/* Narrow a change of the outcome to the bracket that bisection finds. Usual runs at ends of its intervals estimate
+   where the residual energy is zero; an end further away than the error is known without a run, unless the change is
+   between near velocities. Velocities are negative where the outcome above the change is defeat. */
 static Found narrowed(const Parameters *p, const Change *change, double tolerance, const Solver *solver)
 {
-    double sign = change->above.perforated ? 1.0 : -1.0, root, slope, beyond = 0.0;
+    double sign = change->above.perforated ? 1.0 : -1.0;
     const Impact *first = change->above.perforated ? &change->above : &change->below;
     const Impact *other = change->above.perforated ? &change->below : &change->above;
-    double low = sign * other->V, high = sign * first->V;
-    Bracket b = {.low = low, .high = high};
-    if (!rough_root(p, low, high, first, sign, solver, &root, &slope, &b.runs))
-        return (Found){root, root, b.runs, false};
-    b.estimate = root, b.error = INFINITY;
-    double start = low, end = high;
-    bisected(low, &start, &end, tolerance);
-    double cell = end - start;
-    while (!is_converged(&b, tolerance)) {
-        double x = next_point(&b, 0.0), from = low, to = high;
-        if (b.points == 0 && b.runs < MAX_INTERPOLATED_RUNS) {
-            x = root + beyond;
-            beyond = 4.0 * beyond + ROUGH_ERROR * fabs(root);
+    double low = sign * other->V, high = sign * first->V, stopped = low, perforated = high, beyond = 0.0;
+    Root rough = rough_root(p, low, high, first, other, sign, solver);
+    if (!rough.resolved)
+        return (Found){rough.x, rough.x, rough.runs, false};
+    int trusted = change->above.V > NEAR * change->below.V ? TRUSTED_RUNS : 0;
+    Zero zero = {rough.x, INFINITY, rough.slope, 0.0, -INFINITY};
+    for (long runs = 0;;) {
+        if (runs > MAX_INTERPOLATED_RUNS || !(stopped <= zero.x && zero.x < perforated))
+            zero.x = 0.5 * (stopped + perforated), zero.error = INFINITY;
+        double start = low, end = high;
+        bisected(zero.x, &start, &end, tolerance);
+        bool start_known = stopped >= start || zero.x - start > zero.error;
+        bool end_known = perforated <= end || end - zero.x > zero.error;
+        if (start_known && end_known) {
+            runs += rough.runs;
+            return sign < 0.0 ? (Found){-end, -start, runs, true} : (Found){start, end, runs, true};
         }
-        bisected(least(greatest(x, b.low), b.high - 1.5 * cell), &from, &to, tolerance);
-        x = b.low < to && to < b.high ? to : 0.5 * (b.low + b.high);
+        double x = end_known || (!start_known && zero.x - start < end - zero.x) ? start : end;
         Impact tried = impact(p, sign * x, solver, false);
+        runs++;
         if (!tried.resolved)
-            return (Found){tried.V, tried.V, b.runs + 1, false};
-        if (tried.perforated) {
-            double estimate = x + slope * tried.nearness;
-            perforates(&b, x, -tried.nearness, estimate, SLOPE_ERROR * (x - estimate));
-        } else
-            b.low = x, b.runs++;
+            return (Found){tried.V, tried.V, rough.runs + runs, false};
+        *(tried.perforated ? &perforated : &stopped) = x;
+        if (tried.f > -INFINITY) {
+            after_usual(&zero, &rough, x, tried.f, runs <= trusted);
+        } else {
+            beyond = 4.0 * beyond + ROUGH_ERROR * fabs(x);
+            zero.x = x + beyond, zero.error = INFINITY;
+        }
     }
-    return sign < 0.0 ? (Found){-b.high, -b.low, b.runs, true} : (Found){b.low, b.high, b.runs, true};
 }
 
 /* The ballistic limit: the lowest change of the outcome that a scan of n velocities sees. */
@@ -765,7 +829,7 @@ static Found ballistic_limit(const Parameters *p, const double *velocities, long
         i++;
     Impact start = scanned_impact(p, velocities[i], solver), before = start;
     if (i > 0)
-        before = (Impact){velocities[i - 1], false, start.eroded, true, -INFINITY};
+        before = (Impact){velocities[i - 1], false, start.eroded, true, -INFINITY, -INFINITY};
     if (!start.resolved)
         return (Found){start.V, start.V, 1, false};
     if (start.perforated)
@@ -783,8 +847,8 @@ static Found ballistic_limit(const Parameters *p, const double *velocities, long
 /* Called by the benchmark, for n rows. */
 
 /* Write the outcome and steps, and the duration and final state, of each impact. */
-void impacts(const Parameters *rows, const double *velocities, long n, double V_arrest, long max_steps, long (*counts)[2],
-             double (*ends)[6])
+void impacts(const Parameters *rows, const double *velocities, long n, double V_arrest, long max_steps,
+             long (*counts)[2], double (*ends)[6])
 {
     for (long i = 0; i < n; i++) {
         Run r = run(&rows[i], velocities[i], longest_step(&rows[i], velocities[i]), V_arrest, max_steps, false);

@@ -15,17 +15,19 @@ from tools.benchmarks.methods import ALLOWED, COUNT, Methods, Time
 
 # A sweep beyond a machine.
 MANY_ROWS, MANY_CORES = 10**9, 1000
+# Load of the machine by others that lengthens elapsed times, in cores.
+LOAD = 0.5
 # Time of a task of the scheduler by the documentation of Dask, s.
 DASK_TASK_S = 1e-3
 
 
-def page(method: Methods, command: Commands, dask: Cluster) -> str:
-    """Return the page as Markdown."""
+def page(method: Methods, command: Commands, dask: Cluster, load: float) -> str:
+    """Return the page as Markdown; the load of the machine is that by others, in cores."""
     text = f"""# Performance
 
 Written by `make bench`, on a machine with {os.cpu_count()} cores. Times are processor time, that is, the times of all
 cores together, unless stated otherwise. Where a command uses one core only, you wait as long; where it uses all, such
-as in a large sweep, you wait less.
+as in a large sweep, you wait less.{_others(load)}
 
 ## What you wait for
 
@@ -89,6 +91,12 @@ for each row.
 WAYS = ("one thread, no cluster", "1 worker", "2 workers")
 
 
+def _others(load: float) -> str:
+    if load < LOAD:
+        return ""
+    return f" Other programs wanted {load:.0f} cores at the same time, so that elapsed times are too long."
+
+
 def _waits(command: Commands) -> str:
     names = {re.sub(" -.*", "", name): seconds for name, seconds in command.waits.items()}
     rows = (f"| `{name}` | {seconds:.1f} |" for name, seconds in names.items())
@@ -138,7 +146,7 @@ def _agreement(method: Methods) -> str:
     impact, limit = (1.0 / times["C"].ratio for times in (method.impacts, method.limits))
     numbers = "to the last bit" if method.difference == 0.0 else f"to {method.difference:.0g}, relatively"
     other = abs(method.runs_in_C - method.runs) > 0.05
-    runs = f"; C finds a limit in {method.runs_in_C:.1f} impacts by an earlier search" if other else ""
+    runs = f"; C finds a limit in {method.runs_in_C:.1f} impacts, by another version of the search" if other else ""
     return f"""The engine takes {impact:.2f} times as long as C for an impact, and {limit:.2f} times for a limit.
 *C* is `tools/benchmarks/reference.c`: the same equations, steps, events and search, written by hand and
 compiled by `cc {" ".join(methods.FLAGS)}`, which allows what the engine's compiler may do. Both give the same numbers
@@ -189,4 +197,5 @@ def _lines(lines: Iterable[str]) -> str:
 
 
 if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(page(methods.measured(), commands.measured(), cluster.measured()))
+    load = os.getloadavg()[0]
+    Path(sys.argv[1]).write_text(page(methods.measured(), commands.measured(), cluster.measured(), load))
