@@ -631,7 +631,7 @@ static Change next_change(const Parameters *p, Impact before, Impact start, cons
         i++;
     for (; i < n; i++) {
         double V = velocities[i];
-        if (is_far(p, &last, V) && i + 1 < n) {
+        if (V > ahead.V && i + 1 < n && is_far(p, &last, V)) {
             ahead = scanned_impact(p, velocities[i + 1], solver);
             runs++;
             if (rises(&last, &ahead))
