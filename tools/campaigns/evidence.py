@@ -92,7 +92,7 @@ def left_out(group: Group, plates: Plates, parts: Sequence[Bools]) -> Predicted:
 
 
 def constant(plates: Plates, parts: Sequence[Bools]) -> Predicted:
-    """Predict by mean and standard deviation of the other tests, as before the evidence model."""
+    """Predict by mean and standard deviation of the other tests."""
     found = []
     for out in parts:
         rest, count = plates.error[~out], int(out.sum())
@@ -251,11 +251,11 @@ density; a higher score is better. "Within 90" and "within 95" are the shares of
 
 ## Plates, one alloy at a time
 
-The rivals have the same random effects of alloy and round, and a free factor k: the limit k sqrt(Y t D²/m), with yield
-strength Y, thickness t along the line of fire, diameter D and mass m of the core, and the same with the terms of this
-model. **With the same terms, the simple rule ties with this model on aluminium**: there, the statistics of the tests
-predict the limit of a plate as well as the mechanics do. The mean and standard deviation of the other tests, by which
-earlier versions gave the error, are the second row of each group.
+Two simple rules are compared with the model, with the same random effects of alloy and round: the limit k sqrt(Y t
+D²/m), with a fitted factor k, yield strength Y, thickness t along the line of fire, diameter D and mass m of the core;
+and the same with the terms of this model. **With the same terms, the simple rule ties with this model on aluminium**:
+there, the statistics of the tests predict the limit of a plate as well as the mechanics do. The second row of each
+group predicts by the mean and standard deviation of the other tests alone.
 
 {alloys}
 
@@ -276,8 +276,8 @@ predicted by the others; the tests beyond a factor of 1.65, which the program ca
 ## AD85, one series at a time
 
 Wilkins' 13 tests come in three series, of 4, 5 and 4 tests. Each is left out of the fits of all three laws of the flow
-stress, which then have equal weights; each law, and a rule that the limit is proportional to the areal density, are
-also tried alone. The half-width is that of the 95 % interval, in per cent.
+stress, which then have equal weights. Each law alone, and a rule that the limit is proportional to the areal density,
+are shown too. The half-width is that of the 95 % interval, in per cent. "Within" are numbers of tests.
 
 {series}
 """

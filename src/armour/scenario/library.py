@@ -92,8 +92,8 @@ class LawEvidence(Section):
     slope: float
     """Relative change of the ballistic limit per relative change of the value, at the tests."""
     components: Items[Items[float]]
-    """Of each: probability, standard deviation of the error of a limit, value and its relative standard deviation; of a
-    law with an exponent, this, its standard deviation, and the correlation of both."""
+    """A row for each: probability, standard deviation of the error of a limit, value and its relative standard
+    deviation; if the law has an exponent, also the exponent, its standard deviation, and the correlation of both."""
 
     @model_validator(mode="after")
     def _complete(self) -> "LawEvidence":
@@ -139,7 +139,7 @@ class OwnEvidence(Section):
     """Own tests to which a value of the entry was calibrated, and what they imply for the limits of such armours."""
 
     source: str
-    """The tests."""
+    """Source of the tests."""
     key: str
     """Key of the value."""
     measured: TestedRanges
@@ -180,9 +180,9 @@ class Projectile(Entry):
     penetrator_mass_g: Mass | None = None
     """Mass of the penetrator; with diameter and density it gives the length."""
     density_kg_m3: Density | None = None
-    """Density."""
+    """Density of the penetrator."""
     flow_stress_GPa: StressGPa | None = None
-    """Flow stress."""
+    """Flow stress of the penetrator."""
 
 
 class Ceramic(Entry):

@@ -1,6 +1,6 @@
 """The model error on tests, as a distribution for each of many armours, from configs/evidence.toml.
 
-docs/howto/confidence.md derives it.  The distribution is that of a new alloy, a new round or a new series of tests.
+docs/methods.md describes it.  The distribution is that of a new alloy, a new round or a new series of tests.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -143,7 +143,7 @@ class Model(Section):
     """Options of the model."""
 
     shear_perimeter: ShearPerimeter = "conoid"
-    """Perimeter of the shear plug while ceramic is ahead: the base of the ceramic conoid, or the projectile."""
+    """Perimeter of the shear plug while ceramic is ahead: that of the base of the conoid, or of the projectile."""
 
 
 class Solver(Section):
@@ -152,7 +152,7 @@ class Solver(Section):
     time_step_us: Positive | None = None
     """Time step; by default chosen from size and velocity."""
     arrest_velocity_m_s: Velocity = 1.0
-    """Velocity at which the projectile is considered arrested."""
+    """Velocity below which the projectile is treated as stopped."""
 
     @property
     def time_step(self) -> float:
@@ -375,7 +375,7 @@ class DesignSection(Section):
     pareto: Annotated[list[Criterion], Field(min_length=2, max_length=3), AfterValidator(_different)] | None = None
     """Criteria of the Pareto front; by default there is none."""
     runners_up_percent: Annotated[float, Field(ge=0.0, le=100.0)] = 5.0
-    """Other pairs of materials are listed if they exceed the best by at most this."""
+    """Other pairs of materials are listed if their best design exceeds the best of all by at most this."""
     thickness_max_mm: Thickness | None = None
     """Greatest total thickness."""
     areal_density_max_kg_m2: Positive | None = None
@@ -425,9 +425,9 @@ class Distribution(Section):
     standard_deviation_percent: Width | None = None
     """Standard deviation, per cent of the mean."""
     min: Number | None = None
-    """Least value; it truncates the distribution."""
+    """Least value; it truncates a normal or lognormal distribution."""
     max: Annotated[Number | None, above("min")] = None
-    """Greatest value; it truncates the distribution."""
+    """Greatest value; it truncates a normal or lognormal distribution."""
 
     @model_validator(mode="after")
     def _complete(self) -> "Distribution":
@@ -536,7 +536,7 @@ class Uncertainty(Section):
     seed: Annotated[int, Field(ge=0)] = 1
     """Seed of the random numbers."""
     impact: ImpactUncertainty = ImpactUncertainty()  # type: ignore[valid-type]
-    """Distribution of the velocity."""
+    """Distributions of the velocity and the obliquity."""
     armour: ArmourUncertainty = ArmourUncertainty()  # type: ignore[valid-type]
     """Distributions of the thicknesses."""
     projectile: ProjectileUncertainty = ProjectileUncertainty()  # type: ignore[valid-type]
