@@ -98,9 +98,10 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
 
     The scan has 33 velocities, evenly spaced on a logarithmic scale, or 1,025 if the armour is far from all tests that
     the model was compared with.  Those at which the projectile lacks the energy to perforate are not computed, nor is
-    every other of the 33 while the projectile stops within 60 % of the armour, and deeper the faster it is.  Between two
-    of them, changes of the outcome are searched for at a maximum of the penetration depth of stopped projectiles, at a
-    minimum of the residual velocity, and where projectiles come to rest at one and are eroded away at the next.
+    every other of the 33 while the projectile stops within 60 % of the armour, and deeper the faster it is.  Between
+    two scanned velocities, changes of the outcome are searched for at a maximum of the penetration depth of stopped
+    projectiles, at a minimum of the residual velocity, and where projectiles come to rest at one and are eroded away at
+    the next.
 
     Parameters
     ----------
