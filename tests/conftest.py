@@ -20,7 +20,9 @@ def pytest_collection_finish() -> None:
 
 @pytest.fixture(autouse=True, scope="session")
 def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Compile the engine before the first test, which would say so, in one of the processes for all of them."""
+    """Compile the engine in one of several processes for all of them."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        return
     from filelock import FileLock
 
     from armour.engine.cache import is_compiled, kernel

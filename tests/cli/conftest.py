@@ -3,6 +3,7 @@ from pathlib import Path
 import pytest
 from typer.testing import Result
 
+from armour.engine.cache import kernel
 from armour.reporting.charts import printable_chart
 from tests.helpers.commands import invoke
 
@@ -21,6 +22,12 @@ class Cli:
         assert "Traceback" not in result.output
         assert not result.stdout
         return result.stderr.splitlines()
+
+
+@pytest.fixture(autouse=True, scope="session")
+def silent(compiled: None) -> None:  # noqa: ARG001 (in this order)
+    """Compile the engine before the first command, which would say so."""
+    kernel("impacts")
 
 
 @pytest.fixture
