@@ -236,8 +236,8 @@ def calibrate(
         scenario's law.
     prior : bool, default False
         Whether to use the scenario's distributions of the fitted inputs as priors, normal or lognormal, with their
-        correlations.  Estimates and intervals are then those of the posterior: the product of the likelihood and
-        the density of the inputs or, if lognormal, of their logarithms.  One test with its uncertainty is then enough.
+        correlations. Estimates and intervals are then those of the posterior: the product of the likelihood and
+        the density of the inputs or, if lognormal, of their logarithms.
     on_progress : callable, optional
         Called with the number of tests computed since the last call, and None, as their total is not known.
 

@@ -242,7 +242,7 @@ def v50(
     confidence : float
         Confidence level of the intervals, 0.5 to 0.9999.
     prior : bool
-        Whether to add the posterior of V50 with the scenario's ballistic limit, with its model error, as the prior.
+        Whether to add the posterior of V50, whose prior is the scenario's ballistic limit with the model error.
     on_progress : callable, optional
         Called with the number of impacts computed since the last call, and None, as their total is not known.
 
