@@ -2,7 +2,7 @@ import json
 import pickle
 from copy import deepcopy
 
-from armour.errors import InputError, NoDesignError, NoLimitError, Note, Problem, choices, suggestion
+from armour.errors import InputError, NoDesignError, NoLimitError, Note, Problem, choices, listed, suggestion
 
 
 def test_a_problem_reads_file_key_message():
@@ -45,3 +45,9 @@ def test_a_list_of_choices_stands_once():
 def test_no_suggestion_among_very_many_names():
     """Ten thousand wrong names are not compared with as many others."""
     assert suggestion("AD86", ["AD85", *map(str, range(1000))]) == ""
+
+
+def test_a_sentence_lists_seven_names():
+    names = [f"c{i}" for i in range(1000)]
+    assert listed(names[:7]) == "c0, c1, c2, c3, c4, c5, c6"
+    assert listed(names) == "c0, c1, c2, c3, c4, c5, c6 and 993 more"

@@ -18,6 +18,8 @@ from typing import NamedTuple, Self
 MAX_WORDS = 1000
 # What a list of them follows in a message.
 CHOOSE = "; choose from "
+# Names that a sentence lists.
+MAX_NAMES = 7
 # Mistakes of a kind that are shown; a script may make thousands.
 MAX_PROBLEMS = 20
 
@@ -119,6 +121,12 @@ def _listed_once(problems: Iterable[Problem]) -> Iterator[Problem]:
         message, _, names = problem.message.partition(CHOOSE)
         yield problem._replace(message=message) if names in listed else problem
         listed.update({names} if names else ())
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names as part of a sentence: the first ones, and how many more there are."""
+    more = len(names) - MAX_NAMES
+    return ", ".join(names[:MAX_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 def suggestion(word: str, known: Sequence[str]) -> str:

@@ -15,7 +15,7 @@ from armour.core.state import Parameters
 from armour.design.candidates import candidates_of
 from armour.design.catalogue import MARGIN, NO_BOUND, Candidates, Catalogue, catalogue_of
 from armour.design.search import Requirement, Search
-from armour.errors import NoDesignError, Note, Problem, refuse
+from armour.errors import NoDesignError, Note, Problem, listed, refuse
 from armour.scenario.checked import checked
 from armour.scenario.evidence import MEASURES, REMEDY, ModelError, armour_warnings, why_unknown
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, OBLIQUITY, VELOCITY
@@ -298,7 +298,7 @@ def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
     """Warn if pairs of materials are ranked after the others."""
     names = [f"{pair.ceramic} on {pair.backing}" for pair in pairs if pair.reason.startswith(UNTESTED)]
     if names:
-        yield f"the model error is not known for {', '.join(names)}, ranked after the others; {REMEDY}"
+        yield f"the model error is not known for {listed(names)}, ranked after the others; {REMEDY}"
 
 
 def _unused_impact(scenario: Scenario) -> Iterator[Note]:

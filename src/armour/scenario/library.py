@@ -20,7 +20,7 @@ from pydantic import (
     model_validator,
 )
 
-from armour.errors import CHOOSE, InputError, Note, Problem, refuse, suggestion
+from armour.errors import CHOOSE, InputError, Note, Problem, listed, refuse, suggestion
 from armour.files import read_toml, shipped
 from armour.scenario.checked import checked
 from armour.scenario.keys import describe, key_name
@@ -343,7 +343,7 @@ def strength_notes(metals: Iterable[LibraryEntry], *, bare: bool) -> tuple[Note,
     tests = "bare plates" if bare else "armour with a ceramic"
     return (
         Note(
-            f"the yield strength of {', '.join(names)} is {own}, but those of the tests of {tests} are {tested}, "
+            f"the yield strength of {listed(list(names))} is {own}, but those of the tests of {tests} are {tested}, "
             f"which are usually {are}; do not compare them as they are",
             "armour.backing",
         ),

@@ -182,6 +182,8 @@ def set_shipped(errors: Errors, armour: Parameters, tensile_MPa: Any, cosines: A
         where = where[
             _factor(evidence, rows_of(armour, where)) <= (FARTHEST_BARE if evidence.bare else FARTHEST_CERAMIC)
         ]
+        if not len(where):
+            continue
         some = rows_of(armour, where)
         conditions = Conditions(
             some.Hc0 / some.D0,

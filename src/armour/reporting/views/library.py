@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 
+from armour.errors import listed
 from armour.files import read_toml, shipped_files, shipped_suites
 from armour.reporting.table import Column, Source, Table, column_of, listing
 from armour.scenario.library import DYNAMIC, KINDS, OPTIONAL, STATIC, Kind, Library, LibraryEntry
@@ -9,8 +10,6 @@ from armour.scenario.threats import NamedThreat
 
 # Rounds of materials, or materials of rounds, by kind and name.
 Tested = Mapping[tuple[Kind, str], Sequence[str]]
-# Most names of what an entry was tested with.
-MOST_NAMES = 7
 # Numbers of a threat.
 VALUES = ("velocity_m_s", "tolerance_m_s", "obliquity_deg")
 # Shipped tables of tests, which have no title, and what they are for.
@@ -33,18 +32,13 @@ def library_table(library: Library, kind: Kind, tested: Tested | None = None) ->
     keys = [key for key in KINDS[kind].model_fields if key in given]
     described: Source = column_of("description", prose=True)
     if tested is not None:
-        described = (Column("tested with", prose=True), lambda entry: _in_short(tested[kind, entry.name]))
+        described = (Column("tested with", prose=True), lambda entry: listed(tested[kind, entry.name]))
     return listing(
         entries,
         column_of("name", label=kind),
         *((column_of(key, "g"), lambda entry, key=key: _shown(entry, key)) for key in keys),
         described,
     )
-
-
-def _in_short(names: Sequence[str]) -> str:
-    more = len(names) - MOST_NAMES
-    return ", ".join(names[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 def _shown(entry: LibraryEntry, key: str) -> float | None:
