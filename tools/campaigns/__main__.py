@@ -48,15 +48,20 @@ def run(name: str) -> dict[str, str]:
             print(line, end="", flush=True)
             lines.append(line.strip())
     results = [line.removeprefix(RESULT) for line in lines if line.startswith(RESULT)]
-    commit = ["git", "describe", "--always", "--dirty"]
     return {
         "purpose": purpose(name),
         "result": "; ".join(results),
         "ending": ENDINGS.get(process.returncode, f"**ended with exit code {process.returncode}**"),
         "minutes": f"{(time.monotonic() - start) / 60.0:.1f}",
-        "version": f"{__version__}, {MODEL_VERSION}, "
-        f"{subprocess.check_output(commit, cwd=ROOT, text=True).strip()}, {datetime.now(UTC):%Y-%m-%d}",
+        "version": f"{__version__}, {MODEL_VERSION}, {commit()}, {datetime.now(UTC):%Y-%m-%d}",
     }
+
+
+def commit() -> str:
+    """Return the commit, and whether the program was changed after it."""
+    found = subprocess.check_output(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, text=True).strip()
+    same = subprocess.run(["git", "diff", "--quiet", "HEAD", "--", "src", "configs"], cwd=ROOT, check=False)
+    return f"{found}, changed" if same.returncode else found
 
 
 def page(known: dict[str, dict[str, str]]) -> str:
