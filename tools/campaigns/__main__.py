@@ -2,7 +2,7 @@
 
     python -m tools.campaigns [NAME]...
 
-runs the named campaigns, by default all, one after the other.  A campaign ends with a line for the page and exit code
+runs the named campaigns, by default all, one after the other; a name may have options, as in "shots --firings 100".  A campaign ends with a line for the page and exit code
 0, or 3 if something is not as it should be.  The page is written after each one: an interrupted run keeps what it has.
 """
 
@@ -38,10 +38,10 @@ HEAD = """| program | what it does | result | as expected | minutes | version, m
 """
 
 
-def run(name: str) -> dict[str, str]:
+def run(name: str, options: list[str]) -> dict[str, str]:
     """Run a campaign, show what it prints, and return what the page tells of it."""
     start, lines = time.monotonic(), []
-    command = [sys.executable, "-m", f"tools.campaigns.{name}"]
+    command = [sys.executable, "-m", f"tools.campaigns.{name}", *options]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         for line in process.stdout:
@@ -83,12 +83,13 @@ def main(names: list[str]) -> int:
     """Run campaigns; the exit code is 3 if one did not end as it should."""
     known = json.loads(KNOWN.read_text(encoding="utf-8")) if KNOWN.exists() else {}
     ran = names or [name for some in CAMPAIGNS.values() for name in some]
-    for name in ran:
+    for words in ran:
+        name, *options = words.split()
         print(f"{name}: {purpose(name)}", flush=True)
-        known[name] = run(name)
+        known[name] = run(name, options)
         KNOWN.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
         PAGE.write_text(page(known), encoding="utf-8")
-    return WRONG if any(known[name]["ending"] != ENDINGS[0] for name in ran) else 0
+    return WRONG if any(known[words.split()[0]]["ending"] != ENDINGS[0] for words in ran) else 0
 
 
 if __name__ == "__main__":

@@ -19,10 +19,13 @@ import select
 import signal
 import sys
 import tempfile
+import time
 import tomllib
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
@@ -30,6 +33,7 @@ from xml.etree import ElementTree
 import tomli_w
 import typer
 
+from armour.engine.batch import available_cores
 from tools.campaigns.verdict import verdict
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -607,6 +611,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--trials", type=int, default=20_000)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--minutes", type=float, default=600.0, help="end with fewer trials after this time")
     parser.add_argument("--only", type=int, help="run the trial of this number alone and show it")
     arguments = parser.parse_args()
     warm_up()
@@ -618,20 +623,23 @@ def main() -> int:
     seconds: defaultdict[str, float] = defaultdict(float)
     kinds: Counter[str] = Counter()
     options: set[tuple[str, str]] = set()
-    slowest, largest = 0.0, 0.0
-    for number in range(arguments.trials):
-        made, outcome = tried(arguments.seed, number)
-        command = next(
-            name for name in sorted(COMMANDS, reverse=True) if made.arguments[: len(name.split())] == name.split()
-        )
-        codes[command][outcome.code] += 1
-        seconds[command] += outcome.seconds
-        options |= {(command, word) for word in made.arguments if word.startswith("--")}
-        slowest, largest = max(slowest, outcome.seconds), max(largest, outcome.mib)
-        kinds.update({f"{command}: {re.sub(r'[0-9]+', '#', fault)}" for fault in outcome.faults})
-        if outcome.faults:
-            last = outcome.stderr.strip().splitlines()[-1:]
-            print(number, made.arguments, outcome.code, f"{outcome.seconds:.1f} s", outcome.faults, *last, flush=True)
+    slowest, largest, end = 0.0, 0.0, time.monotonic() + 60.0 * arguments.minutes
+    with ProcessPoolExecutor(available_cores(), get_context("fork")) as pool:
+        numbers = range(arguments.trials)
+        for number, (made, outcome) in enumerate(pool.map(partial(tried, arguments.seed), numbers, chunksize=10)):
+            command = command_of(made)
+            codes[command][outcome.code] += 1
+            seconds[command] += outcome.seconds
+            options |= {(command, word) for word in made.arguments if word.startswith("--")}
+            slowest, largest = max(slowest, outcome.seconds), max(largest, outcome.mib)
+            kinds.update({f"{command}: {re.sub(r'[0-9]+', '#', fault)}" for fault in outcome.faults})
+            if outcome.faults:
+                last = outcome.stderr.strip().splitlines()[-1:]
+                told = f"{outcome.code} {outcome.seconds:.1f} s"
+                print(number, made.arguments, told, outcome.faults, *last, flush=True)
+            if time.monotonic() > end:
+                pool.shutdown(wait=False, cancel_futures=True)
+                break
     for command, found in sorted(codes.items()):
         ends = ", ".join(f"exit code {code}: {count}" for code, count in sorted(found.items()))
         print(f"{command:20} {seconds[command] / found.total():6.2f} s, {ends}")
@@ -639,10 +647,15 @@ def main() -> int:
         print(f"{count} times: {kind}")
     ended = sum(codes.values(), Counter())
     return verdict(
-        f"{arguments.trials:,} trials of {len(codes)} commands with {len(options)} options, {ended[DONE]:,} of which "
+        f"{ended.total():,} trials of {len(codes)} commands with {len(options)} options, {ended[DONE]:,} of which "
         f"ended with exit code 0: {kinds.total()} faults; at most {slowest:.0f} s and {largest:.0f} MiB",
         right=not kinds,
     )
+
+
+def command_of(made: Trial) -> str:
+    """Return the command of a trial."""
+    return next(name for name in sorted(COMMANDS, reverse=True) if made.arguments[: len(name.split())] == name.split())
 
 
 def tried(seed: int, number: int) -> tuple[Trial, Outcome]:
