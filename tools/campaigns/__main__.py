@@ -2,8 +2,9 @@
 
     python -m tools.campaigns [NAME]...
 
-runs the named campaigns, by default all, one after the other; a name may have options, as in "shots --firings 100".  A campaign ends with a line for the page and exit code
-0, or 3 if something is not as it should be.  The page is written after each one: an interrupted run keeps what it has.
+runs the named campaigns, by default all, one after the other; a name may have options, as in "shots --firings 100". A
+campaign ends with a line for the page and exit code 0, or 3 if something is not as it should be. The page is written
+after each one: an interrupted run keeps what it has.
 """
 
 import ast

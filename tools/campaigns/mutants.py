@@ -12,6 +12,7 @@ import difflib
 import importlib
 import json
 import os
+import random
 import resource
 import signal
 import sys
@@ -115,8 +116,8 @@ class Usual:
 class Campaign:
     """Plugin of pytest that tries mutants in place of running the tests once."""
 
-    def __init__(self, mutants: list[Mutant], usual: Usual) -> None:
-        self.mutants, self.usual = mutants, usual
+    def __init__(self, mutants: list[Mutant], usual: Usual, end: float) -> None:
+        self.mutants, self.usual, self.end = mutants, usual, end
         self.outcomes: Counter[tuple[str, str]] = Counter()
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
@@ -127,6 +128,8 @@ class Campaign:
         with RESULTS.open("a") as file:
             for mutant in self.mutants:
                 ending = known.get(mutant.key)
+                if ending is None and time.monotonic() > self.end:
+                    continue
                 if ending is None:
                     code = original(mutant).__code__
                     ending = self.tried(mutant, [item for item in quickest if code in self.usual.calls[item.nodeid]])
@@ -173,8 +176,11 @@ def main() -> int:
     """Try the mutants and print those that survive, and a table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--files", default=",".join(FILES))
-    files = parser.parse_args().files.split(",")
+    parser.add_argument("--minutes", type=float, default=600.0, help="end with a random part of the mutants")
+    given = parser.parse_args()
+    files, end = given.files.split(","), time.monotonic() + 60.0 * given.minutes
     mutants = [mutant for file in files for mutant in mutants_of(file)]
+    random.Random(1).shuffle(mutants)
     options = [
         "-o",
         "addopts=",
@@ -186,7 +192,7 @@ def main() -> int:
     if code := pytest.main(options, [usual]):
         print("the tests fail without a mutant")
         return int(code)
-    campaign = Campaign(mutants, usual)
+    campaign = Campaign(mutants, usual, end)
     pytest.main(options, [campaign])
     print("| file | mutants | detected | timed out | survived |\n|---|---:|---:|---:|---:|")
     for name, some in [*((f"`{file}`", (file,)) for file in files), ("total", tuple(files))]:
@@ -196,7 +202,7 @@ def main() -> int:
     detected = (
         100.0 * sum(campaign.outcomes[file, ending] for file in files for ending in (DETECTED, TIMED_OUT)) / total
     )
-    return verdict(f"{detected:.1f} % of {total:,} mutants detected", right=detected >= LEAST)
+    return verdict(f"{detected:.1f} % of {total:,} of {len(mutants):,} mutants detected", right=detected >= LEAST)
 
 
 if __name__ == "__main__":
