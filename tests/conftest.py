@@ -25,12 +25,11 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
         return
     from filelock import FileLock
 
-    from armour.engine.cache import is_compiled, kernel
+    from armour.engine.cache import kernel
 
     with FileLock(tmp_path_factory.getbasetemp().parent / "compiling.lock"):
         for name in ("impacts", "ballistic_limits", "least_thicknesses"):
-            if not is_compiled(name):
-                kernel(name)
+            kernel(name)
 
 
 @pytest.fixture
