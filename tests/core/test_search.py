@@ -55,6 +55,16 @@ def test_the_limits_are_those_of_scan_and_bisection_in_few_runs():
     assert sum(runs) / len(runs) <= 9.0
 
 
+def test_the_ends_of_a_fine_bracket_have_their_outcomes():
+    """The residual energy vanishes some 5e-10 m/s below the change of the outcome."""
+    p = armour("7.62 mm AP", "AD85", "6061-T6", 7.83, 7.24)
+    for flow_stress in (5.238e9, 5.24e9, 5.248e9, 5.258e9):
+        own = p._replace(Yc0=flow_stress)
+        found = find_ballistic_limit(own, VELOCITIES, 1e-9, 1.0, 0.0, STEPS)
+        assert perforates(own, found.high)
+        assert not perforates(own, found.low)
+
+
 def test_the_least_thickness_takes_few_runs():
     runs = [
         find_least_ceramic_thickness(p, 700.0, 0.0, 10.0 * p.D0, 1e-8, 1.0, 0.0, STEPS).runs

@@ -532,7 +532,7 @@ typedef struct {
 typedef struct { double low, high; long runs; bool resolved; } Found;
 
 static const double NEAR = 1.05, FAR = 0.6, CLOSE = 0.01, ENERGY_LEFT = 0.65, PARABOLA_ERROR = 0.1, ROUGH_ERROR = 5e-4;
-static const double SLOPE_ERROR = 0.02, BEND = 20.0, AGREEMENT = 3e-3, GREATEST_DOUBT = 0.3;
+static const double SLOPE_ERROR = 0.02, BEND = 20.0, AGREEMENT = 3e-3, GREATEST_DOUBT = 0.3, ROUNDING = 1e-11;
 static const int HIDDEN_RUNS = 10, MAX_INTERPOLATED_RUNS = 30, TRUSTED_RUNS = 4;
 
 static Impact impact(const Parameters *p, double V, const Solver *solver, bool rough)
@@ -777,7 +777,8 @@ static void after_usual(Zero *zero, const Root *rough, double x, double f, bool 
     }
     double root = x - zero->slope * f;
     trusted = trusted && fabs(root - zero->x) <= AGREEMENT * fabs(x);
-    *zero = (Zero){root, trusted ? doubt * fabs(x - root) : INFINITY, zero->slope, x, f};
+    double error = greatest(doubt * fabs(x - root), ROUNDING * fabs(x));
+    *zero = (Zero){root, trusted ? error : INFINITY, zero->slope, x, f};
 }
 
 /* Narrow a change of the outcome to the bracket that bisection finds. Usual runs at ends of its intervals estimate

@@ -53,6 +53,8 @@ BEND = 20.0
 AGREEMENT = 3e-3
 GREATEST_DOUBT = 0.3
 TRUSTED_RUNS = 4
+# Part of a limit to which the residual energy and the outcome of a run agree: rounding, and the width of events.
+ROUNDING = 1e-11
 # Part of the larger interval at which a search of a maximum by golden section places its next run.
 GOLDEN = (3.0 - sqrt(5.0)) / 2.0
 
@@ -460,7 +462,7 @@ def after_usual(zero: Zero, rough: Root, x: float, f: float, trusted: bool) -> Z
         doubt = rough.doubt + abs(slope / zero.slope - 1.0) + BEND * abs((x - zero.x1) / x)
     root = x - slope * f
     trusted = trusted and abs(root - zero.x) <= AGREEMENT * abs(x)
-    return Zero(root, doubt * abs(x - root) if trusted else inf, slope, x, f)
+    return Zero(root, max(doubt * abs(x - root), ROUNDING * abs(x)) if trusted else inf, slope, x, f)
 
 
 def rough_root(
