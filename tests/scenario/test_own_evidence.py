@@ -12,6 +12,7 @@ import pytest
 from armour.analysis.ballistic_limit import confidence
 from armour.analysis.evaluate import evaluate
 from armour.design.optimise import optimise
+from armour.errors import NoDesignError
 from armour.scenario.scenario import Scenario, parse_scenario
 from armour.statistics.calibration import Law, calibrate
 from armour.statistics.fitted_library import scenario_text
@@ -79,6 +80,15 @@ def test_armour_unlike_the_tests_has_no_error_and_says_why():
     assert wide is not None
     assert wide.source == "13 own tests in wilkins.csv, of armour of the tested lots"
     assert wide.extrapolated == ("ceramics 0.8923 to 1.208 penetrator diameters thick",)
+
+
+def test_a_search_without_a_design_gives_the_same_reason():
+    case = calibrated("constant").replaced({C: 40.0, B: 2.0})
+    ranges = {"ceramic_thickness_mm": {"min": 40.0, "max": 50.0, "step": 10.0}}
+    asked = case.replaced({"optimise": ranges, "design.confidence": 0.9})
+    with pytest.raises(NoDesignError) as raised:
+        optimise(asked)
+    assert str(raised.value) == f"the model error is not known: {confidence(case).reason}"
 
 
 PLATE: dict[str, Any] = {

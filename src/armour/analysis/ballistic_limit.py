@@ -18,9 +18,9 @@ from armour.core import search
 from armour.core.state import Parameters
 from armour.errors import InputError, NoLimitError
 from armour.scenario.checked import checked
-from armour.scenario.evidence import ModelError, is_unusual, why_unknown
+from armour.scenario.evidence import ModelError, is_unusual
 from armour.scenario.mixture import Mixture
-from armour.scenario.own_evidence import error_of_armour, own_tests, own_tests_of
+from armour.scenario.own_evidence import error_of_armour, own_tests, why_no_error
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 
 # Number of intervals above the limit in a plotted curve.
@@ -365,6 +365,4 @@ def no_error(scenario: Scenario) -> str:
     """Return why the model error is not known, or not included, for a scenario that has none."""
     if scenario.excludes_error():
         return EXCLUDED
-    armour = scenario.core_armour()
-    own = own_tests_of(own_tests(scenario.entries), armour)
-    return why_unknown(armour, scenario.cosine()) if own is None else own.why_unknown(armour)
+    return why_no_error(own_tests(scenario.entries), scenario.core_armour(), scenario.cosine())

@@ -17,10 +17,11 @@ from armour.design.catalogue import MARGIN, NO_BOUND, Candidates, Catalogue, cat
 from armour.design.search import Requirement, Search
 from armour.errors import NoDesignError, Note, Problem, listed, refuse
 from armour.scenario.checked import checked
-from armour.scenario.evidence import MEASURES, REMEDY, ModelError, armour_warnings, why_unknown
+from armour.scenario.evidence import MEASURES, REMEDY, ModelError, armour_warnings
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, OBLIQUITY, VELOCITY
 from armour.scenario.library import strength_notes
 from armour.scenario.mixture import Mixture
+from armour.scenario.own_evidence import own_tests, why_no_error
 from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import DesignSection, shot
 
@@ -515,7 +516,8 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
         rows, *_ = catalogue.against_each(own.at(slice(0, 1)), range(len(catalogue.threats)))
         threat = int(rows.errors.known.argmin())
         against = f" against {catalogue.titles[threat]}" if rows.errors.known.any() else ""
-        why = why_unknown(Parameters(*rows.parameters[threat].tolist()), float(catalogue.cosines[threat]))
+        armour, cosine = Parameters(*rows.parameters[threat].tolist()), float(catalogue.cosines[threat])
+        why = why_no_error(own_tests(catalogue.scenario.entries), armour, cosine)
         # In the table of pairs, what can give the error need not stand in each row.
         return f"the model error is not known{against}: {why if whole else why.removesuffix(f'; {REMEDY}')}"
     hint = f"; if the model error is not known, {REMEDY}" if unknown.any() else ""

@@ -7,7 +7,7 @@ import numpy as np
 
 from armour.core.equations import THINNEST_CERAMIC
 from armour.core.state import Parameters
-from armour.scenario.evidence import MEASURES, DataRange, ModelError, closest, shipped_evidence
+from armour.scenario.evidence import MEASURES, DataRange, ModelError, closest, shipped_evidence, why_unknown
 from armour.scenario.inputs import INPUTS, ROLES, fields_of, inputs_of_entry
 from armour.scenario.library import FLOW_STRESS_LAW, Library, LibraryEntry, OwnEvidence
 from armour.scenario.mixture import Mixture
@@ -85,6 +85,12 @@ def own_tests(library: Library) -> tuple[OwnTests, ...]:
 def own_tests_of(tests: Iterable[OwnTests], armour: Parameters) -> OwnTests | None:
     """Return the first own tests that an armour has an entry of; None if there are none."""
     return next((each for each in tests if each.matches(armour)), None)
+
+
+def why_no_error(tests: Iterable[OwnTests], armour: Parameters, cosine: float) -> str:
+    """Return why the model error is not known for an armour at an angle, by own tests or else by the shipped ones."""
+    own = own_tests_of(tests, armour)
+    return why_unknown(armour, cosine) if own is None else own.why_unknown(armour)
 
 
 def error_of_armour(ratio: Mixture, tests: Iterable[OwnTests], armour: Parameters) -> ModelError:
