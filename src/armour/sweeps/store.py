@@ -20,7 +20,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from hashlib import sha256
-from io import StringIO
+from io import BytesIO, StringIO
 from itertools import chain
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
@@ -107,8 +107,11 @@ class Store:
     def save(self, start: int, chunk: Chunk) -> None:
         """Write the chunk of a first row; zip adds a checksum of each column."""
         about = json.dumps([self._digest, list(chunk.columns), chunk.warnings])
+        # Numpy 2.0 leaves its zip file open where writing fails: memory does not.
+        content = BytesIO()
+        np.savez(content, *chunk.columns.values(), about=about)
         with self._new(self.path(start)) as file:
-            np.savez(file, *chunk.columns.values(), about=about)
+            file.write(content.getbuffer())
 
     def load(self, start: int, rows: Mapping[str, Any]) -> Chunk | None:
         """Read the chunk of some rows, given by key; None if it is not what was written for them."""
