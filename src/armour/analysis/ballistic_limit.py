@@ -52,7 +52,8 @@ class LimitResult(Result):
     ballistic_limit_m_s : float
         Lowest velocity found to perforate, m/s: the upper end of the bracket.
     bracket_m_s : tuple of float
-        Velocities just below the limit, stopped, and at it, perforated, m/s.
+        Velocities just below the limit, stopped, and at it, perforated, m/s.  The lower one may be known without an
+        impact there, from those near it.
     runs : int
         Number of impacts computed.
     areal_density_kg_m2 : float

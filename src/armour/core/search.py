@@ -7,8 +7,8 @@ one velocity and are used up at the next.
 
 The scan starts at the highest velocity below which no projectile has the energy to perforate, and passes over the next
 velocity as long as the depth is small and rises.  Its runs are rough, with longer time steps, and are repeated with the
-usual ones where the outcome is close.  A change is then narrowed by rough runs and, from where these lead, by two or
-three usual ones.
+usual ones where the outcome is close.  A change is then narrowed by rough runs and, from where these lead, by a few
+usual ones; an end of the bracket that is further from the estimate than its error is known without a run.
 
 The square of the residual velocity is nearly linear in the square of the impact velocity, and in the ceramic thickness.
 Where a projectile stops together with all material ahead, its deceleration is constant, and the energy that it lacks
@@ -36,7 +36,7 @@ SCAN_POINTS = 33
 DENSE_SCAN_POINTS = 1025
 # Ratio of two velocities up to which the outcome of a rough run between them may be wrong.
 NEAR = 1.05
-# Part of the armour within which a projectile has stopped if the next velocity may be passed over.
+# Depth of a stopped projectile, as a part of the thickness, up to which the scan may pass over the next velocity.
 FAR = 0.6
 # Runs of a search between scanned velocities.
 HIDDEN_RUNS = 10
@@ -47,11 +47,13 @@ CLOSE = 0.01
 # Error of a limit at which rough runs end, as a part of it, and of the slope of the residual energy that they give.
 ROUGH_ERROR = 5e-4
 SLOPE_ERROR = 0.02
-# Greatest change of that slope with the velocity, both as parts.
+# Greatest relative change of that slope over the relative change of the velocity.
 BEND = 20.0
-# Estimates of a limit that agree to this part of it, by a slope this well known or by a few runs, are trusted.
+# An estimate of a limit is trusted if it differs by at most this part of it from the one before.
 AGREEMENT = 3e-3
+# Greatest relative error of the slope of rough runs with which the estimate by a single usual run is trusted.
 GREATEST_DOUBT = 0.3
+# Usual runs after which no estimate is trusted: a residual energy that takes so many is not smooth.
 TRUSTED_RUNS = 4
 # Part of a limit to which the residual energy and the outcome of a run agree: rounding, and the width of events.
 ROUNDING = 1e-11
@@ -132,8 +134,8 @@ class Zero(NamedTuple):
 class SearchResult(NamedTuple):
     """Result of a search."""
 
-    low: float  # highest point found that is defeated; -inf if none
-    high: float  # lowest point found that perforates; inf if none
+    low: float  # highest point known to be defeated, by a run or by the estimate; -inf if none
+    high: float  # lowest point known to perforate, by the same; inf if none
     runs: int
     resolved: bool  # every run ended within the maximum number of steps
 
@@ -192,7 +194,11 @@ def is_converged(b: Bracket, tolerance: float) -> bool:
 
 
 def next_point(b: Bracket, tolerance: float) -> float:
-    """Return the point of the next run in a bracket whose upper end perforates."""
+    """Return the point of the next run in a bracket whose upper end perforates.
+
+    It is a little above the estimate, by the error that this may have, so that the run most likely perforates.  If the
+    upper end is already that near, the run is just within the tolerance below it, to end the search.
+    """
     middle = 0.5 * (b.low + b.high)
     if b.runs > MAX_INTERPOLATED_RUNS:
         return middle
@@ -343,7 +349,7 @@ def is_far(p: Parameters, last: Impact, V: float) -> bool:
 
 
 def rises(last: Impact, ahead: Impact) -> bool:
-    """Return whether a faster projectile stops as the last one did, and deeper: between them none perforates."""
+    """Return whether a faster projectile stops as the last one did, and deeper: none between is taken to perforate."""
     return ahead.resolved and not ahead.perforated and ahead.eroded == last.eroded and ahead.nearness > last.nearness
 
 
@@ -402,7 +408,7 @@ def narrowed(p: Parameters, change: Change, tolerance: float, solver: Solver) ->
     """Narrow a change of the outcome to the bracket that bisection to a tolerance, m/s, finds, in fewer runs.
 
     Usual runs at ends of the intervals of bisection estimate where the residual energy is zero.  An end of the bracket
-    that is further away than the error of the estimate needs no run, unless the change is between near velocities.  The
+    that is further from the estimate than its error needs no run, unless the change is between near velocities.  The
     bracket is in ascending order of velocity.
     """
     # The upper end of a bracket perforates: velocities are negative where the outcome above the change is defeat.
@@ -436,6 +442,7 @@ def narrowed(p: Parameters, change: Change, tolerance: float, solver: Solver) ->
         if tried.f > -inf:
             zero = after_usual(zero, rough, x, tried.f, runs <= trusted)
         else:
+            # The run tells only that the change is above x: the steps away from it grow.
             beyond = 4.0 * beyond + ROUGH_ERROR * abs(x)
             zero = zero_at(zero, x + beyond)
     if sign < 0.0:
@@ -451,10 +458,11 @@ def zero_at(zero: Zero, x: float) -> Zero:
 def after_usual(zero: Zero, rough: Root, x: float, f: float, trusted: bool) -> Zero:
     """Return the estimate of the zero after a usual run at x with the residual energy f.
 
-    Its error is the part by which the slope may be wrong of the distance of x.  It is trusted if it agrees with the one
+    Its error is its distance from x times the relative error of the slope.  It is trusted if it agrees with the one
     before it, unless it rests on one run and a doubtful slope of rough runs.
     """
     if zero.f1 == -inf or zero.f1 == f:
+        # By one run, what is on the other side of the zero is known only further away than the run itself.
         slope, doubt = zero.slope, 1.0 + rough.doubt
         trusted = trusted and rough.doubt <= GREATEST_DOUBT
     else:

@@ -518,7 +518,7 @@ def _made(source: _Source) -> Scenario:
 def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file: str, folder: Path) -> Scenario:
     """Make a scenario from plain data with other values by dotted key or input, one mapping after the other.
 
-    Inputs are set last.  Values of the library get a source that says so.
+    Inputs are set last.  Numbers of the section ``library`` that are changed get a source that names the file changed.
     """
     inputs: dict[str, Any] = {}
     for group in filter(None, changes):
