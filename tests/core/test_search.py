@@ -386,3 +386,198 @@ def test_an_unresolved_run_ends_the_narrowing(monkeypatch: pytest.MonkeyPatch):
     found = narrowed(armour(), change, 1e-4, SOLVER)
     assert found == (found.low, found.low, rough.runs + 1, False)
     assert found.low == pytest.approx(700.0, abs=2e-4)
+
+
+def test_a_scan_has_even_ratios_from_end_to_end():
+    velocities = scan(20.0, 4000.0, 5)
+    assert (velocities[0], velocities[-1], len(velocities)) == (20.0, 4000.0, 5)
+    assert velocities[1:4] == pytest.approx([20.0 * 200.0 ** (i / 4) for i in (1, 2, 3)])
+    assert len(VELOCITIES) == search.SCAN_POINTS
+
+
+PERFORATED = Impact(24.0, True, False, True, -1.0, 1.0)
+UNRESOLVED = Impact(24.0, False, False, False, 0.0, -1.0)
+
+
+def test_a_scan_searches_where_neighbours_hint_at_a_change(monkeypatch: pytest.MonkeyPatch):
+    """A perforation is confirmed by usual runs at both ends, which are two more."""
+    peak = [stopped(10.0, 1.0), stopped(20.0, 3.0), stopped(30.0, 2.0), stopped(40.0, 5.0)]
+    used_up = [stopped(10.0, 1.0), stopped(20.0, 3.0), stopped(30.0, 4.0, eroded=True)]
+    for given, between in ((peak, tuple(peak[:3])), (used_up, tuple(used_up[1:]))):
+        assert changes(monkeypatch, given, PERFORATED) == (Change(given[1], PERFORATED, 13), [between])
+        assert changes(monkeypatch, given, UNRESOLVED) == (Change(given[1], UNRESOLVED, 11), [between])
+        runs = len(given) - 2 + 10
+        assert changes(monkeypatch, given) == (Change(given[-1], given[-1], runs), [between])
+    for given in (
+        [stopped(10.0, 3.0), *peak[1:3]],
+        [peak[0], peak[1], stopped(30.0, 3.0)],
+        [peak[0]._replace(eroded=True), *peak[1:3]],
+    ):
+        assert changes(monkeypatch, given, PERFORATED) == (Change(given[-1], given[-1], 1), [])
+
+
+def test_a_search_between_velocities_ends_after_some_runs(monkeypatch: pytest.MonkeyPatch):
+    velocities = scanned_as(monkeypatch, hill)
+    found = change_at_peak(armour(), hill(100.0), hill(200.0), hill(400.0), SOLVER)
+    assert found == Change(found.below, found.below, search.HIDDEN_RUNS)
+    assert len(velocities) == search.HIDDEN_RUNS
+    assert found.below.V == max((hill(V) for V in velocities), key=lambda tried: tried.nearness).V
+    velocities = scanned_as(monkeypatch, lambda V: stopped(V, eroded=V > 130.0))
+    found = change_between_causes(armour(), stopped(100.0), stopped(200.0, eroded=True), SOLVER)
+    assert found == Change(found.below, found.below, search.HIDDEN_RUNS)
+    assert len(velocities) == search.HIDDEN_RUNS
+    assert 130.0 - 100.0 / 2.0**10 <= found.below.V <= 130.0
+
+
+@pytest.mark.parametrize("index", range(4))
+def test_the_runs_of_a_search_are_counted(monkeypatch: pytest.MonkeyPatch, index: int):
+    """A scanned impact that is repeated with usual steps counts once."""
+    made = 0
+
+    def counting(name: str, weight: int) -> None:
+        function = getattr(search, name)
+
+        def counted(*arguments: Any) -> Any:
+            nonlocal made
+            before = made
+            result = function(*arguments)
+            made = before + 1 if weight else made + 1
+            return result
+
+        monkeypatch.setattr(search, name, counted)
+
+    counting("rough_impact", 0)
+    counting("impact", 0)
+    counting("scanned_impact", 1)
+    p = random_designs(COUNT)[index]
+    for tolerance in (1.0, 1e-6):
+        made = 0
+        assert find_ballistic_limit(p, VELOCITIES, tolerance, 1.0, 0.0, STEPS).runs == made
+    counting("run", 0)
+    made = 0
+    assert find_least_ceramic_thickness(p, 700.0, 0.0, 10.0 * p.D0, 1e-8, 1.0, 0.0, STEPS).runs == made
+
+
+def test_an_unresolved_run_is_both_ends_of_the_bracket():
+    """Wherever in the search it comes."""
+    p, ends, whole = armour(), set(), find_ballistic_limit(armour(), VELOCITIES, 1e-3, 1.0, 0.0, STEPS)
+    for steps in range(2, 60):
+        found = find_ballistic_limit(p, VELOCITIES, 1e-3, 1.0, 0.0, steps)
+        assert found.resolved == (found == whole)
+        if not found.resolved:
+            assert VELOCITIES[0] <= found.low == found.high <= VELOCITIES[-1]
+            assert 1 <= found.runs <= whole.runs
+            ends.add((found.low in VELOCITIES, found.runs))
+    assert {scanned for scanned, _ in ends} == {True, False}
+
+
+def bracket(**changes: Any) -> search.Bracket:
+    """A bracket from 1 to 2 with the root at about 1.4."""
+    return search.Bracket(1.0, 2.0, True, True, False, 1, 2.0, 0.6, 0.0, 0.0, 1.4, 0.1, 5)._replace(**changes)
+
+
+def test_the_next_point_is_just_beyond_the_estimate():
+    for b, tolerance, expected in (
+        (bracket(), 1e-3, 1.5),
+        (bracket(points=2), 1e-3, 1.4 + 0.03 * 0.6),
+        (bracket(points=3), 1e-3, 1.4 + search.PARABOLA_ERROR * 0.1),
+        (bracket(points=3, error=0.0), 3e-3, 1.401),
+        (bracket(smooth=True), 3e-3, 1.401),
+        (bracket(estimate=1.9), 0.2, 2.0 - 0.18),
+        (bracket(estimate=0.85, error=0.05), 1e-3, 1.6),
+        (bracket(estimate=0.9, error=0.05), 1e-3, 1.4),
+        (bracket(estimate=0.7), 1e-3, 1.5),
+        (bracket(estimate=2.5), 1e-3, 2.0 - 0.9e-3),
+        (bracket(runs=search.MAX_INTERPOLATED_RUNS), 1e-3, 1.5),
+        (bracket(runs=search.MAX_INTERPOLATED_RUNS + 1), 1e-3, 1.5),
+        (bracket(runs=search.MAX_INTERPOLATED_RUNS, error=0.2), 1e-3, 1.6),
+        (bracket(runs=search.MAX_INTERPOLATED_RUNS + 1, error=0.2), 1e-3, 1.5),
+    ):
+        assert search.next_point(b, tolerance) == pytest.approx(expected, rel=1e-12)
+
+
+def test_the_estimate_of_a_bracket_is_the_root_of_a_parabola():
+    def x(f: float) -> float:
+        return 3.0 + 2.0 * f - 0.5 * f * f
+
+    b = search.initial_bracket(0.0, 10.0)
+    assert b[:6] == (0.0, 10.0, False, False, False, 0)
+    assert (b.error, b.runs) == (inf, 0)
+    assert search.after_defeat(b, 1.0, -1.0) == b._replace(low=1.0, low_known=True, runs=1)
+    b = search.after_perforation(b, x(1.0), 1.0, 3.5, 0.4)
+    assert b == (0.0, 4.5, False, True, False, 1, 4.5, 1.0, 0.0, 0.0, 3.5, 0.4, 1)
+    line = search.after_defeat(b, x(-1.0), -1.0)
+    assert line == (0.5, 4.5, True, True, True, 2, 0.5, -1.0, 4.5, 1.0, 2.5, 1.0, 2)
+    assert search.after_defeat(b, 0.5, -inf) == b._replace(low=0.5, low_known=True, runs=2)
+    parabola = search.after_perforation(line, x(0.5), 0.5, 0.0, 0.0)
+    assert parabola.estimate == pytest.approx(3.0)
+    assert parabola.error == pytest.approx(0.5)
+    assert parabola[:10] == (0.5, x(0.5), True, True, True, 3, x(0.5), 0.5, 0.5, -1.0)
+    assert search.after_defeat(parabola, x(-0.25), -0.25)[:6] == (x(-0.25), x(0.5), True, True, True, 3)
+    assert search.estimated_root(2, x(1.0), 1.0, x(0.5), 0.5, 7.0, 0.5) == 3.25
+    assert search.estimated_root(2, x(1.0), 1.0, x(0.5), 0.5, 7.0, 1.0) == 3.25
+    assert search.estimated_root(1, x(1.0), 1.0, x(0.5), 0.5, 7.0, 7.0) == 3.25
+    assert search.estimated_root(2, 4.0, 1.0, x(0.5), 1.0, 7.0, 7.0) == 4.0
+
+
+def test_a_scanned_impact_is_rough_unless_it_is_close_or_unresolved(monkeypatch: pytest.MonkeyPatch):
+    p, V, usual = armour(), 500.0, stopped(500.0, 1.0)
+    monkeypatch.setattr(search, "impact", lambda *_: usual)
+    thickness = p.Hc0 + p.Hb
+    for tried, close in (
+        (Impact(V, True, False, True, -1.01 * search.CLOSE * V * V, 0.0), False),
+        (Impact(V, True, False, True, -0.99 * search.CLOSE * V * V, 0.0), True),
+        (stopped(V, 0.98 * thickness), False),
+        (stopped(V, 0.995 * thickness), True),
+        (stopped(V, 0.1 * thickness)._replace(resolved=False), True),
+    ):
+        monkeypatch.setattr(search, "rough_impact", lambda *_, tried=tried: tried)
+        assert scanned_impact(p, V, SOLVER) == (usual if close else tried)
+
+
+def test_the_estimate_after_a_usual_run():
+    """Its error is the distance of the run times what is doubted of the slope."""
+    rough, first = Root(100.0, 2.0, 0.1, 5, True), search.Zero(100.0, inf, 2.0, 0.0, -inf)
+    assert search.zero_at(first, 90.0) == (90.0, inf, 2.0, 0.0, -inf)
+    second = search.after_usual(first, rough, 100.02, 0.01, True)
+    assert second == pytest.approx((100.0, 1.1 * 0.02, 2.0, 100.02, 0.01))
+    third = search.after_usual(second, rough, 100.001, 0.0, True)
+    assert third[2:] == pytest.approx((1.9, 100.001, 0.0))
+    assert third[:2] == (100.001, 0.0)
+    fourth = search.after_usual(second, rough, 100.002, 0.0005, True)
+    slope = 0.018 / 0.0095
+    doubt = 0.1 + abs(slope / 2.0 - 1.0) + search.BEND * 0.018 / 100.002
+    assert fourth[:3] == pytest.approx((100.002 - slope * 0.0005, doubt * slope * 0.0005, slope))
+    for trusted, zero, of in (
+        (False, first, rough),
+        (True, first._replace(x=100.0 * (1.0 + 2.0 * search.AGREEMENT)), rough),
+        (True, first, rough._replace(doubt=1.01 * search.GREATEST_DOUBT)),
+    ):
+        assert search.after_usual(zero, of, 100.02, 0.01, trusted).error == inf
+
+
+def test_rough_runs_tell_the_slope_and_how_far_it_is_to_be_doubted(monkeypatch: pytest.MonkeyPatch):
+    tried = []
+
+    def given(_p: Parameters, V: float, _solver: Solver) -> Impact:
+        tried.append(V)
+        return linear(V, sign)
+
+    monkeypatch.setattr(search, "rough_impact", given)
+    for sign in (1.0, -1.0):
+        tried.clear()
+        low, high = sorted((sign * 620.0, sign * 790.0))
+        ends = linear(abs(high), sign), linear(abs(low), sign)
+        root = rough_root(armour(), low, high, *ends, sign, SOLVER)
+        assert root.x == pytest.approx(sign * 700.0, abs=0.01)
+        assert root.slope == pytest.approx(0.5 / 0.8 / 700.0, rel=1e-6)
+        assert root.doubt == pytest.approx(search.SLOPE_ERROR, abs=1e-6)
+        assert (root.runs, root.resolved) == (len(tried), True)
+
+
+def test_an_impact_says_how_it_ended():
+    fast, slow = impact(armour(), 2000.0, SOLVER), impact(armour(), 300.0, SOLVER)
+    assert (fast.perforated, fast.eroded, fast.resolved, fast.nearness) == (True, False, True, -fast.f)
+    assert (slow.perforated, slow.resolved) == (False, True)
+    assert 0.0 < slow.nearness < armour().Hc0 + armour().Hb
+    assert not impact(armour(), 300.0, SOLVER._replace(max_steps=3)).resolved

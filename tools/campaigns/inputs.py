@@ -1,7 +1,7 @@
 """Run every command, with every option, on mutated inputs and report what no command may do.
 
-A command may end with exit codes 0 to 3 only, or 130 where it is interrupted, within 60 s of computing and 1 GiB; it
-prints no traceback, answers and files contain no NaN or infinity, and a command that fails leaves no file.
+A command may end with exit codes 0 to 3 only, or 130 where it is interrupted, within 60 s of computing on all
+cores and 1 GiB; it prints no traceback, answers and files contain no NaN or infinity, and a command that fails leaves no file.
 
     python -m tools.campaigns.inputs --trials 20000 --seed 1
 
@@ -37,7 +37,7 @@ from armour.engine.batch import available_cores
 from tools.campaigns.verdict import verdict
 
 ROOT = Path(__file__).resolve().parents[2]
-# Time of computing, and any.
+# Time of computing on all cores, and any.
 LIMIT_S, HANGING_S = 60.0, 600.0
 LIMIT_MIB = 1024.0
 DONE, NO_ANSWER, CHECK_FAILED, INTERRUPTED = 0, 1, 3, 130
@@ -518,7 +518,7 @@ def in_child(made: Trial, folder: Path) -> None:
     os.dup2(os.open(folder.parent / "in", os.O_RDONLY), 0)
     for descriptor, name in ((1, "out"), (2, "err")):
         os.dup2(os.open(folder.parent / name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), descriptor)
-    signal.setitimer(signal.ITIMER_PROF, LIMIT_S)
+    signal.setitimer(signal.ITIMER_PROF, LIMIT_S * available_cores())
     signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     sys.argv = ["armour", *made.arguments]
