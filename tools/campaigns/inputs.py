@@ -1,7 +1,8 @@
 """Run every command, with every option, on mutated inputs and report what no command may do.
 
-A command may end with exit codes 0 to 3 only, or 130 where it is interrupted, within 60 s of computing on all
-cores and 1 GiB; it prints no traceback, answers and files contain no NaN or infinity, and a command that fails leaves no file.
+A command may end with exit codes 0 to 3 only, or 130 where it is interrupted, within 60 s of computing on all cores
+and 1 GiB; it prints no traceback, answers and files contain no NaN or infinity, and a command that fails leaves no
+file.
 
     python -m tools.campaigns.inputs --trials 20000 --seed 1
 
