@@ -53,6 +53,16 @@ def test_a_long_time_step_leaves_no_gaps_in_the_history():
     assert recorded(1000.0) == recorded()
 
 
+def test_a_bulge_never_recedes():
+    """Of this armour, whose plate starts to move slowly, the cubic's first bulge is below 0 by its error."""
+    soft = {"metal": {"soft": {"density_kg_m3": 1700.0, "dynamic_yield_strength_MPa": 50.0}}}
+    layers = 49.95435087091941, 20.348473194366214
+    thick = scenario("7.62 mm APM2", "AD85", "soft", *layers, velocity=2825.506902573942, library=soft)
+    history = simulate(thick, history=True).history
+    assert history is not None
+    assert (np.diff(history.bulge_height_mm) >= 0.0).all()
+
+
 def test_the_interface_force_is_recorded_on_both_sides_of_a_change():
     history = recorded()
     entered = int(np.flatnonzero(history.stage == "iii.3")[0])

@@ -105,6 +105,8 @@ def refined(trace: Sequence[Instant], armour: Parameters, spacing: float) -> lis
             k0, k1 = (stages.rates(instant.y, after.s, armour) for instant in (before, after))
             times = [spacing * i for i in inside]
             states = [state_within(before.y, k0, after.y, k1, dt, (t - before.t) / dt) for t in times]
-            found += [Instant(t, y, after.s) for t, y in zip(times, states, strict=True)]
+            # A bulge never recedes; just after the plate has started to move, the cubic's may by its error.
+            grown = [y._replace(h=max(y.h, before.y.h)) for y in states]
+            found += [Instant(t, y, after.s) for t, y in zip(times, grown, strict=True)]
         found.append(after)
     return found
