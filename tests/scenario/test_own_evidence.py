@@ -13,6 +13,7 @@ from armour.analysis.ballistic_limit import confidence
 from armour.analysis.evaluate import evaluate
 from armour.design.optimise import optimise
 from armour.errors import NoDesignError
+from armour.reporting.views.design import tables
 from armour.scenario.scenario import Scenario, parse_scenario
 from armour.statistics.calibration import Law, calibrate
 from armour.statistics.fitted_library import scenario_text
@@ -24,6 +25,7 @@ from tools.campaigns import own_tests as campaign
 
 pytestmark = pytest.mark.slow
 
+LAYERS = ("ceramic", 9.0), ("backing", 6.0)
 C, B, P = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "probability_of_defeat"
 
 
@@ -89,6 +91,13 @@ def test_a_search_without_a_design_gives_the_same_reason():
     with pytest.raises(NoDesignError) as raised:
         optimise(asked)
     assert str(raised.value) == f"the model error is not known: {confidence(case).reason}"
+
+
+def test_a_design_gives_the_same_reason():
+    case = calibrated("constant").replaced({"impact.obliquity_deg": 30.0, C: 9.0, B: 6.0})
+    ranges = {f"{layer}_thickness_mm": {"min": own, "max": own, "step": 1.0} for layer, own in LAYERS}
+    found = optimise(case.replaced({"optimise": ranges}))
+    assert f"model error: unknown, {confidence(case).reason}" in tables(found)
 
 
 PLATE: dict[str, Any] = {

@@ -39,7 +39,7 @@ from armour.cli.runner import (
 )
 from armour.errors import NoDesignError, mistake, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
-from armour.scenario.inputs import BACKING, CERAMIC, NAMES, SHOT
+from armour.scenario.inputs import SHOT
 
 if TYPE_CHECKING:
     from armour.analysis.results import OnProgress
@@ -171,20 +171,10 @@ def optimise(
 
 def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Sequence[str]) -> str:
     """Return the command that checks the best design of a scenario."""
-    names = {"ceramic": best.ceramic or None, "backing": best.backing}
-    named = {NAMES[role]: name for role, name in names.items() if name != scenario.name_of(role)}
-    numbers = {
-        CERAMIC: best.ceramic_thickness_mm,
-        BACKING: best.backing_thickness_mm,
-        "ceramic.density_kg_m3": best.ceramic_density_kg_m3,
-        "backing.density_kg_m3": best.backing_density_kg_m3,
-    }
-    own = scenario.replaced(named).inputs()
-    changed = {key: str(value).removesuffix(".0") for key, value in numbers.items() if own.get(key, value) != value}
-    values = {**named, **changed}
+    values = best.changes_to(scenario)
     said = {*values, CONFIDENCE[0]}
     kept = [change for change in accepted(changes, CHECK_READS) if change.partition("=")[0].strip() not in said]
-    kept += [f"{key}={value}" for key, value in values.items()]
+    kept += [f"{key}={str(value).removesuffix('.0')}" for key, value in values.items()]
     required = scenario.design and scenario.design.confidence
     asked = ["--confidence", f"{required:g}"] if required else []
     return shlex.join(["armour", "check", source, *asked, *set_options(kept)])

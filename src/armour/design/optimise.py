@@ -105,6 +105,19 @@ class BestDesign(Design):
     probabilities_of_defeat: dict[str, float | None]
     model_error: ModelError | None
 
+    def changes_to(self, scenario: Scenario) -> dict[str, str | float]:
+        """Return what to change in a scenario so that the design is its armour, by key."""
+        names = {"ceramic": self.ceramic or None, "backing": self.backing}
+        named = {NAMES[role]: name for role, name in names.items() if name and name != scenario.name_of(role)}
+        numbers = {
+            CERAMIC: self.ceramic_thickness_mm,
+            BACKING: self.backing_thickness_mm,
+            "ceramic.density_kg_m3": self.ceramic_density_kg_m3,
+            "backing.density_kg_m3": self.backing_density_kg_m3,
+        }
+        own = scenario.replaced(named).inputs()
+        return {**named, **{key: value for key, value in numbers.items() if own.get(key, value) != value}}
+
 
 @dataclass(frozen=True)
 class Pair:

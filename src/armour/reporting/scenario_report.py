@@ -32,7 +32,7 @@ from armour.reporting.views.confidence import DEFEAT, SAMPLED_ALONE, chance, ext
 from armour.reporting.views.design import AREAL_DENSITY, COST
 from armour.reporting.views.library import entry_table
 from armour.scenario.evidence import closest
-from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, ROLES
+from armour.scenario.inputs import INPUTS, NAMES, ROLES
 from armour.scenario.scenario import Scenario, title_beside
 from armour.scenario.schema import DesignSection
 from armour.statistics.sensitivity import SensitivityResult, sensitivity
@@ -87,7 +87,7 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         on_progress(done, None)
 
     design = optimise(scenario, on_progress=on_part) if asks_for_design(scenario) and not as_is else None
-    armour = scenario if design is None else _with_best(scenario, design)
+    armour = scenario if design is None else scenario.replaced(design.best.changes_to(scenario))
     checked = check(armour, on_progress=on_part)
     faced = [armour.against(threat) for threat in armour.threats()]
     distributed = scenario.uncertainty is not None and bool(scenario.uncertainty.inputs())
@@ -150,24 +150,6 @@ def _sampled(found: CheckedThreat, scenario: Scenario, on_part: OnProgress) -> C
     required = found.required_probability
     passed = found.passed if required is None else probability >= required
     return replace(found, probability_of_defeat=probability, passed=passed)
-
-
-def _with_best(scenario: Scenario, result: DesignResult) -> Scenario:
-    """Return the scenario with the best design."""
-    best = result.best
-    changes: dict[str, object] = {
-        "armour.backing": best.backing,
-        CERAMIC: best.ceramic_thickness_mm,
-        BACKING: best.backing_thickness_mm,
-    }
-    densities = {"backing.density_kg_m3": best.backing_density_kg_m3}
-    if best.ceramic:
-        changes["armour.ceramic"] = best.ceramic
-        densities["ceramic.density_kg_m3"] = best.ceramic_density_kg_m3
-    answer = scenario.replaced(changes)
-    own = answer.inputs()
-    different = {name: value for name, value in densities.items() if value != own[name]}
-    return answer.with_inputs(different) if different else answer
 
 
 def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:

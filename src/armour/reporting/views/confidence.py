@@ -4,7 +4,8 @@ from armour.analysis.ballistic_limit import ConfidenceResult, no_error
 from armour.analysis.results import Result
 from armour.reporting.table import Column, Source, Table, column_of, record
 from armour.reporting.text import interval, number
-from armour.scenario.evidence import NO_TEST, REMEDY, ModelError
+from armour.scenario.evidence import ModelError
+from armour.scenario.scenario import Scenario
 
 DEFEAT = Column("probability of stopping the projectile", prose=True)
 
@@ -25,15 +26,13 @@ def chance(probability: float | None) -> str:
     return "above 99.5 %" if probability > 0.995 else f"{100.0 * probability:.0f} %"
 
 
-def error_note(result: Result, error: ModelError | None, *, of_design: bool = False) -> str:
-    """Return what the model error is and rests on, in a sentence, for a result on its scenario's armour or a design."""
+def error_note(result: Result, error: ModelError | None, answer: Scenario | None = None) -> str:
+    """Return what the model error is and rests on, in a sentence, for a result on its scenario or on another one."""
     if error is None:
-        scenario = result.question.get("scenario")
+        scenario = answer or result.question.get("scenario")
         if scenario is None:
             return "model error: unknown for such an armour, or not included"
-        if scenario.excludes_error():
-            return EXCLUDED
-        return f"model error: unknown, {f'{NO_TEST}; {REMEDY}' if of_design else no_error(scenario)}"
+        return EXCLUDED if scenario.excludes_error() else f"model error: unknown, {no_error(scenario)}"
     return "; ".join([from_tests(error), *extrapolation(error)])
 
 

@@ -173,8 +173,10 @@ def csv(result: DesignResult) -> str:
 
 def tables(result: DesignResult) -> list[Table | str]:
     """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
-    required = required_margins(result.question.get("scenario"))
-    error = error_note(result, result.best.model_error, of_design=True)
+    scenario: Scenario | None = result.question.get("scenario")
+    required = required_margins(scenario)
+    answer = None if scenario is None or result.best.model_error is not None else _answer(scenario, result.best)
+    error = error_note(result, result.best.model_error, answer)
     found: list[Table | str] = [best_table(result.best, required), error, *margin_notes(result.best)]
     if result.refined is not None:
         title = f"{OBJECTIVES[result.minimised].least} design between the values of the grid"
@@ -194,6 +196,12 @@ def tables(result: DesignResult) -> list[Table | str]:
     if result.pareto:
         found.append(pareto_table(result))
     return [*found, f"{number(result.examined, 'd')} designs computed"]
+
+
+def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
+    """Return the scenario with the best design against its governing threat."""
+    [governing] = [threat for threat in scenario.threats() if threat.title == best.governing]
+    return scenario.replaced(best.changes_to(scenario)).against(governing)
 
 
 def margin_notes(best: BestDesign, ask: str = ASK) -> list[str]:
