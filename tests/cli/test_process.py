@@ -150,11 +150,11 @@ def test_an_encoding_without_the_units(tmp_path: Path, monkeypatch: pytest.Monke
     assert "39 \\xb5s" in done.stdout
 
 
-@pytest.mark.parametrize("compiled", [False, True])
-def test_only_a_use_that_compiles_says_so(cli, folder: Path, monkeypatch: pytest.MonkeyPatch, compiled: bool):
-    monkeypatch.setattr(cache, "is_compiled", lambda: compiled)
+@pytest.mark.parametrize("kept", [False, True])
+def test_only_a_use_that_compiles_says_so(cli, folder: Path, monkeypatch: pytest.MonkeyPatch, kept: bool):
+    monkeypatch.setattr(cache, "is_compiled", lambda: kept)
     result = cli("sweep", SCENARIOS / "wilkins.toml", "--over", "armour.ceramic_thickness_mm=6", "-o", folder / "a.csv")
-    said = [] if compiled else ["compiling the numerical code, which takes about ten seconds"]
+    said = [] if kept else ["compiling the numerical code, which takes about ten seconds"]
     assert result.stderr.splitlines() == [*said, f"wrote {folder / 'a.csv'}: 1 rows"]
 
 
