@@ -594,3 +594,4 @@ def test_an_impact_says_how_it_ended():
     assert (slow.perforated, slow.resolved) == (False, True)
     assert 0.0 < slow.nearness < armour().Hc0 + armour().Hb
     assert not impact(armour(), 300.0, SOLVER._replace(max_steps=3)).resolved
+    assert impact(armour(), 2000.0, SOLVER._replace(V_arrest=20.0)).f == pytest.approx(fast.f + 1.0 - 400.0, rel=1e-12)
