@@ -234,7 +234,7 @@ static double step_length(const State *y, const State *k, const Stage *s, const 
 {
     if (!s->eroding && !s->penetrated)
         return time_to_end(y, k, s, p);
-    double response = rough ? 0.75 : 0.23;
+    double response = rough ? 0.6 : 0.23;
     if (s->medium == FRAGMENTED && !s->eroding && !s->moving) {
         dt *= s->Vs1 / y->V;
         response *= rough ? 4.0 : 1.0;
@@ -531,7 +531,7 @@ typedef struct {
 
 typedef struct { double low, high; long runs; bool resolved; } Found;
 
-static const double NEAR = 1.05, FAR = 0.6, CLOSE = 0.01, ENERGY_LEFT = 0.65, PARABOLA_ERROR = 0.1, ROUGH_ERROR = 5e-4;
+static const double NEAR = 1.05, FAR = 0.6, CLOSE = 0.025, ENERGY_LEFT = 0.65, PARABOLA_ERROR = 0.1, ROUGH_ERROR = 5e-4;
 static const double SLOPE_ERROR = 0.02, BEND = 20.0, AGREEMENT = 3e-3, GREATEST_DOUBT = 0.3, ROUNDING = 1e-11;
 static const int HIDDEN_RUNS = 10, MAX_INTERPOLATED_RUNS = 30, TRUSTED_RUNS = 4;
 

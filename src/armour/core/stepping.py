@@ -8,7 +8,7 @@ from armour.core.state import Medium, Parameters, Stage, State
 
 # Longest step as a fraction of the response time of the motion, and that of a rough run.
 LONGEST_RESPONSE = 0.23
-ROUGH_RESPONSE = 0.75
+ROUGH_RESPONSE = 0.6
 # The latter grows by this where the velocity falls as 1/t.
 ROUGH_SLOWING = 4.0
 # Rates of response of a penetration velocity that rises and of one that falls, over the rate of D, see `front_rate`.
