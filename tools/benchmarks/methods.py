@@ -24,6 +24,7 @@ from armour.engine import batch
 from tests.helpers.runs import perforates, random_designs
 from tests.numerics.reference import Reference
 
+WHOLE = slice(None)
 COUNT = 1000
 TURNS = 60
 # Designs for methods that take hundreds of times as long, and how often the engine computes them in a turn.
@@ -156,10 +157,10 @@ def measured() -> Methods:
     fine = fine_limits(designs, limits.perforated)
     near = 1.05 * fine
 
-    def engine_impacts(part: slice = slice(None)) -> Any:
+    def engine_impacts(part: slice = WHOLE) -> Any:
         return batch.impacts(rows[part], near[part], ONE)
 
-    def engine_limits(part: slice = slice(None)) -> Any:
+    def engine_limits(part: slice = WHOLE) -> Any:
         return batch.ballistic_limits(rows[part], LOW, HIGH, TOLERANCE, ONE)
 
     impacts: Calls = {"engine": engine_impacts}
