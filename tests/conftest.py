@@ -13,11 +13,6 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 gc.set_threshold(50_000, 20, 20)
 
 
-def pytest_collection_finish() -> None:
-    """Look no more at what is imported."""
-    gc.freeze()
-
-
 @pytest.fixture(autouse=True, scope="session")
 def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
     """Compile the engine in one of several processes for all of them."""
