@@ -16,7 +16,7 @@ from tools.benchmarks.methods import ALLOWED, COUNT, Methods, Time
 # A sweep beyond a machine.
 MANY_ROWS, MANY_CORES = 10**9, 1000
 # Load of the machine by others that lengthens elapsed times, in cores.
-LOAD = 0.5
+LOAD = 1.5
 # Time of a task of the scheduler by the documentation of Dask, s.
 DASK_TASK_S = 1e-3
 
