@@ -30,7 +30,7 @@ def finding(threat: CheckedThreat) -> str:
     if threat.required_probability is not None:
         return f"{DEFEAT.label} {chance(threat.probability_of_defeat)}, {required(threat)} required"
     limit = threat.ballistic_limit_m_s
-    found = "no ballistic limit in the range" if limit is None else f"limit {limit:.0f} m/s"
+    found = "no ballistic limit found" if limit is None else f"limit {limit:.0f} m/s"
     return f"{found}, required {required(threat)}"
 
 
