@@ -38,6 +38,12 @@ def test_a_grid_as_csv_with_a_map(cli, folder: Path):
     assert not (folder / "t.csv.parts").exists()
 
 
+@pytest.mark.parametrize("output", ["", ".", "/"])
+@pytest.mark.usefixtures("folder")
+def test_a_folder_is_no_table(cli, output: str):
+    assert cli.fails(2, "sweep", WILKINS, *OVER, "-o", output) == [f"{output or '.'}: cannot be written: is a folder"]
+
+
 def test_interrupted_it_says_how_to_resume(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
     def interrupted(*_args, **_settings):
         raise KeyboardInterrupt

@@ -50,7 +50,7 @@ class Chunk(NamedTuple):
 
 def parts_of(output: Path) -> Path:
     """Return the folder of the chunks of an output, which is there while its sweep is not finished."""
-    return output.with_name(f"{output.name}.parts")
+    return Path(f"{output}.parts")
 
 
 class Store:
