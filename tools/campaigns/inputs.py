@@ -304,7 +304,7 @@ class Maker:
 
     def written(self, *names: str) -> str:
         """Return the name of a file to write."""
-        wild = ["s.toml", "shots.csv", "p.txt", "no/p.svg", ".", "a" * 300, "/dev/full", "p.svg", ""]
+        wild = ["s.toml", "shots.csv", "p.txt", "no/p.svg", ".", "a" * 300, "/dev/full", "p.dat", ""]
         return self.dice.choice(names if self.dice.gentle or self.dice.random() < 0.8 else wild)
 
     def among(self, *some: object) -> str:
