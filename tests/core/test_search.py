@@ -278,8 +278,8 @@ def test_a_dense_scan_ends_at_a_change_of_usual_runs():
     assert limits[0] == pytest.approx(limits[1], abs=0.02)
 
 
-def test_a_rough_run_that_stops_well_before_the_back_face_is_repeated():
-    """Rough runs stop at 98 % of the armour where usual ones perforate, 375.5 m/s up."""
+def test_a_rough_run_that_stops_just_before_the_back_face_is_repeated():
+    """Rough runs stop at 99.3 % of the armour where usual ones perforate, from 375.5 m/s on."""
     p = armour()._replace(
         **{"L0": 0.006350408380587619, "D0": 0.004541507847394343, "rho_p": 14111.636826672104},
         **{"Yp": 320589843.7495303, "Hc0": 0.011761596478282434, "rho_c": 13187.436616944182, "Ec": 314398895568.2017},

@@ -43,7 +43,7 @@ HIDDEN_RUNS = 10
 # Error of a parabola through three points as a part of its difference from the line.
 PARABOLA_ERROR = 0.1
 # How near to the other outcome a rough impact is repeated: parts of the thickness and of the square of the velocity.
-# Of unusual armours, rough runs stop up to 2 % of the thickness before the back face where usual ones perforate.
+# Of an unusual armour, rough runs stop at 99.3 % of the thickness where usual ones perforate.
 CLOSE = 0.025
 # Error of a limit at which rough runs end, as a part of it, and of the slope of the residual energy that they give.
 ROUGH_ERROR = 5e-4
