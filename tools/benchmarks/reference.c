@@ -740,10 +740,10 @@ typedef struct {
 static Root rough_root(const Parameters *p, double low, double high, const Impact *first, const Impact *other,
                        double sign, const Solver *solver)
 {
-    double guess = sign * (first->V * first->V + first->nearness / ENERGY_LEFT);
+    double guess = sign * high * high - first->f / ENERGY_LEFT;
     double slope = 1.0 / ENERGY_LEFT, doubt = 1.0, tolerance = 2.0 * ROUGH_ERROR * high * high;
     Bracket b = {.low = sign * low * low, .high = sign * high * high, .points = 1, .estimate = guess, .runs = 1};
-    b.x1 = b.high, b.f1 = first->f, b.error = 0.2 * (b.high - guess);
+    b.x1 = b.high, b.f1 = first->f, b.error = 0.2 * fabs(b.high - guess);
     after(&b, b.low, other);
     while ((b.points < 3 ? b.error : PARABOLA_ERROR * b.error) > tolerance && !is_converged(&b, tolerance)) {
         double x = next_point(&b, tolerance);

@@ -40,8 +40,16 @@ NEAR = 1.05
 FAR = 0.6
 # Runs of a search between scanned velocities.
 HIDDEN_RUNS = 10
-# Error of a parabola through three points as a part of its difference from the line.
+# Errors of estimates of the root: of the first one and of a line, as parts of their distance from a perforated end, and
+# of a parabola, as a part of its difference from the line.
+ESTIMATE_ERROR = 0.2
+LINE_ERROR = 0.03
 PARABOLA_ERROR = 0.1
+# Parts of the tolerance: how near to the estimate a perforated end is for a last run, how far below this end that run
+# is, and how far above the estimate another run is at least.
+ENDING, WITHIN, LEAST_MARGIN = 0.7, 0.9, 1.0 / 3.0
+# How far above a defeated end the next run is, times the error that the estimate has shown there.
+MISSED = 4.0
 # How near to the other outcome a rough impact is repeated: parts of the thickness and of the square of the velocity.
 # Of an unusual armour, rough runs stop at 99.3 % of the thickness where usual ones perforate.
 CLOSE = 0.025
@@ -103,16 +111,15 @@ class Root(NamedTuple):
 class Bracket(NamedTuple):
     """Interval that contains the root, and the points of the interpolation.
 
-    A run at ``low`` is defeated if ``low_known``; a run at ``high`` perforates if ``high_known``.  The function ``f``
-    is the residual energy of `residual_energy`, m^2/s^2.
+    A run at ``high`` perforates, and one at ``low`` is defeated if ``low_known``.  The function ``f`` is the residual
+    energy of `residual_energy`, m^2/s^2.
     """
 
     low: float
     high: float
     low_known: bool
-    high_known: bool
     smooth: bool  # f is known at ``low``
-    points: int  # number of points that the estimate uses, at most 3
+    points: int  # number of points that the estimate uses, 1 to 3
     x1: float  # last point
     f1: float
     x2: float  # the one before it
@@ -141,32 +148,21 @@ class SearchResult(NamedTuple):
     resolved: bool  # every run ended within the maximum number of steps
 
 
-def initial_bracket(low: float, high: float) -> Bracket:
-    """Return a bracket before the first run."""
-    return Bracket(low, high, False, False, False, 0, 0.0, 0.0, 0.0, 0.0, 0.0, inf, 0)
+def first_bracket(low: float, high: float, f: float, estimate: float) -> Bracket:
+    """Return the bracket after a first run, which perforates at ``high``, with an estimate of the root."""
+    error = ESTIMATE_ERROR * abs(high - estimate)
+    return Bracket(low, high, False, False, 1, high, f, 0.0, 0.0, estimate, error, 1)
 
 
-def after_defeat(b: Bracket, x: float, f: float) -> Bracket:
-    """Return the bracket after a defeated run at x; f is -inf where it is not known."""
-    if f == -inf or b.points == 0:
-        return Bracket(
-            x, b.high, True, b.high_known, False, b.points, b.x1, b.f1, b.x2, b.f2, b.estimate, b.error, b.runs + 1
-        )
+def after_run(b: Bracket, x: float, f: float, perforated: bool) -> Bracket:
+    """Return the bracket after a run at x; f is -inf where it is not known."""
+    low, high = (b.low, x) if perforated else (x, b.high)
+    known, runs = b.low_known or not perforated, b.runs + 1
+    if f == -inf:
+        return Bracket(low, high, known, False, b.points, b.x1, b.f1, b.x2, b.f2, b.estimate, b.error, runs)
     estimate = estimated_root(b.points, x, f, b.x1, b.f1, b.x2, b.f2)
-    error = abs(estimate - b.estimate)
-    points = min(b.points + 1, 3)
-    return Bracket(x, b.high, True, b.high_known, True, points, x, f, b.x1, b.f1, estimate, error, b.runs + 1)
-
-
-def after_perforation(b: Bracket, x: float, f: float, first_estimate: float, first_error: float) -> Bracket:
-    """Return the bracket after a perforated run at x; the first such run uses the estimate of the root given."""
-    if b.points == 0:
-        estimate, error = first_estimate, first_error
-    else:
-        estimate = estimated_root(b.points, x, f, b.x1, b.f1, b.x2, b.f2)
-        error = abs(estimate - b.estimate)
-    points = min(b.points + 1, 3)
-    return Bracket(b.low, x, b.low_known, True, b.smooth, points, x, f, b.x1, b.f1, estimate, error, b.runs + 1)
+    error, smooth = abs(estimate - b.estimate), b.smooth or not perforated
+    return Bracket(low, high, known, smooth, min(b.points + 1, 3), x, f, b.x1, b.f1, estimate, error, runs)
 
 
 def estimated_root(earlier: int, x1: float, f1: float, x2: float, f2: float, x3: float, f3: float) -> float:
@@ -188,14 +184,12 @@ def slope_at_root(root: float, x1: float, f1: float, x2: float, f2: float) -> fl
 
 def is_converged(b: Bracket, tolerance: float) -> bool:
     """Return whether the bracket is as narrow as the tolerance or as floating-point numbers allow."""
-    if not (b.low_known and b.high_known):
-        return False
     middle = 0.5 * (b.low + b.high)
-    return b.high - b.low <= tolerance or not b.low < middle < b.high
+    return b.low_known and (b.high - b.low <= tolerance or not b.low < middle < b.high)
 
 
 def next_point(b: Bracket, tolerance: float) -> float:
-    """Return the point of the next run in a bracket whose upper end perforates.
+    """Return the point of the next run.
 
     It is a little above the estimate, by the error that this may have, so that the run most likely perforates.  If the
     upper end is already that near, the run is just within the tolerance below it, to end the search.
@@ -204,13 +198,13 @@ def next_point(b: Bracket, tolerance: float) -> float:
     if b.runs > MAX_INTERPOLATED_RUNS:
         return middle
     away = b.high - b.estimate
-    if away <= 0.7 * tolerance:
-        x = b.high - 0.9 * tolerance
+    if away <= ENDING * tolerance:
+        x = b.high - WITHIN * tolerance
     else:
-        margin = 0.0 if b.smooth else (0.0, b.error, 0.03 * away, PARABOLA_ERROR * b.error)[b.points]
-        x = b.estimate + max(margin, tolerance / 3.0)
+        margin = 0.0 if b.smooth else (b.error, LINE_ERROR * away, PARABOLA_ERROR * b.error)[b.points - 1]
+        x = b.estimate + max(margin, LEAST_MARGIN * tolerance)
         if x <= b.low:
-            x = b.low + 4.0 * max(margin, b.low - b.estimate)
+            x = b.low + MISSED * max(margin, b.low - b.estimate)
     return x if b.low < x < b.high else middle
 
 
@@ -444,7 +438,7 @@ def narrowed(p: Parameters, change: Change, tolerance: float, solver: Solver) ->
             zero = after_usual(zero, rough, x, tried.f, runs <= trusted)
         else:
             # The run tells only that the change is above x: the steps away from it grow.
-            beyond = 4.0 * beyond + ROUGH_ERROR * abs(x)
+            beyond = MISSED * beyond + ROUGH_ERROR * abs(x)
             zero = zero_at(zero, x + beyond)
     if sign < 0.0:
         return SearchResult(-end, -start, rough.runs + runs, True)
@@ -482,10 +476,9 @@ def rough_root(
     ``first`` is the impact at ``high``, which perforates, and ``other`` that at ``low``.  The search is for the signed
     square of the velocity, in which the residual energy is nearly linear.
     """
-    b = initial_bracket(sign * low * low, sign * high * high)
-    guess = sign * (first.V * first.V + first.nearness / ENERGY_LEFT)
-    b = after_perforation(b, b.high, first.f, guess, 0.2 * (b.high - guess))
-    b = after_defeat(b, b.low, other.f)
+    x = sign * high * high
+    b = first_bracket(sign * low * low, x, first.f, x - first.f / ENERGY_LEFT)
+    b = after_run(b, b.low, other.f, False)
     slope, doubt = 1.0 / ENERGY_LEFT, 1.0
     tolerance = 2.0 * ROUGH_ERROR * high * high
     # The error of a parabola is a small part of its difference from the line.
@@ -494,7 +487,7 @@ def rough_root(
         tried = rough_impact(p, sqrt(abs(x)), solver)
         if not tried.resolved:
             return Root(tried.V, slope, doubt, b.runs - 1, False)
-        b = after_perforation(b, x, tried.f, 0.0, 0.0) if tried.perforated else after_defeat(b, x, tried.f)
+        b = after_run(b, x, tried.f, tried.perforated)
     if b.points > 2 and b.x1 != b.estimate and b.f1 != b.f2:
         slope = slope_at_root(b.estimate, b.x1, b.f1, b.x2, b.f2)
         doubt = SLOPE_ERROR + abs((b.x1 - b.estimate) / (b.f1 * slope) - 1.0)
@@ -523,27 +516,22 @@ def find_least_ceramic_thickness(
     The result brackets the negative thickness, -Hc0, m, so that its upper end perforates.  ``p.Hc0`` is not used;
     ``tolerance`` is the width of the final bracket, m, and ``given`` the time step, s, as in `find_ballistic_limit`.
     """
-    b = initial_bracket(-thick, -thin)
-    Hc0 = thin
-    while True:
-        tried = p._replace(Hc0=Hc0)
-        end = run(tried, Vi, time_step(tried, Vi, given), V_arrest, max_steps, None, False)
-        if end.outcome == Outcome.UNRESOLVED:
+    solver = Solver(V_arrest, given, max_steps)
+    thinnest = impact(p._replace(Hc0=thin), Vi, solver)
+    if not thinnest.resolved:
+        return SearchResult(-inf, inf, 1, False)
+    if not thinnest.perforated:
+        return SearchResult(-thin, inf, 1, True)
+    # The limit is about proportional to the thickness.
+    limit = sqrt(max(Vi * Vi - thinnest.f / ENERGY_LEFT, 0.01 * Vi * Vi))
+    b = first_bracket(-thick, -thin, thinnest.f, -max(thin, 0.1 * p.D0) * Vi / limit)
+    while not is_converged(b, tolerance):
+        Hc0 = thick if not b.low_known and b.estimate <= b.low else -next_point(b, tolerance)
+        tried = impact(p._replace(Hc0=Hc0), Vi, solver)
+        if not tried.resolved:
             return SearchResult(-inf, inf, b.runs + 1, False)
-        if end.outcome == Outcome.PERFORATED:
-            f = residual_energy(end, tried, V_arrest)
-            # The limit is about proportional to the thickness.
-            limit = sqrt(max(Vi * Vi - f / ENERGY_LEFT, 0.01 * Vi * Vi))
-            estimate = -max(Hc0, 0.1 * p.D0) * Vi / limit
-            b = after_perforation(b, -Hc0, f, estimate, 0.2 * abs(Hc0 + estimate))
-            if Hc0 >= thick:
-                return SearchResult(-inf, -Hc0, b.runs, True)
-        else:
-            b = after_defeat(b, -Hc0, -inf)
-            if Hc0 <= thin:
-                return SearchResult(-Hc0, inf, b.runs, True)
-        if is_converged(b, tolerance):
-            return SearchResult(b.low, b.high, b.runs, True)
-        Hc0 = -next_point(b, tolerance)
-        if not b.low_known and b.estimate <= b.low:
-            Hc0 = thick
+        # The energy that a stopped projectile lacks continues the function for the velocity, not for the thickness.
+        b = after_run(b, -Hc0, tried.f if tried.perforated else -inf, tried.perforated)
+        if tried.perforated and Hc0 >= thick:
+            return SearchResult(-inf, -Hc0, b.runs, True)
+    return SearchResult(b.low, b.high, b.runs, True)
