@@ -14,7 +14,7 @@ import sys
 import numpy as np
 
 from armour.analysis.searches import least_ceramics_mm, limit_brackets
-from armour.analysis.variants import Bools, Floats, Variants, perforated, with_thicknesses
+from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated, with_thicknesses
 from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
@@ -80,8 +80,21 @@ def outcomes(designs: Variants, velocities: Floats) -> Bools:
     return (found.outcome == Outcome.PERFORATED).reshape(-1, count)
 
 
+def ended(designs: Variants, rows: Ints) -> Ints:
+    """Return the rows whose search ends without a message that a run takes more steps than a command allows."""
+    try:
+        limit_brackets(designs.at(rows), LOW, HIGH, TOLERANCE)
+    except InputError:
+        halves = np.array_split(rows, 2) if len(rows) > 1 else []
+        return np.concatenate([rows[:0], *(ended(designs, half) for half in halves)])
+    return rows
+
+
 def compare_limits(name: str, designs: Variants) -> int:
     """Print how many limits differ from the lowest change that a scan by usual impacts sees; return those too high."""
+    rows = ended(designs, np.arange(len(designs.velocities)))
+    print(f"{name}: {len(designs.velocities) - len(rows)} end with a message")
+    designs = designs.at(rows)
     velocities = np.array(scan(LOW, HIGH, DENSE_SCAN_POINTS))
     parts = np.array_split(np.arange(len(designs.velocities)), -(-len(designs.velocities) // PART))
     beyond = np.concatenate([outcomes(designs.at(part), velocities) for part in parts])
