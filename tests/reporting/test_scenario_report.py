@@ -332,7 +332,7 @@ def test_sections_are_the_answer_and_what_explains_it():
 
 def test_stages_are_named_in_words():
     table = section(wilkins(), "The impact, stage by stage").tables[0]
-    assert table.texts()[0][0] == "i: intact ceramic, penetrated; rod erodes"
+    assert table.texts()[0][0] == "i: intact ceramic; penetrator erodes"
     energies = [sum(cell for cell in row[-2:] if isinstance(cell, float)) for row in table.rows]
     energy = energy_balance(wilkins().answer, wilkins().impact)
     assert sum(energies) == pytest.approx(energy.before - energy.left, rel=1e-3)

@@ -387,7 +387,7 @@ def _impact(contents: Contents) -> Section:
         (column_of("velocity_lost_m_s", ".1f"), lambda of: of[0].velocity_lost_m_s),
         (column_of("length_lost_mm", ".2f"), lambda of: of[0].length_lost_mm),
         (Column("energy carried by eroded material", "J", ".1f"), lambda of: of[1].eroded),
-        (Column("energy lost in braking the rod", "J", ".1f"), lambda of: of[1].braked),
+        (Column("energy lost in braking the penetrator", "J", ".1f"), lambda of: of[1].braked),
     )
     # The table has the stages in words.
     chart = replace(impact_view.chart(contents.impact), note="")

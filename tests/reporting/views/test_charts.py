@@ -86,18 +86,18 @@ def test_an_impact():
     chart = impact_view.chart(found)
     assert chart.title == f"Perforated: residual velocity {found.residual_velocity_m_s:.0f} m/s"
     time = "time since impact, µs"
-    assert headings(chart)[1:] == [(time, "velocity, m/s"), (time, "rod length L, mm"), (time, "depth, bulge, mm")]
+    assert headings(chart)[1:] == [(time, "velocity, m/s"), (time, "penetrator length L, mm"), (time, "depth, bulge, mm")]
     expected = ["projectile V", "penetration U", "target W", "depth Z", "bulge h"]
     assert labels(*chart.panels) == expected
     scene, velocities, *_ = chart.panels
     [spans] = some(velocities, Spans)
     assert [name.partition(":")[0] for name in spans.names] == [stage.stage for stage in found.stages]
-    assert "stage i: intact ceramic, penetrated; rod erodes" in spans.text[0]
+    assert "stage i: intact ceramic; penetrator erodes" in spans.text[0]
     events = [words.splitlines()[2:] for item in some(scene, Words) for words in item.words if "µs" in words]
     assert [" ".join(words) for words in events] == [
         "impact",
         "ceramic fragments",
-        "rod through ceramic",
+        "ceramic penetrated",
         "plug moves along",
         "perforated",
     ]

@@ -31,15 +31,15 @@ class StageWords(NamedTuple):
 
 
 STAGES = {
-    "i": StageWords("impact", "intact ceramic", "intact ceramic, penetrated; rod erodes"),
-    "ii.1": StageWords("ceramic fragments", "fragmented ceramic", "fragmented ceramic, penetrated; rod erodes"),
-    "ii.2": StageWords("front held", "ceramic carried or held", "ceramic carried along or held (dwell); rod erodes"),
-    "ii.3": StageWords("rod is rigid", "ceramic, rod rigid", "ceramic, penetrated; rod rigid"),
-    "iii.1": StageWords("rod erodes", "plate, rod erodes", "plate, penetrated; rod erodes"),
-    "iii.2": StageWords("front held", "plate carried or held", "plate carried along or held (dwell); rod erodes"),
-    "iii.3": StageWords("rod is rigid", "plate, rod rigid", "plate, penetrated; rod rigid"),
-    "iii.4": StageWords("plug moves along", "plug carried along", "plate carried along; rod rigid"),
-    "iii.5": StageWords("ceramic moves along", "ceramic carried along", "fragmented ceramic carried along; rod rigid"),
+    "i": StageWords("impact", "intact ceramic", "intact ceramic; penetrator erodes"),
+    "ii.1": StageWords("ceramic fragments", "fragmented ceramic", "fragmented ceramic; penetrator erodes"),
+    "ii.2": StageWords("front held", "ceramic carried or held", "ceramic carried or held (dwell); penetrator erodes"),
+    "ii.3": StageWords("erosion ends", "ceramic, rigid penetrator", "ceramic; penetrator rigid"),
+    "iii.1": StageWords("penetrator erodes", "plate, eroding penetrator", "plate; penetrator erodes"),
+    "iii.2": StageWords("front held", "plate carried or held", "plate carried or held (dwell); penetrator erodes"),
+    "iii.3": StageWords("erosion ends", "plate, rigid penetrator", "plate; penetrator rigid"),
+    "iii.4": StageWords("plug moves along", "plug carried along", "plate carried; penetrator rigid"),
+    "iii.5": StageWords("ceramic moves along", "ceramic carried along", "fragmented ceramic carried; penetrator rigid"),
 }
 
 
@@ -112,13 +112,13 @@ PANELS: tuple[tuple[charts.Axis, float, dict[str, str]], ...] = (
             "target W": "target_velocity_m_s",
         },
     ),
-    (charts.Axis("rod length L", "mm", from_zero=True, spec=".2f"), 0.65, {"": "length_mm"}),
+    (charts.Axis("penetrator length L", "mm", from_zero=True, spec=".2f"), 0.75, {"": "length_mm"}),
     (charts.Axis("depth, bulge", "mm", spec=".2f"), 0.75, {"depth Z": "depth_mm", "bulge h": "bulge_height_mm"}),
 )
 
 
 def chart(result: ImpactResult) -> charts.Chart:
-    """Describe an impact: armour and rod at the ends of its stages, and velocities, rod length and depths over time."""
+    """Describe an impact: penetrator and armour at the ends of its stages, and its history."""
     history = result.history
     if history is None:
         raise InputError([Problem("plot", "result", "must have its history: simulate(scenario, history=True)")])
@@ -158,31 +158,31 @@ def _spans(result: ImpactResult, shown: float) -> charts.Spans:
     )
 
 
-# Pictures of an impact at most, the least height of armour that they show, in diameters of the rod and as a part of
-# their length, and the scale drawn, mm.
+# Pictures of an impact at most, the least height of armour that they show, in diameters of the penetrator and as a part
+# of their length, and the scale drawn, mm.
 PICTURES, SHOWN_DIAMETERS, SHOWN_PART, SCALE_MM = 6, 3.6, 0.6, 10.0
 # Characters in a line of words above a picture, and the time between events of one picture at most, µs.
 EVENT_CHARACTERS, AT_ONCE_US = 12, 1e-3
 
 
 def _scene(result: ImpactResult, history: History) -> charts.Panel:
-    """Draw armour and rod to scale along the line of fire, at the start and at the end of each stage."""
+    """Draw armour and penetrator to scale along the line of fire, at the start and at the end of each stage."""
     p = result.question["scenario"].core_armour()
     length, diameter, ceramic, backing = (value / MM for value in (p.L0, p.D0, p.Hc0, p.Hb))
     fragmented = _fragmented_us(p, history)
     moments = _moments(result, fragmented)
     times = [time for time, _ in moments]
-    depths, rods, bulges, velocities = (
+    depths, lengths, bulges, velocities = (
         np.interp(times, history.time_us, values).tolist()
         for values in (history.depth_mm, history.length_mm, history.bulge_height_mm, history.velocity_m_s)
     )
-    left, right = np.minimum(np.subtract(depths, rods), 0.0), ceramic + backing + np.array(bulges)
+    left, right = np.minimum(np.subtract(depths, lengths), 0.0), ceramic + backing + np.array(bulges)
     middles, width = _side_by_side(right - left)
     starts = (middles - 0.5 * (left + right)).tolist()
     high = 0.5 * max(SHOWN_DIAMETERS * diameter, SHOWN_PART * (length + ceramic + backing))
     boxes = [
         replace(box, left=start + box.left, right=start + box.right)
-        for time, start, *state in zip(times, starts, depths, rods, bulges, strict=True)
+        for time, start, *state in zip(times, starts, depths, lengths, bulges, strict=True)
         for box in _picture(0.5 * diameter, high, (ceramic, backing), *state, broken=time >= fragmented - AT_ONCE_US)
     ]
     above = (
@@ -196,7 +196,10 @@ def _scene(result: ImpactResult, history: History) -> charts.Panel:
         charts.Words(middles.tolist(), high, tuple(above)),
         charts.Words([0.5 * SCALE_MM], -2.6 * high, (f"{SCALE_MM:g} mm",)),
         charts.Words(
-            [starts[0] - 0.5 * length, *middles[1:]], -1.05 * high, tuple(f"rod\n{r:.3g} mm" for r in rods), above=False
+            [starts[0] - 0.5 * length, *middles[1:]],
+            -1.05 * high,
+            tuple(f"penetrator\n{left:.3g} mm" for left in lengths),
+            above=False,
         ),
         charts.Words([starts[0] + 0.5 * (ceramic + backing)], -1.8 * high, (layers,), above=False),
     )
@@ -219,7 +222,7 @@ def _side_by_side(widths: Any) -> tuple[Any, float]:
 
 
 def _fragmented_us(p: Parameters, history: History) -> float:
-    """Return when the crack has met the rod (7), µs, which during dwell begins no stage; infinite if it does not."""
+    """Return when the crack meets the penetrator (7), µs, which begins no stage in dwell; infinite if it does not."""
     if not p.Hc0:
         return inf
     crossed = history.depth_mm + history.time_us * 1e-6 * crack_velocity(p.Ec, p.rho_c) / MM
@@ -231,7 +234,7 @@ def _events(result: ImpactResult) -> Iterator[tuple[float, str]]:
     for stage, after in pairwise(result.stages):
         event = STAGES[after.stage].begins
         if after.stage in ("iii.1", "iii.2", "iii.3") and stage.stage[:3] != "iii":
-            event = "rod through ceramic"
+            event = "ceramic penetrated"
         elif (stage.stage, after.stage) == ("ii.2", "ii.1"):
             event = "dwell ends"
         yield stage.end_us, event
@@ -239,15 +242,15 @@ def _events(result: ImpactResult) -> Iterator[tuple[float, str]]:
 
 
 def _picture(
-    half: float, high: float, layers: tuple[float, float], front: float, rod: float, bulge: float, *, broken: bool
+    half: float, high: float, layers: tuple[float, float], front: float, length: float, bulge: float, *, broken: bool
 ) -> Iterator[charts.Box]:
-    """Give what is seen of layers and rod: half the heights of rod and armour, depth, length and bulge, mm."""
+    """Give what is seen of layers and penetrator, given half of both heights, depth, length and bulge, mm."""
     ceramic, total = layers[0], sum(layers)
     for name, near, far, is_broken in (("ceramic", 0.0, ceramic, broken), ("metal", ceramic, total, False)):
         ahead = max(near + (bulge if near else 0.0), front)
-        parts = [(near, far, -high, -half), (near, far, half, high)]  # beside the path of the rod
-        parts += [(ahead, far + bulge, -half, half)] if far + bulge > ahead else []  # what is left ahead of the rod
+        parts = [(near, far, -high, -half), (near, far, half, high)]  # beside its path
+        parts += [(ahead, far + bulge, -half, half)] if far + bulge > ahead else []  # what is left ahead
         if far > near:
             yield from (charts.Box(*part, is_broken, colour=name) for part in parts)
-    if rod > 0.0:
-        yield charts.Box(front - rod, front, -half, half, colour="rod")
+    if length > 0.0:
+        yield charts.Box(front - length, front, -half, half, colour="rod")
