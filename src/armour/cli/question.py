@@ -114,7 +114,7 @@ ScenarioFile = Annotated[
 Changes = Annotated[
     list[str] | None,
     option(
-        "Change a value of the scenario; repeatable.",
+        "Replace the value of a key; repeatable.",
         "--set",
         metavar="KEY=VALUE",
         autocompletion=completion.assignments,

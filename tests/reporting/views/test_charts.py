@@ -86,7 +86,11 @@ def test_an_impact():
     chart = impact_view.chart(found)
     assert chart.title == f"Perforated: residual velocity {found.residual_velocity_m_s:.0f} m/s"
     time = "time since impact, µs"
-    assert headings(chart)[1:] == [(time, "velocity, m/s"), (time, "penetrator length L, mm"), (time, "depth, bulge, mm")]
+    assert headings(chart)[1:] == [
+        (time, "velocity, m/s"),
+        (time, "penetrator length L, mm"),
+        (time, "depth, bulge, mm"),
+    ]
     expected = ["projectile V", "penetration U", "target W", "depth Z", "bulge h"]
     assert labels(*chart.panels) == expected
     scene, velocities, *_ = chart.panels

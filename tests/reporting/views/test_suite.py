@@ -54,8 +54,8 @@ def test_unchanged_is_not_usable(folder: Path):
     report = suite_view.report(result(folder, far))
     assert report.lead == "Unchanged: 3 of 3 within their bands."
     usable, *others = report.sections
-    assert usable.heading == "Usable"
-    assert not any(section.heading == "Usable" for section in others)
+    assert usable.heading == "Errors of computed limits"
+    assert not any(section.heading == "Errors of computed limits" for section in others)
     found = dict(zip(usable.tables[0].headings(), usable.tables[0].rows[0], strict=True))
     errors = [100.0 * (WILKINS_LIMIT / expected - 1.0) for expected in (600.0, 650.0)]
     assert (found["tests"], found["number"]) == ("t", 2)

@@ -298,14 +298,14 @@ def allowance_percent(checks: Sequence[Check]) -> float:
 
 
 def report(result: SuiteResult, command: str = "") -> Report:
-    """Report the outcome of a suite: whether it is unchanged, how usable the model is, and what both rest on.
+    """Report the outcome of a suite: whether it is unchanged, the errors of the limits, and what both rest on.
 
     With a command, also the origin.
     """
     sources = {name: _source(checks) for name, checks in check_groups(result).items()}
     sections = []
     if (usable := usable_table(result)).rows:
-        sections.append(Section("Usable", (USABLE,), tables=(usable,)))
+        sections.append(Section("Errors of computed limits", (USABLE,), tables=(usable,)))
     sections.append(Section("Computed and expected values", charts=(chart(result),)))
     sections += [
         Section(table.title[:1].upper() + table.title[1:], sources.get(table.title, ()), tables=(table,), folded=True)
