@@ -86,21 +86,19 @@ class Table:
         found = np.empty(len(strengths))
         for armour in {*zip(p.Hc0.tolist(), p.Hb.tolist(), strict=True)}:
             rows = np.flatnonzero((p.Hc0 == armour[0]) & (p.Hb == armour[1]))
-            found[rows] = self.spline(variants.at(rows[:1]))(np.log(strengths[rows]))
+            if armour not in self.splines:
+                self.splines[armour] = self.spline(variants.at(rows[:1]))
+            found[rows] = self.splines[armour](np.log(strengths[rows]))
         return found
 
     def spline(self, variant: Variants) -> CubicSpline:
         """Return the limits of an armour by the logarithm of the flow stress."""
-        p = fields(variant.parameters)
-        key = float(p.Hc0[0]), float(p.Hb[0])
-        if key not in self.splines:
-            rows = variant.at(np.zeros(len(TABLE_GPA), dtype=int))
-            p = fields(rows.parameters)
-            p.Yc0[:] = TABLE_GPA * GPA
-            for coefficient in (p.n_B, p.n_cB, p.a_c, p.a_B):
-                coefficient[:] = 0.0
-            self.splines[key] = CubicSpline(np.log(TABLE_GPA * GPA), self.model(rows))
-        return self.splines[key]
+        rows = variant.at(np.zeros(len(TABLE_GPA), dtype=int))
+        p = fields(rows.parameters)
+        p.Yc0[:] = TABLE_GPA * GPA
+        for coefficient in (p.n_B, p.n_cB, p.a_c, p.a_B):
+            coefficient[:] = 0.0
+        return CubicSpline(np.log(TABLE_GPA * GPA), self.model(rows))
 
 
 class Simulation:
