@@ -90,10 +90,10 @@ def ended(designs: Variants, rows: Ints) -> Ints:
     return rows
 
 
-def compare_limits(name: str, designs: Variants) -> int:
+def compare_limits(name: str, designs: Variants) -> tuple[int, str]:
     """Print how many limits differ from the lowest change that a scan by usual impacts sees; return those too high."""
     rows = ended(designs, np.arange(len(designs.velocities)))
-    print(f"{name}: {len(designs.velocities) - len(rows)} end with a message")
+    unresolved = len(designs.velocities) - len(rows)
     designs = designs.at(rows)
     velocities = np.array(scan(LOW, HIGH, DENSE_SCAN_POINTS))
     parts = np.array_split(np.arange(len(designs.velocities)), -(-len(designs.velocities) // PART))
@@ -102,7 +102,7 @@ def compare_limits(name: str, designs: Variants) -> int:
     low = np.where(beyond.any(axis=1), velocities[np.maximum(first - 1, 0)], np.inf)
     high = np.where(beyond.any(axis=1), velocities[first], np.inf)
     several = (np.diff(beyond.astype(int), axis=1) != 0).sum(axis=1) > 1
-    print(f"{name}: {len(low)}, of which {several.sum()} change more than once")
+    print(f"{name}: {len(low)}, of which {several.sum()} change more than once; {unresolved} end with a message")
     found = limit_brackets(designs, LOW, HIGH, TOLERANCE)
     coarse = batch.ballistic_limits(designs.parameters, LOW, HIGH, TOLERANCE, points=SCAN_POINTS)
     for by, brackets in ((f"{SCAN_POINTS} velocities everywhere", coarse), ("the program", found)):
@@ -114,7 +114,8 @@ def compare_limits(name: str, designs: Variants) -> int:
         confirmed = int((~perforated(ends[0]) & perforated(ends[1])).sum()) if len(lower) else 0
         print(f"  by {by}: {same.sum()} the same, {confirmed} of {len(lower)} lower ones confirmed, "
               f"{(~same).sum() - len(lower)} too high")  # fmt: skip
-    return int((~same).sum()) - confirmed
+    wrong = int((~same).sum()) - confirmed
+    return wrong, f"{wrong} of {len(low):,} {name}" + (f" ({unresolved} more end with a message)" if unresolved else "")
 
 
 def compare_thicknesses(designs: Variants) -> int:
@@ -151,11 +152,11 @@ def main() -> int:
     parser.add_argument("--thicknesses", type=int, default=500)
     asked = parser.parse_args()
     unusual = unusual_designs(asked.designs, seed=24)
-    wrong = compare_limits("unusual designs", unusual)
-    nearly = compare_limits("nearly unusual designs", nearly_unusual_designs(asked.nearly, unusual))
+    wrong, told = compare_limits("unusual armours", unusual)
+    nearly, told_nearly = compare_limits("nearly unusual ones", nearly_unusual_designs(asked.nearly, unusual))
     thicknesses = compare_thicknesses(unusual.at(slice(asked.thicknesses)))
     return verdict(
-        f"limits too high: {wrong} of {asked.designs:,} unusual armours, {nearly} of {asked.nearly:,} nearly unusual; "
+        f"limits too high: {told}, {told_nearly}; "
         f"least thicknesses that differ: {thicknesses} of {asked.thicknesses:,}",
         right=not wrong and not thicknesses and nearly <= MOST * asked.nearly,
     )
