@@ -2,8 +2,8 @@
 
 Projectile and materials have values spread over decades. A limit is right if it lies at the lowest change of the
 outcome that 1,025 velocities see, 1 to 10,000 m/s, or if a lower one is found that the impacts at both ends of its
-bracket confirm. Designs that are nearly unusual, up to a factor of two outside of what the model was compared with, are
-compared in the same way. A least ceramic thickness is compared with a scan that is four times as dense.
+bracket confirm. Designs inside of what the model was compared with, and up to a factor of two outside, are compared in
+the same way. A least ceramic thickness is compared with a scan that is four times as dense.
 
     python -m tools.campaigns.unusual
 """
@@ -44,11 +44,11 @@ def unusual_designs(count: int, seed: int) -> Variants:
     return Variants(batch.packed(armours), velocities, ones, ones, found[0])
 
 
-def nearly_unusual_designs(count: int, like: Variants) -> Variants:
-    """Return designs with every quantity up to a factor of two outside of what the model was compared with."""
+def designs_within(factor: float, count: int, like: Variants) -> Variants:
+    """Return designs with every quantity up to a factor outside of what the model was compared with."""
     rng = np.random.default_rng(11)
     of = {
-        limits.measure.key: np.exp(rng.uniform(np.log(limits.low / FAR), np.log(limits.high * FAR), count))
+        limits.measure.key: np.exp(rng.uniform(np.log(limits.low / factor), np.log(limits.high * factor), count))
         for limits in covered(bare=False)
     }
     D0, strength = 6.5e-3, of["backing.flow_stress_GPa"] * 1e9
@@ -153,12 +153,13 @@ def main() -> int:
     asked = parser.parse_args()
     unusual = unusual_designs(asked.designs, seed=24)
     wrong, told = compare_limits("unusual armours", unusual)
-    nearly, told_nearly = compare_limits("nearly unusual ones", nearly_unusual_designs(asked.nearly, unusual))
+    nearly, told_nearly = compare_limits("nearly unusual ones", designs_within(FAR, asked.nearly, unusual))
+    usual, told_usual = compare_limits("within the ranges", designs_within(1.0, asked.nearly, unusual))
     thicknesses = compare_thicknesses(unusual.at(slice(asked.thicknesses)))
     return verdict(
-        f"limits too high: {told}, {told_nearly}; "
+        f"limits too high: {told}, {told_nearly}, {told_usual}; "
         f"least thicknesses that differ: {thicknesses} of {asked.thicknesses:,}",
-        right=not wrong and not thicknesses and nearly <= MOST * asked.nearly,
+        right=not wrong and not usual and not thicknesses and nearly <= MOST * asked.nearly,
     )
 
 
