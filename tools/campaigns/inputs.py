@@ -449,7 +449,7 @@ def trial(dice: Dice) -> Trial:
     maker = Maker(command, dice)
     words = [*maker.words()]
     stdin = b""
-    if "s.toml" in words and dice.random() < PIPED:
+    if "s.toml" in words and "s.toml" in maker.files and dice.random() < PIPED:
         words[words.index("s.toml")], stdin = "-", maker.files["s.toml"]
     return Trial(words, maker.files, stdin, dice.uniform(0.01, 1.0) if dice.random() < STOPPED else 0.0)
 
