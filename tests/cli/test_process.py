@@ -138,6 +138,25 @@ main()
     assert (done.returncode, done.stderr) == (130, "interrupted\n")
 
 
+def test_interrupted_in_a_destructor_which_loses_exceptions():
+    code = """
+import sys
+class Lost:
+    def __del__(self):
+        raise KeyboardInterrupt
+class Import:
+    def find_spec(self, name, *_):
+        if name == "pydantic":
+            Lost()
+from armour.cli.main import main
+sys.meta_path.insert(0, Import())
+sys.argv = ["armour", "simulate", "a.toml"]
+main()
+"""
+    done = process("-c", code)
+    assert (done.returncode, done.stderr) == (130, "interrupted\n")
+
+
 def test_one_line_of_a_pipe(tmp_path: Path):
     code, output, messages = piped(f"simulate {SCENARIOS / 'wilkins.toml'}", tmp_path)
     assert (code, output, messages) == (0, "6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s\n", "")

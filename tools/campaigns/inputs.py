@@ -11,6 +11,7 @@ The commands and their options are those of the program; one without a value in 
 
 import argparse
 import csv
+import gc
 import json
 import os
 import random
@@ -42,6 +43,8 @@ ROOT = Path(__file__).resolve().parents[2]
 LIMIT_S, HANGING_S = 60.0, 600.0
 LIMIT_MIB = 1024.0
 DONE, NO_ANSWER, CHECK_FAILED, INTERRUPTED = 0, 1, 3, 130
+# How outputs end that do not end with a line, and characters told of a traceback.
+ENDS, TOLD = {".parquet": b"PAR1"}, 3000
 # Parts of the trials that are gentle, that read the scenario from standard input, and that are interrupted.
 GENTLE, PIPED, STOPPED = 0.6, 0.05, 0.03
 
@@ -494,7 +497,8 @@ def run(made: Trial, folder: Path) -> Outcome:
         faults.append(f"files of a failed command: {left}")
     if code == DONE and "--json" in made.arguments:
         faults += not_strict_json(stdout)
-    elif code == DONE:
+    elif code == DONE and not any(re.search(rb"\b(nan|inf)\b", content) for content in made.files.values()):
+        # A number is none of these in an input that is accepted, but a title or the name of a shot may be.
         faults += ["nan or inf in the answer"] if re.search(r"(?<![\w\"'=.-])[-+]?(nan|inf)(?![\w\"'])", stdout) else []
     for path in written if code in (DONE, CHECK_FAILED) else ():
         faults += malformed(path)
@@ -505,6 +509,8 @@ def may_be_left(path: Path, code: int, arguments: list[str]) -> bool:
     """Return whether a command that fails may leave a file, as the pages say."""
     if path.parent.suffix == ".parts":  # chunks of a sweep
         return code == INTERRUPTED
+    if code == INTERRUPTED and path.read_bytes().endswith(ENDS.get(path.suffix, b"\n")):  # written whole before
+        return True
     if code == NO_ANSWER and "--map" in arguments:  # how far the designs are from what is required
         return path.suffix == ".html"
     return path.suffix == ".lock"
@@ -568,6 +574,9 @@ def warm_up() -> None:
     import pyarrow.parquet  # noqa: F401
 
     COMMANDS.update(leaves(typer.main.get_command(app)))
+    # What is collected here calls back in no trial, where an exception of an interruption would be lost.
+    gc.collect()
+    gc.freeze()
 
 
 def not_strict_json(text: str) -> list[str]:
@@ -635,9 +644,8 @@ def main() -> int:
             slowest, largest = max(slowest, outcome.seconds), max(largest, outcome.mib)
             kinds.update({f"{command}: {re.sub(r'[0-9]+', '#', fault)}" for fault in outcome.faults})
             if outcome.faults:
-                last = outcome.stderr.strip().splitlines()[-1:]
                 told = f"{outcome.code} {outcome.seconds:.1f} s"
-                print(number, made.arguments, told, outcome.faults, *last, flush=True)
+                print(number, made.arguments, told, outcome.faults, outcome.stderr[-TOLD:], flush=True)
             if time.monotonic() > end:
                 pool.shutdown(wait=False, cancel_futures=True)
                 break

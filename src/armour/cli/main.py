@@ -5,12 +5,14 @@ import signal
 import sys
 from contextlib import nullcontext
 from io import TextIOWrapper
+from typing import Any
 
 
 def main() -> None:
     """Run the command line."""
     # Before and after a command nothing is to be cleaned up, and an exception could be lost in an import.
     signal.signal(signal.SIGINT, _end)
+    sys.unraisablehook = _end_if_interrupted
     try:
         _open_streams()
         # What an encoding such as ASCII does not have, µ for one, is escaped.
@@ -36,6 +38,13 @@ def _end(*_signal: object) -> None:
         os.write(2, b"interrupted\n")
     finally:
         os._exit(130)
+
+
+def _end_if_interrupted(lost: Any) -> None:
+    """End if an interruption came in a callback or a compiled module, which lose exceptions."""
+    if isinstance(lost.exc_value, KeyboardInterrupt):
+        _end()
+    sys.__unraisablehook__(lost)
 
 
 def _open_streams() -> None:
