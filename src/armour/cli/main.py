@@ -14,6 +14,14 @@ def main() -> None:
     signal.signal(signal.SIGINT, _end)
     sys.unraisablehook = _end_if_interrupted
     try:
+        _run()
+    except KeyboardInterrupt:
+        _end()
+
+
+def _run() -> None:
+    """Run the command line; an interruption may come anywhere."""
+    try:
         _open_streams()
         # What an encoding such as ASCII does not have, µ for one, is escaped.
         if isinstance(sys.stdout, TextIOWrapper):
@@ -24,8 +32,6 @@ def main() -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
         with for_bash() if os.environ.get("_ARMOUR_COMPLETE") == "complete_bash" else nullcontext():
             app(prog_name="armour")
-    except KeyboardInterrupt:
-        _end()
     except OSError as error:
         _give_up(error)
     finally:
