@@ -9,6 +9,8 @@ import pytest
 from armour.analysis.ballistic_limit import bisect
 from armour.core import search
 from armour.core.bounds import may_perforate
+from armour.core.events import ERODED_FRACTION
+from armour.core.run import run
 from armour.core.search import (
     ENERGY_LEFT,
     GOLDEN,
@@ -33,6 +35,7 @@ from armour.core.search import (
     scanned_impact,
 )
 from armour.core.state import Parameters
+from armour.core.stepping import time_step
 from tests.helpers.cases import armour
 from tests.helpers.runs import perforates, random_designs
 
@@ -116,6 +119,26 @@ def test_an_unresolved_run_ends_the_search():
     assert found.low == found.high > VELOCITIES[0]
     assert not found.resolved
     assert find_least_ceramic_thickness(armour(), 800.0, 0.0, 0.01, 1e-8, 1.0, 0.0, 10) == unresolved
+
+
+def test_an_unresolved_run_ends_the_search_for_a_thickness_wherever_it_comes(monkeypatch: pytest.MonkeyPatch):
+    made, usual = 0, search.impact
+
+    def counted(p: Parameters, V: float, solver: Solver) -> Impact:
+        nonlocal made
+        made += 1
+        return usual(p, V, solver)
+
+    monkeypatch.setattr(search, "impact", counted)
+    seen = set()
+    for steps in range(10, 60):
+        made = 0
+        found = find_least_ceramic_thickness(armour(), 800.0, 0.0, 0.02, 1e-8, 1.0, 0.0, steps)
+        assert found.runs == made
+        if not found.resolved:
+            assert found == SearchResult(-inf, inf, made, False)
+        seen.add((found.resolved, made > 1))
+    assert seen == {(False, False), (False, True), (True, True)}
 
 
 def test_a_tolerance_below_rounding_ends():
@@ -221,7 +244,12 @@ def changes(monkeypatch: pytest.MonkeyPatch, given: list[Impact], hidden: Impact
         return Change(impacts[-3], hidden or impacts[-3], 10)
 
     scanned_as(monkeypatch, lambda V: next(i for i in given if V == i.V))
-    monkeypatch.setattr(search, "impact", lambda _p, V, _solver: next(i for i in [hidden, *given] if i and V == i.V))
+
+    def usual(p: Parameters, V: float, solver: Solver) -> Impact:
+        assert (p, solver) == (armour(), SOLVER)
+        return next(i for i in [hidden, *given] if i and V == i.V)
+
+    monkeypatch.setattr(search, "impact", usual)
     monkeypatch.setattr(search, "change_at_peak", between)
     monkeypatch.setattr(search, "change_between_causes", between)
     velocities = [5.0, *(i.V for i in given)]
@@ -245,19 +273,56 @@ def test_a_change_between_near_velocities_is_confirmed(monkeypatch: pytest.Monke
         return Impact(V, 130.0 <= V < 131.0 or V >= 150.0, False, True, -1.0, 1.0)
 
     def usual(_p: Parameters, V: float, _solver: Solver) -> Impact:
+        repeated.append(V)
         return Impact(V, limit <= V, False, True, -1.0, 1.0)
 
-    scanned_as(monkeypatch, rough)
+    repeated: list[float] = []
+    scanned = scanned_as(monkeypatch, rough)
     monkeypatch.setattr(search, "impact", usual)
     velocities = [100.0 * 1.01**i for i in range(60)]
     limit, start = 140.0, stopped(100.0)
     found = next_change(armour(), start, start, velocities, SOLVER)
     assert found.below.V < limit <= found.above.V < 1.02 * found.below.V
+    assert found.runs == len(scanned) + len(repeated) > len(scanned) + 3
     limit = 99.0
     found = next_change(armour(), start, start, velocities, SOLVER)
     assert found.below.V < limit <= found.above.V
     limit = 160.0
     assert limit < next_change(armour(), start, start, velocities, SOLVER).above.V
+
+
+def test_a_change_is_confirmed_downwards_to_the_start_of_the_scan(monkeypatch: pytest.MonkeyPatch):
+    """By steps of the ratio of the two velocities between which rough runs saw it."""
+
+    def usual(p: Parameters, V: float, solver: Solver) -> Impact:
+        assert (p, solver) == (armour(), SOLVER)
+        tried.append(V)
+        return Impact(V, limits[-1] < V, False, abs(V - unresolved) > 0.1, 0.0, 0.0)
+
+    monkeypatch.setattr(search, "impact", usual)
+    rough = Change(stopped(121.0), Impact(133.1, True, False, True, -1.0, 1.0), 0)
+    limits = []
+    for limit, unresolved, below in (
+        (125.0, 0.0, [121.0]),
+        (105.0, 0.0, [121.0, 110.0, 103.0]),
+        (99.0, 0.0, [121.0, 110.0, 103.0, 103.0 / 1.1]),
+        (0.0, 110.0, [121.0, 110.0]),
+        (140.0, 0.0, []),
+        (0.0, 133.1, []),
+    ):
+        limits.append(limit)
+        tried: list[float] = []
+        found = search.confirmed(armour(), stopped(103.0), rough, SOLVER)
+        assert tried == pytest.approx([133.1, *below])
+        assert found.runs == len(tried)
+        ends = [found.below, found.above]
+        if not below:
+            assert ends == [rough.below, usual(armour(), 133.1, SOLVER)]
+        elif unresolved:
+            assert ends == [usual(armour(), tried[-1], SOLVER)] * 2
+            assert not found.below.resolved
+        else:
+            assert ends == [usual(armour(), V, SOLVER) for V in (tried[-1], tried[-2])]
 
 
 def test_a_dense_scan_ends_at_a_change_of_usual_runs():
@@ -594,3 +659,27 @@ def test_an_impact_says_how_it_ended():
     assert 0.0 < slow.nearness < armour().Hc0 + armour().Hb
     assert not impact(armour(), 300.0, SOLVER._replace(max_steps=3)).resolved
     assert impact(armour(), 2000.0, SOLVER._replace(V_arrest=20.0)).f == pytest.approx(fast.f + 1.0 - 400.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_rough_runs_begin_with_an_estimate_by_the_energy_that_is_left(monkeypatch: pytest.MonkeyPatch, sign: float):
+    tried = []
+
+    def given(_p: Parameters, V: float, _solver: Solver) -> Impact:
+        tried.append(V)
+        return linear(V, sign, jump=9000.0)
+
+    monkeypatch.setattr(search, "rough_impact", given)
+    low, high = sorted((sign * 620.0, sign * 790.0))
+    first, other = given(armour(), abs(high), SOLVER), given(armour(), abs(low), SOLVER)._replace(f=-inf)
+    rough_root(armour(), low, high, first, other, sign, SOLVER)
+    away = first.f / ENERGY_LEFT
+    assert tried[2] ** 2 == pytest.approx(high * high - sign * (1.0 - search.ESTIMATE_ERROR) * away)
+
+
+def test_an_impact_says_whether_the_projectile_is_used_up():
+    p = armour()
+    end = run(p, 300.0, time_step(p, 300.0, 0.0), 1.0, STEPS, None, False)
+    for part, eroded in ((0.99, True), (1.01, False)):
+        left = end._replace(y=end.y._replace(L=part * ERODED_FRACTION * p.L0))
+        assert search.impact_of(left, p, 300.0, SOLVER).eroded is eroded

@@ -6,6 +6,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.contour import ContourSet
 from matplotlib.transforms import Bbox
 
@@ -47,6 +48,14 @@ CHARTS = {
 def chart(request: pytest.FixtureRequest) -> Chart:
     made: Chart = CHARTS[request.param]()
     return made
+
+
+def test_an_interval_need_not_contain_its_point():
+    """Only the bar of a point that is drawn is drawn."""
+    points = Points([1.0, 9.0, 5.0], [1.0, 2.0, 3.0], x_ends=((2.0, 4.0), (8.0, 10.0), (4.0, 5.5)))
+    axes = draw(Chart("T", (Panel(Axis("a", limits=(0.0, 6.0)), Axis("b"), (points,)),))).axes[0]
+    [bars] = [item for item in axes.collections if isinstance(item, LineCollection)]
+    assert [[x for x, _ in ends] for ends in bars.get_segments()] == [[2.0, 4.0], [4.0, 5.5]]
 
 
 @pytest.mark.parametrize("suffix", METADATA)

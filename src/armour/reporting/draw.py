@@ -211,13 +211,15 @@ def _(item: charts.Points, axes: Axes) -> None:
             values[(values < min(limits)) | (values > max(limits))] = np.nan
     if not np.isfinite(x + y).any():
         return  # a line without points takes room at the corner of the figure
-    for ends, values, axis in ((item.x_ends, x, "xerr"), (item.y_ends, y, "yerr")):
+    for ends, axis in ((item.x_ends, "x"), (item.y_ends, "y")):
         if ends:
             low, high = np.array(ends).T
+            # An interval need not contain its point: the limit of the model may lie beyond that with the model error.
+            seen, middle, length = np.isfinite(x + y), 0.5 * (low + high), 0.5 * (high - low)
             # As lists: matplotlib 3.10 converts arrays of one element in a way that numpy deprecates.
-            lengths = np.array([values - low, high - values]).tolist()
-            bars: Any = {axis: lengths, "fmt": "none", "ecolor": item.colour, "capsize": 3.0}
-            axes.errorbar(x, y, **bars)
+            given = {"x": x, "y": y, axis: middle, f"{axis}err": length}
+            bars: Any = {name: values[seen].tolist() for name, values in given.items()}
+            axes.errorbar(**bars, fmt="none", ecolor=item.colour, capsize=3.0)
     style: Any = {"color": item.colour, "markersize": item.size, "linestyle": "none", "clip_on": False, "zorder": 4}
     if not item.filled:
         style["markerfacecolor"] = "none"

@@ -72,6 +72,7 @@ def test_an_allowance_leaves_out_one_test_of_twenty(folder: Path):
     checks = [replace(check, computed=720.0 * factor) for factor in (2.0, 1.25, *[1.0] * 18)]
     assert allowance_percent(checks) == pytest.approx(20.0)
     assert allowance_percent(checks[2:]) == 0.0
+    assert allowance_percent([replace(check, computed=None)]) is None
 
 
 def test_every_case_and_table_is_a_test_case(folder: Path):

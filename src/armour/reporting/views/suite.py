@@ -290,9 +290,14 @@ def usable_table(result: SuiteResult) -> Table:
     )
 
 
-def allowance_percent(checks: Sequence[Check]) -> float:
-    """Return by how much computed limits are to be lowered, %, so that 95 % of the measured ones reach them."""
+def allowance_percent(checks: Sequence[Check]) -> float | None:
+    """Return by how much computed limits are to be lowered, %, so that 95 % of the measured ones reach them.
+
+    It is None if none was computed.
+    """
     errors = sorted((check.deviation_percent for check in checks if check.deviation_percent is not None), reverse=True)
+    if not errors:
+        return None
     error = errors[int((1.0 - COVERED) * len(errors))]
     return max(0.0, 100.0 * error / (100.0 + error))
 
