@@ -1,7 +1,7 @@
 """Count how often the 95 % intervals of `armour uncertainty` contain the truth.
 
 The truth is that of 2^18 samples, whose error is about a tenth of the intervals', with first-order indices by a linear
-spline in place of the polynomials.
+spline in place of the polynomials, and that of the model error by the variance within narrow intervals.
 
     python -m tools.campaigns.coverage_uncertainty [SEEDS]
 """
@@ -17,6 +17,7 @@ from armour.analysis.estimates import Estimate
 from armour.analysis.results import portions
 from armour.analysis.samples import own_values, sampled, section_of
 from armour.analysis.variants import Floats, perforated
+from armour.scenario.evidence import ERROR
 from armour.scenario.inputs import VELOCITY
 from armour.scenario.sampling import columns_of, points_of
 from armour.scenario.scenario import Scenario, load_scenario
@@ -30,6 +31,8 @@ LEAST = 93.0
 REFERENCE = {"uncertainty.samples": 2**18, "uncertainty.seed": 1_000_000}
 # Parts of the splines of the reference, with equal numbers of samples.
 PIECES = 32
+# Samples of an interval of the chance of the model error, whose laws each have a range of it.
+NARROW = 4
 CORRELATED = {
     "uncertainty.armour.ceramic_thickness_mm": {"distribution": "uniform", "min": 5.75, "max": 6.95},
     "uncertainty.backing.dynamic_yield_strength_MPa": {"distribution": "normal", "standard_deviation_percent": 10.0},
@@ -52,7 +55,8 @@ def truths(scenario: Scenario) -> dict[str, float]:
     found = {"probability": float(hits.mean()), "mean": float(limits.mean())}
     found |= {name: float(np.quantile(limits, chance)) for name, chance in QUANTILES.items()}
     columns = columns_of(section, own, points)
-    return found | {name: explained(values, limits) for name, values in columns.items() if name != VELOCITY}
+    found |= {name: explained(values, limits) for name, values in columns.items() if name not in (VELOCITY, ERROR)}
+    return found | {ERROR: between(columns[ERROR], limits)}
 
 
 def explained(values: Floats, limits: Floats) -> float:
@@ -62,6 +66,12 @@ def explained(values: Floats, limits: Floats) -> float:
     knots = np.quantile(x, np.linspace(0.0, 1.0, PIECES + 1))
     spline = make_lsq_spline(x, y, np.r_[knots[0], knots, knots[-1]], k=1)
     return float(1.0 - np.var(y - spline(x)) / np.var(y))
+
+
+def between(values: Floats, limits: Floats) -> float:
+    """Return the share of the variance of limits that is between narrow intervals of an input at which they jump."""
+    parts = limits[np.argsort(values)].reshape(-1, NARROW)
+    return float(1.0 - parts.var(axis=1, ddof=1).mean() / limits.var())
 
 
 def estimates(scenario: Scenario) -> Iterator[tuple[str, Estimate]]:
