@@ -1,7 +1,7 @@
 """Count how often the 95 % intervals of `armour uncertainty` contain the truth.
 
 The truth is that of 2^18 samples, whose error is about a tenth of the intervals', with first-order indices by a linear
-spline in place of the polynomials, and that of the model error by the variance within narrow intervals.
+spline in place of the polynomials, and that of the model error by the mean limits of its laws.
 
     python -m tools.campaigns.coverage_uncertainty [SEEDS]
 """
@@ -15,8 +15,8 @@ from scipy.interpolate import make_lsq_spline
 
 from armour.analysis.estimates import Estimate
 from armour.analysis.results import portions
-from armour.analysis.samples import own_values, sampled, section_of
-from armour.analysis.variants import Floats, perforated
+from armour.analysis.samples import own_errors, own_values, sampled, section_of
+from armour.analysis.variants import Floats, Ints, perforated
 from armour.scenario.evidence import ERROR
 from armour.scenario.inputs import VELOCITY
 from armour.scenario.sampling import columns_of, points_of
@@ -31,8 +31,6 @@ LEAST = 93.0
 REFERENCE = {"uncertainty.samples": 2**18, "uncertainty.seed": 1_000_000}
 # Parts of the splines of the reference, with equal numbers of samples.
 PIECES = 32
-# Samples of an interval of the chance of the model error, whose laws each have a range of it.
-NARROW = 4
 CORRELATED = {
     "uncertainty.armour.ceramic_thickness_mm": {"distribution": "uniform", "min": 5.75, "max": 6.95},
     "uncertainty.backing.dynamic_yield_strength_MPa": {"distribution": "normal", "standard_deviation_percent": 10.0},
@@ -48,15 +46,17 @@ def truths(scenario: Scenario) -> dict[str, float]:
     scenario = scenario.replaced(REFERENCE)
     section, own = section_of(scenario), own_values(scenario)
     points = points_of(section)
-    hits, limits = np.empty(len(points), dtype=bool), np.empty(len(points))
+    hits, limits, factors = np.empty(len(points), dtype=bool), *np.empty((2, len(points)))
     for part in portions(len(points), SAMPLES_AT_A_TIME):
         samples = sampled(scenario, columns_of(section, own, points[part]), part.stop - part.start)
         hits[part], limits[part] = perforated(samples.variants), sample_limits(samples)
+        factors[part] = samples.factor
     found = {"probability": float(hits.mean()), "mean": float(limits.mean())}
     found |= {name: float(np.quantile(limits, chance)) for name, chance in QUANTILES.items()}
     columns = columns_of(section, own, points)
     found |= {name: explained(values, limits) for name, values in columns.items() if name not in (VELOCITY, ERROR)}
-    return found | {ERROR: between(columns[ERROR], limits)}
+    laws = np.searchsorted(own_errors(scenario).weights.ravel().cumsum(), columns[ERROR])
+    return found | {ERROR: explained_by_error(factors, laws, limits)}
 
 
 def explained(values: Floats, limits: Floats) -> float:
@@ -68,10 +68,10 @@ def explained(values: Floats, limits: Floats) -> float:
     return float(1.0 - np.var(y - spline(x)) / np.var(y))
 
 
-def between(values: Floats, limits: Floats) -> float:
-    """Return the share of the variance of limits that is between narrow intervals of an input at which they jump."""
-    parts = limits[np.argsort(values)].reshape(-1, NARROW)
-    return float(1.0 - parts.var(axis=1, ddof=1).mean() / limits.var())
+def explained_by_error(factors: Floats, laws: Ints, limits: Floats) -> float:
+    """Return the share of the variance of limits that the model error explains: a law, and a factor of its limits."""
+    means = np.bincount(laws, limits / factors) / np.bincount(laws)
+    return float(np.var(factors * means[laws]) / np.var(limits))
 
 
 def estimates(scenario: Scenario) -> Iterator[tuple[str, Estimate]]:

@@ -23,7 +23,6 @@ from armour.scenario.evidence import ERROR, ModelError
 from armour.scenario.inputs import VELOCITY
 from armour.scenario.predictive import Errors
 from armour.scenario.sampling import (
-    MIDDLES,
     REPLICATES,
     columns_of,
     correlated,
@@ -37,6 +36,8 @@ from armour.scenario.schema import Uncertainty
 
 # Degree of the polynomials of one input.
 DEGREE = 8
+# Chances that give the moments of the model error, whose tails are long: with 1,000, its index is 0.003 too low.
+CHANCES = (np.arange(100_000) + 0.5) / 100_000
 
 
 def first_order_indices(section: Uncertainty, points: Floats, values: Floats) -> list[Estimate]:
@@ -432,7 +433,7 @@ def error_indices(
     limits, moments = np.zeros((len(errors.weights), len(points))), np.zeros((2, len(errors.weights)))
     for law in _laws(errors):
         one = errors.of_law(law).one()
-        ratios = np.array([one.quantile(MIDDLES)]) ** np.array([[1.0], [2.0]])
+        ratios = np.array([one.quantile(CHANCES)]) ** np.array([[1.0], [2.0]])
         moments[:, law] = errors.weights[law].sum() * ratios.mean(axis=1)
         for part in portions(len(points), SAMPLES_AT_A_TIME):
             columns = columns_of(section, own, points[part])
