@@ -106,9 +106,9 @@ def compare_limits(name: str, designs: Variants) -> tuple[int, str]:
     found = limit_brackets(designs, LOW, HIGH, TOLERANCE)
     coarse = batch.ballistic_limits(designs.parameters, LOW, HIGH, TOLERANCE, points=SCAN_POINTS)
     for by, brackets in ((f"{SCAN_POINTS} velocities everywhere", coarse), ("the program", found)):
-        same = (brackets.perforated >= low) & (brackets.perforated <= high) | beyond[:, 0] & ~np.isfinite(
-            brackets.defeated
-        )
+        # A bracket may contain the perforated end of the scan's.
+        overlap = (brackets.perforated >= low) & (brackets.defeated < high)
+        same = overlap | beyond[:, 0] & ~np.isfinite(brackets.defeated)
         lower = np.flatnonzero(~same & (brackets.perforated < low))
         ends = [designs.at(lower)._replace(velocities=end[lower]) for end in (brackets.defeated, brackets.perforated)]
         confirmed = int((~perforated(ends[0]) & perforated(ends[1])).sum()) if len(lower) else 0
