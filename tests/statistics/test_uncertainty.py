@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy import stats
+from scipy.integrate import quad
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import Estimate
@@ -137,6 +138,21 @@ def test_the_total_index_of_the_models_error_is_exact():
     assert mixed.first is not None
     assert mixed.total is not None
     assert mixed.total.value >= mixed.first.value
+
+
+def test_the_index_of_the_models_error_leaves_out_its_tails():
+    """A 10,000th on each side: with 2 degrees of freedom or fewer, the variance with them is infinite."""
+    spread = {"distribution": "normal", "standard_deviation_percent": 8.0}
+    sections = {"samples": 1024, "ceramic": {"flow_stress_GPa": spread}, "backing": {"flow_stress_GPa": spread}}
+    alone = uncertainty(scenario(uncertainty={**sections, "model": {"included": False}}))
+    given = {"scale_percent": 2.0, "degrees_of_freedom": 2.0}
+    both = uncertainty(scenario(uncertainty={**sections, "model": given}))
+    [first] = [index.first for index in both.inputs if index.input == "model.limit_error_percent"]
+    t, end = stats.t(2.0), stats.t(2.0).isf(1e-4)
+    error = 0.02 * sqrt(quad(lambda x: x**2 * t.pdf(x), -end, end, limit=200)[0] / (1.0 - 2e-4))
+    model = alone.standard_deviation_m_s / alone.mean_m_s
+    assert first is not None
+    assert first.low < error**2 / (error**2 + model**2 + error**2 * model**2) < first.high
 
 
 def test_samples_by_several_laws_are_the_mixture():

@@ -36,8 +36,10 @@ from armour.scenario.schema import Uncertainty
 
 # Degree of the polynomials of one input.
 DEGREE = 8
-# Chances that give the moments of the model error, whose tails are long: with 1,000, its index is 0.003 too low.
-CHANCES = (np.arange(100_000) + 0.5) / 100_000
+# Chance on each side of the model error that its indices leave out: the variance of exp(t) of a Student's is infinite.
+TAIL = 1e-4
+# Chances that give the moments of the model error between its tails.
+CHANCES = TAIL + (1.0 - 2.0 * TAIL) * (np.arange(100_000) + 0.5) / 100_000
 
 
 def first_order_indices(section: Uncertainty, points: Floats, values: Floats) -> list[Estimate]:
@@ -426,7 +428,8 @@ def error_indices(
     """Return first-order and total index of the model error.
 
     The ballistic limit of the armour is that of the model by a law times a ratio, which are independent: the moments of
-    the ratio are known, and only those of the limits by each law are estimated.
+    the ratio between its outermost chances, TAIL on each side, are known, and only those of the limits by each law are
+    estimated.
     """
     errors = own_errors(scenario)
     points = replicated_points("sobol", len(section.inputs()), _index_size(section), section.seed)
