@@ -127,5 +127,5 @@ def test_plates_heavier_alone_than_a_design_are_not_searched(monkeypatch: pytest
         plates = {"backing_thickness_mm": {"min": 4.0, "max": most, "step": 0.5}}
         of = scenario(backing="5083-H3", optimise={**grid, **plates})
         found.append(least_areal_densities(variants_of(of, {"impact.velocity_m_s": np.array([750.0, 850.0])}, 2)))
-    np.testing.assert_array_equal(found[0], found[1])
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-7)  # other thicknesses are tried first
     assert max(searched) * of.core_armour().rho_B < 2.0 * found[0].max()

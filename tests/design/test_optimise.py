@@ -92,6 +92,21 @@ def test_a_back_plate_for_which_no_ceramic_is_enough_is_left_out():
     assert [d.backing_thickness_mm for d in result.frontier] == [6.0, 7.0, 8.0, 9.0]
 
 
+def test_of_very_many_back_plates_the_frontier_has_every_second_and_the_best():
+    layers = {
+        "ceramic_thickness_mm": {"min": 11.0, "max": 11.0, "step": 1.0},
+        "backing_thickness_mm": {"min": 5.0, "max": 14.0, "step": 0.005},
+    }
+    result = optimise(case(**layers))
+    found = [design.backing_thickness_mm for design in result.frontier]
+    assert len(found) + len(result.without_mm) <= 1002
+    assert set(np.diff(found).round(6).tolist()) <= {0.005, 0.01}
+    assert found[0] == result.best.backing_thickness_mm
+    assert found[0] - max(result.without_mm) == pytest.approx(0.01, abs=0.006)
+    thinner = {"armour.backing_thickness_mm": found[0] - 0.005}
+    assert ballistic_limit(of_design(case(), result.best).replaced(thinner)).ballistic_limit_m_s < 850.0
+
+
 @pytest.mark.parametrize(
     ("grid", "warning"),
     [

@@ -19,7 +19,7 @@ BACKING_TOLERANCE_MM = 1e-3
 # Ratio of the distances of the back plate thicknesses of one round and the next.
 CLOSER = 10
 # Searches for a ceramic thickness that are done at a time, which bounds the memory.
-SEARCHES_AT_A_TIME = 10_000
+SEARCHES_AT_A_TIME = 1000
 # Parts into which the margin that the thickest design has beyond the required one is divided for a Pareto front.
 MARGIN_PARTS = 10
 
@@ -157,8 +157,8 @@ def _least(
 
 def searches_of(variants: Variants) -> int:
     """Return the greatest number of searches for a ceramic that `least_areal_densities` takes."""
-    grid = variants.grid
-    width, each = grid.backing_thickness_mm.step, len(grid.backing_thickness_mm.values())
+    first, width = first_backings(variants.grid.backing_thickness_mm)
+    each = len(first)
     while width > BACKING_TOLERANCE_MM:
         width /= CLOSER
         each += 2 * CLOSER + 1
@@ -177,8 +177,9 @@ def least_areal_densities(variants: Variants, on_progress: OnProgress = ignore_p
         values = np.full(backings.shape, np.inf)
         for part in portions(backings.shape[1], max(1, SEARCHES_AT_A_TIME // count)):
             rows, places = np.indices(backings[:, part].shape).reshape(2, -1)
-            many = with_thicknesses(variants.at(rows), backing_mm=backings[rows, part.start + places], ceramic_mm=0.0)
-            # Thick plates, which take long where they are unusual, are heavier alone than a design found before.
+            thinnest = {"backing_mm": backings[rows, part.start + places], "ceramic_mm": grid.ceramic_thickness_mm.min}
+            many = with_thicknesses(variants.at(rows), **thinnest)
+            # Thick plates, which take long where they are unusual, are heavier than a design found before.
             lighter = many.areal_densities_kg_m2 < values.min(axis=1)[rows]
             many, rows, places = many.at(lighter), rows[lighter], places[lighter]
             many = with_thicknesses(many, ceramic_mm=least_ceramics_mm(many).mm)
@@ -187,8 +188,8 @@ def least_areal_densities(variants: Variants, on_progress: OnProgress = ignore_p
         return values
 
     section = grid.backing_thickness_mm
-    first = np.tile(section.values(), (count, 1))
-    least = minimise_over_backings(values_of, first, section.min, section.max, section.step)
+    first, width = first_backings(section)
+    least = minimise_over_backings(values_of, np.tile(first, (count, 1)), section.min, section.max, width)
     return np.where(np.isfinite(least), least, np.nan)
 
 

@@ -50,8 +50,8 @@ NO_BOUND = 0.5
 LAYERS = {"ceramic": "ceramic", "backing": "back plate"}
 # Criterion that is not a column of the candidates.
 MARGIN = "margin_m_s"
-# Back plate thicknesses of the first round of a search in which both layers are free.
-FIRST_VALUES = 41
+# Back plate thicknesses that are tried first where both layers are free: of a range without a step; with one, at most.
+FIRST_VALUES, MOST_VALUES = 41, 100
 # Decimals to which areal densities, thicknesses and costs are rounded, so that equal sums compare equal.
 DIGITS = 9
 # Greatest numbers of pairs of materials, and of designs times threats, whose impacts take about a minute.
@@ -87,7 +87,9 @@ class Candidates(NamedTuple):
 def first_backings(backing: Range | FreeRange) -> tuple[Floats, float]:
     """Return the back plate thicknesses at which a search with both layers free starts, mm, and their distance, mm."""
     if isinstance(backing, Range):
-        return np.array(backing.values()), backing.step
+        given = backing.values()
+        every = -(-len(given) // MOST_VALUES)
+        return np.array(given[::every]), every * backing.step
     values, width = np.linspace(backing.min, backing.max, FIRST_VALUES, retstep=True)
     return values, float(width)
 

@@ -151,7 +151,8 @@ class DesignResult(TableResult):
     threats : tuple of str
     best : BestDesign
     frontier : tuple of Design
-        For each back plate of the best pair, the thinnest ceramic that passes, bounds on probabilities included.
+        For each back plate of the best pair, the thinnest ceramic that passes, bounds on probabilities included; of
+        more than 1,000 back plates, for every second, third, and so on.
     frontier_governed_by : tuple of str
         Governing threat of each design of the frontier.
     refined : BestDesign or None
@@ -304,7 +305,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
             *_changing(search, (*search.changing(), *((pair, "ceramic", other) for other in not_monotonic))),
         ),
         ceramic_min_mm=ceramic_min,
-        without_mm=_without(search, pair, frontier),
+        without_mm=_without(search, first, frontier),
     ).of(_subject(catalogue), scenario=scenario)
 
 
@@ -322,12 +323,11 @@ def _unused_impact(scenario: Scenario) -> Iterator[Note]:
         yield Note(f"{shot(impact)} is none of the threats, against which the armour is designed", "impact")
 
 
-def _without(search: Search, pair: int, frontier: Ints) -> tuple[float, ...]:
-    """Return the given back plate thicknesses of a pair that its frontier leaves out, mm."""
-    if search.catalogue.offers[pair].backing.free_range() is not None:
+def _without(search: Search, best: int, frontier: Ints) -> tuple[float, ...]:
+    """Return the given back plate thicknesses on which no ceramic of a frontier passes, mm."""
+    if search.catalogue.offers[search.candidates.pair[best]].backing.free_range() is not None:
         return ()
-    backings = search.candidates.backing_mm
-    return tuple(np.setdiff1d(backings[search.of_pair(pair)], backings[frontier]).tolist())
+    return tuple(np.setdiff1d(search.frontier_backings(best), search.candidates.backing_mm[frontier]).tolist())
 
 
 def _outside(search: Search, place: int) -> list[str]:

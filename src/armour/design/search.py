@@ -27,6 +27,8 @@ LIMITS_AT_A_TIME = 10_000
 FEW_DESIGNS = 100
 # Designs that are tried at a time at most until one passes; those after it are tried in vain.
 FIRST_AT_A_TIME = 500
+# Back plates of a frontier at most, and the best: a grid of the most designs has as many, if both layers have.
+MOST_BACKINGS = 1000
 # Differences of criteria that matter on a Pareto front: kg/m², mm and, for costs, as a part of the lowest.
 RESOLUTION = {"areal_density_kg_m2": 0.01, "thickness_mm": 0.01, COST: 0.001}
 
@@ -231,20 +233,28 @@ class Search:
                     return int(place)
         return None
 
-    def frontier(self, best: int) -> Ints:
-        """Return for each back plate of the best design's pair the thinnest ceramic that passes.
+    def frontier_backings(self, best: int) -> Floats:
+        """Return the thicknesses of the back plates of the frontier of the best design's pair, mm.
 
-        Where both layers are free, the back plates are those that are tried first, and the best.  Bounds on the
-        probability hold too: beyond the thinnest ceramic that passes, the least that keeps to them is bisected, which
-        assumes that a thicker one keeps to them.
+        They are, with the best, those that are tried first where both layers are free, else all; of very many, every
+        second, third, and so on.
+        """
+        pair = int(self.candidates.pair[best])
+        ceramic, backing = (layer.free_range() for layer in self.catalogue.offers[pair][:2])
+        found = np.unique(self.candidates.backing_mm[self.of_pair(pair)])
+        if ceramic is not None and backing is not None:
+            found = first_backings(backing)[0]
+        return np.append(found[:: -(-len(found) // MOST_BACKINGS)], self.candidates.backing_mm[best])
+
+    def frontier(self, best: int) -> Ints:
+        """Return for each back plate of `frontier_backings` the thinnest ceramic that passes.
+
+        Bounds on the probability hold too: beyond the thinnest ceramic that passes, the least that keeps to them is
+        bisected, which assumes that a thicker one keeps to them.
         """
         ceramics, backings = self.candidates.ceramic_mm, self.candidates.backing_mm
-        pair = int(self.candidates.pair[best])
-        own = self.of_pair(pair)
-        ceramic, backing = (layer.free_range() for layer in self.catalogue.offers[pair][:2])
-        if ceramic is not None and backing is not None:
-            own = own[np.isin(backings[own], np.append(first_backings(backing)[0], backings[best]))]
-        left = own[self.defeating[own]]
+        own = self.of_pair(int(self.candidates.pair[best]))
+        left = own[self.defeating[own] & np.isin(backings[own], self.frontier_backings(best))]
         left = left[np.lexsort((ceramics[left], backings[left]))]
         columns = left
         found = left[:0]

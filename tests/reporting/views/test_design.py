@@ -85,10 +85,12 @@ def test_the_note_on_the_error_says_whether_it_is_not_known_or_not_included():
 
 
 def test_back_plates_without_a_row_are_told():
-    assert left_out(replace(design_result(), without_mm=(2.0, 2.5))).startswith(
-        "2 back plate thicknesses without a row, 2, 2.5 mm"
-    )
-    assert "1 to 3 mm" in left_out(replace(design_result(), without_mm=(1.0, 2.0, 3.0)))
+    for given, told in (
+        ((2.0,), "no row for the 2 mm back plate: no ceramic on it passes"),
+        ((2.0, 2.5), "no rows for 2 back plates, 2, 2.5 mm: no ceramic on them passes"),
+        ((1.0, 2.0, 3.0), "no rows for 3 back plates, 1 to 3 mm: no ceramic on them passes"),
+    ):
+        assert left_out(replace(design_result(), without_mm=given)) == told
 
 
 def test_the_frontier_around_the_best_is_shown_unless_all_of_it_is_asked_for():

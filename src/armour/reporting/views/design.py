@@ -119,7 +119,9 @@ def left_out(result: DesignResult) -> str:
     """Return the back plates without a row in the frontier, on which no ceramic passes."""
     first, last = result.without_mm[0], result.without_mm[-1]
     plates = f"{first:g} to {last:g}" if len(result.without_mm) > 2 else ", ".join(f"{t:g}" for t in result.without_mm)
-    return f"{len(result.without_mm)} back plate thicknesses without a row, {plates} mm: no ceramic on them passes"
+    if len(result.without_mm) == 1:
+        return f"no row for the {plates} mm back plate: no ceramic on it passes"
+    return f"no rows for {len(result.without_mm)} back plates, {plates} mm: no ceramic on them passes"
 
 
 def _thicknesses(design: Design) -> tuple[float, float]:
