@@ -237,7 +237,7 @@ def picture() -> Chart:
         Rule(0.0, ":", vertical=False, colour="ink"),
     )
     horizontal = Axis("thickness along the line of fire over core diameter")
-    panel = Panel(horizontal, Axis("measured limit less the computed", "%"), series)
+    panel = Panel(horizontal, Axis("measured less computed limit", "%"), series)
     return Chart("Armour-piercing cores on aluminium", (panel,))
 
 
