@@ -187,7 +187,7 @@ def test_costs_that_are_asked_for_must_be_given(asked: dict[str, Any]):
         (lambda: catalogue(ceramic=[{"material": "AD86", "thickness_mm": [5.0]}]), 'did you mean "AD85"?'),
         (
             lambda: catalogue(backing=[{"material": "6061-T6", "thickness_mm": 5.0}]),
-            "thickness_mm: must be a list, found 5",
+            "thickness_mm: must be a list, found 5.0; a range is a table such as { min = 4.0, max = 12.0 }",
         ),
         (lambda: catalogue(backing=[{"material": "6061-T6", "thickness_mm": []}]), "thickness_mm: must not be empty"),
     ],

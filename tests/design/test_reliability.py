@@ -144,6 +144,9 @@ def test_an_error_that_is_not_known_against_one_threat():
         message = f"the model error is not known against {why}"
         with pytest.raises(NoDesignError, match=message):
             optimise(catalogue([known, other], FROM_TESTS, ceramic=CERAMICS[:1], confidence=0.6))
+    untested = {"material": "SiC", "thickness_mm": [6.0]}
+    with pytest.raises(NoDesignError, match=message):
+        optimise(catalogue([known, other], FROM_TESTS, ceramic=[untested, CERAMICS[0]], confidence=0.6))
 
 
 def test_a_confidence_is_kept_by_the_error_of_tests():

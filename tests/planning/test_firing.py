@@ -85,6 +85,11 @@ def test_a_requirement():
     assert plan_shots(scenario(), requirement_m_s=700.0, procedure="up-and-down").next_velocity_m_s == 722.9
 
 
+def test_a_requirement_in_another_unit():
+    with pytest.raises(InputError, match="a third to three times it, found 2600; is it in m/s"):
+        plan_shots(scenario(), requirement_m_s=2600.0)
+
+
 def test_the_operating_characteristic_of_a_firing_that_has_not_begun():
     plan = plan_shots(scenario(), requirement_m_s=700.0)
     points = plan.operating_characteristic

@@ -11,7 +11,7 @@ from matplotlib.contour import ContourSet
 from matplotlib.transforms import Bbox
 
 from armour.design.optimise import optimise
-from armour.reporting.charts import Axis, Chart, Contours, Line, Map, Panel, Points, printable_chart
+from armour.reporting.charts import PALETTE, Axis, Chart, Contours, Line, Map, Panel, Points, printable_chart
 from armour.reporting.draw import METADATA, draw, rendered
 from armour.reporting.views import design as design_view
 from armour.reporting.views import impact as impact_view
@@ -81,6 +81,14 @@ def test_no_text_is_cut_and_no_panel_overlaps_another_or_the_legend(chart: Chart
         assert second is not None
         shared = Bbox.intersection(first, second)
         assert shared is None or min(shared.width, shared.height) < 2.0
+
+
+def test_the_name_of_a_line_has_its_colour_unless_that_is_pale():
+    lines = [Line([0.0, 1.0], [y, y], label=colour, colour=colour) for y, colour in enumerate(("blue", "orange"))]
+    figure = draw(one(*lines))
+    found = {text.get_text(): text.get_color() for text in figure.axes[0].texts}
+    assert found["blue"] == PALETTE["blue"]
+    assert found["orange"] == PALETTE["ink"]
 
 
 def test_points_that_are_missing_take_no_room():

@@ -15,7 +15,7 @@ from armour.reporting.charts import Chart
 from armour.reporting.report import Report, Section, markdown_report
 from armour.reporting.scenario_report import Contents, contents_of, scenario_report
 from armour.reporting.views import design as design_view
-from armour.reporting.views.confidence import SAMPLED_ALONE, from_tests
+from armour.reporting.views.confidence import SAMPLED_ALONE, chance, from_tests
 from armour.reporting.views.design import AREAL_DENSITY, COST, frontier_table
 from armour.scenario.evidence import NO_TEST
 from armour.scenario.scenario import load_scenario
@@ -254,6 +254,22 @@ def test_no_figure_where_nothing_was_tested():
     assert "no test of such an armour" in detail
     assert detail.endswith(SAMPLED_ALONE)
     assert not any("±" in text for card in found.values() for text in card)
+
+
+def test_a_threat_of_an_unknown_probability():
+    known = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
+    at_angle = {**known, "obliquity_deg": 30.0, "name": OTHER}
+    found = contents_of(scenario(threat=[at_angle, {**known, "name": THREAT}]))
+    assert found.threat.threat == THREAT
+    p = chance(found.threat.probability_of_defeat)
+    value, detail = statements(found)["Probability of stopping the projectile"]
+    assert value == f"{p}, unknown against 1 of 2 threats"
+    assert detail.startswith(f"unknown against {OTHER}; {p} against {THREAT}; ")
+    # It is the one to report where the model alone says that it perforates.
+    found = contents_of(scenario(threat=[{**at_angle, "velocity_m_s": 1200.0}, {**known, "name": THREAT}]))
+    value, detail = statements(found)["Probability of stopping the projectile"]
+    assert value == "unknown"
+    assert detail.startswith(f"against {OTHER}; the model was compared with no test")
 
 
 def test_the_answer_with_a_design():

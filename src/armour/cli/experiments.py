@@ -161,7 +161,7 @@ def _with_result(
     options: dict[str, Any],
 ) -> Answer:
     """Plan the next shot after one that is added to the table, which stays locked until it is written."""
-    from armour.planning.firing import ABSURD_FACTOR, added, content_of, locked, with_shot
+    from armour.planning.firing import added, content_of, far_from, locked, with_shot
     from armour.statistics.v50 import RESULTS, Shots
 
     with ExitStack() as stack:
@@ -173,9 +173,8 @@ def _with_result(
         velocity = planned if velocity_m_s is None else velocity_m_s
         if velocity is None:
             raise wrong_option("--velocity-m-s", "must be given: no further shot was planned")
-        if not limit / ABSURD_FACTOR <= velocity <= limit * ABSURD_FACTOR:
-            message = f"must be near the model's limit, {limit:.0f} m/s: a third to three times it"
-            raise wrong_option("--velocity-m-s", f"{message}, found {velocity:g}; is it in m/s?")
+        if message := far_from(limit, velocity):
+            raise wrong_option("--velocity-m-s", message)
         far = []
         if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
             far.append(f"the shot, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s")

@@ -515,21 +515,28 @@ def _unconstrained(search: Search) -> Search:
 def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> str:
     """Return why no design of some pairs passes: the constraints that keep it out, or what it would have to stop."""
     catalogue, section = search.catalogue, search.catalogue.section
+    bounded = bool((catalogue.bounds < NO_BOUND).any())
+    threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
+    surely = " with the probability required" if bounded else ""
     first = unconstrained.first(unconstrained.of_pairs(pairs))
-    if first is not None and (beyond := _beyond(section, unconstrained.candidates, first)):
+    if first is not None and (beyond := _beyond(section, unconstrained.candidates, first, threats + surely)):
         return beyond
     own = search.candidates.at(search.of_pairs(pairs))
     thickest = [np.array([layer.thicknesses()[-1]]) for layer in catalogue.offers[pairs[0]][:2]]
     own = own if len(own.pair) else catalogue.candidates(pairs[0], *thickest)
     unknown = ~search.requirement.tested(own)
-    bounded = bool((catalogue.bounds < NO_BOUND).any())
     unknown &= bounded
     whole = len(pairs) == len(catalogue.offers)
     if unknown.all():
-        rows, *_ = catalogue.against_each(own.at(slice(0, 1)), range(len(catalogue.threats)))
-        threat = int(rows.errors.known.argmin())
-        against = f" against {catalogue.titles[threat]}" if rows.errors.known.any() else ""
-        armour, cosine = Parameters(*rows.parameters[threat].tolist()), float(catalogue.cosines[threat])
+        # The reason is that of the pair whose error is known against the most threats.
+        one_of_each = own.at(np.unique(own.pair, return_index=True)[1])
+        rows, *_ = catalogue.against_each(one_of_each, range(len(catalogue.threats)))
+        known = rows.errors.known.reshape(-1, len(catalogue.threats))
+        design = int(known.sum(axis=1).argmax())
+        threat = int(known[design].argmin())
+        against = f" against {catalogue.titles[threat]}" if known[design].any() else ""
+        row = rows.parameters[design * len(catalogue.threats) + threat]
+        armour, cosine = Parameters(*row.tolist()), float(catalogue.cosines[threat])
         why = why_no_error(own_tests(catalogue.scenario.entries), armour, cosine)
         # In the table of pairs, what can give the error need not stand in each row.
         return f"the model error is not known{against}: {why if whole else why.removesuffix(f'; {REMEDY}')}"
@@ -537,17 +544,15 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
     if catalogue.sampled:
         near = "" if whole else f" within {section.runners_up_percent:g} % of the best"
         return f"no design{near} keeps the probability of perforation within the bound of every threat{hint}"
-    threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
     thicker = "; offer thicker layers in [design] or [optimise]" if whole else ""
-    surely = " with the probability required" if bounded else ""
     return f"no design stops {threats} and all slower impacts{surely}{hint}{thicker}"
 
 
-def _beyond(section: DesignSection, candidates: Candidates, place: int) -> str:
+def _beyond(section: DesignSection, candidates: Candidates, place: int, stops: str) -> str:
     """Return which constraints the design exceeds that is the best without them; "" for none."""
     least = OBJECTIVES[section.minimise].least
     return "; ".join(
-        f"design.{of.bound}: the {least} design that stops every threat has {value:.4g}{of.unit}, "
+        f"design.{of.bound}: the {least} design that stops {stops} has {value:.4g}{of.unit}, "
         f"at most {bound:g}{of.unit} is allowed"
         for name, of in OBJECTIVES.items()
         if (bound := getattr(section, of.bound)) is not None and (value := getattr(candidates, name)[place]) > bound

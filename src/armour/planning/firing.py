@@ -56,7 +56,7 @@ LIMITS_PROBABILITY = 0.99
 CURVE_POINTS = 201
 # Shots beyond the interval of V50 with this probability, widened by a part of the limit, are warned of.
 FAR_PROBABILITY, FAR_PART = 0.999, 0.1
-# A shot is not recorded whose velocity and the model's limit differ by more than this factor.
+# A shot or a requirement is refused whose velocity and the model's limit differ by more than this factor.
 ABSURD_FACTOR = 3.0
 # A simulated firing ends here at the latest.
 MAX_SIMULATED = 100
@@ -305,6 +305,8 @@ def plan_shots(
         others = [(each.velocities_m_s, each.complete) for each in earlier]
         scatter_percent, scatter_factor = pooled_scatter(others, scatter_percent, scatter_factor)
     limit = ballistic_limit(scenario, on_progress=on_progress)
+    if requirement_m_s is not None and (message := far_from(limit.ballistic_limit_m_s, requirement_m_s)):
+        raise mistake("plan_shots", "requirement_m_s", message)
     model = None
     if limit.model_error is not None:
         model = FiringPrior(limit.ballistic_limit_m_s, limit.model_error, scatter_percent, scatter_factor)
@@ -507,6 +509,14 @@ def _spelt(result: str, known: str) -> str:
 def next_name(names: Sequence[str], count: int) -> str:
     """Return the name of the shot after a number of shots: one more than the greatest number that is a name."""
     return str(max((int(name) for name in names if name.isdecimal()), default=count) + 1)
+
+
+def far_from(limit_m_s: float, velocity_m_s: float) -> str:
+    """Return why a velocity is so far from the model's limit that its unit must be wrong; "" if it is not."""
+    if limit_m_s / ABSURD_FACTOR <= velocity_m_s <= limit_m_s * ABSURD_FACTOR:
+        return ""
+    near = f"must be near the model's limit, {limit_m_s:.0f} m/s: a third to three times it"
+    return f"{near}, found {velocity_m_s:g}; is it in m/s?"
 
 
 def added(shots: Shots, velocity_m_s: float, complete: bool) -> Shots:

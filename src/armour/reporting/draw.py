@@ -66,6 +66,8 @@ EDGE = 0.06
 # Tint of a region, and what is behind names; parts of the width and of the height that a name takes.
 TINT, SIDE, DOWN = 0.14, 0.33, 0.1
 BEHIND: Any = {"facecolor": charts.PALETTE["paper"], "alpha": 0.6, "linewidth": 0, "pad": 0.5}
+# Colours in which text is hard to read on paper.
+PALE = {charts.PALETTE[name] for name in ("orange", "purple")}
 # Format of the value on a contour.
 VALUE = "%g"
 # Resolution in notebooks, points per inch.
@@ -382,6 +384,9 @@ def _name_in_place(axes: Axes, *, rows: bool) -> list[Any]:
         name, anchor, corner, size = place
         [at] = axes.transData.inverted().transform([anchor / scale]).tolist()
         beside: Any = {"xytext": corner - anchor, "textcoords": "offset points", "ha": "left", "va": "bottom"}
+        # Of lines that cross, the colour tells which one is meant.
+        if isinstance(handle, Line2D) and not alone and handle.get_color() not in PALE:
+            beside["color"] = handle.get_color()
         axes.annotate(name, at, fontsize=NAME, linespacing=1.1, zorder=5, annotation_clip=False, **beside)
         fixed.append(_inside([*corner, *(corner + size)]))
     return rest

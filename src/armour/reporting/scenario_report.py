@@ -62,7 +62,7 @@ class Contents:
     check: CheckResult  # of the armour, with exact inputs
     threats: tuple[CheckedThreat, ...]  # the same, with the scenario's distributions where these apply
     sampled: tuple[str, ...]  # threats that they apply to
-    threat: CheckedThreat  # that most likely perforates the armour
+    threat: CheckedThreat  # that most likely perforates the armour, as far as is known
     answer: Scenario  # the armour against it
     impact: ImpactResult  # with its history
     confidence: ConfidenceResult
@@ -135,13 +135,16 @@ def _confidence(scenario: Scenario) -> tuple[ConfidenceResult, Sequence[str]]:
     return of_limit(scenario, limit.ballistic_limit_m_s, scenario.impact.velocity_m_s), not_monotonic(limit)
 
 
-def _standing(found: CheckedThreat) -> tuple[bool, float]:
-    """Return by what threats are ordered, those that most likely perforate first, an unknown probability before all."""
+def _standing(found: CheckedThreat) -> tuple[int, float]:
+    """Return by what threats are ordered, those that most likely perforate first.
+
+    A threat of an unknown probability comes first if it perforates by the model, and last otherwise.
+    """
     if found.probability_of_defeat is not None:
-        return True, found.probability_of_defeat
-    if found.margin_m_s is None:
-        return False, inf if found.passed else -inf
-    return False, found.margin_m_s - found.required_margin_m_s
+        return 1, found.probability_of_defeat
+    stopped = inf if found.passed else -inf
+    margin = stopped if found.margin_m_s is None else found.margin_m_s - found.required_margin_m_s
+    return (0 if margin < 0.0 else 2), margin
 
 
 def _sampled(found: CheckedThreat, scenario: Scenario, on_part: OnProgress) -> CheckedThreat:
@@ -220,10 +223,18 @@ def _verdict(contents: Contents) -> tuple[bool | None, str]:
 
 def _cards(contents: Contents) -> Iterator[Card]:
     """Give the probability, the armour and what was asked for."""
-    least, against = contents.threat, ""
-    if len(contents.threats) > 1:
-        against = f"against {least.threat}, the most likely of {len(contents.threats)} threats to perforate; "
-    yield Card(DEFEAT.label.capitalize(), chance(least.probability_of_defeat), against + _basis(contents))
+    found = chance(contents.threat.probability_of_defeat)
+    value, against, count = found, "", len(contents.threats)
+    others = [of for of in contents.threats if of is not contents.threat]
+    unknown = [of.threat for of in others if of.probability_of_defeat is None]
+    if others:
+        against = f"against {contents.threat.threat}; "
+    if contents.threat.probability_of_defeat is not None and unknown:
+        value = f"{found}, unknown against {len(unknown)} of {count} threats"
+        against = f"unknown against {' and '.join(unknown)}; {found} {against}"
+    elif contents.threat.probability_of_defeat is not None and others:
+        against = f"against {contents.threat.threat}, the most likely of {count} threats to perforate; "
+    yield Card(DEFEAT.label.capitalize(), value, against + _basis(contents))
     yield _armour(contents)
     yield _asked(contents)
 

@@ -120,6 +120,8 @@ def _meant(detail: Any) -> str:
         return suggestion(str(given), re.findall('"(.*?)"', context["expected"]))
     if detail["type"] in ("list_type", "tuple_type") and isinstance(given, dict):
         return "; write its heading in double brackets"
+    if detail["type"] == "list_type" and LIST_TAG in detail["loc"]:
+        return "; a range is a table such as { min = 4.0, max = 12.0 }"
     most = context.get("le", context.get("lt", inf))
     return f"; did you mean {given / 100.0:g}?" if most <= 1.0 < 50.0 <= given <= 100.0 * most else ""
 

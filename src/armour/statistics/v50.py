@@ -200,9 +200,11 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     results = [RESULTS.get(text.lower(), "") for text in given]
     for row, velocity, result, text in zip(rows, velocities, results, given, strict=True):
         found = row.texts.get("velocity_m_s", "")
-        if not found or not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
-            message = f'must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found "{found}"'
-            problems.append(Problem(file, f"{row.place}: velocity_m_s", message))
+        if not found:
+            problems.append(Problem(file, f"{row.place}: velocity_m_s", "is missing and must be given"))
+        elif not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
+            message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found {found}"
+            problems.append(Problem(file, f"{row.place}: velocity_m_s", f"{message}; is it in m/s?"))
         if not result:
             message = f'must be "partial" or "complete", or P or C, or PP or CP, found "{text}"'
             problems.append(Problem(file, f"{row.place}: result", message))

@@ -37,6 +37,12 @@ def test_a_map_with_the_number_of_tests_of_each_armour(result: PlannedTests):
     assert plot(result, title="mine").axes
 
 
+def test_gains_are_per_cost_where_tests_have_one(result: PlannedTests):
+    assert "per unit cost" in chart(result).note
+    free = tuple(replace(step, cost=None, total_cost=None) for step in result.planned)
+    assert "per unit cost" not in chart(replace(result, planned=free)).note
+
+
 def test_a_curve_over_one_input(result: PlannedTests):
     one = replace(result, candidates={CERAMIC: result.candidates[CERAMIC], BACKING: (4.0,) * 6})
     [panel] = chart(one).panels

@@ -206,14 +206,10 @@ def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
     return scenario.replaced(best.changes_to(scenario)).against(governing)
 
 
-def margin_notes(best: BestDesign, ask: str = ASK) -> list[str]:
-    """Return how likely a design without a margin is perforated, and how to ask for more, where its margin is low."""
-    error = best.model_error
+def margin_notes(best: BestDesign) -> list[str]:
+    """Return how likely the best design is perforated, and how to ask for less, where it is likely."""
     least = min((p for p in best.probabilities_of_defeat.values() if p is not None), default=1.0)
-    if error is None or least >= LOW:
-        return []
-    perforated = chance(1.0 - error.probability_of_defeat(1.0, 1.0))
-    return [f"a design without a margin is perforated with a probability of {perforated}; {ask}"]
+    return [f"perforated with a probability of {chance(1.0 - least)}; {ASK}"] if least < LOW else []
 
 
 # Looks of the best designs, on the grid and between its values.

@@ -127,7 +127,7 @@ def form_table(result: PlannedTests) -> Table:
 
 
 GAIN = "relative gain of one more test"
-GAINS = "Gain of one more test per unit cost, relative to the average planned test (1: as good)."
+GAINS = "Gain of one more test{}, relative to the average planned test (1: as good)."
 # Velocities that a note names one by one, and candidates up to which each has its gain as a number.
 MAX_LISTED, MAX_NUMBERS = 6, 60
 # Markers of candidates that are tested once, twice, and so on; those tested more often have the last.
@@ -161,7 +161,9 @@ def chart(result: PlannedTests) -> charts.Chart:
         axes = [replace(axis, limits=charts.widened(of, 0.15)) for axis, of in zip(axes, columns, strict=True)]
     velocities = [float(step.inputs[VELOCITY]) for step in steps] if result.measure == "outcome" else []
     series += _planned(points, velocities)
-    note = GAINS if result.sensitivities else "The planned tests do not determine the inputs, so no gain is shown."
+    note = GAINS.format("" if result.planned[-1].total_cost is None else " per unit cost")
+    if not result.sensitivities:
+        note = "The planned tests do not determine the inputs, so no gain is shown."
     if velocities:
         note += f" The planned shots are at {velocities_in_words(velocities)}."
     title = f"Planned: {len(steps)} test{'s' if len(steps) > 1 else ''}"
