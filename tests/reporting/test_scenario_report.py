@@ -70,15 +70,6 @@ def test_the_own_armour_is_reported_as_a_check_finds_it():
     assert found.answer.impact.projectile == "7.62 mm AP"
 
 
-def test_an_unknown_probability_is_reported_before_a_low_one():
-    """Nothing was tested with a ceramic at an angle."""
-    threats = [{"projectile": "7.62 mm AP", "velocity_m_s": 900.0}, {"projectile": "7.62 mm AP", "velocity_m_s": 300.0}]
-    threats[1]["obliquity_deg"] = 20.0
-    found = contents_of(scenario(threat=threats), as_is=True)
-    assert found.threat == found.threats[1]
-    assert statements(found)["Probability of stopping the projectile"][0] == "unknown"
-
-
 def test_a_limit_outside_the_range_is_reported_where_the_armour_is_perforated():
     threats = [{"projectile": "7.62 mm AP", "velocity_m_s": velocity} for velocity in (30.0, 900.0)]
     for high in (100.0, 1000.0):
