@@ -224,16 +224,16 @@ def _verdict(contents: Contents) -> tuple[bool | None, str]:
 def _cards(contents: Contents) -> Iterator[Card]:
     """Give the probability, the armour and what was asked for."""
     found = chance(contents.threat.probability_of_defeat)
-    value, against, count = found, "", len(contents.threats)
+    value, against = found, ""
     others = [of for of in contents.threats if of is not contents.threat]
     unknown = [of.threat for of in others if of.probability_of_defeat is None]
     if others:
         against = f"against {contents.threat.threat}; "
     if contents.threat.probability_of_defeat is not None and unknown:
-        value = f"{found}, unknown against {len(unknown)} of {count} threats"
+        value = f"{found} or unknown"
         against = f"unknown against {' and '.join(unknown)}; {found} {against}"
     elif contents.threat.probability_of_defeat is not None and others:
-        against = f"against {contents.threat.threat}, the most likely of {count} threats to perforate; "
+        against = f"against {contents.threat.threat}, the most likely of {len(contents.threats)} threats to perforate; "
     yield Card(DEFEAT.label.capitalize(), value, against + _basis(contents))
     yield _armour(contents)
     yield _asked(contents)
