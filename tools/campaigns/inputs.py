@@ -341,6 +341,7 @@ def leaves(command: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, list
     for name, inner in getattr(command, "commands", {}).items():
         yield from leaves(inner, (*path, name))
     if path and (not hasattr(command, "commands") or command.invoke_without_command):
+        command.get_params(typer.Context(command))  # makes those that are made when they are asked for
         yield " ".join(path), list(command.params)
 
 
@@ -439,6 +440,8 @@ SUITED = {
     "plan shots": ["wilkins", "bare_plate", "paper/optimum_7.62mm_AP", "unknown_ceramic"],
 }
 COMMANDS: dict[str, list[Any]] = {}
+# Trials of a command of which some must end with exit code 0.
+FEW = 100
 # Numbers of trials relative to other commands: of some that take long on any input, or whose input is simple.
 WEIGHTS = dict.fromkeys(("calibrate", "report", "sensitivity", "uncertainty"), 0.5) | dict.fromkeys(
     ("figures", "schema", "library projectiles", "library ceramics", "library metals", "library threats"), 0.1
@@ -652,6 +655,8 @@ def main() -> int:
     for command, found in sorted(codes.items()):
         ends = ", ".join(f"exit code {code}: {count}" for code, count in sorted(found.items()))
         print(f"{command:20} {seconds[command] / found.total():6.2f} s, {ends}")
+        if found.total() > FEW and not found[DONE]:
+            kinds[f"{command}: never ended with exit code 0"] += 1
     for kind, count in kinds.most_common():
         print(f"{count} times: {kind}")
     ended = sum(codes.values(), Counter())
