@@ -1,3 +1,4 @@
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -8,7 +9,8 @@ from armour.scenario.library import (
     Library,
     shipped_library,
 )
-from tests.helpers.cases import scenario
+from armour.scenario.scenario import parse_scenario
+from tests.helpers.cases import data, scenario
 
 
 def extended(tables: dict[str, Any]) -> Library:
@@ -159,3 +161,21 @@ def test_a_name_that_is_none_hints_at_descriptions_and_the_list():
     ):
         with pytest.raises(InputError, match=message):
             scenario(ceramic=name)
+
+
+def test_an_alias_names_one_entry_and_what_it_replaces_is_noted(tmp_path: Path):
+    mine = {"based_on": "7.62 mm APM2", "aliases": [".30 APM2"]}
+    library = extended({"projectile": {"mine": mine}})
+    assert library.notes == ("f.toml: projectile.mine: replaces the .30 APM2 of the shipped library",)
+    assert library.entry("projectile", ".30 APM2").name == "mine"
+    assert messages({"ceramic": {"a": {"based_on": "AD85", "aliases": ["AD99.5"]}}}) == [
+        'f.toml: ceramic.a.aliases: must be names of this entry alone, found "AD99.5", a name of "AD99.5" too'
+    ]
+    twice = {name: {"based_on": "AD85", "aliases": ["x"]} for name in ("a", "b")}
+    assert messages({"ceramic": twice}) == [
+        'f.toml: ceramic.b.aliases: must be names of this entry alone, found "x", a name of "a" too'
+    ]
+    for name in ("a", "b"):
+        (tmp_path / f"{name}.toml").write_text(f'[ceramic.{name}]\nbased_on = "AD85"\naliases = ["x"]\n')
+    with pytest.raises(InputError, match=r'library\.files\[1\]: must not name "b.toml": like .*, it defines .* "x"'):
+        parse_scenario(data(library={"files": ["a.toml", "b.toml"]}), folder=tmp_path)

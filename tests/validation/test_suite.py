@@ -228,3 +228,16 @@ def test_a_mistake(folder: Path, text: str, old: str, new: str, message: str):
 def test_mistakes_in_a_file_are_all_told(folder: Path):
     (folder / "t.csv").write_text(CSV.replace("6.35", "x").replace("AD99.5,,", "AD9,,"))
     assert [line.split(":")[1] for line in mistakes(folder, FILE)] == [" line 2", " line 4", " line 5"]
+
+
+def test_tables_have_names_of_their_own(folder: Path):
+    """Two tables of one name would be summarised as one, and a table called "cases" with those of no table."""
+    for names in (("a", "a"), ("a", "cases")):
+        text = "".join(TABLE.replace('name = "t"', f'name = "{name}"') for name in names)
+        message = f'must each have a name of its own, other than "cases", found "{names[1]}"'
+        assert mistakes(folder, text) == [f"suite.toml: table: {message}"]
+
+
+def test_rows_are_named_by_the_layer_that_differs(folder: Path):
+    text = TABLE.replace("armour.ceramic_thickness_mm", "backing.density_kg_m3").replace("[6.35", "[2700.0")
+    assert load(folder, text).cases[0].name == "back plate density 2700 kg/m³"

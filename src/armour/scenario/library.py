@@ -4,7 +4,7 @@ Every value has a status (measured, nominal, fitted or assumed) and a source.
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from math import nan, pi
@@ -304,6 +304,15 @@ class LibraryEntry:
         """Whether a static yield strength is taken for the dynamic one of a metal."""
         return DYNAMIC in self.derived
 
+    def content(self) -> dict[str, Any]:
+        """Return what answers depend on, as plain data: numbers, the evidence, and the other names."""
+        return {
+            "values": {key: value.value for key, value in self.values.items()},
+            "derived": sorted(self.derived),
+            "evidence": self.evidence and self.evidence.model_dump(),
+            "aliases": self.aliases,
+        }
+
     def to_dict(self) -> dict[str, Any]:
         """Return the entry as plain data."""
         values = {key: value.model_dump() for key, value in self.values.items()}
@@ -442,21 +451,42 @@ class Library:
         """
         tables = tables if isinstance(tables, LibraryTables) else validated(LibraryTables, tables, file)
         entries: dict[Kind, dict[str, LibraryEntry]] = {kind: dict(self.entries[kind]) for kind in KINDS}
+        made = Library(entries)
         problems: list[Problem] = []
         notes = list(self.notes)
         for kind in KINDS:
             added: Mapping[str, Entry] = getattr(tables, kind)
             table = (prefix, kind) if prefix else (kind,)
             found, mistakes = _resolved(kind, added, self.entries[kind], file, table)
-            problems += mistakes
-            for name in filter(found.__contains__, added):
-                earlier = entries[kind].get(name)
-                if earlier and added[name].based_on != name:
-                    replaced = f"the {name} of {earlier.file or 'the shipped library'}"
-                    notes.append(f"{file}: {key_name((*table, name))}: replaces {replaced}")
-                entries[kind][name] = found[name]
+            entries[kind] |= {name: found[name] for name in added if name in found}
+            problems += [*mistakes, *_ambiguous(added, entries[kind], file, table)]
+            for word, earlier, now in made.renamed(kind, self):
+                if not (earlier.name == now.name and added[now.name].based_on == now.name):
+                    replaced = f"the {word} of {earlier.file or 'the shipped library'}"
+                    notes.append(f"{file}: {key_name((*table, now.name))}: replaces {replaced}")
         refuse(problems)
         return Library(entries, tuple(notes))
+
+    def renamed(self, kind: Kind, before: "Library") -> Iterator[tuple[str, LibraryEntry, LibraryEntry]]:
+        """Yield the words that named another entry in an earlier library, with that entry and the one of now."""
+        known = self.known(kind)
+        for word, name in before.known(kind).items():
+            earlier, now = before.entries[kind][name], self.entries[kind].get(known.get(word, ""))
+            if now is not None and now is not earlier:
+                yield word, earlier, now
+
+
+def _ambiguous(
+    added: Mapping[str, Entry], entries: Mapping[str, LibraryEntry], file: str, table: tuple[str, ...]
+) -> Iterator[Problem]:
+    """Yield a problem for each alias in a table of a file that is a name of another entry, or twice in the table."""
+    seen: dict[str, str] = {}
+    for name, entry in added.items():
+        for alias in entry.aliases:
+            other = alias if alias in entries and alias != name else seen.setdefault(alias, name)
+            if other != name:
+                message = f'must be names of this entry alone, found "{alias}", a name of "{other}" too'
+                yield Problem(file, key_name((*table, name, "aliases")), message)
 
 
 def _resolved(

@@ -1,7 +1,9 @@
 """Scenarios: reading, validation and conversion to the core's parameters."""
 
+import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
+from hashlib import sha256
 from importlib import import_module
 from operator import ge, gt, itemgetter, le, lt
 from os import PathLike
@@ -268,6 +270,13 @@ class Scenario(Section):
         return f"<Scenario: {'; '.join(heading(self.subject(), self.title))}>"
 
     __str__ = __repr__
+
+    def digest(self) -> str:
+        """Return a hash of the validated content: every section, and every entry of the library that names refer to."""
+        entries = self._entries.entries
+        library = {kind: {name: entry.content() for name, entry in entries[kind].items()} for kind in entries}
+        content = {**self.model_dump(mode="json"), "library": library}
+        return sha256(json.dumps(content).encode()).hexdigest()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the content of a scenario file as plain data, which `parse_scenario` reads."""
@@ -646,10 +655,10 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], l
             for kind in KINDS:
                 problems += (
                     Problem(
-                        source.file, key, f'must not name "{file}": like {entry.file}, it defines the {kind} "{name}"'
+                        source.file, key, f'must not name "{file}": like {entry.file}, it defines the {kind} "{word}"'
                     )
-                    for name, entry in before.entries[kind].items()
-                    if entry.file and library.entries[kind][name] is not entry
+                    for word, entry, _ in library.renamed(kind, before)
+                    if entry.file
                 )
         except InputError as error:
             for problem in error.problems:

@@ -1,5 +1,6 @@
 """Rows of a sweep: grids of values and tables of cases."""
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -59,7 +60,7 @@ class Grid:
     @cached_property
     def digest(self) -> str:
         """A hash of keys and values."""
-        return sha256(repr(self.axes).encode()).hexdigest()
+        return sha256(json.dumps([(axis.key, axis.values) for axis in self.axes]).encode()).hexdigest()
 
     def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
         """Return some of the combinations, counted from 0, as columns by key."""
@@ -102,8 +103,9 @@ class Cases:
             raise mistake(path, "", "must have a header of keys and at least one row")
         self._lines, *columns = map(np.concatenate, zip(*blocks, strict=True))
         self._all = dict(zip(self.keys, columns, strict=True))
-        found = sha256(repr(header).encode())
-        for column in self._all.values():
+        found = sha256()
+        for key, column in self._all.items():
+            found.update(json.dumps([key, column.dtype.str, self.count]).encode())
             found.update(column.tobytes())
         self.digest = found.hexdigest()
 

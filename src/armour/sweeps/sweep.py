@@ -1,5 +1,6 @@
 """Sweeps: quantities of a scenario for many rows of values, in memory, or in a table that is computed in chunks."""
 
+import json
 import shutil
 from collections import Counter
 from collections.abc import Callable, Container, Generator, Iterable, Iterator, Mapping, Sequence
@@ -24,9 +25,8 @@ from armour.analysis.evaluate import check_keys, check_quantities, evaluate_grou
 from armour.analysis.quantities import QUANTITIES, reads_of
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, same_columns
 from armour.errors import InputError, choices, mistake
-from armour.files import reason
+from armour.files import reason, shipped
 from armour.scenario.checked import Names, checked
-from armour.scenario.inputs import ROLES
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.sweeps.cases import BLOCK, Cases, Grid, source_of
@@ -399,20 +399,19 @@ def duration(seconds: float) -> str:
 
 @cache
 def program() -> str:
-    """Return a hash of all source files of this program and of the versions of the libraries that compute."""
-    found = sha256(repr([(name, version(name)) for name in LIBRARIES]).encode())
-    for path in sorted(PACKAGE.rglob("*.py")):
-        found.update(sha256(path.relative_to(PACKAGE).as_posix().encode() + b"\n" + path.read_bytes()).digest())
+    """Return a hash of this program, of its data, and of the versions of the libraries that compute."""
+    found = sha256(json.dumps([(name, version(name)) for name in LIBRARIES]).encode())
+    for path in [*sorted(PACKAGE.rglob("*.py")), *sorted(shipped("configs").glob("*.toml"))]:
+        found.update(sha256(path.name.encode() + b"\n" + path.read_bytes()).digest())
     return found.hexdigest()
 
 
 def job_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> dict[str, str]:
-    """Return the job of a sweep."""
-    entries = [scenario.entry_of(role) for role in ROLES]
+    """Return the job of a sweep: the content of everything that its rows depend on."""
     return {
         "version": armour.__version__,
         "program": program(),
-        "scenario": sha256(repr((scenario, scenario.inputs(), entries)).encode()).hexdigest(),
+        "scenario": scenario.digest(),
         "quantities": ",".join(quantities),
         "rows": source.digest,
     }

@@ -13,6 +13,7 @@ from armour.analysis.closed_forms import (
     missing_for_florence,
 )
 from armour.analysis.variants import Floats
+from armour.scenario.schema import BallisticLimitSection, Solver
 from armour.scenario.sections import TINY
 from armour.statistics.measured import LIMIT, MaterialGroup, Measurement, Tests
 from armour.validation.suite import Case
@@ -89,9 +90,9 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
     if name is None:
         return
     # The rows of a table differ in numbers only: in inputs, or in settings.
-    places: dict[str, list[int]] = {}
+    places: dict[tuple[Solver, BallisticLimitSection], list[int]] = {}
     for place, case in enumerate(cases):
-        places.setdefault(repr((case.scenario.solver, case.scenario.ballistic_limit)), []).append(place)
+        places.setdefault((case.scenario.solver, case.scenario.ballistic_limit), []).append(place)
     tests = Tests(
         file=cases[0].group,
         names=tuple(case.name for case in cases),

@@ -10,7 +10,7 @@ from os.path import exists
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, NamedTuple
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, field_validator, model_validator
 
 from armour.analysis.quantities import label_and_unit
 from armour.csv_files import number
@@ -23,7 +23,6 @@ from armour.scenario.reach import check_reach, check_read, check_used, read_of
 from armour.scenario.scenario import Scenario, parse_changed
 from armour.scenario.sections import LIST_TAG, RANGE_TAG, NumberOrText, Section, validated
 from armour.statistics.measured import MEASURED, read_tests
-from armour.units import words_and_unit
 from armour.validation.questions import QUESTIONS, SAVINGS, check_answerable
 
 Cells = Mapping[str, float | str]
@@ -186,6 +185,18 @@ class TableSection(_Expectation):
         return MEASURED_COLUMN in self.columns and MEASURED_COLUMN not in self.rivals
 
 
+# What the cases of no table are called.
+CASES = "cases"
+
+
+def _named_once(tables: list[TableSection]) -> list[TableSection]:
+    names = [table.name for table in tables]
+    for name in names:
+        if names.count(name) > 1 or name == CASES:
+            raise ValueError(f'must each have a name of its own, other than "{CASES}", found "{name}"')
+    return tables
+
+
 class SuiteSection(Section):
     """The contents of a suite file."""
 
@@ -195,7 +206,7 @@ class SuiteSection(Section):
     regression: bool = False
     notes: list[Name] = []
     case: list[CaseSection] = []
-    table: list[TableSection] = []
+    table: Annotated[list[TableSection], AfterValidator(_named_once)] = []
 
 
 @dataclass(frozen=True)
@@ -465,5 +476,5 @@ def _file(folder: Path, name: str) -> Path:
 
 def _in_words(key: str, value: float) -> str:
     """Return a key and its value in words, such as "ceramic thickness 6.35 mm"."""
-    words, unit = words_and_unit(key)
+    words, unit = label_and_unit(key)
     return f"{words} {value:g} {unit}".rstrip()

@@ -206,7 +206,7 @@ def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
     InputError
         If a run of a scenario does not end.
     """
-    known: dict[str, Asked] = {}
+    known: dict[tuple[str, ...], Asked] = {}
     of_files = _of_files(suite.cases)
     checks = []
     for place, case in enumerate(suite.cases):
@@ -232,7 +232,7 @@ def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
     )
 
 
-def check(case: Case, known: dict[str, Asked]) -> Check:
+def check(case: Case, known: dict[tuple[str, ...], Asked]) -> Check:
     """Compute a case; scenarios that several cases share are computed once and kept in ``known``."""
     try:
         return _judged(case, case.compared(answer(case.quantity, _asked(case, known))))
@@ -270,10 +270,9 @@ def _of_files(cases: Sequence[Case]) -> dict[int, float | None]:
     return computed
 
 
-def _asked(case: Case, known: dict[str, Asked]) -> Asked:
-    scenarios = [scenario for scenario in (case.scenario, case.replacement) if scenario is not None]
-    key = "\n".join(text for scenario in scenarios for text in (scenario.file, scenario.to_toml()))
-    return known.setdefault(key, Asked(case.scenario, case.replacement))
+def _asked(case: Case, known: dict[tuple[str, ...], Asked]) -> Asked:
+    contents = tuple(made.digest() for made in (case.scenario, case.replacement) if made is not None)
+    return known.setdefault(contents, Asked(case.scenario, case.replacement))
 
 
 def _calibrated_to(case: Case) -> str:

@@ -94,6 +94,8 @@ def test_every_case_and_table_is_a_test_case(folder: Path):
     )
     assert cases["cases", "slip"].find("skipped") is not None
     assert cases["cases", "in"].find("failure") is None
+    rows = [name for group, name in cases if group == "t"]  # two rows of the same values are two test cases
+    assert rows == ["ceramic thickness 6.35 mm", "ceramic thickness 6.35 mm (2)", "RMS"]
     rms = cases["t", "RMS"].find("failure")
     assert rms is not None
     assert re.fullmatch(r"RMS \d+\.\d\d m/s, RMS band \S+ m/s", str(rms.get("message")))

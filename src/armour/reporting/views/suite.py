@@ -15,13 +15,13 @@ from armour.scenario.sections import TINY
 from armour.statistics.measured import LIMIT
 from armour.validation.figures import Figure
 from armour.validation.rivals import Error
-from armour.validation.suite import Case
+from armour.validation.suite import CASES, Case
 from armour.validation.validate import FAILED, Check, Status, SuiteResult, TableSummary
 
 
 def check_groups(result: SuiteResult) -> dict[str, list[Check]]:
-    """Return the checks of a suite by table; those of no table are "cases"."""
-    return charts.grouped(result.checks, lambda check: check.case.group or "cases")
+    """Return the checks of a suite by table."""
+    return charts.grouped(result.checks, lambda check: check.case.group or CASES)
 
 
 def check_table(checks: Sequence[Check], title: str = "") -> Table:
@@ -244,7 +244,7 @@ def chart(result: SuiteResult) -> charts.Chart:
     panels = []
     for quantity, same in charts.grouped(checks, lambda check: check.case.quantity).items():
         groups = {
-            group or "cases": [charts.Compared(c.case.name, "expected", c.case.expected, c.computed) for c in found]
+            group or CASES: [charts.Compared(c.case.name, "expected", c.case.expected, c.computed) for c in found]
             for group, found in charts.grouped(same, lambda check: check.case.group).items()
         }
         # A band that all have in common, as a part of the expected values; else a tenth.
@@ -352,7 +352,7 @@ def junit(result: SuiteResult, seconds: float) -> bytes:
     for check in result.checks:
         message = failure(check) if check.status == "outside" else check.message or check.case.not_scored
         if not check.in_group:
-            cases.append((check.case.group or "cases", check.case.name, kinds.get(check.status, ""), message))
+            cases.append((check.case.group or CASES, check.case.name, kinds.get(check.status, ""), message))
     for summary in result.summaries:
         if summary.status != "not scored":
             cases.append((summary.name, summary.group or "RMS", kinds.get(summary.status, ""), held_to(summary)))

@@ -1,0 +1,242 @@
+"""A sweep that is resumed with anything changed is refused, or gives what a fresh one gives, to the byte."""
+
+import shutil
+from collections.abc import Iterator, Mapping
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pydantic import BaseModel
+
+from armour.errors import InputError
+from armour.scenario.library import LawEvidence
+from armour.scenario.scenario import Scenario, load_scenario, parse_scenario
+from armour.scenario.schema import ModelSection
+from armour.scenario.sections import Section
+from armour.sweeps.cases import Cases, Grid
+from armour.sweeps.sweep import sweep, write_sweep
+from tests.helpers.cases import CERAMICS, METALS, THREATS, csv_file, data, sweep_grid
+
+RANGE = {"min": 4.0, "max": 12.0, "step": 4.0}
+QUANTITIES = ["ballistic_limit_m_s", "probability_of_defeat", "required_ceramic_thickness_mm"]
+GRID = sweep_grid("armour.ceramic_thickness_mm=5,6,7")
+EVIDENCE = {
+    "source": "1 own test in t.csv",
+    "key": "flow_stress_GPa",
+    "measured": {
+        "ceramic_thickness_ratio": [0.5, 2.0],
+        "ceramic_density_kg_m3": [3400.0, 3500.0],
+        "ceramic_modulus_GPa": [200.0, 300.0],
+        "backing_thickness_ratio": [0.5, 2.0],
+        "backing_density_kg_m3": [2700.0, 2800.0],
+        "backing_strength_GPa": [0.7, 0.9],
+        "rod_length_ratio": [3.0, 4.0],
+        "rod_density_kg_m3": [7800.0, 7900.0],
+        "rod_strength_GPa": [2.0, 3.0],
+    },
+    "law": [{"slope": 0.6, "components": [[1.0, 0.05, 5.2, 0.05]]}],
+}
+LIBRARY = {
+    "files": ["lib.toml"],
+    "projectile": {"P": {"based_on": "7.62 mm AP", "penetrator_mass_g": 5.5}},
+    "ceramic": {
+        "C": {
+            "based_on": "AD85",
+            "flow_stress_GPa": {"value": 5.2, "source": "s", "tests": [{"ballistic_limit_m_s": 700.0}]},
+            "evidence": EVIDENCE,
+        }
+    },
+    "metal": {"M": {"based_on": "6061-T6", "static_yield_strength_MPa": 300.0}},
+}
+NORMAL = {"distribution": "normal", "standard_deviation_percent": 2.0}
+# Every section of a scenario at least once.
+WHOLE = data(
+    projectile="P",
+    ceramic="C",
+    backing="M",
+    title="T",
+    optimise={"ceramic_thickness_mm": RANGE, "backing_thickness_mm": RANGE},
+    threat=THREATS,
+    design={
+        "ceramic": [CERAMICS[0], {"material": "SiC", "thickness_mm": {"min": 4.0, "max": 8.0}, "cost_per_kg": 1.0}],
+        "backing": METALS,
+    },
+    uncertainty={
+        "impact": {"velocity_m_s": NORMAL},
+        "armour": {"ceramic_thickness_mm": {**NORMAL, "mean": 6.3, "min": 5.0, "max": 8.0}},
+        "projectile": {"flow_stress_GPa": {"distribution": "normal", "standard_deviation": 0.1}},
+        "ceramic": {"flow_stress_GPa": NORMAL, "density_kg_m3": NORMAL},
+        "backing": {"density_kg_m3": NORMAL},
+        "correlation": [{"between": ["ceramic.flow_stress_GPa", "ceramic.density_kg_m3"], "coefficient": 0.3}],
+        "model": {"scale_percent": 5.0},
+    },
+    solver={},
+    ballistic_limit={},
+    library=LIBRARY,
+)
+# Values one of which every key may have in place of its own.
+OTHERS: list[Any] = [
+    *(0.9, 1.1, 2.0, 30.0, 250.0, 700.0, 256, 5, 0.01, 0.2, False, True, "other", "projectile", "AD99.5", "C"),
+    *("7075-T6", "7.62 mm APM2", "latin hypercube", "thickness_mm", "lognormal", "uniform", "fitted", [], ["a"], [7.5]),
+    *([1.0, 2.0], ["areal_density_kg_m2", "margin_m_s"], ["impact.velocity_m_s", "ceramic.density_kg_m3"], NORMAL),
+    *([{"test": "1"}], [{"material": "SiC", "thickness_mm": [8.0]}], [{"slope": 0.5, "components": [[1.0] * 4]}]),
+    *("NIJ 0101.06 type IV, M2 AP", {"N": {"based_on": "AD85"}}, {"N": {"based_on": "5083-H3"}}, {}, EVIDENCE),
+    {"N": {"based_on": "7.62 mm AP"}},
+]
+# Keys that only go with others.
+LAW = {"exponent": "flow_stress_backing_exponent", "slope": 0.6, "components": [[1.0, 0.05, 5.2, 0.05, 0.3, 0.1, 0.0]]}
+TABLES: dict[tuple[Any, ...], Any] = {
+    ("uncertainty", "model"): {"included": False},
+    ("library", "ceramic", "C", "evidence", "law"): [LAW],
+}
+
+
+def sections_in(value: object, parts: tuple[Any, ...] = ()) -> Iterator[tuple[tuple[Any, ...], Section]]:
+    """Yield every section in a value, with its place."""
+    if isinstance(value, Section):
+        yield parts, value
+        value = {name: getattr(value, name) for name in type(value).model_fields}
+    inner = value.items() if isinstance(value, Mapping) else enumerate(value) if isinstance(value, list | tuple) else ()
+    for name, each in inner:
+        yield from sections_in(each, (*parts, name))
+
+
+def classes_in(annotation: Any) -> Iterator[type[BaseModel]]:
+    """Yield every class of sections that an annotation leads to."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+        for field in annotation.model_fields.values():
+            yield from classes_in(field.annotation)
+    for inner in getattr(annotation, "__args__", ()):
+        yield from classes_in(inner)
+
+
+def put(content: dict[str, Any], parts: tuple[Any, ...], value: object) -> dict[str, Any]:
+    """Return the content of a scenario with another value in a place."""
+    content = deepcopy(content)
+    table: Any = content
+    for name in parts[:-1]:
+        if isinstance(table, dict) and not isinstance(table.get(name), dict | list):
+            table[name] = {"value": table[name]} if name in table else {}
+        table = table[name]
+    table[parts[-1]] = value
+    return content
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "lib.toml").write_text('[ceramic.F]\nbased_on = "AD85"\nflow_stress_GPa = 4.0\n')
+    return tmp_path
+
+
+def changes_of_every_key(folder: Path) -> Iterator[tuple[str, Scenario]]:
+    """Yield, for every key of every section, a scenario in which it has another value."""
+    whole = parse_scenario(WHOLE, folder=folder)
+    seen: set[tuple[str, str]] = set()
+    for parts, section in sections_in(whole):
+        for key in type(section).model_fields:
+            if next(sections_in(getattr(section, key)), None):
+                seen.add((name_of(type(section)), key))  # the keys in it are changed
+                continue
+            for other in OTHERS:
+                try:
+                    made = parse_scenario(put(WHOLE, (*parts, key), other), folder=folder)
+                except (InputError, TypeError):
+                    continue
+                if made.model_dump() != whole.model_dump():
+                    yield f"{parts} {key}", made
+                    seen.add((name_of(type(section)), key))
+                    break
+    for parts, other in TABLES.items():
+        yield str(parts), parse_scenario(put(WHOLE, parts, other), folder=folder)
+        seen |= {(name_of(ModelSection), "included"), (name_of(LawEvidence), "exponent")}
+    missing = {(name_of(each), key) for each in classes_in(Scenario) for key in each.model_fields} - seen
+    assert not missing, missing
+
+
+def name_of(section: type[BaseModel]) -> str:
+    """Return the name of a class of sections, without its parameters."""
+    return section.__name__.split("[")[0]
+
+
+def interrupt(scenario: Scenario, source: Grid | Cases, output: Path) -> None:
+    """Begin a sweep, and end it after its first chunk."""
+
+    def stop(_rows: int, _stored: bool) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_sweep(scenario, source, QUANTITIES, output, size=1, threads=1, on_chunk=stop)
+
+
+def table_of(scenario: Scenario, source: Grid | Cases, output: Path) -> bytes | str:
+    """Return the table of a sweep, or why there is none."""
+    try:
+        write_sweep(scenario, source, QUANTITIES, output, size=1, threads=1)
+    except InputError as error:
+        return str(error).replace(str(output), "")
+    return output.read_bytes()
+
+
+REFUSED = "contains chunks of another sweep, which differs in "
+
+
+def check_resumed(scenario: Scenario, source: Grid | Cases, begun: Path, what: str) -> bool:
+    """Check what the rest of a sweep gives that was begun with another question; return whether it is refused."""
+    folder = begun.parent / "again"
+    shutil.copytree(begun.with_name(begun.name + ".parts"), folder / "a.csv.parts")
+    found = table_of(scenario, source, folder / "a.csv")
+    refused = isinstance(found, str) and REFUSED in found
+    assert refused or found == table_of(scenario, source, folder / "fresh.csv"), what
+    shutil.rmtree(folder)
+    return refused
+
+
+@pytest.mark.slow
+def test_every_key_of_the_scenario(folder: Path):
+    interrupt(parse_scenario(WHOLE, folder=folder), GRID, folder / "a.csv")
+    refused = {what for what, made in changes_of_every_key(folder) if check_resumed(made, GRID, folder / "a.csv", what)}
+    assert {
+        "('model',) shear_perimeter",
+        "('solver',) arrest_velocity_m_s",
+        "('uncertainty', 'model') mean_percent",
+    } < (refused)
+
+
+def test_a_library_file_whose_ceramic_only_cases_name(folder: Path):
+    cases = Cases(csv_file(folder / "c.csv", "armour.ceramic", "F", "AD85", "F"))
+    content = data(library={"files": ["lib.toml"]}, optimise=WHOLE["optimise"])
+    interrupt(parse_scenario(content, folder=folder), cases, folder / "a.csv")
+    (folder / "lib.toml").write_text('[ceramic.F]\nbased_on = "AD85"\nflow_stress_GPa = 6.0\n')
+    assert check_resumed(parse_scenario(content, folder=folder), cases, folder / "a.csv", "library file")
+
+
+def test_cases_of_the_same_bytes(folder: Path):
+    """Names of other widths and numbers of rows are other cases."""
+    header, one, two = "armour.ceramic", Path("one.csv"), Path("two.csv")
+    library = {"ceramic": {name: {"based_on": "AD85"} for name in ("a", "b", "ab")}}
+    made = parse_scenario(data(library=library, optimise=WHOLE["optimise"]))
+    begun = Cases(csv_file(folder / one, header, "a", "b"))
+    interrupt(made, begun, folder / "a.csv")
+    assert check_resumed(made, Cases(csv_file(folder / two, header, "ab")), folder / "a.csv", "cases")
+    assert not check_resumed(made, Cases(folder / one), folder / "a.csv", "the same cases")
+
+
+def test_a_scenario_of_the_same_heading_in_python(folder: Path):
+    over: dict[str, object] = {"armour.ceramic_thickness_mm": [5.0, 6.0, 7.0]}
+    wilkins, output = load_scenario("wilkins"), folder / "a.csv"
+    interrupt(wilkins, GRID, output)
+    for changes in ({"model.shear_perimeter": "projectile"}, {"ballistic_limit.tolerance_m_s": 50.0}):
+        with pytest.raises(InputError, match=REFUSED):
+            sweep(wilkins.replaced(changes), over, QUANTITIES, output)
+
+
+def test_the_content_identifies_a_scenario_not_its_words(folder: Path):
+    """A description and a source change no number: the rest of the sweep is that of the same scenario."""
+    content = put(WHOLE, ("library", "ceramic", "C", "description"), "words")
+    content = put(content, ("library", "ceramic", "C", "flow_stress_GPa", "source"), "another page")
+    whole = parse_scenario(WHOLE, folder=folder)
+    assert str(whole) == str(whole.replaced({"solver.arrest_velocity_m_s": 3.0}))
+    assert whole.digest() != whole.replaced({"solver.arrest_velocity_m_s": 3.0}).digest()
+    assert parse_scenario(content, folder=folder).digest() == whole.digest()
