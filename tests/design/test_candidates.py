@@ -37,6 +37,24 @@ def test_thicknesses_that_are_free_come_to_the_refined_optimum():
     assert other.backing_thickness_mm == pytest.approx(6.0, abs=1e-4)
 
 
+def test_the_passing_thicknesses_may_end_below_the_greatest_on_offer():
+    """Of the thickest, beyond the evidence, no probability is known: thinner ones pass all the same."""
+    plate = scenario("7.62 mm APM2", None, "AA7039-T64", 0.0, 40.0)
+    layer = {"material": "AA7039-T64", "thickness_mm": {"min": 20.0, "max": 110.0}}
+    wide = plate.replaced({"design": {"confidence": 0.95, "backing": [layer]}})
+    narrow = wide.replaced({"design.backing": [{**layer, "thickness_mm": {"min": 20.0, "max": 60.0}}]})
+    assert optimise(wide).best.backing_thickness_mm == pytest.approx(optimise(narrow).best.backing_thickness_mm)
+    ceramic = {"material": "AD85", "thickness_mm": {"min": 4.0, "max": 20.0}}
+    metal = {"material": "5083-H3", "thickness_mm": {"min": 4.0, "max": 10.0}}
+    wide = scenario(backing="5083-H3", design={"confidence": 0.95, "ceramic": [ceramic], "backing": [metal]})
+    narrow = wide.replaced({"design.ceramic": [{**ceramic, "thickness_mm": {"min": 4.0, "max": 12.0}}]})
+    best = optimise(narrow).best
+    assert optimise(wide).best.areal_density_kg_m2 == pytest.approx(best.areal_density_kg_m2, abs=2e-4)
+    wilkins = optimise(load_scenario("wilkins", {"design.confidence": 0.9}), refine=True)
+    assert wilkins.refined is not None
+    assert wilkins.refined.areal_density_kg_m2 < wilkins.best.areal_density_kg_m2 - 0.1
+
+
 def test_free_thicknesses_of_which_some_are_not_enough_and_limits():
     """Up to 9 mm of ceramic is too little on thin plates; a limit on the thickness then leaves a heavier optimum."""
     layers = {

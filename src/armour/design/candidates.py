@@ -133,20 +133,23 @@ def _least(
     def passes(values: Floats, rows: Ints) -> Bools:
         return Search(requirement, designs(values, other[rows])).passes(np.arange(len(rows)))
 
-    def is_unusual(values: Floats, rows: Ints) -> Bools:
+    def scanned(values: Floats, rows: Ints) -> Bools:
         threats = range(len(requirement.catalogue.threats))
         variants, *_ = requirement.catalogue.against_each(designs(values, other[rows]), threats)
-        return np.asarray(unusual(variants).reshape(-1, len(threats)).any(axis=1))
+        # Where a probability is bounded, the thickest may be beyond the tests, and thinner ones not.
+        return unusual(variants).reshape(-1, len(threats)).any(axis=1) | (
+            np.isnan(values) & requirement.catalogue.bounded
+        )
 
     low, high = np.full(len(other), free.min), np.full(len(other), free.max)
-    least = least_values_mm(defeats, is_unusual, low, high)
+    least = least_values_mm(defeats, scanned, low, high)
     if not verify:
         return least
     found = np.flatnonzero(~np.isnan(least.mm))
     rest = found[~passes(least.mm[found], found)]
     again = least_values_mm(
         lambda values, rows: passes(values, rest[rows]),
-        lambda values, rows: is_unusual(values, rest[rows]),
+        lambda values, rows: scanned(values, rest[rows]),
         *(least.mm[rest], high[rest]),
         points=SCAN_POINTS,  # each a limit, with velocities scanned densely
     )

@@ -127,6 +127,11 @@ class Catalogue:
         return self.scenario.replaced(changes).with_inputs(given)
 
     @cached_property
+    def bounded(self) -> bool:
+        """Whether the probability of perforation of a threat is bounded."""
+        return bool((self.bounds < NO_BOUND).any())
+
+    @cached_property
     def velocities_m_s(self) -> Floats:
         """Velocities of the threats, m/s, (threats,)."""
         return np.array([threat.velocity_m_s for threat in self.threats])

@@ -13,7 +13,7 @@ from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_
 from armour.analysis.variants import Bools, Ints
 from armour.core.state import Parameters
 from armour.design.candidates import candidates_of
-from armour.design.catalogue import MARGIN, NO_BOUND, Candidates, Catalogue, catalogue_of
+from armour.design.catalogue import MARGIN, Candidates, Catalogue, catalogue_of
 from armour.design.search import Requirement, Search
 from armour.errors import NoDesignError, Note, Problem, listed, refuse
 from armour.scenario.checked import checked
@@ -515,7 +515,7 @@ def _unconstrained(search: Search) -> Search:
 def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> str:
     """Return why no design of some pairs passes: the constraints that keep it out, or what it would have to stop."""
     catalogue, section = search.catalogue, search.catalogue.section
-    bounded = bool((catalogue.bounds < NO_BOUND).any())
+    bounded = catalogue.bounded
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
     surely = " with the probability required" if bounded else ""
     first = unconstrained.first(unconstrained.of_pairs(pairs))

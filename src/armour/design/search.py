@@ -13,7 +13,7 @@ from armour.analysis.results import FIRST_IMPACTS, OnProgress, ignore_progress, 
 from armour.analysis.searches import limit_brackets
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated
 from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS
-from armour.design.catalogue import COST, MARGIN, NO_BOUND, Candidates, Catalogue, first_backings, least_of_law
+from armour.design.catalogue import COST, MARGIN, Candidates, Catalogue, first_backings, least_of_law
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 
 if TYPE_CHECKING:
@@ -300,7 +300,7 @@ class Search:
         known = own[self.defeating[own] & ~np.isnan(self._limits[own]).any(axis=1)]
         required = self.catalogue.required_m_s(self.candidates.at(known))
         failing = own[~self.defeating[own]]
-        if (self.catalogue.bounds < NO_BOUND).any():
+        if self.catalogue.bounded:
             failing = failing[self.requirement.tested(self.candidates.at(failing))]
         failing = np.union1d(failing, known[(self._limits[known] < required).any(axis=1)])
         failing = failing[np.isin(backings[failing], backings[frontier])]

@@ -181,8 +181,13 @@ def tables(result: DesignResult) -> list[Table | str]:
     error = error_note(result, result.best.model_error, answer)
     found: list[Table | str] = [best_table(result.best, required), error, *margin_notes(result.best)]
     if result.refined is not None:
-        title = f"{OBJECTIVES[result.minimised].least} design between the values of the grid"
-        found.append(best_table(result.refined, required, title))
+        objective = OBJECTIVES[result.minimised]
+        if result.refined == result.best:
+            found.append(f"no {objective.less} design was found between the values of the grid")
+        else:
+            found.append(
+                best_table(result.refined, required, f"{objective.least} design between the values of the grid")
+            )
     if len(result.threats) > 1 or result.best.probabilities:
         found.append(margin_table(result, required))
     every = result.question.get("every_row")
