@@ -103,6 +103,26 @@ coefficient = 0.2
     assert entry.evidence.model_dump() == result.evidence
 
 
+def test_every_place_that_names_the_material_follows(tmp_path: Path):
+    own = shipped_scenario("wilkins").replaced(
+        {
+            "threat": [{"projectile": "7.62 mm AP", "velocity_m_s": 700.0}, {"threat": "NIJ 0101.06 type IV, M2 AP"}],
+            "design.ceramic": [{"material": name, "thickness_mm": [6.0, 8.0]} for name in ("AD85", "SiC")],
+            "design.backing": [{"material": "6061-T6", "thickness_mm": [6.35]}],
+        }
+    )
+    tests = read_tests(TESTS, own)
+    made = tomllib.loads(scenario_text(wilkins_fit(), tests, own, tmp_path / "a.toml"))
+    assert made["armour"]["ceramic"] == "AD85, calibrated"
+    assert [layer["material"] for layer in made["design"]["ceramic"]] == ["AD85, calibrated", "SiC"]
+    assert (made["design"]["backing"][0]["material"], made["threat"][1]) == ("6061-T6", own.to_dict()["threat"][1])
+    assert "uncertainty" not in made
+    of_round = calibrate(tests, own, "projectile.flow_stress_GPa")
+    made = tomllib.loads(scenario_text(of_round, tests, own, tmp_path / "a.toml"))
+    assert made["impact"]["projectile"] == made["threat"][0]["projectile"] == "7.62 mm AP, calibrated"
+    assert "projectile" not in made["threat"][1]
+
+
 def test_a_fit_of_several_inputs_is_written_with_their_distributions(tmp_path: Path):
     wilkins, names = shipped_scenario("wilkins"), ["ceramic.flow_stress_GPa", "backing.shear_strength_MPa"]
     tests = table_of(wilkins, *TESTS.read_text().splitlines()[:6])

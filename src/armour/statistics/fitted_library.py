@@ -1,7 +1,7 @@
 """Library files and scenarios with calibrated entries."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW, LibraryEntry, shipped_library
 from armour.scenario.scenario import Scenario, parse_scenario
+from armour.scenario.schema import DesignSection
 from armour.statistics.calibration import FLOW_STRESS, LAWS, CalibrationResult
 from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
 
@@ -82,6 +83,8 @@ def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, p
     tables, used = _entries(result, tests)
     with_entries = _usable(lambda: scenario.replaced({"library": tables, **used}))
     data = parse_toml(with_entries.to_toml(path.parent), scenario.file)
+    tested = tests.groups[0].scenario
+    _rename(data, scenario, {role: (tested.name_of(role), used[key]) for role, key in NAMES.items() if key in used})
     section, names = data.setdefault("uncertainty", {}), [coefficient.name for coefficient in result.coefficients]
     own, pairs = result.evidence is not None, section.pop("correlation", [])
     for coefficient in result.coefficients:
@@ -102,7 +105,25 @@ def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, p
         )
     if kept:
         section["correlation"] = kept
+    for role in [role for role, given in section.items() if given == {}]:
+        del section[role]
+    if not section:
+        del data["uncertainty"]
     return _compact(_usable(lambda: parse_scenario(data, file=str(path), folder=path.parent)).to_toml())
+
+
+def _rename(data: dict[str, Any], scenario: Scenario, names: Mapping[str, tuple[str | None, str]]) -> None:
+    """Name calibrated entries in a scenario's threats and catalogue too, given the tested and the new name by role."""
+    design, layers = scenario.design or DesignSection(), data.get("design", {})
+    for role, key, sections, tables in (
+        ("projectile", "projectile", scenario.threat, data.get("threat", [])),
+        ("ceramic", "material", design.ceramic, layers.get("ceramic", [])),
+        ("backing", "material", design.backing, layers.get("backing", [])),
+    ):
+        tested, calibrated = names.get(role, (None, ""))
+        for section, table in zip(sections, tables, strict=True):
+            if getattr(section, key) == tested:
+                table[key] = calibrated
 
 
 def _compact(text: str) -> str:
