@@ -55,6 +55,26 @@ def test_wrong_usage(cli, words: str):
     assert cli(*words.split()).exit_code == 2
 
 
+@pytest.mark.parametrize("number", ["7_00", "\uff17\uff10\uff10", "700%", "nan", "7,5"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        "simulate wilkins --velocity",
+        "v50 shots.csv --confidence",
+        "plan shots wilkins a.csv --result P --velocity-m-s",
+        "plan shots wilkins --upper-m-s 900 --lower-m-s",
+        "sweep wilkins --over armour.ceramic_thickness_mm=4,5 -o a.csv --threads",
+        "plan tests wilkins --candidates armour.ceramic_thickness_mm=4,5 --scatter-percent",
+    ],
+)
+def test_numbers_that_no_table_has(cli, words: str, number: str, folder: Path):
+    [line] = cli.fails(2, *words.split(), number)
+    option = words.split()[-1]
+    assert line.startswith(f"command line: {option}: must be ")
+    assert f'found the text "{number}"' in line or (option, number) == ("--confidence", "700%")
+    assert not list(folder.iterdir())
+
+
 def test_a_scenario_without_its_ending(cli, folder: Path):
     (folder / "mine.toml").write_text((SCENARIOS / "wilkins.toml").read_text())
     assert cli.fails(2, "check", "mine") == [

@@ -7,7 +7,7 @@ import typer
 from pydantic import Field
 
 from armour.cli.app import app
-from armour.cli.question import number, options_of
+from armour.cli.question import number, options_of, share
 
 
 def asked(
@@ -48,7 +48,9 @@ def test_options_have_the_words_and_the_defaults_of_a_function():
 
 
 def test_words_that_are_numbers_become_numbers():
-    assert [number(text) for text in ("5", "-0.5", "95%", "5 m")] == [5, -0.5, 95, "5 m"]
+    """They are those that tables read; a sign of per cent goes with a share, which it divides by 100."""
+    assert [number(text) for text in ("5", "-0.5", "95%", "5 m")] == [5, -0.5, "95%", "5 m"]
+    assert [share(text) for text in ("0.95", "95%", "0.95 %", "9_5%")] == [0.95, 0.95, 0.0095, "9_5%"]
 
 
 def parameters(command: Any) -> Iterator[Any]:

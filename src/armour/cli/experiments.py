@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import armour
 from armour.cli import completion
-from armour.cli.question import Answer, Force, Output, PlotFile, argument, option, question
+from armour.cli.question import Answer, Force, Output, PlotFile, argument, number, option, question
 from armour.cli.runner import check_outputs, read_scenario, wrong_option
 from armour.cli.scenario_commands import LIMIT_READS, grid_of
 from armour.errors import mistake
 from armour.files import table_file
+from armour.scenario.keys import describe
 
 if TYPE_CHECKING:
     from armour.analysis.results import OnProgress
@@ -102,10 +103,10 @@ def plan_shots(
         ),
     ] = None,
     lower_m_s: Annotated[
-        float | None, option("Lower limit of V50, m/s, for langlie and neyer.", metavar="NUMBER")
+        str | None, option("Lower limit of V50, m/s, for langlie and neyer.", metavar="NUMBER", parser=number)
     ] = None,
     upper_m_s: Annotated[
-        float | None, option("Upper limit of V50, m/s, for langlie and neyer.", metavar="NUMBER")
+        str | None, option("Upper limit of V50, m/s, for langlie and neyer.", metavar="NUMBER", parser=number)
     ] = None,
     earlier: Annotated[
         list[Path] | None,
@@ -124,7 +125,8 @@ def plan_shots(
         ),
     ] = None,
     velocity_m_s: Annotated[
-        float | None, option("Measured velocity of this shot, m/s; by default the planned one.", metavar="NUMBER")
+        Any,
+        option("Measured velocity of this shot, m/s; by default the planned one.", metavar="NUMBER", parser=number),
     ] = None,
     plot: PlotFile = None,
     force: Force = False,
@@ -133,6 +135,8 @@ def plan_shots(
     """Plan the next shot of a V50 firing, given the shots so far."""
     if (lower_m_s is None) != (upper_m_s is None):
         raise wrong_option("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
+    if isinstance(velocity_m_s, str):
+        raise wrong_option("--velocity-m-s", f"must be a number, found {describe(velocity_m_s)}")
     options["earlier"] = [armour.read_shots(table_file(path)) for path in earlier or []]
     if lower_m_s is not None:
         options["limits_m_s"] = (lower_m_s, upper_m_s)

@@ -8,7 +8,7 @@ import inspect
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import AbstractContextManager, nullcontext
 from enum import Enum, auto
 from functools import wraps
 from pathlib import Path
@@ -30,10 +30,13 @@ from armour.cli.runner import (
     warnings_of,
     wrong_option,
 )
+from armour.csv_files import number as read_number
 
 if TYPE_CHECKING:
     from armour.scenario.scenario import Scenario
 
+# Options of shares of 1.
+SHARES = ("confidence", "requirement_fraction")
 # The name of a parameter in a docstring, and the lines on it.
 MEANING = re.compile(r"^(\w+) : .*\n((?:    .+\n)+)", re.MULTILINE)
 
@@ -49,11 +52,17 @@ def option(description: str, *names: str, **settings: Any) -> Any:
 
 
 def number(text: str) -> float | str:
-    """Return the number that a word gives, also in per cent; the word itself, which is refused later, if it is none."""
-    for kind in (int, float):
-        with suppress(ValueError):
-            return kind(text.removesuffix("%"))
-    return text
+    """Return the number that a word gives; the word itself, which is refused later, if it is none."""
+    found = read_number(text)
+    if found is None:
+        return text
+    return int(found) if text.isdigit() else found
+
+
+def share(text: str) -> float | str:
+    """Return a share, which may be given in per cent; the word itself, which is refused later, if it is none."""
+    found = number(text.removesuffix("%").rstrip())
+    return text if isinstance(found, str) else found / 100.0 if text.endswith("%") else found
 
 
 def options_of(function: Callable[..., Any]) -> Iterator[inspect.Parameter]:
@@ -88,7 +97,8 @@ def options_of(function: Callable[..., Any]) -> Iterator[inspect.Parameter]:
 
 def number_option(name: str, description: str) -> inspect.Parameter:
     """Return an option of a number."""
-    return parameter(name, Annotated[str | None, option(description, metavar="NUMBER", parser=number)])
+    reader = share if name in SHARES else number
+    return parameter(name, Annotated[str | None, option(description, metavar="NUMBER", parser=reader)])
 
 
 def parameter(name: str, kind: Any, default: Any = None) -> inspect.Parameter:

@@ -25,6 +25,7 @@ from armour.cli.question import (
     number,
     option,
     question,
+    share,
 )
 from armour.cli.runner import (
     accepted,
@@ -40,6 +41,7 @@ from armour.cli.runner import (
 from armour.errors import NoDesignError, mistake, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
 from armour.scenario.inputs import SHOT
+from armour.scenario.keys import describe
 
 if TYPE_CHECKING:
     from armour.analysis.results import OnProgress
@@ -234,8 +236,7 @@ def sweep(
     plot: PlotFile = None,
     force: Force = False,
     threads: Annotated[
-        int | None,
-        typer.Option(min=1, metavar="NUMBER", help="Threads, at least 1; by default one per core.", show_default=False),
+        Any, option("Threads, at least 1; by default one per core.", metavar="NUMBER", parser=number)
     ] = None,
     scheduler: Annotated[
         str, option('Compute on the Dask cluster at this address; "local" starts one.', metavar="ADDRESS")
@@ -261,6 +262,8 @@ def sweep(
     loaded = read_scenario(scenario, changes, (*SHOT, *reads), what="the sweep")
     if (cases is None) == (not over):
         raise wrong_option("--over", "must be given, or --cases, but not both")
+    if threads is not None and not (type(threads) is int and threads > 0):
+        raise wrong_option("--threads", f"must be a whole number of at least 1, found {describe(threads)}")
     if plot is not None and len(over or []) not in (1, 2):
         raise wrong_option("--plot", f"must be given with one or two --over keys, found {len(over or []) or 'none'}")
     if plot is not None and names[0] == "outcome":
@@ -341,7 +344,7 @@ def report(
     as_is: Annotated[
         bool, option("Report on the scenario's own armour even if the scenario asks for a design.", "--as-is")
     ] = False,
-    confidence: Annotated[str | None, option(CONFIDENCE[1], metavar="NUMBER", parser=number)] = None,
+    confidence: Annotated[str | None, option(CONFIDENCE[1], metavar="NUMBER", parser=share)] = None,
     force: Force = False,
     changes: Changes = None,
 ) -> None:
