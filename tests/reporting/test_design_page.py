@@ -23,6 +23,7 @@ from armour.errors import InputError, NoDesignError
 from armour.reporting import design_page as module
 from armour.reporting.design_page import design_page
 from armour.reporting.html import TEMPLATES
+from armour.reporting.views.confidence import chance
 from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario, shipped_scenario
 
@@ -231,6 +232,12 @@ COPIES = """const pair = DATA.pairs[state.pair], words = command(pair, lightest(
     copies.push([button.textContent, written ?? String(getSelection()).trim(), document.activeElement === button]);
   }
   return [words, copies];"""
+SHOWN = """const pair = DATA.pairs[0];
+  return pair.onOffer.map(k => {
+    state.cursor = k;
+    drawDesign(pair, k);
+    return [...thicknesses(pair, k), $("design").textContent.replaceAll("\u2212", "-")];
+  });"""
 SENTENCES: list[tuple[dict[str, Any], str]] = [
     ({"armour.ceramic": "SiC"}, "How likely it is to stop is unknown."),
     (
@@ -300,6 +307,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "chances": Question(design_page(thin(), COMMAND), CHANCES),
         "keys, 390": Question(page(), KEYS, 390),
         "keys, 1280": Question(page(), KEYS),
+        "shown": Question(page(), SHOWN),
         "copies": Question(page(), COPIES),
         "odd": Question(odd_page(), "return command(DATA.pairs[0], DATA.pairs[0].onOffer[5]);"),
     }
@@ -340,6 +348,19 @@ def test_probabilities_between_the_nodes_are_right(told):
         assert within.sum() > 5
         assert chances[within] == pytest.approx(sure[within], abs=0.002)
         assert chances[~within] == pytest.approx(sure[~within], abs=0.0101)
+
+
+def test_numbers_are_rounded_as_everywhere_else(told):
+    """A limit to the nearest, a probability down, but where the error of the page may be a whole per cent."""
+    catalogue = catalogue_of(offered())
+    for ceramic_mm, backing_mm, text in told["shown"]:
+        candidates = catalogue.candidates(0, np.array([ceramic_mm]), np.array([backing_mm]))
+        limits = Requirement(catalogue).quick_limits(candidates)
+        sure = catalogue.distributions(candidates, limits).probability_above(catalogue.velocities_m_s)
+        for limit, probability, velocity in zip(limits[0], sure, catalogue.velocities_m_s, strict=True):
+            assert f"Computed limit {limit:.0f} m/s, margin {limit - velocity:+.0f} m/s" in text
+            if abs(100.0 * probability - round(100.0 * probability)) > 0.2:
+                assert f"{chance(probability)} stopped" in text
 
 
 @pytest.mark.parametrize("width", [390, 1280])

@@ -173,6 +173,14 @@ def test_an_unknown_error_is_told():
     assert [index.input for index in found.inputs] == ["ceramic.flow_stress_GPa"]
 
 
+def test_a_total_index_is_not_below_the_first_order_one():
+    """By their sampling errors alone it would be: 0.17 and 0.19."""
+    for index in uncertainty(shipped_scenario("uncertain")).inputs:
+        assert index.first is not None
+        assert index.total is not None
+        assert index.total.value >= index.first.value
+
+
 def test_only_the_velocity():
     result = uncertainty(
         with_section(impact={"velocity_m_s": {"distribution": "uniform", "min": 713.77, "max": 743.77}}, samples=1024)

@@ -412,9 +412,16 @@ def influences(
             of_error = error_indices(scenario, section, own, on_samples)
             first[ERROR] = of_error[0]
             total |= {} if section.correlation else {ERROR: of_error[1]}
+    total = {name: _at_least(first[name], estimate) for name, estimate in total.items()}
     result = [Influence(name, first.get(name), total.get(name), limits_at_ends[name]) for name in names]
     none = Estimate(0.0, 0.0, 0.0)
     return tuple(sorted(result, key=lambda index: (index.total or index.first or none).value, reverse=True))
+
+
+def _at_least(first: Estimate, total: Estimate) -> Estimate:
+    """Return a total index that is not below the first-order one, which it contains."""
+    ends = zip((first.value, first.low, first.high), (total.value, total.low, total.high), strict=True)
+    return Estimate(*map(max, ends))
 
 
 def _laws(errors: Errors) -> list[int]:

@@ -6,7 +6,7 @@ from armour.analysis.estimates import Estimate
 from armour.reporting.views import firing as v50_view
 from armour.reporting.views import uncertainty as uncertainty_view
 from armour.reporting.views.calibration import coefficient_table, correlation_table, residual_table
-from armour.reporting.views.confidence import SAMPLED_ALONE
+from armour.reporting.views.confidence import SAMPLED_ALONE, chance, risk
 from armour.reporting.views.firing import v50_table
 from armour.reporting.views.uncertainty import INDEX_NOTE
 from armour.statistics.calibration import CalibrationResult, Residual
@@ -77,6 +77,17 @@ def test_a_mean_of_no_usual_rule_and_shots_without_a_rising_curve():
     notes = [item for item in v50_view.tables(found) if isinstance(item, str)]
     assert notes[0].startswith("no curve is recommended")
     assert "MIL-STD-662F does not usually average" in notes[1]
+
+
+@pytest.mark.parametrize("confidence", [0.5, 0.89, 0.9, 0.95, 0.955, 0.99, 0.995])
+def test_no_probability_is_shown_that_is_not_reached(confidence: float):
+    for probability in (confidence - 1e-6, confidence - 0.004, confidence - 0.006):
+        shown = chance(probability).removeprefix("above ")
+        assert float(shown.removesuffix(" %")) <= 100.0 * probability
+        assert "above" in shown or float(risk(probability).split()[-2]) + float(shown.removesuffix(" %")) == 100.0
+    assert chance(0.29) == "29 %"
+    assert [chance(p) for p in (0.004, 0.999, None)] == ["below 1 %", "above 99 %", "unknown"]
+    assert [risk(p) for p in (0.004, 0.6139, 0.999)] == ["above 99 %", "39 %", "below 1 %"]
 
 
 def test_indices_of_correlated_inputs_have_notes():

@@ -179,7 +179,7 @@ function reserve(pair, asked, only) {
 const trimmed = x => String(+x.toFixed(3));
 const areal = x => x.toFixed(1);
 const signed = x => `${x < 0 ? "−" : "+"}${areal(abs(x))}`;
-// Percentages are rounded down, so that none is shown that is not reached.
+// A probability is rounded down, so that none is shown that is not reached.
 function chance(z) {
   if (isNaN(z)) return "unknown";
   if (z === Infinity) return "above 99 %";
@@ -671,8 +671,8 @@ function drawDesign(pair, best) {
     const d = k * T + t, v = state.velocities[t], z = score(pair, d, v), limit = pair.limits[d];
     box.append(html("div", { class: "row" }, html("span", {}, `${letter(t)}${shot(t)}`), html("b", {}, isNaN(z) ? "probability unknown" : `${chance(z)} stopped`)));
     if (!isNaN(z)) box.append(distribution(pair, d, v));
-    const margin = floor(limit + 1e-4) - v;
-    box.append(html("p", { class: "soft" }, `Computed limit ${floor(limit + 1e-4)} m/s, margin ${margin < 0 ? "−" : "+"}${trimmed(abs(margin))} m/s${T > 1 && t === governs ? "; governs" : ""}`));
+    const margin = round(limit - v);
+    box.append(html("p", { class: "soft" }, `Computed limit ${round(limit)} m/s, margin ${margin < 0 ? "−" : "+"}${abs(margin)} m/s${T > 1 && t === governs ? "; governs" : ""}`));
   });
   box.append(button(pinned ? "Remove the pin" : "Pin this design", () => pin(k)));
   if (focused) box.lastChild.focus();
@@ -703,7 +703,7 @@ function drawTable(pair, best, ring) {
   for (const [of, k, sign, colour, pinned] of rows) {
     const difference = from === null ? 0 : of.areal[k] - from;
     const cells = [areal(of.areal[k]), ...(from === null ? [] : [abs(difference) < 0.05 ? "" : signed(difference)]),
-      ...threats.flatMap((_, t) => [String(floor(of.limits[k * T + t] + 1e-4)), chance(scored(of, k, t))])];
+      ...threats.flatMap((_, t) => [String(round(of.limits[k * T + t])), chance(scored(of, k, t))])];
     body.append(html("tr", {}, html("td", {}, html("span", {}, html("span", { class: colour }, sign), " ", armour(of, k))), ...cells.map((cell, i) => html("td", { "data-label": heads[i + 1] }, html("span", {}, cell)))));
     const words = command(of, k), code = html("code", {}, ...parts(words));
     const remove = pinned ? button("Remove", () => { state.pins = state.pins.filter(p => p !== pinned); draw(); }) : null;

@@ -1,5 +1,7 @@
 """The probability that an armour stops its threat."""
 
+from math import floor
+
 from armour.analysis.ballistic_limit import ConfidenceResult, no_error
 from armour.analysis.results import Result
 from armour.reporting.table import Column, Source, Table, column_of, record
@@ -18,12 +20,24 @@ SAMPLED_ALONE = "a probability from the given distributions alone takes the mode
 
 
 def chance(probability: float | None) -> str:
-    """Format a probability, such as "73 %"; one that is near 0 or 1 is not shown as that."""
+    """Format a probability of stopping, such as "73 %": rounded down, so that none is shown that is not reached."""
     if probability is None:
         return "unknown"
-    if probability < 0.005:
-        return "below 0.5 %"
-    return "above 99.5 %" if probability > 0.995 else f"{100.0 * probability:.0f} %"
+    if probability < 0.01:
+        return "below 1 %"
+    return "above 99 %" if probability > 0.99 else f"{rounded_down(100.0 * probability):.0f} %"
+
+
+def risk(probability: float) -> str:
+    """Format the probability of perforation, given that of stopping: both add up to 100 %."""
+    if probability < 0.01:
+        return "above 99 %"
+    return "below 1 %" if probability > 0.99 else f"{100.0 - rounded_down(100.0 * probability):.0f} %"
+
+
+def rounded_down(number: float, decimals: int = 0) -> float:
+    """Return a positive number rounded down, but for the error of the arithmetic."""
+    return floor(round(number * 10**decimals, 9)) / 10**decimals
 
 
 def error_note(result: Result, error: ModelError | None, answer: Scenario | None = None) -> str:

@@ -12,7 +12,7 @@ from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult
 from armour.reporting import charts
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
 from armour.reporting.text import interval, number, percent
-from armour.reporting.views.confidence import DEFEAT, chance, error_note, with_error
+from armour.reporting.views.confidence import DEFEAT, chance, error_note, risk, with_error
 from armour.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -214,7 +214,7 @@ def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
 def margin_notes(best: BestDesign) -> list[str]:
     """Return how likely the best design is perforated, and how to ask for less, where it is likely."""
     least = min((p for p in best.probabilities_of_defeat.values() if p is not None), default=1.0)
-    return [f"perforated with a probability of {chance(1.0 - least)}; {ASK}"] if least < LOW else []
+    return [f"perforated with a probability of {risk(least)}; {ASK}"] if least < LOW else []
 
 
 # Looks of the best designs, on the grid and between its values.

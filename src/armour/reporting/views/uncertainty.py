@@ -4,12 +4,12 @@ from dataclasses import replace
 
 from armour.analysis.estimates import Estimate
 from armour.reporting import charts
-from armour.reporting.table import Column, Table, between, column_of, in_words, listing, record
+from armour.reporting.table import Column, Table, column_of, in_words, listing, record
 from armour.reporting.text import interval, percent, with_interval
-from armour.reporting.views.confidence import DEFEAT, SAMPLED_ALONE, error_note
+from armour.reporting.views.confidence import DEFEAT, SAMPLED_ALONE, error_note, risk, rounded_down
 from armour.statistics.uncertainty import UncertaintyResult
 
-SAMPLING_NOTE = "intervals: sampling error of the estimates only; the spread of the ballistic limit is V05 to V95"
+SAMPLING_NOTE = "more samples make the intervals narrower; the spread of the ballistic limit is V05 to V95"
 
 
 INDEX_NOTE = "true indices lie between 0 and 1; sampling error can push estimates and intervals slightly outside"
@@ -29,14 +29,17 @@ def uncertainty_table(result: UncertaintyResult) -> Table:
 def estimate_table(result: UncertaintyResult) -> Table:
     """Return the estimated probability, quantiles and mean."""
     mean, perforated = Estimate(result.mean_m_s, *result.mean_interval_m_s), result.probability_of_perforation
-    stopped = Estimate(*(100.0 * (1.0 - p) for p in (perforated.value, perforated.high, perforated.low)))
+    stopped = Estimate(
+        *(rounded_down(100.0 * (1.0 - p), 1) for p in (perforated.value, perforated.high, perforated.low))
+    )
     limits = {**result.ballistic_limit_m_s, "mean ballistic limit": mean}
     # A probability and velocities have different decimals, so that the numbers are formatted here.
     found = [
         (DEFEAT.label, "%", stopped, ".1f"),
         *((name, "m/s", estimate, ".0f") for name, estimate in limits.items()),
     ]
-    columns = (Column("quantity"), Column("unit"), Column("estimate", spec="g"), between(result))
+    sampling = Column(f"sampling error, {percent(result.confidence)} interval")
+    columns = (Column("quantity"), Column("unit"), Column("estimate", spec="g"), sampling)
     rows = ((name, unit, format(e.value, spec), interval(e, spec)) for name, unit, e, spec in found)
     return Table(columns, tuple(rows))
 
@@ -111,6 +114,6 @@ def chart(result: UncertaintyResult) -> charts.Chart:
         title = "Ballistic limit with one input changed"
         swings = charts.rows_panel(x, names, values, title, found)
         panels.append(replace(swings, shares_x=True))
-    title = f"Perforated with a probability of {100.0 * p.value:.0f} % at {at:g} m/s"
+    title = f"Perforated with a probability of {risk(1.0 - p.value)} at {at:g} m/s"
     note = f"{level} intervals by sampling: {p.low:.3f} to {p.high:.3f} at {at:g} m/s; the band for the curve."
     return charts.Chart(title, tuple(panels), note)
