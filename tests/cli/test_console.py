@@ -28,8 +28,49 @@ def test_json_has_no_number_without_a_value_and_no_control_character(capsys: pyt
     show_json({text: [text, float("nan"), (float("-inf"), 0.1 + 0.2)], "n": None})
     shown = capsys.readouterr().out
     assert json.loads(shown) == {text: [text, None, [None, 0.1 + 0.2]], "n": None}
+    assert shown.isascii()
     assert all(line.isprintable() for line in shown.splitlines())
-    assert "é µ" in shown
+
+
+def test_json_is_json_whatever_the_encoding_of_the_output():
+    command = [sys.executable, "-m", "armour", "check", "oblique", "--json"]
+    shown = subprocess.run(command, capture_output=True, env={**os.environ, "PYTHONIOENCODING": "ascii"}, check=False)
+    [threat, *_] = json.loads(shown.stdout)["threats"]
+    assert threat["what_ifs"][-1]["change"] == "at 30°"
+
+
+@pytest.mark.parametrize(
+    "words", ["optimise a.toml", "check a.toml", "simulate a.toml", "sensitivity a.toml", "library --json", "optimise b"]
+)
+def test_names_in_a_strangers_file_do_not_reach_the_terminal_raw(cli, folder: Path, words: str):
+    """Where a command proposes the next one, too."""
+    name = r"\u001b]0;pwn\u0007\u001b[31mX\u202e"
+    (folder / "a.toml").write_text(
+        f"""
+[impact]
+projectile = "7.62 mm AP"
+velocity_m_s = 800.0
+[armour]
+ceramic = "{name}"
+ceramic_thickness_mm = 8.0
+backing = "6061-T6"
+backing_thickness_mm = 6.0
+[[design.ceramic]]
+material = "{name}"
+thickness_mm = [8.0, 9.0]
+[[design.backing]]
+material = "{name}"
+thickness_mm = [6.0]
+[library.ceramic."{name}"]
+based_on = "AD85"
+[library.metal."{name}"]
+based_on = "6061-T6"
+"""
+    )
+    found = cli(*words.split())
+    shown = found.stdout + found.stderr
+    assert len(shown.splitlines()) > 0
+    assert all(line.isprintable() for line in shown.splitlines())
 
 
 def test_a_real_terminal_has_its_width(monkeypatch: pytest.MonkeyPatch):

@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -15,6 +14,7 @@ from armour.cli.layout import UNLIMITED, plain, rendered
 from armour.errors import mistake
 from armour.files import reason
 from armour.reporting.table import Table
+from armour.reporting.text import printable_lines
 
 
 def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:
@@ -28,13 +28,12 @@ def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:
         return typer.style(text, fg=None if console.no_color else colour, bold=True)
 
     text = rendered(items, width, title=title, style=styled if console.color_system else plain)
-    emit(text, sys.stderr if stderr else sys.stdout)
+    _write(text, sys.stderr if stderr else sys.stdout)
 
 
 def show_json(data: Mapping[str, Any]) -> None:
-    """Print one JSON object on standard output; a number that is not finite is null, control characters are escaped."""
-    text = json.dumps(_finite(data), indent=2, ensure_ascii=False, allow_nan=False)
-    emit(re.sub(r"[^\n -~]", _escaped, text) + "\n")
+    """Print one JSON object on standard output, in ASCII; a number that is not finite is null."""
+    emit(json.dumps(_finite(data), indent=2, allow_nan=False) + "\n")
 
 
 def _finite(value: Any) -> Any:
@@ -45,10 +44,6 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not isfinite(value) else value
 
 
-def _escaped(found: re.Match[str]) -> str:
-    return found[0] if found[0].isprintable() else json.dumps(found[0])[1:-1]
-
-
 def say(*lines: str) -> None:
     """Print messages on standard error."""
     if lines:
@@ -56,11 +51,15 @@ def say(*lines: str) -> None:
 
 
 def emit(text: str, stream: IO[str] | None = None) -> None:
-    """Write to a stream, by default standard output, at once, so that errors appear here and not at the end.
+    """Write lines to a stream, by default standard output, with control characters from files escaped."""
+    _write(printable_lines(text), stream or sys.stdout)
+
+
+def _write(text: str, stream: IO[str]) -> None:
+    """Write printable text to a stream at once, so that errors appear here and not at the end.
 
     A reader that has closed the pipe is no error; messages that cannot be written are lost.
     """
-    stream = stream or sys.stdout
     try:
         stream.write(text)
         stream.flush()
