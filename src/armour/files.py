@@ -255,6 +255,26 @@ def write_files(contents: Mapping[Path, bytes]) -> None:
                 part.unlink()
 
 
+def exchangeable(folder: Path, writable: int, *, by_owners: bool = False) -> bool:
+    """Return whether another user could put another folder in the place of one.
+
+    He could if the mode of the folder, or of one above it, has bits of ``writable`` and is not sticky or, where owners
+    count, if it is not this user's, root's or that of the owner of this user's home.
+    """
+    if not hasattr(os, "geteuid"):
+        return False
+    trusted = {os.geteuid(), 0}
+    with suppress(OSError, RuntimeError):  # RuntimeError: no home
+        trusted.add(Path.home().stat().st_uid)
+    for path in {folder.absolute(), *folder.absolute().parents, *folder.resolve().parents}:
+        status = path.stat()
+        if status.st_mode & writable and not status.st_mode & stat.S_ISVTX:
+            return True
+        if by_owners and status.st_uid not in trusted:
+            return True
+    return False
+
+
 def make_private(folder: Path) -> bool:
     """Make a folder that only this user can enter; return whether it is one that no other user can have changed."""
     with suppress(FileExistsError):

@@ -40,7 +40,8 @@ def test_json_is_json_whatever_the_encoding_of_the_output():
 
 
 @pytest.mark.parametrize(
-    "words", ["optimise a.toml", "check a.toml", "simulate a.toml", "sensitivity a.toml", "library --json", "optimise b"]
+    "words",
+    ["optimise a.toml", "check a.toml", "simulate a.toml", "sensitivity a.toml", "library --json", "optimise b"],
 )
 def test_names_in_a_strangers_file_do_not_reach_the_terminal_raw(cli, folder: Path, words: str):
     """Where a command proposes the next one, too."""

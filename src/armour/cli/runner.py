@@ -238,4 +238,5 @@ def say_if_compiling() -> None:
 
     if not cache.is_compiled():
         _, obstacle = cache.folder()
-        say(f"{COMPILING} at every start: compiled code cannot be kept {obstacle}" if obstacle else COMPILING)
+        kept = f" at every start: compiled code cannot be kept {obstacle}; XDG_CACHE_HOME names another folder"
+        say(COMPILING + kept * bool(obstacle))

@@ -239,7 +239,8 @@ def sweep(
         Any, option("Threads, at least 1; by default one per core.", metavar="NUMBER", parser=number)
     ] = None,
     scheduler: Annotated[
-        str, option('Compute on the Dask cluster at this address; "local" starts one.', metavar="ADDRESS")
+        str,
+        option('Compute on the Dask cluster at this address; "local" starts one on this machine.', metavar="ADDRESS"),
     ] = "",
     yes: Annotated[
         bool, option("Run a sweep even if it takes hours or more disk space than is free.", "--yes")

@@ -1,7 +1,7 @@
 """Compiled kernels, kept by numba in the user's cache folder from one process to the next.
 
 Numba itself notices changes of the kernels' file only: the folder is named after a digest of all that is compiled.  It
-is used if it belongs to the user and no other user can write to it.  Otherwise every process compiles.
+is used if no other user can write to it or put another in its place.  Otherwise every process compiles.
 """
 
 import os
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from platformdirs import user_cache_dir
 
 from armour.errors import ArmourError
-from armour.files import make_private
+from armour.files import exchangeable, make_private
 
 if TYPE_CHECKING:
     from armour.engine.kernels import Kernel
@@ -52,7 +52,9 @@ def folder() -> tuple[Path | None, str]:
         return None, "without a user cache directory"
     with suppress(OSError):
         path.parent.parent.mkdir(parents=True, exist_ok=True)
-        if not (make_private(path.parent) and make_private(path)):
+        if exchangeable(path.parent.parent, 0o022, by_owners=True) or not (
+            make_private(path.parent) and make_private(path)
+        ):
             return None, f"in {path.parent}, which other users can change"
         if os.access(path, os.W_OK):
             return path, ""

@@ -16,6 +16,7 @@ import json
 import os
 import re
 import secrets
+import stat
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -29,7 +30,7 @@ import numpy as np
 from filelock import FileLock, Timeout
 
 from armour.errors import mistake, refuse
-from armour.files import csv_cell, csv_value, make_private, reason, unwritable, wrong_ending
+from armour.files import csv_cell, csv_value, exchangeable, make_private, reason, unwritable, wrong_ending
 
 RESUME = "repeat the same command to resume"
 # Rows of a row group of Parquet, whatever the size of a chunk.
@@ -72,6 +73,9 @@ class Store:
 
     def __enter__(self) -> "Store":
         refuse(unwritable(self.output))
+        if exchangeable(self.output.parent, stat.S_IWOTH):
+            message = "must be in a folder that no other user can exchange or, like /tmp, one with the sticky bit"
+            raise mistake(self.output, "", message)
         with self._disk():
             self._acquire()
             try:
